@@ -1,0 +1,81 @@
+// Part 5: what a step asks of the heap once everything has its size. The aim is nothing.
+#include "deformable_surface/base/parallel.h"
+#include "heap_counter.h"
+#include "sections.h"
+#include "swinging_sheet.h"
+#include "wavy_sheet.h"
+
+namespace deformable_surface::benchmark {
+namespace {
+
+using simulation::Simulation;
+using solve::IntegratorType;
+
+constexpr int kSteps = 20;
+
+struct Named {
+  const char* name;
+  IntegratorType type;
+};
+constexpr Named kIntegrators[] = {{"auto", IntegratorType::kAuto},
+                                  {"verlet", IntegratorType::kVerlet},
+                                  {"symplectic_euler", IntegratorType::kSymplecticEuler},
+                                  {"explicit_euler", IntegratorType::kExplicitEuler},
+                                  {"implicit", IntegratorType::kImplicit},
+                                  {"static", IntegratorType::kStatic}};
+
+}  // namespace
+
+void runAllocationsSection(const Options&, Report& report) {
+  report.begin("allocations", "5. Heap allocations after the first step",
+               {"call", "points", "simulation_points", "threads", "calls", "allocations_per_call", "most_in_one_call",
+                "calls_without_any", "hash"});
+  const auto countCalls = [&](const std::string& name, Simulation& sheet, const std::function<void()>& prepare,
+                              const std::function<void()>& call) {
+    prepare();
+    call();
+    std::int64_t sum = 0, most = 0;
+    int without = 0;
+    for (int i = 0; i < kSteps; ++i) {
+      prepare();
+      HeapCounter heap;
+      call();
+      heap.stop();
+      sum += heap.allocations();
+      most = std::max(most, heap.allocations());
+      if (heap.allocations() == 0) ++without;
+    }
+    report.add({name, std::to_string(sheet.input().size()), std::to_string(sheet.state().size()), std::to_string(numThreads()),
+                std::to_string(kSteps), show(static_cast<double>(sum) / kSteps), std::to_string(most), std::to_string(without),
+                showHash(sheet.stateHash())});
+  };
+  const auto nothing = [] {};
+
+  // Small enough to run in the calling thread, and large enough to be shared among threads.
+  for (Index n : {324, 20000}) {
+    for (const Named& integrator : kIntegrators) {
+      const bool newton = integrator.type == IntegratorType::kImplicit || integrator.type == IntegratorType::kStatic;
+      if (newton && n > 1000) continue;  // minutes, and the same code
+      simulation::SceneParams scene = makeSwingingScene(integrator.type, integrator.type == IntegratorType::kExplicitEuler ? 1e-5 : 1e-3);
+      if (n > 1000) scene.integrator.time_step *= 0.1;
+      for (int threads : {1, 2}) {
+        setNumThreads(threads);
+        Simulation sheet(scene, makeSwingingSheet(n));
+        countCalls(std::string("step, ") + integrator.name, sheet, nothing, [&] { sheet.step(); });
+      }
+    }
+  }
+  for (int threads : {1, 2}) {
+    setNumThreads(threads);
+    simulation::SceneParams scene;
+    scene.simplification.target_points = 300;
+    Simulation sheet(scene, makeWavySheet(20000, PointOrder::kScan));
+    countCalls("surface", sheet, [&] { sheet.step(); }, [&] { sheet.surface(false); });
+    countCalls("surface with normals", sheet, [&] { sheet.step(); }, [&] { sheet.surface(true); });
+    countCalls("statistics", sheet, [&] { sheet.step(); }, [&] { sheet.statistics(); });
+  }
+  report.end();
+  report.note("counted at malloc, so what Eigen and the standard library take is in it");
+}
+
+}  // namespace deformable_surface::benchmark

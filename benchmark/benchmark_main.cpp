@@ -1,0 +1,89 @@
+// The benchmark: says where it runs, then every part with its table. The options are those of scripts/benchmark.
+#include "sections.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/timer.h"
+
+#include <algorithm>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <exception>
+#include <fstream>
+
+namespace deformable_surface::benchmark {
+namespace {
+
+struct Part {
+  const char* name;
+  void (*run)(const Options&, Report&);
+};
+constexpr Part kParts[] = {{"setup", runSetupSection},           {"table_1", runTable1Section},
+                           {"transfer", runTransferSection},     {"integrators", runIntegratorsSection},
+                           {"allocations", runAllocationsSection}, {"memory", runMemorySection}};
+
+std::string findProcessor() {
+  std::ifstream file("/proc/cpuinfo");
+  for (std::string line; std::getline(file, line);)
+    if (line.rfind("model name", 0) == 0) return line.substr(line.find(':') + 2);
+  return "unknown";
+}
+
+void printHeader(const std::string& commit) {
+  double load[3] = {0.0, 0.0, 0.0};
+  getloadavg(load, 3);
+  std::printf("machine   %s, %d cores, load %.1f %.1f %.1f\n", findProcessor().c_str(), numThreads(), load[0], load[1], load[2]);
+  std::printf("compiler  g++ %s, %s\n", __VERSION__, DEFORMABLE_SURFACE_FLAGS);
+  std::printf("commit    %s\n", commit.c_str());
+  std::printf("wall: median of the runs after a warm-up; spread: interquartile range over median; cpu: least processor time of all\n"
+              "threads, which other work on the machine disturbs least\n");
+}
+
+int fail(const std::string& problem) {
+  std::fprintf(stderr, "benchmark: %s\n", problem.c_str());
+  return 2;
+}
+
+int run(int argc, char** argv) {
+  Options options;
+  std::string folder = ".", commit = "unknown";
+  std::vector<std::string> wanted;
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--large") {
+      options.large = true;
+    } else if (argument == "--quick") {
+      options.large = false;
+    } else if ((argument == "--output" || argument == "--commit" || argument == "--only") && i + 1 < argc) {
+      const std::string value = argv[++i];
+      if (argument == "--output") folder = value;
+      if (argument == "--commit") commit = value;
+      if (argument == "--only") wanted.push_back(value);
+    } else {
+      return fail("found '" + argument + "'; accepted: --quick, --large, --only PART, --output FOLDER, --commit TEXT");
+    }
+  }
+  for (const std::string& name : wanted)
+    if (std::none_of(std::begin(kParts), std::end(kParts), [&](const Part& part) { return name == part.name; }))
+      return fail("--only: found '" + name + "'; accepted: setup, table_1, transfer, integrators, allocations, memory");
+
+  printHeader(commit);
+  const Timer timer;
+  Report report(folder);
+  for (const Part& part : kParts)
+    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), part.name) != wanted.end()) part.run(options, report);
+  std::printf("\n%.0f s\n", timer.seconds());
+  return 0;
+}
+
+}  // namespace
+}  // namespace deformable_surface::benchmark
+
+int main(int argc, char** argv) {
+  try {
+    return deformable_surface::benchmark::run(argc, argv);
+  } catch (const std::exception& problem) {
+    std::fprintf(stderr, "benchmark: %s\n", problem.what());
+    return 1;
+  }
+}

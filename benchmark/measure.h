@@ -1,0 +1,42 @@
+// How a time is taken: warm-up, repetitions, median and spread of wall time, least processor time; and the hash that shows whether
+// a change of speed changed a result.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <functional>
+#include <vector>
+
+namespace deformable_surface::benchmark {
+
+struct Timing {
+  double wall = 0.0;    // s, median of the repetitions
+  double spread = 0.0;  // interquartile range over median
+  double cpu = 0.0;     // s of processor time of all threads, the least of the repetitions
+  int repetitions = 0;
+};
+
+/// Processor time of this process so far, s.
+double processorSeconds();
+
+/// Runs body once to warm up and then again and again, for about budget seconds and at least min_repetitions times. Short bodies
+/// are run in batches that the clocks can resolve.
+Timing measure(const std::function<void()>& body, double budget, int min_repetitions = 3);
+
+/// The values in the middle and at the two quarters.
+struct Quartiles {
+  double low, median, high;
+};
+Quartiles findQuartiles(std::vector<double> values);
+
+/// FNV-1a over the bytes of trivially copyable values without padding.
+std::uint64_t hashBytes(const void* data, std::size_t size, std::uint64_t start = 14695981039346656037ull);
+template <class T>
+std::uint64_t hashValues(const std::vector<T>& values) {
+  return hashBytes(values.data(), values.size() * sizeof(T));
+}
+
+/// Root of the mean squared distance, m.
+double rmsDistance(const Points& a, const Points& b);
+
+}  // namespace deformable_surface::benchmark

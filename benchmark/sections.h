@@ -1,0 +1,20 @@
+// The parts of the benchmark, one table each; every part is a file of its own that says what it measures and against which truth.
+#pragma once
+
+#include "report.h"
+
+namespace deformable_surface::benchmark {
+
+struct Options {
+  bool large = false;     // clouds of a million points in every part
+  double budget = 0.3;    // s of repetitions per row
+};
+
+void runSetupSection(const Options& options, Report& report);
+void runTable1Section(const Options& options, Report& report);
+void runTransferSection(const Options& options, Report& report);
+void runIntegratorsSection(const Options& options, Report& report);
+void runAllocationsSection(const Options& options, Report& report);
+void runMemorySection(const Options& options, Report& report);
+
+}  // namespace deformable_surface::benchmark

@@ -1,0 +1,81 @@
+// Part 3: transfer with normals as a share of what the memory allows, both measured here and now, with the error of a rigid
+// rotation, which must be reproduced exactly.
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/transfer/transfer.h"
+#include "sections.h"
+#include "wavy_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::benchmark {
+namespace {
+
+constexpr Index kSimulationPoints = 2000;
+constexpr Index kBlock = 8192;  // elements: many blocks per thread, each far longer than its start costs
+
+// A line of memory that is written is read first, unless the program takes special care; neither loop does.
+constexpr double kTriadBytes = 4.0 * sizeof(double);
+double movedBytes(const transfer::Transfer& transfer) {
+  return static_cast<double>(transfer.bytesPerPoint() + 2 * sizeof(Vec3) + 2 * sizeof(Eigen::Vector3f));
+}
+
+// Bandwidth in bytes per second of a = b + s c on arrays that take `bytes` together.
+double measureTriad(double bytes, double budget) {
+  const Index n = static_cast<Index>(bytes / (3 * sizeof(double)));
+  std::vector<double> a(n, 0.0), b(n, 1.0), c(n, 2.0);
+  const double s = 3.0;
+  const Timing timing = measure(
+      [&] {
+        parallelFor(n, kBlock, [&](Index begin, Index end) {
+          double* const to = a.data();
+          const double *const x = b.data(), *const y = c.data();
+          for (Index i = begin; i < end; ++i) to[i] = x[i] + s * y[i];
+        });
+      },
+      budget);
+  if (a[n / 2] != 7.0) throw std::logic_error("triad: wrong sum");
+  return n * kTriadBytes / timing.wall;
+}
+
+}  // namespace
+
+void runTransferSection(const Options& options, Report& report) {
+  report.begin("transfer", "3. Transfer with normals against the memory's bandwidth (triad on as many bytes, same run)",
+               {"points", "threads", "wall_ms", "spread_%", "cpu_ms", "million_points_per_s", "bytes_per_point", "GB_per_s",
+                "triad_GB_per_s", "ratio", "rotation_error_m", "normal_error_deg", "runs", "hash"});
+  const cloud::PointCloud coarse = makeWavySheet(kSimulationPoints, PointOrder::kScan);
+  const Mat3 rotation = Eigen::AngleAxisd(1.1, Vec3(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
+  Points turned;
+  for (const Vec3& p : coarse.positions) turned.push_back(rotation * p);
+
+  for (Index n : {100000, 1000000}) {
+    setNumThreads(0);
+    const cloud::PointCloud dense = makeWavySheet(n, PointOrder::kScan);
+    Points normals;
+    for (const Vec3& p : dense.positions) normals.push_back(findWavyNormal(p));
+    const transfer::Transfer transfer(dense.positions, normals, coarse.positions, std::vector<char>(coarse.positions.size(), 1), {});
+    for (int threads : {1, 2}) {
+      setNumThreads(threads);
+      Points now;
+      std::vector<Eigen::Vector3f> normals_now;
+      const Timing timing = measure([&] { transfer.apply(turned, now, normals_now); }, options.budget, 5);
+      double error = 0.0, normal_error = 0.0;
+      for (std::size_t i = 0; i < now.size(); ++i) {
+        error = std::max(error, (now[i] - rotation * dense.positions[i]).norm());
+        normal_error = std::max(normal_error, (normals_now[i].cast<double>() - rotation * normals[i]).norm());
+      }
+      const double bandwidth = movedBytes(transfer) * dense.size() / timing.wall;
+      const double triad = measureTriad(movedBytes(transfer) * dense.size(), options.budget);
+      report.add({std::to_string(dense.size()), std::to_string(threads), showMilliseconds(timing.wall), showPercent(timing.spread),
+                  showMilliseconds(timing.cpu), show(1e-6 * dense.size() / timing.wall), show(movedBytes(transfer)),
+                  show(1e-9 * bandwidth), show(1e-9 * triad), show(bandwidth / triad), show(error),
+                  show(normal_error * 180.0 / std::acos(-1.0)), std::to_string(timing.repetitions), showHash(hashValues(now))});
+    }
+  }
+  report.end();
+  report.note("bytes: operator, rest positions, results; written lines count twice, in the transfer and in the triad alike");
+  report.note("target: ratio of at least 0.5 at a million points");
+}
+
+}  // namespace deformable_surface::benchmark

@@ -1,0 +1,115 @@
+# The package as catkin builds it: the core, point files through PCL, the ROS border, the executables and all tests.
+find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
+             rosbag roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_ros visualization_msgs
+             xmlrpcpp)
+find_package(PCL REQUIRED COMPONENTS common io)
+
+add_message_files(FILES PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
+add_service_files(FILES SaveCloud.srv SelectRegion.srv Step.srv)
+generate_messages(DEPENDENCIES geometry_msgs shape_msgs std_msgs)
+
+set(libraries deformable_surface_core deformable_surface_io deformable_surface_ros deformable_surface_nodelet)
+catkin_package(
+  INCLUDE_DIRS include
+  LIBRARIES ${libraries}
+  CATKIN_DEPENDS diagnostic_msgs diagnostic_updater geometry_msgs message_runtime nodelet pluginlib rosbag roscpp roslib
+                 sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_ros visualization_msgs xmlrpcpp
+  DEPENDS EIGEN3)
+
+file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp)
+file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
+file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/*nodelet.cpp)
+list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet)\\.cpp$")
+
+# The core sees neither catkin's include directories nor PCL's.
+add_library(deformable_surface_core ${core_sources})
+target_include_directories(deformable_surface_core PUBLIC include)
+target_include_directories(deformable_surface_core SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS})
+target_link_libraries(deformable_surface_core PUBLIC yaml-cpp Threads::Threads)
+
+# PCL stays inside: the headers of io do not name it.
+add_library(deformable_surface_io ${io_sources})
+target_include_directories(deformable_surface_io SYSTEM PRIVATE ${PCL_INCLUDE_DIRS})
+target_compile_definitions(deformable_surface_io PRIVATE ${PCL_DEFINITIONS})
+target_link_libraries(deformable_surface_io PUBLIC deformable_surface_core PRIVATE ${PCL_LIBRARIES})
+
+add_library(deformable_surface_ros ${ros_sources})
+add_dependencies(deformable_surface_ros ${PROJECT_NAME}_generate_messages_cpp)
+target_include_directories(deformable_surface_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+target_link_libraries(deformable_surface_ros PUBLIC deformable_surface_io ${catkin_LIBRARIES})
+
+add_library(deformable_surface_nodelet ${nodelet_sources})
+target_link_libraries(deformable_surface_nodelet PUBLIC deformable_surface_ros)
+
+add_executable(deformable_surface_node src/ros/node_main.cpp)
+target_link_libraries(deformable_surface_node deformable_surface_ros)
+add_executable(simulate src/ros/simulate_main.cpp)
+target_link_libraries(simulate deformable_surface_ros)
+add_executable(parameters_page src/io/parameters_page_main.cpp)
+target_link_libraries(parameters_page deformable_surface_core)
+
+install(TARGETS ${libraries} deformable_surface_node simulate parameters_page
+        ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+        LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
+        RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
+install(DIRECTORY data launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+# The three lie beside each other: the client draws with the second and reads with the third.
+catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/point_files.py
+                      DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
+install(FILES LICENSE nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+
+if(CATKIN_ENABLE_TESTING)
+  find_package(rostest REQUIRED)
+  find_package(roslaunch REQUIRED)
+  roslaunch_add_file_check(launch)
+
+  # Without gtest, catkin_add_gtest only warns and makes no target.
+  function(add_unit_test name library)
+    catkin_add_gtest(${name} ${ARGN})
+    if(TARGET ${name})
+      target_include_directories(${name} PRIVATE test)
+      target_compile_definitions(${name} PRIVATE DEFORMABLE_SURFACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+      target_link_libraries(${name} ${library} gtest_main)
+    endif()
+  endfunction()
+
+  foreach(source ${core_tests})
+    get_filename_component(name ${source} NAME_WE)
+    add_unit_test(${name} deformable_surface_core ${source})
+  endforeach()
+
+  file(GLOB io_tests CONFIGURE_DEPENDS test/io/point_files*_test.cpp)
+  foreach(source ${io_tests})
+    get_filename_component(name ${source} NAME_WE)
+    add_unit_test(${name} deformable_surface_io ${source})
+  endforeach()
+
+  file(GLOB ros_tests CONFIGURE_DEPENDS test/ros/*_test.cpp)
+  foreach(source ${ros_tests})
+    get_filename_component(name ${source} NAME_WE)
+    add_unit_test(${name} deformable_surface_ros ${source})
+  endforeach()
+
+  # The decoder reads what strangers send: its test runs under the sanitizers as well.
+  add_unit_test(cloud_decoder_sanitized_test "${catkin_LIBRARIES}" test/ros/cloud_decoder_test.cpp src/ros/cloud_decoder.cpp
+                src/base/value.cpp)
+  if(TARGET cloud_decoder_sanitized_test)
+    set(sanitizers -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all)
+    target_include_directories(cloud_decoder_sanitized_test PRIVATE include)
+    target_include_directories(cloud_decoder_sanitized_test SYSTEM PRIVATE ${EIGEN3_INCLUDE_DIRS} ${catkin_INCLUDE_DIRS})
+    target_compile_options(cloud_decoder_sanitized_test PRIVATE ${sanitizers} -g)
+    target_link_libraries(cloud_decoder_sanitized_test ${sanitizers})
+  endif()
+
+  # A test with a master of its own: NAME.test starts the nodes, NAME_rostest.cpp asks them.
+  file(GLOB launch_tests CONFIGURE_DEPENDS test/ros/*.test)
+  foreach(launch ${launch_tests})
+    get_filename_component(name ${launch} NAME_WE)
+    add_rostest_gtest(${name}_rostest ${launch} test/ros/${name}_rostest.cpp)
+    if(TARGET ${name}_rostest)
+      add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet)
+      target_link_libraries(${name}_rostest deformable_surface_ros)
+    endif()
+  endforeach()
+endif()

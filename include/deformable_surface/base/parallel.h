@@ -1,0 +1,49 @@
+// Loops over fixed blocks, so that what is computed, and in which order it is summed, does not depend on the number of threads.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <vector>
+
+namespace deformable_surface {
+
+/// Number of threads used by all loops of this process; 0 = all cores.
+void setNumThreads(int num_threads);
+int numThreads();
+
+namespace internal {
+/// Calls run(context, block) for block = 0 .. num_blocks - 1 on the pool's threads and the caller's; returns when all are done.
+/// An exception in a block is rethrown here (that of the lowest block). Nested calls run in the calling thread. Nothing is allocated.
+void runBlocks(Index num_blocks, void (*run)(const void* context, Index block), const void* context);
+
+template <class Run>
+void runBlocks(Index num_blocks, const Run& run) {
+  runBlocks(num_blocks, [](const void* context, Index block) { (*static_cast<const Run*>(context))(block); }, &run);
+}
+}  // namespace internal
+
+/// Calls body(begin, end) on the blocks [0, block), [block, 2 block), ... of [0, n). The body writes only to what belongs to its
+/// own indices. A single block runs in the calling thread, so small loops cost nothing.
+template <class Body>
+void parallelFor(Index n, Index block, const Body& body) {
+  if (n <= block) {
+    if (n > 0) body(Index{0}, n);
+    return;
+  }
+  const Index num_blocks = (n - 1) / block + 1;
+  internal::runBlocks(num_blocks, [&](Index b) { body(b * block, b + 1 == num_blocks ? n : (b + 1) * block); });
+}
+
+/// Sum of body(begin, end) over the blocks, added in the order of the blocks.
+template <class Body>
+double parallelSum(Index n, Index block, const Body& body) {
+  if (n <= block) return n > 0 ? body(Index{0}, n) : 0.0;
+  const Index num_blocks = (n - 1) / block + 1;
+  std::vector<double> part(num_blocks);
+  internal::runBlocks(num_blocks, [&](Index b) { part[b] = body(b * block, b + 1 == num_blocks ? n : (b + 1) * block); });
+  double sum = 0.0;
+  for (double value : part) sum += value;
+  return sum;
+}
+
+}  // namespace deformable_surface

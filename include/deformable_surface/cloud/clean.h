@@ -1,0 +1,20 @@
+// From the raw cloud to the points that can be simulated: finite and distinct, with the way back to the user's order.
+#pragma once
+
+#include "deformable_surface/cloud/point_cloud.h"
+
+namespace deformable_surface::cloud {
+
+struct CleanCloud {
+  Points positions;                     // (m x 3) finite, pairwise distinct
+  Points normals;                       // (m x 3) or empty; unit; rows that the input left zero or not finite are zero
+  std::vector<Index> point_of_input;    // (n) index into positions, -1 for holes; coincident input points share one
+  Index num_not_finite = 0;             // input points that are holes
+  Index num_coincident = 0;             // input points that share another's position exactly
+};
+
+/// Filters the cloud. Points whose coordinate exceeds max_coordinate (m) in magnitude count as not finite: beyond it squared
+/// distances lose the surface in rounding. The order of the first occurrences is kept. O(n log n).
+CleanCloud clean(const PointCloud& input, double max_coordinate = 1e6);
+
+}  // namespace deformable_surface::cloud

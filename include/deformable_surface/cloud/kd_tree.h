@@ -1,0 +1,64 @@
+// Nearest neighbours of points. Ties are broken by index, so that equal input gives equal output; points can be removed one by
+// one, which the simplification needs. This is the one place that would name a library for it.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+namespace deformable_surface::cloud {
+
+/// A neighbour: squared distance (m^2), then index; the order of results.
+struct Neighbor {
+  double squared_distance;
+  Index index;
+
+  bool operator<(const Neighbor& other) const {
+    return squared_distance != other.squared_distance ? squared_distance < other.squared_distance : index < other.index;
+  }
+};
+
+class KdTree {
+ public:
+  /// points (n x 3), finite. Copies them in the tree's own order. O(n log n).
+  explicit KdTree(const Points& points);
+
+  /// The min(k, alive) nearest alive points to query, nearest first; the point itself is among them if it is one. out is
+  /// overwritten. O(log n + k log k).
+  void nearest(const Vec3& query, Index k, std::vector<Neighbor>& out) const;
+
+  /// All alive points within radius (closed ball), nearest first.
+  void withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const;
+
+  /// Takes a point out of all later answers. O(log n).
+  void remove(Index point);
+
+  /// The points in the order of the tree: near in the list means near in space. Loops over queries run in this order.
+  const std::vector<Index>& order() const;
+
+  Index size() const;
+
+ private:
+  struct Node {
+    double lo[3], hi[3];  // the tight box of all points below, removed ones included
+    Index begin, end;     // slots
+    Index right;          // the second child; the first follows its parent; 0 = leaf
+    Index alive;          // points below that are not removed; in a leaf they are the first of its slots
+  };
+  struct Slot {
+    double x, y, z;
+    Index point;
+  };
+
+  Index build(Index begin, Index end);
+  template <class Results>
+  void search(const Vec3& query, Results& results) const;
+
+  std::vector<Node> nodes_;       // depth first
+  std::vector<Slot> slots_;       // (n) in tree order; removal permutes them within their leaf
+  std::vector<Index> slot_of_;    // (n) by point
+  std::vector<Index> order_;      // (n)
+};
+
+/// The k nearest other points of every point (fewer if there are not as many), nearest first. Parallel. O(n (log n + k log k)).
+Lists nearestNeighbors(const Points& points, Index k);
+
+}  // namespace deformable_surface::cloud

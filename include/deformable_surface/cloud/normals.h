@@ -1,0 +1,23 @@
+// Normals by covariance analysis, and one consistent side for all of them.
+#pragma once
+
+#include "deformable_surface/cloud/point_cloud.h"
+
+namespace deformable_surface::cloud {
+
+/// Unit normals of least variance among each point and its neighbours [Su 2007, sec. 3; Pauly 2002]: (n x 3), sign arbitrary.
+/// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
+Points estimateNormals(const Points& positions, const Lists& neighbors);
+
+/// How a surface's outward side was decided, for the log.
+enum class OrientationRule { kInputNormals, kOutward, kViewpoint, kUp };
+
+/// Flips normals in place so that neighbours agree (minimum spanning tree over 1 - |n_i . n_j| of the neighbour graph), then
+/// decides the side of each connected component: that of the reference normals' majority where there are any (rows that are zero
+/// do not vote); else outward if the component is closed (no boundary points: signed volume positive); else towards the
+/// viewpoint if there is one; else +z (area-weighted mean; a tie is broken by +y, then +x).
+/// Returns the rule used for the largest component. O(n k log n).
+OrientationRule orientNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_boundary,
+                              const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals);
+
+}  // namespace deformable_surface::cloud

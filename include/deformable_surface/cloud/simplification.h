@@ -1,0 +1,28 @@
+// Fewer points that still sample the surface evenly [Su 2007, sec. 3]: the point with the smallest ring goes first. The order of
+// removal is recorded, so that every threshold and every wanted number of points is a prefix of one pass.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+namespace deformable_surface::cloud {
+
+struct Simplification {
+  Index num_points = 0;             // of the input
+  std::vector<Index> removed;       // in the order of removal
+  std::vector<double> diameter;     // m: running maximum of the key at removal; never falls
+
+  /// The points left when target points remain (all removable ones gone if it is smaller), ascending.
+  std::vector<Index> keepCount(Index target) const;
+  /// The points left when the rings of all removable ones have reached the threshold (m), ascending.
+  std::vector<Index> keepDiameter(double threshold) const;
+};
+
+/// k: neighbours of the star (10 .. 20; at least 3). min_points: the pass stops there. protected_points are never removed; nor
+/// are corners (Boundary::is_corner), found on the input cloud once; and every part of the surface (connected by links that
+/// LinkRule accepts) keeps at least three of its points, or all if it has fewer. Stars see the points of their own part only.
+/// The key is (ring diameter + 2 nearest distance) / 2: equal to the diameter on a hexagonal lattice, it spaces points more
+/// evenly than the diameter of [Su 2007]. Ties are broken by index. O(n k log n).
+Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
+                        const std::vector<Index>& protected_points);
+
+}  // namespace deformable_surface::cloud

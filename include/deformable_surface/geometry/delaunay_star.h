@@ -1,0 +1,60 @@
+// The Delaunay triangles at one point among its projected neighbours, found without triangulating the rest: invert the neighbours
+// about the point; the edges of their convex hull that avoid the point are its triangles.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+namespace deformable_surface::geometry {
+
+/// Angle (rad) by which opposite angles of a quadrilateral may miss the straight angle for its corners to count as cocircular:
+/// far above the rounding of float coordinates and the curvature of a well-sampled surface, far below what moves a spring.
+constexpr double kStarTie = 0.02;
+
+/// Widest angle (rad) that a triangle may have at the origin: the straight angle, less what rounding may take from it.
+constexpr double kStarMaxGap = 3.14159;
+
+/// The star of the origin among neighbours in the plane. Neighbours that are cocircular with the origin and a hull edge are all
+/// kept: they form one Delaunay cell (on a square grid: the square), and every way to triangulate it is as good.
+struct DelaunayStar {
+  std::vector<Index> ring;      // positions in the neighbour list, counter-clockwise; starts after the widest gap if open
+  std::vector<Index> cell_size; // (ring size) for the step ring[r] -> next: corners of its Delaunay cell, the origin included;
+                                // 0 = no triangle, so the last step of an open ring has 0
+  bool open = false;            // some step has no triangle: the ring does not close
+
+  double area = 0.0;            // m^2, of all triangles (origin, ring[r], next)
+  double share = 0.0;           // m^2, this point's part: each cell's area divided by its number of corners
+};
+
+/// Reusable scratch memory of the computation.
+class DelaunayStarBuilder {
+ public:
+  /// points (n) are the neighbours relative to the origin, any order. Neighbours at the origin are ignored; of several in one
+  /// direction only the nearest can be in the ring. tie: angle (rad, below 1) within which a neighbour counts as cocircular; the
+  /// test is the same seen from every corner of a cell of four, so that their stars agree on it. max_gap: angle (rad, up to
+  /// kStarMaxGap) beyond which two consecutive ring members span no triangle, nor an end of an open ring with the next member.
+  /// No usable neighbours: an empty ring; one, or all on one line: a ring without triangles.
+  /// Cost O(n log n). [Su 2007, sec. 3; the inversion is a standard duality of Delaunay triangulation and convex hull]
+  const DelaunayStar& build(const std::vector<Vec2>& points, double tie = kStarTie, double max_gap = kStarMaxGap);
+
+ private:
+  struct Direction {
+    double angle;              // grows with the angle, in [0, 4)
+    double squared_distance;
+    Index neighbor;
+  };
+
+  void sortByDirection(const std::vector<Vec2>& points);
+  void findHull();
+  void fillRing(const std::vector<Vec2>& points, double tie, double max_gap_cosine);
+  void openRing(const std::vector<Vec2>& points, double max_gap_cosine);
+  void trimRing(const std::vector<Vec2>& points, double max_gap_cosine);
+  void measureCells(const std::vector<Vec2>& points, double tie);
+
+  DelaunayStar star_;
+  std::vector<Direction> directions_;
+  std::vector<Vec2> image_;    // of directions_
+  std::vector<Index> hull_;    // steps from hull_start_ through directions_, ascending
+  Index hull_start_ = 0;
+};
+
+}  // namespace deformable_surface::geometry

@@ -1,0 +1,31 @@
+// Point files: PCD and PLY (read through PCL) and plain text, in and out. No other core file touches PCL, which keeps its build
+// time and its alignment rules at this border.
+#pragma once
+
+#include "deformable_surface/cloud/point_cloud.h"
+
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::io {
+
+/// Gives the folder of a ROS package; throws InputError if there is none.
+using FindPackage = std::function<std::string(const std::string& package)>;
+
+/// Reads a cloud: .pcd (ascii, binary, binary_compressed), .ply (ascii or binary; faces are left out) or .xyz (lines of x y z or
+/// of x y z nx ny nz and more). file may begin with package://NAME/. Positions are multiplied by scale (m per file unit). Rows
+/// that are not finite stay. Fields beyond position and normal become extra fields; a PLY's colours become one packed field, rgb
+/// or rgba. Throws InputError naming the file: missing, of another kind, broken, shorter than its header says (found before
+/// memory is taken), without x, y, z, without points, or with more than max_points.
+cloud::PointCloud readPointFile(const std::string& file, double scale, Index max_points, const FindPackage& find_package = {});
+
+/// Writes x y z, the normals and the displacement (n, or empty) as float32, and the extra fields, to a binary .ply or .pcd, under
+/// a temporary name that is renamed at the end. Width and height are kept in a .pcd. An extra field called displacement gives way
+/// to the displacement. Throws InputError if the name or the place is not accepted.
+void writePointFile(const std::string& file, const cloud::PointCloud& cloud, const std::vector<float>& displacement = {});
+
+/// Throws InputError unless writePointFile() knows the extension; for options that are used at the end of a long run.
+void checkPointFileName(const std::string& file);
+
+}  // namespace deformable_surface::io

@@ -1,0 +1,36 @@
+// Scene files: from YAML text to the parameters of a scene and back. The node builds the Value from its ROS parameters instead
+// and shares the rest.
+#pragma once
+
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/simulation/scene_params.h"
+
+#include <string>
+
+namespace deformable_surface::io {
+
+/// The map in one YAML document. Throws InputError, naming the text by name and the line, for what is no YAML, for several
+/// documents, a root that is no map, keys given twice, aliases, tags and nesting beyond any scene.
+Value parseYaml(const std::string& text, const std::string& name);
+
+/// The same for a file; also if it cannot be read or is larger than any scene.
+Value loadYamlFile(const std::string& path);
+
+/// Sets one value by "dotted.path=YAML value", e.g. "integrator.time_step=0.002" or "forces.0.radius=0.1"; list items are counted
+/// from 0 and must exist. Nothing behind the = is the empty text. Throws InputError; unknown keys are found by readScene().
+void setByPath(Value& root, const std::string& assignment);
+
+/// The scene that a map describes. Throws InputError with all problems at once.
+simulation::SceneParams readScene(const Value& value);
+
+/// Further rules for a run without a node: the scene gives a cloud if it needs one, and the duration is a multiple of the time step.
+/// Throws InputError.
+void checkForSimulate(const simulation::SceneParams& params, bool needs_cloud = true);
+
+/// Every value of the scene as YAML that readScene() takes.
+std::string printScene(const simulation::SceneParams& params);
+
+/// The page docs/parameters.md.
+std::string parametersPage();
+
+}  // namespace deformable_surface::io

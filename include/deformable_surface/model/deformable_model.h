@@ -1,0 +1,74 @@
+// What the solvers and the simulation know of a material: masses, forces, energy, stiffness and the bound for a stable step.
+// Each model (mass_spring, ...) implements this; none of them is named outside model/ and the place that chooses one.
+#pragma once
+
+#include "deformable_surface/base/block_sparse.h"
+#include "deformable_surface/base/types.h"
+
+#include <utility>
+#include <vector>
+
+namespace deformable_surface::model {
+
+/// What moves: everything that a snapshot must hold of the simulation points. World frame.
+struct State {
+  Points positions;   // (n x 3) m
+  Points velocities;  // (n x 3) m/s
+
+  Index size() const { return static_cast<Index>(positions.size()); }
+};
+
+/// A triangle of the simulation points with the share of its area that it stands for: where several Delaunay triangulations are
+/// possible (cocircular points), all of them are kept and share the area, so that weights times areas cover the surface once.
+struct WeightedTriangle {
+  Index corner[3];  // counter-clockwise seen from outside
+  double weight;    // 0 .. 1
+};
+
+class DeformableModel {
+ public:
+  virtual ~DeformableModel() = default;
+
+  /// (n) kg; positive.
+  virtual const std::vector<double>& masses() const = 0;
+
+  /// Adds the internal forces, elastic and viscous, in newtons: forces (n x 3). The elastic part is minus the gradient of
+  /// elasticEnergy(). Points with equal velocity feel no viscous force.
+  virtual void addForces(const State& state, Points& forces) const = 0;
+
+  /// Elastic energy in joules; zero in the rest state.
+  virtual double elasticEnergy(const State& state) const = 0;
+
+  /// Adds the Hessian of the elastic energy (N/m), each element's part projected to positive semidefinite, so that a solver that
+  /// descends the energy finds a descent direction. step: the time over which a solver differentiates velocities; the viscous
+  /// forces add their damping matrix divided by it (0 = statics, no viscous part).
+  virtual void addStiffness(const State& state, double step, BlockSparse& stiffness) const = 0;
+
+  /// Upper bounds, per point, of the sums of the magnitudes of stiffness (N/m) and of damping (N s/m) of its row: what
+  /// Gershgorin's theorem needs. (n) each, added to.
+  virtual void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const = 0;
+
+  /// Area vector of each point, m^2: outward normal times its share of the current area. (n x 3), overwritten.
+  virtual void computeAreaVectors(const State& state, Points& area_vectors) const = 0;
+
+  /// True if the surface has no boundary.
+  virtual bool isClosed() const = 0;
+  /// Volume enclosed by a closed surface, m^3, and its gradient by the positions, m^2, which sums to zero exactly: (n x 3), overwritten.
+  virtual double enclosedVolume(const State& state) const = 0;
+  virtual void computeVolumeGradient(const State& state, Points& gradient) const = 0;
+
+  /// Largest stretch |l / l0 - 1| of any link between neighbours.
+  virtual double maxStretch(const State& state) const = 0;
+
+  /// Strain of each point for display: the largest |l / l0 - 1| of its links. (n), overwritten.
+  virtual void computePointStrain(const State& state, std::vector<double>& strain) const = 0;
+
+  /// The links (springs, edges) of the two kinds, for display and counting.
+  virtual const std::vector<std::pair<Index, Index>>& stretchLinks() const = 0;
+  virtual const std::vector<std::pair<Index, Index>>& bendLinks() const = 0;
+
+  /// The triangles of the surface, for display, area and volume.
+  virtual const std::vector<WeightedTriangle>& triangles() const = 0;
+};
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,60 @@
+// A bending energy of the point set that converges to a stated rigidity, holds curved rest shapes and needs nothing special at
+// free edges. The published bending springs have no stiffness at a flat rest state: their energy grows with the fourth power of curvature.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+
+namespace deformable_surface::model {
+
+/// At rest a quadratic x(a, b) is fitted through every point to its neighbours (weights (1 - s^2)^2, s = distance over reach),
+/// in coordinates a, b of its tangent plane. The fit is linear in the positions: fixed rows g^a_j and c^ab_j give tangents
+/// t_a = sum_j g^a_j x_j and second derivatives b_ab = sum_j c^ab_j x_j; with n = t_1 x t_2 / |.| the curvature is n . b_ab, and
+///   W = D/2 sum_i A_i sum_ab (n . b_ab - II0_ab)^2,
+/// a plate of rigidity D with bending Poisson's ratio 0, so that a strip of any width has rigidity D per width.
+class CurvatureBending {
+ public:
+  CurvatureBending() = default;
+
+  /// rings: neighbours of neighbours are the fit's points. areas (n) m^2; rigidity D, N m. Points whose neighbourhood does
+  /// not determine a quadratic (fewer than five neighbours, collinear) get no bending energy; numWithoutFit() counts them.
+  CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas, double rigidity);
+
+  void addForces(const State& state, Points& forces) const;
+  double energy(const State& state) const;
+  /// The Gauss-Newton part, which is positive semidefinite.
+  void addStiffness(const State& state, BlockSparse& stiffness) const;
+  void addRowBounds(std::vector<double>& stiffness) const;
+
+  Index numWithoutFit() const { return num_without_fit_; }
+
+ private:
+  // The rows of the fit for one neighbour.
+  struct Row {
+    Vec2 first;    // g^1, g^2, 1/m
+    Vec3 second;   // c^11, c^12, c^22, 1/m^2
+  };
+  // The deformed shape at a point.
+  struct Shape {
+    Vec3 normal;
+    Vec3 change;       // n . b_ab - II0_ab for ab = 11, 12, 22; 1/m
+    Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab
+  };
+  Shape shapeAt(Index i, const State& state) const;
+
+  // Constants. The point itself is the first of its own list.
+  Lists neighbors_;
+  std::vector<Row> rows_;           // one per item of neighbors_
+  std::vector<Vec3> rest_curvature_;
+  std::vector<double> weight_;      // D * A_i; 0 where there is no fit
+  Lists users_;                     // per point j: positions in rows_ whose neighbour is j
+  std::vector<Index> owner_;        // per row: the point i whose fit it belongs to
+  Index num_without_fit_ = 0;
+  // Scratch, per point i: n and the weights of the second and first derivative rows in the force.
+  struct Moment {
+    Vec3 normal, second;
+    Vec2 first;
+  };
+  mutable std::vector<Moment> moment_;
+};
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,68 @@
+// The mass-spring surface of Su 2007 and the two parts that make it accurate: a membrane of co-rotated triangles and a bending
+// energy with a stated rigidity, on the same rings. The published springs stay selectable.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/mass_spring/curvature_bending.h"
+#include "deformable_surface/model/mass_spring/mass_spring_params.h"
+#include "deformable_surface/model/mass_spring/springs.h"
+#include "deformable_surface/model/mass_spring/triangle_membrane.h"
+#include "deformable_surface/model/material_params.h"
+
+namespace deformable_surface::cloud {
+struct Rings;
+}
+
+namespace deformable_surface::model {
+
+class MassSpring : public DeformableModel {
+ public:
+  /// rest, normals (n x 3): the simulation points; rings: theirs. surface_area, m^2: of the full cloud, so that the masses sum
+  /// to the surface's however few points are simulated. closed: it has no boundary. Throws InputError if volume_stiffness is asked of an open surface.
+  ///
+  /// Springs: stretching springs along the rings, bending springs across (r to r + 2) [Su 2007, sec. 4.1], each pair once. Their
+  /// stiffness is k = E h sum A_T / l^2 over the triangles at the spring, bending springs get bending_spring_ratio of the mean,
+  /// and all are scaled so that an affine strain of the network costs what the material's would (isotropic estimate
+  /// E h = sum k l^2 / (3 A)); on irregular rings the network is then 10 to 25 percent soft, with Poisson's ratio about 1/3.
+  MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
+             const MaterialParams& material, const MassSpringParams& params);
+
+  const std::vector<double>& masses() const override { return masses_; }
+  void addForces(const State& state, Points& forces) const override;
+  double elasticEnergy(const State& state) const override;
+  void addStiffness(const State& state, double step, BlockSparse& stiffness) const override;
+  void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+  void computeAreaVectors(const State& state, Points& area_vectors) const override;
+  bool isClosed() const override { return closed_; }
+  double enclosedVolume(const State& state) const override;
+  void computeVolumeGradient(const State& state, Points& gradient) const override;
+  double maxStretch(const State& state) const override { return stretching_.maxStretch(state); }
+  void computePointStrain(const State& state, std::vector<double>& strain) const override;
+  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return stretching_.links(); }
+  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return bending_springs_.links(); }
+  const std::vector<WeightedTriangle>& triangles() const override { return triangles_; }
+
+  /// Points whose mass was raised because their ring has next to no area, and points without bending energy.
+  Index numMassRaised() const { return num_mass_raised_; }
+  Index numWithoutBending() const { return num_without_bending_; }
+
+ private:
+  // Constants.
+  std::vector<double> masses_;
+  std::vector<WeightedTriangle> triangles_;
+  Lists triangle_corners_;       // per point: 3 * triangle + corner
+  Membrane membrane_;
+  double spring_damping_;
+  Springs stretching_;           // elastic if membrane_ is kSprings; carries the damping and the display in any case
+  Springs bending_springs_;
+  TriangleMembrane membrane_triangles_;
+  CurvatureBending bending_;
+  bool closed_;
+  double volume_stiffness_;
+  double rest_volume_ = 0.0;
+  Index num_mass_raised_ = 0, num_without_bending_ = 0;
+  // Scratch.
+  mutable Points volume_gradient_;
+};
+
+}  // namespace deformable_surface::model

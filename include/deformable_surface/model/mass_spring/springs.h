@@ -1,0 +1,50 @@
+// A network of springs: Hooke's law and damping along the spring. It carries the published membrane and bending, and the damping
+// of the other membrane.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+
+namespace deformable_surface::model {
+
+class Springs {
+ public:
+  Springs() = default;
+
+  /// links (s) of distinct points among num_points; lengths at rest from rest positions; stiffness (s), N/m.
+  Springs(std::vector<std::pair<Index, Index>> links, const Points& rest, std::vector<double> stiffness);
+
+  /// Adds f_i = k (|I| - l0) I/|I| [Su 2007, eq. 2, the sign that pulls i towards j], if elastic, and the damping tension
+  /// beta k (v_j - v_i).I/|I| along I/|I|: eq. 3 would damp rotations too and break angular momentum. I = s_j - s_i.
+  /// Coincident ends are pushed apart in a direction fixed by their indices, so that an exact collapse can recover.
+  void addForces(const State& state, bool elastic, double beta, Points& forces) const;
+
+  /// sum of k/2 (|I| - l0)^2, J.
+  double energy(const State& state) const;
+
+  /// Adds k [d d^T + max(0, 1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T.
+  void addStiffness(const State& state, bool elastic, double beta, double step, BlockSparse& stiffness) const;
+
+  /// See DeformableModel::addRowBounds.
+  void addRowBounds(bool elastic, double beta, std::vector<double>& stiffness, std::vector<double>& damping) const;
+
+  /// Largest | |I| / l0 - 1 |.
+  double maxStretch(const State& state) const;
+  /// Raises strain (n) to the largest | |I| / l0 - 1 | of each point's links.
+  void raisePointStrain(const State& state, std::vector<double>& strain) const;
+
+  const std::vector<std::pair<Index, Index>>& links() const { return links_; }
+  const std::vector<double>& restLengths() const { return rest_length_; }
+  const std::vector<double>& stiffness() const { return stiffness_; }
+
+ private:
+  Vec3 direction(std::size_t s, const State& state, double& length) const;
+
+  // Constants.
+  std::vector<std::pair<Index, Index>> links_;
+  std::vector<double> rest_length_, stiffness_;
+  Lists incidence_;  // per point: s if it is the first end of spring s, ~s if the second; ascending s
+  // Scratch: the force of each spring on its first end.
+  mutable Points tension_;
+};
+
+}  // namespace deformable_surface::model

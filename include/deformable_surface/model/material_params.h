@@ -1,0 +1,44 @@
+// The material of a surface in the units of the laboratory.
+#pragma once
+
+#include "deformable_surface/base/or_auto.h"
+#include "deformable_surface/base/params.h"
+
+namespace deformable_surface::model {
+
+struct MaterialParams {
+  double young_modulus = 1.0e5;     // Pa, > 0
+  double poisson_ratio = 0.3333;    // > -1, < 0.5 (plane stress; pure springs have 1/3 by construction)
+  double thickness = 0.001;         // m, > 0
+  OrAuto<double> bending_rigidity;  // N m, >= 0; auto = E h^3 / (12 (1 - nu^2))
+  double density = 1000.0;          // kg/m^3, > 0
+  double damping = 0.0;             // 1/s, >= 0: force = -damping * mass * velocity
+  double spring_damping = 0.0;      // s, >= 0: tension along a link = spring_damping * k * dl/dt
+
+  /// D, N m.
+  double bendingRigidity() const {
+    return bending_rigidity.valueOr(young_modulus * thickness * thickness * thickness /
+                                    (12.0 * (1.0 - poisson_ratio * poisson_ratio)));
+  }
+  /// kg/m^2.
+  double arealDensity() const { return density * thickness; }
+};
+
+// The ranges are wider than any material on Earth by some powers of ten on either side, and narrow enough that products of these
+// values neither overflow nor become denormal.
+inline void visit(Fields& fields, MaterialParams& p) {
+  fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15),
+                "Young's modulus; the membrane stiffness is this times the thickness");
+  fields.number("poisson_ratio", p.poisson_ratio, "", strictlyBetween(-1.0, 0.5),
+                "Poisson's ratio in plane stress; pure springs have 1/3 by construction");
+  fields.number("thickness", p.thickness, "m", between(1e-10, 1e3), "thickness of the surface");
+  fields.number("bending_rigidity", p.bending_rigidity, "N m", between(0.0, 1e20),
+                "bending stiffness D; `auto` = E h^3 / (12 (1 - nu^2))");
+  fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9),
+                "mass density; the areal density is this times the thickness");
+  fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "force = -damping * mass * velocity");
+  fields.number("spring_damping", p.spring_damping, "s", between(0.0, 1e3),
+                "tension along a link = spring_damping * k * dl/dt, so rotation is not damped");
+}
+
+}  // namespace deformable_surface::model

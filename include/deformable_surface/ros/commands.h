@@ -1,0 +1,28 @@
+// From the command messages to what the simulation understands, in the surface's frame. The node takes them from topics and
+// `simulate` from a bag; what they mean is written here once.
+#pragma once
+
+#include "deformable_surface/PointForce.h"
+#include "deformable_surface/simulation/scene_params.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <tf2/buffer_core.h>
+
+#include <string>
+
+namespace deformable_surface::node {
+
+/// The force of a message that takes effect now (s of simulation time). A frame other than the surface's is looked up at the
+/// message's stamp. Throws InputError for values that are not finite or negative where that means nothing, an empty id, and a
+/// frame without a transform.
+simulation::ForceParams toForce(const PointForce& message, double now, const std::string& surface_frame,
+                                const tf2::BufferCore& transforms);
+
+/// The same for a wrench: the force part acts at the origin of the message's frame until the timeout; the torque is not applied.
+simulation::ForceParams toForce(const geometry_msgs::WrenchStamped& message, double now, const std::string& surface_frame,
+                                const tf2::BufferCore& transforms, const simulation::WrenchParams& params);
+
+/// The id of the force that comes as a wrench.
+constexpr char kWrenchId[] = "wrench";
+
+}  // namespace deformable_surface::node

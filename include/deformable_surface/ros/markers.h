@@ -1,0 +1,66 @@
+// What RViz draws of a simulation, as few markers with many elements each: RViz is slow with many markers, and refuses or even
+// dies from markers that break its rules. Every function here returns markers that keep them.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <std_msgs/Header.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// Blue at 0, through green and yellow, to red at 1 and beyond; grey for NaN.
+std_msgs::ColorRGBA colorOf(double value);
+
+/// Lines between linked points (LINE_LIST), each end in the colour of value / full_scale. positions (m x 3), values (m).
+/// width: of a line, m, > 0. Without links the marker deletes itself; so do those below when they have nothing to show.
+visualization_msgs::Marker makeLinksMarker(const std_msgs::Header& header, const std::string& ns, const Points& positions,
+                                           const std::vector<std::pair<Index, Index>>& links, const std::vector<double>& values,
+                                           double full_scale, double width);
+
+/// The surface itself (TRIANGLE_LIST), each corner in the colour of value / full_scale.
+visualization_msgs::Marker makeSurfaceMarker(const std_msgs::Header& header, const Points& positions,
+                                             const std::vector<model::WeightedTriangle>& triangles,
+                                             const std::vector<double>& values, double full_scale);
+
+/// The edges of the triangles (LINE_LIST), all in one colour.
+visualization_msgs::Marker makeWireframeMarker(const std_msgs::Header& header, const Points& positions,
+                                               const std::vector<std::pair<Index, Index>>& edges, double width);
+
+/// A ball at each pinned point (SPHERE_LIST).
+visualization_msgs::Marker makePinsMarker(const std_msgs::Header& header, const Points& positions,
+                                          const std::vector<char>& pinned, double diameter);
+
+/// Appends one ARROW per force, from the point of attack along the force, the largest of length `length` (m), and deletes the
+/// arrows left over from the `num_before` of last time. At most kMaxArrows, the first ones, are shown. Returns how many.
+int addForceMarkers(const std_msgs::Header& header, const std::vector<std::pair<Vec3, Vec3>>& forces, double length,
+                    int num_before, visualization_msgs::MarkerArray& markers);
+
+// RViz draws a few hundred arrows smoothly, thousands of them at a crawl.
+constexpr int kMaxArrows = 100;
+
+/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces.
+class SimulationMarkers {
+ public:
+  /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.
+  explicit SimulationMarkers(const simulation::Simulation& simulation);
+
+  /// Replaces the content of markers.
+  void make(const std_msgs::Header& header, const simulation::Simulation& simulation,
+            visualization_msgs::MarkerArray& markers);
+
+ private:
+  Points rest_positions_;                      // (m x 3)
+  std::vector<std::pair<Index, Index>> edges_; // of the triangles, each once
+  double spacing_ = 0.0;                       // m, mean length of an edge or link at rest
+  double extent_ = 0.0;                        // m, diagonal of the bounding box at rest
+  int num_arrows_ = 0;                         // shown last time
+  std::vector<double> strain_, displacement_;  // scratch
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,60 @@
+// When steps are due: what the ROS clock did, and where the steps of the simulation lie on it. Apart from the thread that takes the
+// steps, so that jumps of the clock can be tested without waiting for one. Times are nanoseconds of the ROS clock.
+#pragma once
+
+#include <cstdint>
+
+namespace deformable_surface::node {
+
+/// What the ROS clock did since it was last asked.
+struct ClockNews {
+  std::int64_t now = 0;        // 0 = there is no valid time yet
+  std::int64_t skipped = 0;    // sum of the forward jumps, which are not caught up
+  bool jumped_back = false;    // what was before the jump counts no more, skipped least of all
+  std::int64_t restart = 0;    // the first time after the jump
+};
+
+/// Tells jumps from the normal run of a clock.
+class ClockWatch {
+ public:
+  /// simulated: the clock is /clock, whose every message must be observed and which goes at any speed; else it is the computer's, which
+  /// is observed at any time and compared with a clock that never jumps.
+  explicit ClockWatch(bool simulated) : simulated_(simulated) {}
+
+  /// Returns true if the clock jumped back.
+  bool observe(std::int64_t now, std::int64_t steady);
+  std::int64_t now() const { return news_.now; }
+  bool isSimulated() const { return simulated_; }
+
+  /// The news since the last call.
+  ClockNews take();
+
+ private:
+  const bool simulated_;
+  ClockNews news_;
+  std::int64_t last_steady_ = 0;
+};
+
+/// Where the steps lie on the clock: step n begins at zero + n * time_step + what was skipped (pauses, jumps, lag let go).
+class StepSchedule {
+ public:
+  explicit StepSchedule(double time_step) : time_step_(time_step) {}
+
+  /// Step 0 begins at zero.
+  void start(std::int64_t zero);
+  /// All steps from now on begin later by this.
+  void skip(std::int64_t duration) { skipped_ += duration; }
+  /// Skips what is needed for the step not to begin before now.
+  void skipTo(std::int64_t now, std::uint64_t step);
+
+  std::int64_t zero() const { return zero_; }
+  std::int64_t begin(std::uint64_t step) const { return stamp(step) + skipped_; }
+  /// The stamp of the state before the step: the cloud's stamp plus simulation time.
+  std::int64_t stamp(std::uint64_t step) const;
+
+ private:
+  const double time_step_;  // s
+  std::int64_t zero_ = 0, skipped_ = 0;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,26 @@
+// The node as a class, so that the executable and the nodelet are the same thing.
+#pragma once
+
+#include "deformable_surface/simulation/scene_params.h"
+
+#include <ros/node_handle.h>
+
+#include <memory>
+
+namespace deformable_surface::node {
+
+/// The scene that the private parameters describe; also checks what only the node uses. Throws InputError with all problems.
+simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node);
+
+/// Runs in threads of its own from construction to destruction; topics and services are those of the private node handle.
+class SurfaceNode {
+ public:
+  SurfaceNode(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const simulation::SceneParams& params);
+  ~SurfaceNode();
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace deformable_surface::node

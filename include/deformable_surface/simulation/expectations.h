@@ -1,0 +1,19 @@
+// What a scene's `expect` block promises, checked on a finished run. Apart from the simulation, because only tests and tools ask.
+#pragma once
+
+#include "deformable_surface/simulation/simulation.h"
+
+#include <string>
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+/// The quantity of that name now; the names are those of expectQuantities(). Displacements and bounds are those of all finite points
+/// of the full cloud; volume_ratio is the volume that the simulation points enclose now over that at rest. Throws InputError for
+/// an unknown name and for the volume of an open surface.
+double computeQuantity(const std::string& name, Simulation& simulation);
+
+/// One sentence for each bound of params().expect that does not hold; NaN holds none.
+std::vector<std::string> checkExpectations(Simulation& simulation);
+
+}  // namespace deformable_surface::simulation

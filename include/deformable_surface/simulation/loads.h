@@ -1,0 +1,96 @@
+// The loads of a scene: gravity, pressure and drag of the air, named forces, world springs.
+#pragma once
+
+#include "deformable_surface/simulation/scene_params.h"
+#include "deformable_surface/solve/external_load.h"
+
+#include <utility>
+
+namespace deformable_surface::simulation {
+
+using model::State;
+
+/// F = m g [Su 2007, eq. 4].
+class GravityLoad : public solve::ExternalLoad {
+ public:
+  GravityLoad(const std::vector<double>& masses, const Vec3& gravity) : gravity(gravity), masses_(masses) {}
+  void addForces(double time, const State& state, Points& forces) const override;
+  double potential(double time, const State& state) const override;
+  bool isConservative() const override { return true; }
+
+  Vec3 gravity;  // m/s^2
+
+ private:
+  const std::vector<double>& masses_;
+};
+
+/// Pressure along the outward normal and viscous drag against the normal velocity, both on the current area:
+/// F = p a - c (v . n) a with the area vector a = A n.
+class AirLoad : public solve::ExternalLoad {
+ public:
+  AirLoad(const model::DeformableModel& model, double pressure, double viscous_drag)
+      : model_(model), pressure_(pressure), drag_(viscous_drag) {}
+  void addForces(double time, const State& state, Points& forces) const override;
+  double potential(double time, const State& state) const override;
+  bool isConservative() const override;
+  void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
+  void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+
+ private:
+  const model::DeformableModel& model_;
+  double pressure_;  // Pa
+  double drag_;      // N s/m per m^2
+  mutable Points area_;
+};
+
+/// World springs, F = k (r0 - s) [Su 2007, eq. 5].
+class AnchorLoad : public solve::ExternalLoad {
+ public:
+  struct Anchor {
+    Index point;
+    Vec3 target;       // m
+    double stiffness;  // N/m
+  };
+  explicit AnchorLoad(std::vector<Anchor> anchors) : anchors_(std::move(anchors)) {}
+  void addForces(double time, const State& state, Points& forces) const override;
+  double potential(double time, const State& state) const override;
+  bool isConservative() const override { return true; }
+  void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
+  void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+
+ private:
+  std::vector<Anchor> anchors_;
+};
+
+/// Named forces: each keeps the points that it took when it started, shared in proportion to mass.
+class NamedForces : public solve::ExternalLoad {
+ public:
+  explicit NamedForces(const std::vector<double>& masses) : masses_(masses) {}
+
+  /// Adds the force or replaces the one of the same id; a zero force removes it.
+  void set(const ForceParams& force);
+  void remove(const std::string& id);
+  void clear() { forces_.clear(); }
+
+  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave.
+  void update(double time, const State& state);
+
+  void addForces(double time, const State& state, Points& forces) const override;
+  double potential(double time, const State& state) const override;
+  bool isConservative() const override { return true; }
+
+  /// Mean position of the loaded points, and the force, of each that acts now.
+  std::vector<std::pair<Vec3, Vec3>> active(const State& state) const;
+
+ private:
+  struct Named {
+    ForceParams params;
+    bool started = false;
+    std::vector<Index> points;   // ascending
+    std::vector<double> shares;  // sum to one
+  };
+  const std::vector<double>& masses_;
+  std::vector<Named> forces_;  // ascending id
+};
+
+}  // namespace deformable_surface::simulation

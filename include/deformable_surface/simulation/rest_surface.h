@@ -1,0 +1,33 @@
+// From a cloud to what can be simulated: the order of data through the cloud and transfer rooms, done once per accepted cloud.
+#pragma once
+
+#include "deformable_surface/cloud/clean.h"
+#include "deformable_surface/cloud/rings.h"
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/scene_params.h"
+#include "deformable_surface/transfer/transfer.h"
+
+#include <memory>
+
+namespace deformable_surface::simulation {
+
+/// Everything made from the rest state; nothing in it changes afterwards.
+struct RestSurface {
+  cloud::CleanCloud dense;         // finite distinct points; normals complete and consistently oriented
+  Lists dense_neighbors;           // (dense) nearest first
+  Points points, normals;          // (m x 3) simulation points
+  std::vector<Index> dense_index;  // (m) the dense point that each simulation point is
+  cloud::Rings rings;              // of the simulation points
+  double area = 0.0;               // m^2, of the dense surface
+  bool closed = false;             // the dense surface has no boundary
+  std::unique_ptr<model::DeformableModel> model;
+  transfer::Transfer transfer;
+  std::vector<char> pinned;        // (m) by the scene's pins
+  std::vector<std::string> notes;  // what a user should know: counts, rules, choices of auto
+};
+
+/// Cleans, orients, simplifies, connects and builds the model and the transfer operator. Throws InputError.
+/// O(n k log n) for n input points.
+RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input);
+
+}  // namespace deformable_surface::simulation

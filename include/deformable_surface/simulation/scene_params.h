@@ -1,0 +1,284 @@
+// Everything a scene file or the node's parameters can say, as plain values. The schema (names, units, ranges) is in the
+// functions that visit these structs; the meaning is in docs/parameters.md.
+#pragma once
+
+#include "deformable_surface/base/params.h"
+#include "deformable_surface/cloud/neighbors_params.h"
+#include "deformable_surface/cloud/simplification_params.h"
+#include "deformable_surface/geometry/region.h"
+#include "deformable_surface/model/mass_spring/mass_spring_params.h"
+#include "deformable_surface/model/material_params.h"
+#include "deformable_surface/simulation/statistics.h"
+#include "deformable_surface/solve/integrator_params.h"
+#include "deformable_surface/transfer/transfer_params.h"
+
+#include <cmath>
+#include <set>
+#include <string>
+#include <type_traits>
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+enum class ModelKind { kMassSpring };
+
+/// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
+struct CloudParams {
+  enum class Shape { kNone, kSheet, kStrip, kSine, kSphere, kCap, kTwoBars };
+  std::string file;            // path or package://deformable_surface/...; .pcd .ply .xyz
+  Shape shape = Shape::kNone;  // a generated one instead of a file
+  Index points = 4096;         // >= 4
+  Vec2 size{1.0, 1.0};         // m: sheet and sine [x, y], strip [length, width], two_bars [length, height of one bar]
+  double radius = 0.5;         // m, sphere and cap
+  double angle = 1.0;          // rad, cap: from its lowest point to its rim
+  double amplitude = 0.1;      // m, sine
+  double wavelength = 1.0;     // m, sine
+  double gap = 0.015;          // m, two_bars
+  double jitter = 0.0;         // 0 .. 0.5 of the spacing
+  Index seed = 1;              // >= 0
+  double scale = 1.0;          // > 0, file units to metres
+};
+
+struct AccuracyParams {
+  double position_error = 0.0;  // m, >= 0; 0 = not controlled
+  double step_budget = 0.0;     // s of wall time per step, >= 0; 0 = not controlled
+};
+
+/// Fixes the points whose rest position lies in the region.
+struct PinParams {
+  geometry::Region region;
+  bool orientation = false;  // also clamp the tangent plane (models with orientation)
+};
+
+/// A world spring [Su 2007, eq. 5]: F = stiffness (target - s) on the simulation point nearest to point at rest.
+struct AnchorParams {
+  Vec3 point = Vec3::Zero(), target = Vec3::Zero();  // m
+  double stiffness = 0.0;                            // N/m, >= 0
+};
+
+/// A named force; acts in the steps that begin at start <= t < end.
+struct ForceParams {
+  std::string id;
+  Vec3 point = Vec3::Zero();  // m
+  Vec3 force = Vec3::Zero();  // N, the total
+  double radius = 0.0;        // m, >= 0; 0 = nearest simulation point
+  double start = 0.0;         // s
+  double end = 1e300;         // s
+};
+
+struct WrenchParams {
+  double radius = 0.0;   // m, >= 0
+  double timeout = 0.5;  // s, > 0
+};
+
+struct OutputParams {
+  bool normals = true;
+  bool resample = false;       // insert points where the surface is stretched
+  double publish_rate = 30.0;  // Hz, > 0
+};
+
+enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running surface
+
+struct InputParams {
+  InputPolicy policy = InputPolicy::kReplace;
+  Index max_points = 20000000;  // >= 3
+};
+
+/// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
+struct ExpectParams {
+  std::string quantity;
+  double min = 0.0, max = 0.0;
+};
+
+struct SceneParams {
+  ModelKind model = ModelKind::kMassSpring;
+  std::string frame_id;
+  CloudParams cloud;
+  model::MaterialParams material;
+  cloud::NeighborsParams neighbors;
+  cloud::SimplificationParams simplification;
+  model::MassSpringParams mass_spring;
+  transfer::TransferParams transfer;
+  solve::IntegratorParams integrator;
+  AccuracyParams accuracy;
+  Vec3 gravity{0.0, 0.0, -9.81};  // m/s^2, in gravity_frame
+  std::string gravity_frame;      // empty = frame_id
+  double viscous_drag = 0.0;      // N s/m per m^2, >= 0
+  double pressure = 0.0;          // Pa
+  std::vector<PinParams> pins;
+  std::vector<AnchorParams> anchors;
+  std::vector<ForceParams> forces;
+  WrenchParams force;     // for ~wrench
+  double duration = 2.0;  // s, > 0
+  Index threads = 0;      // 0 = all cores
+  OutputParams output;
+  InputParams input;
+  std::string save_directory;
+  bool diagnostics = true;
+  std::vector<ExpectParams> expect;
+};
+
+/// The names that `expect` may bound: the numbers of Statistics and what the final cloud shows.
+inline std::vector<std::string> expectQuantities() {
+  std::vector<std::string> names;
+  // A hash is not a quantity, and does not fit a double.
+  visitFields(Statistics{}, [&](const std::string& name, const auto& value) {
+    if (std::is_arithmetic<std::decay_t<decltype(value)>>::value && name != "state_hash") names.push_back(name);
+  });
+  for (const char* name : {"max_displacement", "mean_displacement", "rms_displacement", "min_x", "max_x", "min_y", "max_y",
+                           "min_z", "max_z", "volume_ratio"}) {
+    names.emplace_back(name);
+  }
+  return names;
+}
+
+inline void visit(Fields& fields, CloudParams& p) {
+  using Shape = CloudParams::Shape;
+  fields.text("file", p.file, "a .pcd, .ply or .xyz file: a path or package://PACKAGE/PATH");
+  fields.choice("shape", p.shape,
+                {{"none", Shape::kNone},
+                 {"sheet", Shape::kSheet},
+                 {"strip", Shape::kStrip},
+                 {"sine", Shape::kSine},
+                 {"sphere", Shape::kSphere},
+                 {"cap", Shape::kCap},
+                 {"two_bars", Shape::kTwoBars}},
+                "a generated cloud instead of a file");
+  fields.require(p.file.empty() || p.shape == Shape::kNone, "shape", "found beside a file; accepted: one of the two");
+  fields.integer("points", p.points, "", between(4, kMaxPoints), "shapes: how many points, about; the count made is printed");
+  fields.vector("size", p.size, "m", between(1e-6, kMaxLength),
+                "sheet and sine: extent in x and y; strip: length and width; two_bars: length and the height of one bar");
+  fields.number("radius", p.radius, "m", between(1e-6, kMaxLength), "sphere and cap: radius");
+  fields.number("angle", p.angle, "rad", between(1e-3, 3.1), "cap: the lower part of a sphere, from its lowest point to its rim");
+  fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength), "sine: height of the crests; one of them runs along x = 0");
+  fields.number("wavelength", p.wavelength, "m", between(1e-6, kMaxLength), "sine: from crest to crest, along x");
+  fields.number("gap", p.gap, "m", between(1e-9, kMaxLength), "two_bars: free space between the bars");
+  fields.number("jitter", p.jitter, "", between(0.0, 0.5),
+                "shapes: points move by up to this share of the spacing within the surface");
+  fields.integer("seed", p.seed, "", between(0, std::numeric_limits<Index>::max()),
+                 "shapes: start of the random numbers of jitter");
+  fields.number("scale", p.scale, "", between(1e-9, 1e9), "file: metres per file unit");
+}
+
+inline void visit(Fields& fields, AccuracyParams& p) {
+  const std::string sentence = "found a value other than 0, which is not built yet; accepted: 0";
+  fields.number("position_error", p.position_error, "m", between(0.0, kMaxLength),
+                "0 = not controlled; other values are not built yet");
+  fields.require(p.position_error == 0.0, "position_error", sentence);
+  fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
+                "wall time per step; 0 = not controlled; other values are not built yet");
+  fields.require(p.step_budget == 0.0, "step_budget", sentence);
+}
+
+inline void visit(Fields& fields, PinParams& p) {
+  geometry::Region& region = p.region;
+  // Bounds of a box may lie far outside any cloud, to mean a half-space.
+  const bool is_box = fields.begin("box", region.kind == geometry::Region::Kind::kBox, "");
+  if (is_box) {
+    fields.required().vector("min", region.min, "m", anyFinite(), "the corner with the smallest coordinates");
+    fields.required().vector("max", region.max, "m", anyFinite(), "the corner with the largest coordinates");
+    fields.require((region.min.array() <= region.max.array()).all(), "",
+                   "found min above max; accepted: min <= max in x, y and z");
+    fields.end();
+  }
+  const bool is_sphere = fields.begin("sphere", region.kind == geometry::Region::Kind::kSphere, "");
+  if (is_sphere) {
+    region.kind = geometry::Region::Kind::kSphere;
+    fields.required().vector("center", region.center, "m", anyFinite(), "its centre");
+    fields.required().number("radius", region.radius, "m", between(0.0, 2.0 * kMaxLength), "its radius");
+    fields.end();
+  }
+  fields.require(is_box != is_sphere, "",
+                 std::string("found ") + (is_box ? "both" : "neither") + " of box and sphere; accepted: one");
+  fields.flag("orientation", p.orientation, "also clamp the tangent plane; needs a model with orientation");
+  fields.require(!p.orientation, "orientation", "found true, but mass_spring has no orientation; accepted: false");
+}
+
+inline void visit(Fields& fields, AnchorParams& p) {
+  fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
+                           "at rest; the nearest simulation point is held");
+  fields.required().vector("target", p.target, "m", between(-kMaxLength, kMaxLength), "where it is drawn to");
+  fields.required().number("stiffness", p.stiffness, "N/m", between(0.0, 1e15), "force = stiffness * (target - position)");
+}
+
+inline void visit(Fields& fields, ForceParams& p) {
+  fields.required().text("id", p.id, "its name, not empty; no two forces share one");
+  fields.require(!p.id.empty(), "id", "found empty text; accepted: a name");
+  fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
+                           "points within the radius of here share the force");
+  fields.required().vector("force", p.force, "N", between(-1e12, 1e12), "the total");
+  fields.number("radius", p.radius, "m", between(0.0, kMaxLength), "0 = the nearest simulation point");
+  fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
+  fields.number("end", p.end, "s", anyFinite(), "the default never ends");
+  fields.require(p.start <= p.end, "end", "found an end before the start; accepted: start <= end");
+}
+
+inline void visit(Fields& fields, WrenchParams& p) {
+  fields.number("radius", p.radius, "m", between(0.0, kMaxLength),
+                "points within it share the force; 0 = the nearest simulation point");
+  fields.number("timeout", p.timeout, "s", between(1e-3, 1e9), "without a new message for this long, the force is dropped");
+}
+
+inline void visit(Fields& fields, OutputParams& p) {
+  fields.flag("normals", p.normals, "normals of the full cloud");
+  fields.flag("resample", p.resample, "insert points where the surface is stretched");
+  fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: clouds and markers");
+}
+
+inline void visit(Fields& fields, InputParams& p) {
+  fields.choice("policy", p.policy,
+                {{"ignore", InputPolicy::kIgnore}, {"replace", InputPolicy::kReplace}, {"track", InputPolicy::kTrack}},
+                "what a cloud on a running surface does; `track` is not built yet");
+  fields.require(p.policy != InputPolicy::kTrack, "policy", "found track, which is not built yet; accepted: ignore, replace");
+  fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
+}
+
+inline void visit(Fields& fields, SceneParams& p) {
+  fields.required().choice("model", p.model, {{"mass_spring", ModelKind::kMassSpring}}, "what the surface is made of",
+                           {"oriented_particles", "elastic_solid"});
+  fields.text("frame_id", p.frame_id, "frame of the outputs; empty = the cloud's frame");
+  fields.section("cloud", p.cloud, "Where `simulate` takes its cloud from; the node takes `~cloud_in`.");
+  fields.section("material", p.material, "What the surface is made of, in the units of the laboratory.");
+  fields.section("neighbors", p.neighbors, "How neighbourhoods are chosen.");
+  fields.section("simplification", p.simplification, "How many points move by physics; the others follow them.");
+  fields.section("mass_spring", p.mass_spring, "Choices within the mass-spring model.");
+  fields.section("transfer", p.transfer, "How all points follow the simulation points.");
+  const bool pure_springs = p.mass_spring.membrane == model::Membrane::kSprings;
+  // What a rounded 1/3 in a file may differ from it.
+  constexpr double kThirdTolerance = 1e-3;
+  fields.require(!pure_springs || std::abs(p.material.poisson_ratio - 1.0 / 3.0) <= kThirdTolerance, "material.poisson_ratio",
+                 "found " + formatReal(p.material.poisson_ratio) +
+                     " with mass_spring.membrane: springs; accepted: 1/3, which pure springs have by construction");
+  fields.notBuilt("oriented_particles", "oriented particles");
+  fields.notBuilt("elastic_solid", "elastic solids");
+  fields.section("integrator", p.integrator, "How time is stepped.");
+  fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
+  fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "in gravity_frame");
+  fields.text("gravity_frame", p.gravity_frame, "empty = frame_id; else looked up in tf by the node");
+  fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");
+  fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "on the current area along the outward normal");
+  fields.list("pins", p.pins, "Each fixes the simulation points whose rest position lies in a closed box or sphere.");
+  fields.list("anchors", p.anchors, "World springs.");
+  fields.list("forces", p.forces, "Named forces on the surface near a point.");
+  std::set<std::string> ids;
+  for (std::size_t i = 0; i < p.forces.size(); ++i) {
+    const std::string& id = p.forces[i].id;
+    fields.require(id.empty() || ids.insert(id).second, "forces[" + std::to_string(i) + "].id",
+                   "found " + quote(id) + " a second time; accepted: a name of its own");
+  }
+  fields.section("force", p.force, "The force that comes as `~wrench`.");
+  fields.notBuilt("tools", "rigid tools");
+  fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
+  fields.integer("threads", p.threads, "", between(0, 1024), "0 = all cores; the result is the same for every number");
+  fields.section("output", p.output, "What is computed and published.");
+  fields.section("input", p.input, "What clouds are taken.");
+  fields.text("save_directory", p.save_directory, "where `~save` writes; empty = `~save` is off");
+  fields.flag("diagnostics", p.diagnostics, "publish `/diagnostics`");
+  std::vector<NamedBounds> bounds;
+  for (const ExpectParams& expect : p.expect) bounds.push_back({expect.quantity, expect.min, expect.max});
+  fields.bounds("expect", bounds, expectQuantities(), "what a test checks after the run");
+  p.expect.clear();
+  for (const NamedBounds& bound : bounds) p.expect.push_back({bound.name, bound.min, bound.max});
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,83 @@
+// The world: one surface, what pushes on it, and the order of a step. The node and `simulate` drive this and nothing below it.
+#pragma once
+
+#include "deformable_surface/cloud/clean.h"
+#include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/cloud/point_cloud.h"
+#include "deformable_surface/cloud/rings.h"
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/scene_params.h"
+#include "deformable_surface/simulation/statistics.h"
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+/// The result of one step. Numbers that went wrong never throw: the state is then as it was before the step.
+struct StepOutcome {
+  bool ok = true;
+  std::string problem;  // one sentence: which quantity, at which point, at which time
+  std::string notice;   // what a user should know though all is well (e.g. the integrator that auto fell back to); else empty
+};
+
+/// The deformed surface: one row per input point in the input's order, then the inserted ones.
+struct Surface {
+  Points positions;                      // m; NaN for holes
+  std::vector<Eigen::Vector3f> normals;  // unit; NaN for holes; empty if not wanted
+  std::vector<float> displacement;       // m, distance from rest; NaN for holes
+  std::vector<Index> source;             // the input point whose extra fields each inserted row takes; empty without inserted rows
+  Index num_input = 0;
+};
+
+class Simulation {
+ public:
+  /// Builds the surface. Throws InputError naming each problem: fewer than three distinct points, a pin that holds no point, a
+  /// value or mode that is not accepted.
+  Simulation(const SceneParams& params, cloud::PointCloud input);
+  ~Simulation();
+  Simulation(Simulation&&) noexcept;
+  Simulation& operator=(Simulation&&) noexcept;
+
+  /// Advances by exactly params.integrator.time_step.
+  StepOutcome step();
+  double time() const;           // s since rest
+  std::uint64_t stepCount() const;
+  const SceneParams& params() const;
+  const cloud::PointCloud& input() const;
+
+  /// Back to rest at time 0; scene pins and forces stay, those added since go.
+  void reset();
+
+  // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
+  void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it
+  void removeForce(const std::string& id);
+  /// Fixes (or frees) the simulation points whose current position lies in the region, where they are. Returns how many.
+  Index pin(const geometry::Region& region);
+  Index unpin(const geometry::Region& region);
+  void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
+
+  /// The full surface now. normals are computed if wanted and params.output.normals.
+  const Surface& surface(bool with_normals);
+  Statistics statistics() const;
+  std::uint64_t stateHash() const;
+
+  // For display and simulation_points output.
+  const model::State& state() const;
+  const model::DeformableModel& model() const;
+  const std::vector<char>& pinned() const;                   // (m)
+  void computeSimulationNormals(Points& normals) const;      // (m x 3)
+  /// Named forces acting now: point of attack (mean of the loaded points) and force.
+  std::vector<std::pair<Vec3, Vec3>> activeForces() const;
+
+  /// Lines worth telling after construction: counts of dropped, coincident and degenerate points, rules used, choices of auto.
+  const std::vector<std::string>& buildNotes() const;
+
+ private:
+  struct Impl;
+  std::unique_ptr<Impl> impl_;
+};
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,68 @@
+// What a step did and cost: the fields of Statistics.msg and of the CSV, in one list.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+struct Statistics {
+  double simulation_time = 0.0;  // s
+  std::uint64_t step = 0;
+  std::uint32_t points = 0, simulation_points = 0, springs = 0, awake = 0;
+  double kinetic_energy = 0.0, elastic_energy = 0.0, potential_energy = 0.0;  // J
+  double max_stretch = 0.0;      // |l / l0 - 1|
+  double max_speed = 0.0;        // m/s
+  // m; NaN where there is no estimate
+  double error_estimate = std::numeric_limits<double>::quiet_NaN();
+  double error_time = std::numeric_limits<double>::quiet_NaN();
+  double error_space = std::numeric_limits<double>::quiet_NaN();
+  double error_transfer = std::numeric_limits<double>::quiet_NaN();
+  std::uint32_t substeps = 0, solver_iterations = 0;
+  double solver_residual = 0.0;  // N
+  // s of wall time of the last step
+  double time_input = 0.0, time_forces = 0.0, time_solve = 0.0, time_contact = 0.0, time_transfer = 0.0, time_normals = 0.0,
+         time_publish = 0.0, time_total = 0.0;
+  double real_time_factor = 0.0;  // time step over time_total
+  std::uint64_t state_hash = 0;
+  std::vector<std::string> skipped;  // stages that were not run because nobody needed them
+};
+
+/// Calls visitor(name, value) for every field in the order of Statistics.msg.
+template <class Visitor>
+void visitFields(const Statistics& s, Visitor&& visitor) {
+  visitor("simulation_time", s.simulation_time);
+  visitor("step", s.step);
+  visitor("points", s.points);
+  visitor("simulation_points", s.simulation_points);
+  visitor("springs", s.springs);
+  visitor("awake", s.awake);
+  visitor("kinetic_energy", s.kinetic_energy);
+  visitor("elastic_energy", s.elastic_energy);
+  visitor("potential_energy", s.potential_energy);
+  visitor("max_stretch", s.max_stretch);
+  visitor("max_speed", s.max_speed);
+  visitor("error_estimate", s.error_estimate);
+  visitor("error_time", s.error_time);
+  visitor("error_space", s.error_space);
+  visitor("error_transfer", s.error_transfer);
+  visitor("substeps", s.substeps);
+  visitor("solver_iterations", s.solver_iterations);
+  visitor("solver_residual", s.solver_residual);
+  visitor("time_input", s.time_input);
+  visitor("time_forces", s.time_forces);
+  visitor("time_solve", s.time_solve);
+  visitor("time_contact", s.time_contact);
+  visitor("time_transfer", s.time_transfer);
+  visitor("time_normals", s.time_normals);
+  visitor("time_publish", s.time_publish);
+  visitor("time_total", s.time_total);
+  visitor("real_time_factor", s.real_time_factor);
+  visitor("state_hash", s.state_hash);
+  visitor("skipped", s.skipped);
+}
+
+}  // namespace deformable_surface::simulation

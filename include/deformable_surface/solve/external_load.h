@@ -1,0 +1,29 @@
+// Anything outside the material that pushes on the simulation points: gravity, pressure, named forces, world springs, tools.
+// It is evaluated in every sub-step, so that nothing is frozen over a step and solvers need to know neither tools nor models.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+
+namespace deformable_surface::solve {
+
+class ExternalLoad {
+ public:
+  virtual ~ExternalLoad() = default;
+
+  /// Adds the load at simulation time `time` (s): forces (n x 3), N.
+  virtual void addForces(double time, const model::State& state, Points& forces) const = 0;
+
+  /// Potential of the load in joules where it has one (its forces are minus the gradient). Meaningless if !isConservative().
+  virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
+  virtual bool isConservative() const { return false; }
+
+  /// Adds a positive semidefinite approximation of minus the derivative of the forces: with respect to position, and divided by
+  /// step with respect to velocity (step = 0: none).
+  virtual void addStiffness(double /*time*/, const model::State& /*state*/, double /*step*/, BlockSparse& /*stiffness*/) const {}
+
+  /// Adds upper bounds of the row sums of the derivatives with respect to position (N/m) and velocity (N s/m).
+  virtual void addRowBounds(double /*time*/, const model::State& /*state*/, std::vector<double>& /*stiffness*/,
+                            std::vector<double>& /*damping*/) const {}
+};
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,35 @@
+// Time stepping behind one interface. An integrator advances a state by the caller's step, in as many sub-steps as it needs, and
+// reports what it did; it never changes the step, never throws for numbers that went wrong and never logs.
+#pragma once
+
+#include "deformable_surface/solve/integrator_params.h"
+#include "deformable_surface/solve/system.h"
+
+#include <memory>
+
+namespace deformable_surface::solve {
+
+struct SolveReport {
+  bool finite = true;        // false: the state is not usable; the caller restores the one before
+  bool converged = true;     // implicit and static: the residual fell below the tolerance
+  Index substeps = 0;
+  Index iterations = 0;      // Newton iterations
+  double residual = 0.0;     // N, the largest unbalanced force on a free point
+  double time_forces = 0.0;  // s of wall time in force evaluations
+};
+
+class Integrator {
+ public:
+  virtual ~Integrator() = default;
+  /// Advances state from time by step seconds. max_substep, s: the stable step of explicit methods (see StableStep); the
+  /// step is cut in equal sub-steps no longer than a safe share of it. Implicit methods do not read it.
+  virtual SolveReport advance(const System& system, double time, double step, double max_substep, State& state) = 0;
+};
+
+/// Sub-steps that an explicit integrator takes of a step: enough that each is at most kSafety of the stable one.
+Index countSubsteps(double step, double max_substep);
+
+/// type: not kAuto, which the simulation resolves.
+std::unique_ptr<Integrator> makeIntegrator(IntegratorType type, const IntegratorParams& params);
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,38 @@
+// How time is stepped.
+#pragma once
+
+#include "deformable_surface/base/params.h"
+#include "deformable_surface/base/types.h"
+
+namespace deformable_surface::solve {
+
+enum class IntegratorType { kAuto, kVerlet, kSymplecticEuler, kExplicitEuler, kImplicit, kStatic };
+
+struct IntegratorParams {
+  IntegratorType type = IntegratorType::kAuto;
+  double time_step = 0.01;     // s, > 0; never changed silently
+  Index max_substeps = 1000;   // >= 1: auto takes verlet while it needs no more sub-steps per step than this, else implicit
+  double tolerance = 1e-6;     // > 0: implicit and static stop when the residual force is below this share of the largest force
+  Index max_iterations = 100;  // >= 1: Newton iterations of an implicit or static step
+};
+
+inline void visit(Fields& fields, IntegratorParams& p) {
+  fields.choice(
+      "type", p.type,
+      {{"auto", IntegratorType::kAuto},
+       {"verlet", IntegratorType::kVerlet},
+       {"symplectic_euler", IntegratorType::kSymplecticEuler},
+       {"explicit_euler", IntegratorType::kExplicitEuler},
+       {"implicit", IntegratorType::kImplicit},
+       {"static", IntegratorType::kStatic}},
+      "`auto` = verlet while it fits the sub-steps, else implicit; `explicit_euler` = as published; `static` = each step is "
+      "the equilibrium under its loads");
+  fields.number("time_step", p.time_step, "s", between(1e-9, 1e3), "never changed silently; sub-steps happen inside it");
+  fields.integer("max_substeps", p.max_substeps, "", between(1, 1e9),
+                 "`auto` leaves verlet when a step needs more sub-steps than this");
+  fields.number("tolerance", p.tolerance, "", between(1e-15, 0.1),
+                "implicit and static stop when the residual force is below this share of the largest force");
+  fields.integer("max_iterations", p.max_iterations, "", between(1, 1e6), "Newton iterations of an implicit or static step");
+}
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,60 @@
+// What a solver sees: masses, all forces (of the material and of the loads) and which points are held. It never sees a concrete
+// model, tool or scene.
+#pragma once
+
+#include "deformable_surface/solve/external_load.h"
+
+namespace deformable_surface::solve {
+
+using model::State;
+
+class System {
+ public:
+  /// The model, the loads and held (n, 1 = the point does not move) are kept by reference: what they say may change between steps.
+  /// damping, 1/s: force = -damping * mass * velocity; explicit integrators apply it exactly.
+  System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
+         double damping);
+
+  Index size() const { return static_cast<Index>(model_.masses().size()); }
+  const std::vector<double>& masses() const { return model_.masses(); }
+  bool isHeld(Index i) const { return held_[i] != 0; }
+  double damping() const { return damping_; }
+
+  /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
+  void computeForces(double time, const State& state, Points& forces) const;
+  /// Only those that have a potential: the material's elastic ones and those of conservative loads. Velocities are not read.
+  void computeConservativeForces(double time, const State& state, Points& forces) const;
+  /// Their potential, J.
+  double potentialEnergy(double time, const State& state) const;
+  /// J.
+  double kineticEnergy(const State& state) const;
+  /// The potential of the conservative loads alone, J.
+  double loadPotential(double time, const State& state) const;
+
+  /// The derivative -dF/dx - dF/dv / step, each part positive semidefinite, on all points (also held ones).
+  void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const;
+
+  /// The size of the forces that have to balance, N: the largest internal force or load on any point, held ones included.
+  double largestForce(double time, const State& state) const;
+  /// The force below which a balance is rounding, N: that of positions wrong by one unit in the last place.
+  double roundingForce(double time, const State& state) const;
+
+  /// Upper bounds by Gershgorin's theorem of the largest angular frequency (rad/s) and of the largest rate of the damping that
+  /// depends on velocity (1/s).
+  struct Bounds {
+    double frequency = 0.0;
+    double damping_rate = 0.0;
+  };
+  Bounds bounds(double time, const State& state) const;
+
+ private:
+  const model::DeformableModel& model_;
+  const std::vector<const ExternalLoad*>& loads_;
+  const std::vector<char>& held_;
+  double damping_;
+  mutable State at_rest_;                            // scratch: the positions with velocities of zero
+  mutable Points largest_;
+  mutable std::vector<double> row_stiffness_, row_damping_;
+};
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,64 @@
+// From the few simulation points to the many dense ones: displacement and normals as a precomputed sparse operator.
+#pragma once
+
+#include "deformable_surface/transfer/transfer_params.h"
+
+namespace deformable_surface::transfer {
+
+/// Least-squares plane through the displacements of the k nearest simulation points, on the tangent plane of each dense point
+/// [Su 2007, eq. 7-8], kept as the rows of value and gradient: u = sum_j w_j u_j, du/dx = sum_j gx_j u_j, du/dy = sum_j gy_j u_j.
+/// Departure from the paper: the height of a dense point over the plane fitted to its simulation points turns with the surface
+/// instead of keeping its direction in space, so that rigid motions are exact on curved surfaces too; and the normal follows from
+/// the gradient rows instead of a new covariance analysis.
+/// Degenerate neighbourhoods: if the projected neighbours are collinear the displacement is linear along their line and constant
+/// across; if they coincide or there is one, it is their weighted mean; with none at all the point stays. Weights are float
+/// (their error is 1e-7 of the displacement), positions double.
+class Transfer {
+ public:
+  Transfer() = default;
+
+  /// dense (n x 3), normals (n x 3, unit), simulation (m x 3): all at rest. Only simulation points with usable[j] != 0 are
+  /// taken. InputError if arrays do not fit, points are not finite or an option is out of range. Parallel; O(n (log m + k)).
+  Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
+           const TransferParams& params);
+
+  /// positions (m x 3) of the simulation points now -> dense positions (n x 3) and, if wanted, unit normals (n x 3 float).
+  /// A normal whose transferred tangents are parallel keeps its rest direction. At rest the positions are the rest positions to
+  /// the bit. Parallel, nothing is allocated after the first call; may be called from several threads.
+  void apply(const Points& simulation_now, Points& dense_now) const;
+  void apply(const Points& simulation_now, Points& dense_now, std::vector<Eigen::Vector3f>& normals_now) const;
+
+  /// Local change of area, |t1' x t2'| / |t1 x t2|, of each dense point (n).
+  void areaRatio(const Points& simulation_now, std::vector<float>& ratio) const;
+
+  Index numDense() const;
+  Index numSimulation() const;
+  Index numDegenerate() const;       // dense points whose neighbourhood has no plane
+  std::size_t bytesPerPoint() const; // of the operator, for the benchmark
+
+ private:
+  // Fills row i of the operator from the neighbours of dense point i; true if they span its plane.
+  bool fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found, const TransferParams& params);
+
+  // Displacements less their mean, (max(m, 1) x 4) float, in memory of the calling thread; and that mean.
+  const float* findDisplacements(const Points& simulation_now, Vec3& mean) const;
+
+  // The one pass over all rows; outputs that are null are left out. K is the row length, 0 if not known to the compiler.
+  template <int K>
+  void run(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const;
+  void dispatch(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const;
+
+  // All arrays are in the user's order of the dense points, so that everything streams but the displacements, which are few;
+  // within a group of four points each quantity of the four lies side by side (the last group is filled up with zeros).
+  Index k_ = 0;                   // row length
+  Index num_degenerate_ = 0;
+  std::vector<Index> index_;      // (n / 4 x k x 4) simulation points; rows with fewer are filled up with weight zero
+  std::vector<float> weight_;     // (n / 4 x k x 3 x 4) weight in the value row and in the two gradient rows (1/m)
+  std::vector<float> frame_;      // (n / 4 x 12 x 4) fitted tangents, normal, slopes and height over the fitted plane
+  Points rest_;                   // (n x 3) m
+  Points simulation_rest_;        // (m x 3) m
+  std::vector<char> usable_;      // (m)
+  Index num_usable_ = 0;
+};
+
+}  // namespace deformable_surface::transfer

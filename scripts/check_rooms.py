@@ -1,0 +1,158 @@
+#!/usr/bin/env python3
+"""Checks that the folders below include/deformable_surface and src look only into those that the table of rooms in
+CONTRIBUTING.md allows, and that ROS, PCL and YAML stay at the border. It is a file of its own because no compiler says this.
+  check_rooms.py [REPOSITORY]    one line for each forbidden include; status 1 if there is any
+  check_rooms.py --self-test     shows on made-up files that each rule can fail"""
+import os
+import re
+import sys
+import tempfile
+
+PARAMETERS = r"(.*/)?\w+_params\.h"  # a file of plain values, which the readers of files may know
+
+# Room: patterns of what it may include of this project, beside itself. The mains, which lie in no room, may include all.
+ROOMS = {
+    "base": [],
+    "geometry": [r"base/.*"],
+    "cloud": [r"(base|geometry)/.*"],
+    "model": [r"(base|geometry|cloud)/.*"],
+    "solve": [r"base/.*", r"model/deformable_model\.h"],
+    "tool": [r"(base|geometry|cloud)/.*"],
+    "transfer": [r"(base|geometry|cloud)/.*"],
+    "simulation": [r"(base|geometry|cloud|model|solve|tool|transfer)/.*"],
+    "io": [r"(base|cloud)/.*", PARAMETERS],
+    "ros": [r".*"],
+}
+
+STANDARD = r"[a-z_0-9]+|(immintrin|unistd|fcntl|sched)\.h|sys/\w+\.h"  # C++, the compiler's intrinsics, POSIX
+# What comes from outside, and the files that may include it, as patterns of paths without include/deformable_surface or src.
+OUTSIDE = [
+    (STANDARD, r".*"),
+    (r"Eigen/.*", r".*"),
+    (r"yaml-cpp/.*", r"io/.*"),
+    (r"(pcl|boost)/.*", r"io/point_files\w*\..*"),
+    (r".*", r"ros/.*|[^/]*"),
+]
+
+INCLUDE = re.compile(r'^\s*#\s*include\s*([<"])([^>"]+)[>"]')
+
+
+def check_include(path, bracket, target, beside):
+    """The rule that the include breaks, or nothing. `path` is the including file within its tree, as in "cloud/rings.cpp";
+    `beside` says whether the target exists next to it."""
+    prefix = "deformable_surface/"
+    room = path.split("/")[0] if "/" in path else ""
+    own = target.startswith(prefix) and target[len(prefix):].split("/")[0] in ROOMS
+    if not own and bracket == '"' and beside:
+        return None if "/" not in target else "a file beside it is included by its bare name"
+    if not own:
+        if any(re.fullmatch(what, target) and re.fullmatch(who, path) for what, who in OUTSIDE):
+            return None
+        return "%s may not include this from outside the project" % (room or "this file")
+    if room in ("", "ros"):
+        return None
+    inner = target[len(prefix):]
+    if inner.startswith(room + "/"):
+        # The models lie in folders of their own and never see each other.
+        mine, theirs = path.split("/")[1:-1], inner.split("/")[1:-1]
+        if room == "model" and theirs and mine != theirs:
+            return "a model may not include another, nor the common part a model"
+        return None
+    if any(re.fullmatch(pattern, inner) for pattern in ROOMS[room]):
+        return None
+    return "%s may not include this" % room
+
+
+def check_tree(repository):
+    """Sentences, one for each forbidden include, and the number of files read."""
+    problems, count = [], 0
+    for top in ("include/deformable_surface", "src"):
+        base = os.path.join(repository, top)
+        for folder, folders, names in os.walk(base):
+            folders.sort()
+            for name in sorted(names):
+                if not name.endswith((".h", ".cpp")):
+                    continue
+                file = os.path.join(folder, name)
+                path = os.path.relpath(file, base).replace(os.sep, "/")
+                count += 1
+                if "/" in path and path.split("/")[0] not in ROOMS:
+                    problems.append("%s/%s: '%s' is no room; accepted: %s" % (top, path, path.split("/")[0], ", ".join(ROOMS)))
+                    continue
+                with open(file, encoding="utf-8") as stream:
+                    for number, line in enumerate(stream, 1):
+                        match = INCLUDE.match(line)
+                        if not match:
+                            continue
+                        beside = os.path.isfile(os.path.join(folder, match.group(2)))
+                        rule = check_include(path, match.group(1), match.group(2), beside)
+                        if rule:
+                            problems.append("%s/%s:%d: %s: %s" % (top, path, number, match.group(2), rule))
+    return problems, count
+
+
+def test_self():
+    """Each made-up file with an include and whether it is allowed. Returns the cases judged wrongly."""
+    ours, refused, allowed = '"deformable_surface/%s"', False, True
+    cases = [
+        ("src/base/a.cpp", "<vector>", allowed),
+        ("src/base/a.cpp", "<Eigen/Core>", allowed),
+        ("src/base/b.cpp", ours % "cloud/kd_tree.h", refused),
+        ("src/base/c.cpp", "<ros/ros.h>", refused),
+        ("src/cloud/a.cpp", ours % "geometry/region.h", allowed),
+        ("src/cloud/b.cpp", "<pcl/point_cloud.h>", refused),
+        ("src/cloud/c.cpp", ours % "simulation/simulation.h", refused),
+        ("src/cloud/d.cpp", "<boost/any.hpp>", refused),
+        ("src/model/x/a.cpp", ours % "model/x/b.h", allowed),
+        ("src/model/x/c.cpp", ours % "model/y/b.h", refused),
+        ("src/model/d.cpp", ours % "model/x/b.h", refused),
+        ("src/model/x/e.cpp", ours % "model/params.h", allowed),
+        ("src/solve/a.cpp", ours % "model/deformable_model.h", allowed),
+        ("src/solve/b.cpp", ours % "model/x/b.h", refused),
+        ("src/solve/c.cpp", ours % "cloud/kd_tree.h", refused),
+        ("src/transfer/a.cpp", ours % "model/deformable_model.h", refused),
+        ("src/simulation/a.cpp", ours % "model/x/b.h", allowed),
+        ("src/simulation/b.cpp", ours % "io/scene.h", refused),
+        ("src/io/scene.cpp", "<yaml-cpp/yaml.h>", allowed),
+        ("src/simulation/c.cpp", "<yaml-cpp/yaml.h>", refused),
+        ("src/io/scene.h", ours % "simulation/scene_params.h", allowed),
+        ("src/io/shapes.h", ours % "simulation/simulation.h", refused),
+        ("src/io/point_files.cpp", "<pcl/io/pcd_io.h>", allowed),
+        ("src/io/scene_pcl.cpp", "<pcl/io/pcd_io.h>", refused),
+        ("src/ros/node.cpp", "<tf2_ros/buffer.h>", allowed),
+        ("src/simulate.cpp", "<rosbag/bag.h>", allowed),
+        ("src/tool/a.cpp", "<tf2/LinearMath/Vector3.h>", refused),
+        ("src/tool/b.cpp", ours % "Tool.h", refused),
+        ("src/attic/a.cpp", "<vector>", refused),
+        ("include/deformable_surface/base/a.h", ours % "cloud/rings.h", refused),
+    ]
+    wrong = []
+    for path, include, expected in cases:
+        with tempfile.TemporaryDirectory() as folder:
+            os.makedirs(os.path.join(folder, os.path.dirname(path)))
+            with open(os.path.join(folder, path), "w") as stream:
+                stream.write("#pragma once\n  #  include %s // why\n" % include)
+            problems, _ = check_tree(folder)
+            if (not problems) != expected:
+                wrong.append("%s with %s should be %s" % (path, include, "allowed" if expected else "refused"))
+    return wrong, len(cases)
+
+
+def main():
+    if sys.argv[1:] == ["--self-test"]:
+        problems, count = test_self()
+    elif len(sys.argv) <= 2 and not sys.argv[-1].startswith("-"):
+        here = os.path.dirname(os.path.realpath(__file__))
+        problems, count = check_tree(sys.argv[1] if len(sys.argv) == 2 else os.path.dirname(here))
+        if count == 0:
+            problems = ["no source file found; give the repository's folder"]
+    else:
+        sys.exit("usage: check_rooms.py [REPOSITORY | --self-test]")
+    for problem in problems:
+        print(problem)
+    print("%d checked, %d wrong" % (count, len(problems)))
+    sys.exit(1 if problems else 0)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,103 @@
+# Sourced by the other scripts: where things are, which packages are needed, how the workspace is built. It is a file of its own
+# so that the demo, the tests and the pictures all stand on the same ground. bash only.
+set -euo pipefail
+
+repository=$(cd -P "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
+workspace=${DEFORMABLE_SURFACE_WORKSPACE:-$repository/.ws}  # ignored by git
+jobs=${DEFORMABLE_SURFACE_JOBS:-$(nproc)}
+# The system's Python first: ROS programs start with "env python3", and another Python in front of it lacks their modules.
+export PATH=/usr/bin:/bin:$PATH
+
+fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
+
+# ---- packages ----
+
+debian_packages=(
+  catkin cmake make g++ python3-minimal
+  libroscpp-dev libroslib-dev libxmlrpcpp-dev libtf2-ros-dev libtf2-geometry-msgs-dev tf2-tools
+  libstd-msgs-dev ros-std-msgs libstd-srvs-dev ros-std-srvs
+  libgeometry-msgs-dev ros-geometry-msgs libsensor-msgs-dev ros-sensor-msgs libshape-msgs-dev ros-shape-msgs
+  libvisualization-msgs-dev ros-visualization-msgs libdiagnostic-msgs-dev ros-diagnostic-msgs ros-message-generation
+  libdiagnostic-updater-dev libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev
+  librosbag-dev python3-rosbag python3-roslaunch python3-rostopic rosbash
+  python3-rospy python3-std-msgs python3-geometry-msgs python3-sensor-msgs
+  librostest-dev python3-rostest libgtest-dev libgmock-dev
+  libeigen3-dev libyaml-cpp-dev libpcl-dev
+  python3-matplotlib python3-numpy
+)
+noetic_packages=(
+  build-essential ros-noetic-ros-base ros-noetic-tf2-geometry-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
+  ros-noetic-diagnostic-updater ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
+  libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev
+  python3-matplotlib python3-numpy
+)
+debian_rviz_packages=(rviz)
+noetic_rviz_packages=(ros-noetic-rviz)
+picture_packages=(xvfb x11-utils imagemagick)
+
+have_noetic() { [ -f /opt/ros/noetic/setup.bash ] || apt-cache show ros-noetic-ros-base >/dev/null 2>&1; }
+
+# Root needs no sudo, and containers have none.
+as_root() {
+  if [ "$(id -u)" = 0 ]; then "$@"
+  elif command -v sudo >/dev/null; then sudo "$@"
+  else fail "this needs root or sudo: $*"; fi
+}
+
+# Installs the packages named that are not there yet; asks the network nothing when all are.
+install_packages() {
+  local package missing=()
+  for package in "$@"; do
+    [ "$(dpkg-query -W -f='${db:Status-Status}' "$package" 2>/dev/null || true)" = installed ] || missing+=("$package")
+  done
+  if [ ${#missing[@]} = 0 ]; then
+    echo "packages: all $# are there"
+    return
+  fi
+  echo "packages: installing ${#missing[@]} of $#: ${missing[*]}"
+  as_root apt-get update -qq
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+}
+
+# Everything the build, the tests and the demo need; "install_deps rviz" and "install_deps rviz pictures" add to it.
+install_deps() {
+  local packages=() part
+  command -v apt-get >/dev/null || fail "no apt-get here; install the dependencies of package.xml by hand"
+  if have_noetic; then packages=("${noetic_packages[@]}"); else packages=("${debian_packages[@]}"); fi
+  for part in "$@"; do
+    case $part in
+      rviz) if have_noetic; then packages+=("${noetic_rviz_packages[@]}"); else packages+=("${debian_rviz_packages[@]}"); fi ;;
+      pictures) packages+=("${picture_packages[@]}") ;;
+      *) fail "install_deps: unknown part '$part'; accepted: rviz, pictures" ;;
+    esac
+  done
+  install_packages "${packages[@]}"
+}
+
+# ---- ROS ----
+
+# ROS's setup files read variables that are not set, hence set +u.
+# shellcheck disable=SC1090  # which file, only the run knows
+source_setup() { set +u; . "$1"; set -u; }
+
+enter_ros() {
+  if [ -f /opt/ros/noetic/setup.bash ]; then source_setup /opt/ros/noetic/setup.bash; fi
+  # The name of a container often does not resolve, and then no node reaches another. The address of this machine alone also
+  # keeps the nodes from listening to the network.
+  if [ -z "${ROS_IP:-}" ] && [ -z "${ROS_HOSTNAME:-}" ]; then
+    case ${ROS_MASTER_URI:-http://localhost:11311} in
+      *//localhost:* | *//127.0.0.1:*) export ROS_IP=127.0.0.1 ;;
+    esac
+  fi
+}
+
+# build [target ...]: builds the workspace, whose only package is this repository, and enters it. Both Python variables are
+# needed: catkin reads the first, the ament macros that Debian's pluginlib calls read the second.
+build() {
+  mkdir -p "$workspace/src"
+  ln -sfn "$repository" "$workspace/src/deformable_surface"
+  enter_ros
+  (cd "$workspace" && catkin_make -j"$jobs" -DCMAKE_BUILD_TYPE=Release \
+    -DPYTHON_EXECUTABLE=/usr/bin/python3 -DPython3_EXECUTABLE=/usr/bin/python3 "$@")
+  source_setup "$workspace/devel/setup.bash"
+}

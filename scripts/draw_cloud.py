@@ -1,0 +1,156 @@
+#!/usr/bin/env python3
+"""Draws clouds of points as shaded surfaces, side by side, into a PNG. It is a file of its own so that the demo, the
+documentation and a user's own results are drawn alike. From the command line:
+  draw_cloud.py OUT.png REST.ply [DEFORMED.ply ...]     the colour is the distance from the first file's points"""
+import argparse
+import os
+import sys
+
+import numpy as np
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+import point_files  # noqa: E402
+
+RIM_DEPTH = 0.35  # of the radius; small beside the relief of a surface, large enough to order neighbours
+
+
+def look_along(azimuth, elevation):
+    """The rows are the picture's right, up and towards-the-viewer directions, for a viewer at these angles (degrees; z is up)."""
+    a, e = np.radians([azimuth, elevation])
+    towards = np.array([np.cos(e) * np.cos(a), np.cos(e) * np.sin(a), np.sin(e)])
+    right = np.array([-np.sin(a), np.cos(a), 0.0])
+    return np.stack([right, np.cross(towards, right), towards])
+
+
+def measure_spacing(points, samples=400):
+    """A distance within which nearly every point has some neighbours, by brute force from a few points spread over the list."""
+    finite = points[np.isfinite(points).all(axis=1)]
+    chosen = finite[np.linspace(0, len(finite) - 1, min(samples, len(finite))).astype(int)]
+    few = min(4, len(finite) - 1)
+    return np.percentile([np.sqrt(np.partition(((finite - p) ** 2).sum(axis=1), few)[few]) for p in chosen], 90)
+
+
+def blur(image, radius, rounds=2):
+    """Box means, as often as rounds says, along both axes."""
+    for _ in range(rounds):
+        for axis in (0, 1):
+            wide = np.pad(image, [(radius + 1, radius) if a == axis else (0, 0) for a in (0, 1)], mode="edge")
+            total = np.cumsum(wide, axis=axis)
+            first, width = np.arange(image.shape[axis]), 2 * radius + 1
+            image = (np.take(total, first + width, axis) - np.take(total, first, axis)) / width
+    return image
+
+
+def render(points, values, low, high, view, center, extent, size, spacing, colors):
+    """One surface, seen without perspective, as an image (size x size x 3). Each point is a small ball; the nearest one wins a
+    pixel; the light falls on the smoothed depth picture, so that no normals are needed."""
+    pixel = extent / size
+    seen = (points - center) @ view.T
+    keep = np.isfinite(seen).all(axis=1)
+    seen, values = seen[keep], values[keep]
+    column = np.floor(seen[:, 0] / pixel + size / 2).astype(int)
+    row = np.floor(size / 2 - seen[:, 1] / pixel).astype(int)
+
+    # The points that are the nearest in their own pixel, one for each pixel; the later index wins a tie.
+    order = np.lexsort((seen[:, 2], column, row))
+    first_of_next = np.flatnonzero((np.diff(row[order]) != 0) | (np.diff(column[order]) != 0))
+    front = order[np.append(first_of_next, len(order) - 1)]
+
+    depth, owner = np.full(size * size, -np.inf), np.full(size * size, -1)
+    ball = max(1.5, spacing / pixel)
+    reach = int(ball)
+    for dy in range(-reach, reach + 1):
+        for dx in range(-reach, reach + 1):
+            if dx * dx + dy * dy > ball * ball:
+                continue
+            c, r = column[front] + dx, row[front] + dy
+            inside = (c >= 0) & (c < size) & (r >= 0) & (r < size)
+            target, index = (r * size + c)[inside], front[inside]
+            # The rim of a ball lies behind its middle, so that a pixel goes to the point that is nearest to it in the picture.
+            height = seen[index, 2] - RIM_DEPTH * pixel * (dx * dx + dy * dy) / ball
+            nearer = height > depth[target]
+            depth[target[nearer]] = height[nearer]
+            owner[target[nearer]] = index[nearer]
+    covered = owner >= 0
+    image = np.ones((size * size, 3))
+    if not covered.any():
+        return image.reshape(size, size, 3)
+
+    # Means over the covered pixels alone, so that the background does not bend the surface at the silhouette.
+    surface = np.where(covered, depth, 0.0).reshape(size, size)
+    weight = covered.reshape(size, size).astype(float)
+    radius = max(1, int(round(0.6 * ball)))
+    smooth = blur(surface, radius) / np.maximum(blur(weight, radius), 1e-9)
+    slope_y, slope_x = np.gradient(np.where(weight > 0, smooth, np.nan), pixel)
+    normal = np.stack([-np.nan_to_num(slope_x), np.nan_to_num(slope_y), np.ones_like(slope_x)], axis=-1)
+    normal /= np.linalg.norm(normal, axis=-1, keepdims=True)
+    key, fill = np.array([-0.45, 0.65, 0.62]), np.array([0.8, 0.1, 0.6])
+    light = 0.30  # ambient
+    for strength, lamp in ((0.62, key), (0.18, fill)):
+        light = light + strength * np.clip(normal @ (lamp / np.linalg.norm(lamp)), 0, 1)
+    # Hollows are darker than what stands out: the depth against its own surroundings.
+    around = blur(surface, 4 * radius) / np.maximum(blur(weight, 4 * radius), 1e-9)
+    light *= np.clip(1.0 + 6.0 * (smooth - around) / extent, 0.7, 1.15)
+
+    share = np.clip((values[owner[covered]] - low) / max(high - low, 1e-12), 0, 1)
+    image[covered] = np.clip(colors(share)[:, :3] * light.reshape(-1)[covered, None], 0, 1)
+    return image.reshape(size, size, 3)
+
+
+def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size=700):
+    """Writes the picture. `surfaces` is a list of pairs (points (n x 3) in m, displacement (n) in m), all in one scale and seen
+    from the same side; the colour bar runs from zero to the largest displacement of all."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    from matplotlib.colors import LinearSegmentedColormap
+
+    colors = LinearSegmentedColormap.from_list("displacement", ["#c9d1da", "#f2c14e", "#e4572e", "#8f1d4f"])
+    view = look_along(azimuth, elevation)
+    everything = np.concatenate([points[np.isfinite(points).all(axis=1)] for points, _ in surfaces])
+    low, high = (everything @ view.T).min(axis=0), (everything @ view.T).max(axis=0)
+    center = view.T @ (0.5 * (low + high))
+    extent = 1.08 * max(high[:2] - low[:2])
+    largest = max(np.nanmax(values) for _, values in surfaces)
+    spacing = measure_spacing(surfaces[0][0])
+
+    figure, axes = pyplot.subplots(1, len(surfaces), figsize=(5.6 * len(surfaces), 6.3), squeeze=False)
+    for axis, (points, values), title in zip(axes[0], surfaces, titles):
+        image = render(points, values, 0.0, largest, view, center, extent, 2 * size, spacing, colors)
+        image = image.reshape(size, 2, size, 2, 3).mean(axis=(1, 3))  # two by two samples a pixel smooth the edges
+        axis.imshow(image, interpolation="lanczos")
+        axis.set_title(title, fontsize=15)
+        axis.axis("off")
+    figure.subplots_adjust(left=0.01, right=0.99, top=0.93, bottom=0.17, wspace=0.02)
+    if largest > 0:
+        bar = figure.add_axes([0.25, 0.11, 0.5, 0.022])
+        scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1000 * largest), colors)
+        figure.colorbar(scale, cax=bar, orientation="horizontal").set_label("displacement from rest (mm)")
+    figure.text(0.5, 0.005, caption, ha="center", fontsize=11)
+    temporary = path + ".part.png"
+    figure.savefig(temporary, dpi=100)
+    pyplot.close(figure)
+    os.replace(temporary, path)
+
+
+def main():
+    parser = argparse.ArgumentParser(description="Draw clouds of points as shaded surfaces, side by side.")
+    parser.add_argument("picture", help="the PNG to write")
+    parser.add_argument("clouds", nargs="+", help=".ply, .pcd, .off or .xyz, the rest shape first")
+    parser.add_argument("--azimuth", type=float, default=-60.0, help="where the viewer stands, degrees about z from x")
+    parser.add_argument("--elevation", type=float, default=15.0, help="how high the viewer stands, degrees")
+    arguments = parser.parse_args()
+    try:
+        clouds = [point_files.read_points(path) for path in arguments.clouds]
+    except (OSError, ValueError) as error:
+        sys.exit("draw_cloud.py: %s" % error)
+    for path, cloud in zip(arguments.clouds, clouds):
+        if len(cloud) != len(clouds[0]):
+            sys.exit("draw_cloud.py: %s has %d finite points, the first file has %d" % (path, len(cloud), len(clouds[0])))
+    surfaces = [(cloud, np.linalg.norm(cloud - clouds[0], axis=1)) for cloud in clouds]
+    draw(arguments.picture, surfaces, [os.path.basename(path) for path in arguments.clouds], azimuth=arguments.azimuth,
+         elevation=arguments.elevation)
+
+
+if __name__ == "__main__":
+    main()

@@ -1,0 +1,135 @@
+#include "deformable_surface/base/parallel.h"
+
+#include <algorithm>
+#include <atomic>
+#include <condition_variable>
+#include <exception>
+#include <memory>
+#include <mutex>
+#include <thread>
+#include <utility>
+
+namespace deformable_surface {
+namespace {
+
+// Threads that wait for a job and take its blocks one by one from a shared counter.
+class Pool {
+ public:
+  explicit Pool(int num_workers) {
+    for (int i = 0; i < num_workers; ++i) workers_.emplace_back([this] { work(); });
+  }
+
+  ~Pool() {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      stop_ = true;
+    }
+    wake_.notify_all();
+    for (std::thread& worker : workers_) worker.join();
+  }
+
+  void run(Index num_blocks, void (*block)(const void*, Index), const void* context) {
+    {
+      std::lock_guard<std::mutex> lock(mutex_);
+      block_ = block;
+      context_ = context;
+      num_blocks_ = num_blocks;
+      next_ = 0;
+      failed_block_ = num_blocks;
+      busy_ = static_cast<int>(workers_.size());
+      ++job_;
+    }
+    wake_.notify_all();
+    takeBlocks();
+    std::unique_lock<std::mutex> lock(mutex_);
+    done_.wait(lock, [this] { return busy_ == 0; });
+    if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+  }
+
+ private:
+  void work() {
+    long seen = 0;
+    for (;;) {
+      {
+        std::unique_lock<std::mutex> lock(mutex_);
+        wake_.wait(lock, [&] { return stop_ || job_ != seen; });
+        if (stop_) return;
+        seen = job_;
+      }
+      takeBlocks();
+      {
+        std::lock_guard<std::mutex> lock(mutex_);
+        --busy_;
+      }
+      done_.notify_one();
+    }
+  }
+
+  void takeBlocks();
+
+  std::vector<std::thread> workers_;
+  std::mutex mutex_;
+  std::condition_variable wake_, done_;
+  void (*block_)(const void*, Index) = nullptr;
+  const void* context_ = nullptr;
+  Index num_blocks_ = 0;
+  std::atomic<Index> next_{0};
+  int busy_ = 0;
+  long job_ = 0;
+  bool stop_ = false;
+  std::exception_ptr failure_;
+  Index failed_block_ = 0;
+};
+
+thread_local bool inside_block = false;
+
+void Pool::takeBlocks() {
+  inside_block = true;
+  for (Index b = next_++; b < num_blocks_; b = next_++) {
+    try {
+      block_(context_, b);
+    } catch (...) {
+      std::lock_guard<std::mutex> lock(mutex_);
+      if (b < failed_block_) {
+        failed_block_ = b;
+        failure_ = std::current_exception();
+      }
+    }
+  }
+  inside_block = false;
+}
+
+std::mutex pool_mutex;  // one job at a time; guards the two below
+std::unique_ptr<Pool> pool;
+int num_threads = 0;
+
+int coresUsed() {
+  return num_threads > 0 ? num_threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+}
+
+}  // namespace
+
+void setNumThreads(int n) {
+  std::lock_guard<std::mutex> lock(pool_mutex);
+  num_threads = std::max(0, n);
+  pool.reset();
+}
+
+int numThreads() {
+  std::lock_guard<std::mutex> lock(pool_mutex);
+  return coresUsed();
+}
+
+void internal::runBlocks(Index num_blocks, void (*run)(const void* context, Index block), const void* context) {
+  if (!inside_block) {
+    std::lock_guard<std::mutex> lock(pool_mutex);
+    if (coresUsed() > 1) {
+      if (!pool) pool = std::make_unique<Pool>(coresUsed() - 1);
+      pool->run(num_blocks, run, context);
+      return;
+    }
+  }
+  for (Index b = 0; b < num_blocks; ++b) run(context, b);
+}
+
+}  // namespace deformable_surface

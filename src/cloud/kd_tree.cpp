@@ -1,0 +1,237 @@
+// A balanced kd-tree over a flat array of nodes. Written here rather than taken from a library, because equal distances must be
+// decided by index and points must be removable.
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::cloud {
+namespace {
+
+// Fewer points per leaf mean more nodes to visit, more points mean more distances to compute; the fastest of those tried.
+constexpr Index kLeafSize = 16;
+// A balanced tree of 2^31 points is not deeper than this, and a search keeps at most one pending node per level.
+constexpr int kMaxDepth = 40;
+// Queries per block of a parallel loop: about a millisecond of work.
+constexpr Index kBlock = 1024;
+
+// The k smallest neighbours seen so far, sorted. Insertion beats a heap at the few dozen neighbours that are asked for.
+class KNearest {
+ public:
+  KNearest(Index k, std::vector<Neighbor>& out) : k_(static_cast<std::size_t>(k)), out_(out) { out_.clear(); }
+
+  double bound() const { return bound_; }
+
+  void add(double squared_distance, Index index) {
+    const Neighbor candidate{squared_distance, index};
+    if (out_.size() == k_) {
+      if (!(candidate < out_.back())) return;
+    } else {
+      out_.emplace_back();
+    }
+    std::size_t at = out_.size() - 1;
+    for (; at > 0 && candidate < out_[at - 1]; --at) out_[at] = out_[at - 1];
+    out_[at] = candidate;
+    if (out_.size() == k_) bound_ = out_.back().squared_distance;
+  }
+
+ private:
+  std::size_t k_;
+  std::vector<Neighbor>& out_;
+  double bound_ = std::numeric_limits<double>::infinity();
+};
+
+// All neighbours within a fixed distance, unsorted.
+class InBall {
+ public:
+  InBall(double squared_radius, std::vector<Neighbor>& out) : squared_radius_(squared_radius), out_(out) { out_.clear(); }
+
+  double bound() const { return squared_radius_; }
+  void add(double squared_distance, Index index) { out_.push_back({squared_distance, index}); }
+
+ private:
+  double squared_radius_;
+  std::vector<Neighbor>& out_;
+};
+
+// The sum is formed in the same order for boxes and for points: rounding is monotone, so a box is never farther than its points.
+inline double squaredLength(double x, double y, double z) { return x * x + y * y + z * z; }
+
+inline double squaredDistanceToBox(const double* lo, const double* hi, const Vec3& q) {
+  const double dx = std::max(std::max(lo[0] - q[0], q[0] - hi[0]), 0.0);
+  const double dy = std::max(std::max(lo[1] - q[1], q[1] - hi[1]), 0.0);
+  const double dz = std::max(std::max(lo[2] - q[2], q[2] - hi[2]), 0.0);
+  return squaredLength(dx, dy, dz);
+}
+
+}  // namespace
+
+KdTree::KdTree(const Points& points) {
+  const Index n = static_cast<Index>(points.size());
+  slots_.resize(n);
+  for (Index i = 0; i < n; ++i) {
+    if (!points[i].allFinite()) {
+      throw InputError("kd-tree: point " + std::to_string(i) + " is not finite; only finite points can be searched");
+    }
+    slots_[i] = {points[i].x(), points[i].y(), points[i].z(), i};
+  }
+  if (n > 0) {
+    nodes_.reserve(static_cast<std::size_t>(4 * (n / kLeafSize) + 1));
+    build(0, n);
+  }
+  order_.resize(n);
+  slot_of_.resize(n);
+  for (Index s = 0; s < n; ++s) {
+    order_[s] = slots_[s].point;
+    slot_of_[slots_[s].point] = s;
+  }
+}
+
+Index KdTree::build(Index begin, Index end) {
+  const Index self = static_cast<Index>(nodes_.size());
+  Node node{};
+  node.begin = begin;
+  node.end = end;
+  node.alive = end - begin;
+
+  // The tight box.
+  const double* first = &slots_[begin].x;
+  std::copy(first, first + 3, node.lo);
+  std::copy(first, first + 3, node.hi);
+  for (Index s = begin + 1; s < end; ++s) {
+    const double* c = &slots_[s].x;
+    for (int axis = 0; axis < 3; ++axis) {
+      node.lo[axis] = std::min(node.lo[axis], c[axis]);
+      node.hi[axis] = std::max(node.hi[axis], c[axis]);
+    }
+  }
+  nodes_.push_back(node);
+  if (end - begin <= kLeafSize) return self;
+
+  // Halve by number along the widest axis, so that coincident points cannot recurse for ever.
+  int widest = 0;
+  for (int axis = 1; axis < 3; ++axis) {
+    if (node.hi[axis] - node.lo[axis] > node.hi[widest] - node.lo[widest]) widest = axis;
+  }
+  const auto split = [&](auto coordinate) {
+    std::nth_element(slots_.begin() + begin, slots_.begin() + begin + (end - begin) / 2, slots_.begin() + end,
+                     [coordinate](const Slot& a, const Slot& b) {
+                       return a.*coordinate != b.*coordinate ? a.*coordinate < b.*coordinate : a.point < b.point;
+                     });
+  };
+  if (widest == 0) split(&Slot::x);
+  if (widest == 1) split(&Slot::y);
+  if (widest == 2) split(&Slot::z);
+  const Index middle = begin + (end - begin) / 2;
+  build(begin, middle);
+  const Index right = build(middle, end);
+  nodes_[self].right = right;
+  return self;
+}
+
+// Offers the results every alive point that is not provably farther than their bound; nearer boxes first.
+template <class Results>
+void KdTree::search(const Vec3& query, Results& results) const {
+  if (nodes_.empty()) return;
+  const Vec3 q = query;
+  struct Pending {
+    double squared_distance;
+    Index node;
+  };
+  Pending stack[kMaxDepth];
+  int depth = 0;
+  stack[depth++] = {squaredDistanceToBox(nodes_[0].lo, nodes_[0].hi, q), 0};
+  while (depth > 0) {
+    const Pending top = stack[--depth];
+    if (!(top.squared_distance <= results.bound())) continue;
+    Index at = top.node;
+    // Down to the nearest leaf; the farther sibling waits.
+    while (nodes_[at].right != 0 && nodes_[at].alive > 0) {
+      const Node& left = nodes_[at + 1];
+      const Node& right = nodes_[nodes_[at].right];
+      Pending near{squaredDistanceToBox(left.lo, left.hi, q), at + 1};
+      Pending far{squaredDistanceToBox(right.lo, right.hi, q), nodes_[at].right};
+      if (far.squared_distance < near.squared_distance) std::swap(near, far);
+      if (far.squared_distance <= results.bound()) stack[depth++] = far;
+      at = near.node;
+    }
+    const Node& leaf = nodes_[at];
+    if (leaf.alive == 0) continue;
+    const Slot* const end = slots_.data() + leaf.begin + leaf.alive;
+    for (const Slot* s = end - leaf.alive; s != end; ++s) {
+      const double squared_distance = squaredLength(s->x - q[0], s->y - q[1], s->z - q[2]);
+      if (squared_distance <= results.bound()) results.add(squared_distance, s->point);
+    }
+  }
+}
+
+void KdTree::nearest(const Vec3& query, Index k, std::vector<Neighbor>& out) const {
+  if (k < 0) throw InputError("kd-tree: k is " + std::to_string(k) + "; it must be 0 or more");
+  KNearest results(k, out);
+  if (k > 0) search(query, results);
+}
+
+void KdTree::withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const {
+  if (!(radius >= 0.0)) throw InputError("kd-tree: the radius is " + std::to_string(radius) + " m; it must be 0 or more");
+  InBall results(radius * radius, out);
+  search(query, results);
+  std::sort(out.begin(), out.end());
+}
+
+void KdTree::remove(Index point) {
+  if (point < 0 || point >= size()) {
+    throw InputError("kd-tree: there is no point " + std::to_string(point) + " among " + std::to_string(size()));
+  }
+  // Find the leaf of the slot.
+  const Index slot = slot_of_[point];
+  Index leaf = 0;
+  while (nodes_[leaf].right != 0) leaf = slot < nodes_[nodes_[leaf].right].begin ? leaf + 1 : nodes_[leaf].right;
+  const Index last_alive = nodes_[leaf].begin + nodes_[leaf].alive - 1;
+  if (slot > last_alive) throw InputError("kd-tree: point " + std::to_string(point) + " was removed before");
+
+  // Move it behind the alive ones, and count it out on the way down.
+  std::swap(slots_[slot], slots_[last_alive]);
+  slot_of_[slots_[slot].point] = slot;
+  slot_of_[point] = last_alive;
+  for (Index at = 0; at != leaf; at = slot < nodes_[nodes_[at].right].begin ? at + 1 : nodes_[at].right) --nodes_[at].alive;
+  --nodes_[leaf].alive;
+}
+
+const std::vector<Index>& KdTree::order() const { return order_; }
+
+Index KdTree::size() const { return static_cast<Index>(slots_.size()); }
+
+Lists nearestNeighbors(const Points& points, Index k) {
+  if (k < 0) throw InputError("nearest neighbours: k is " + std::to_string(k) + "; it must be 0 or more");
+  const KdTree tree(points);
+  const Index n = tree.size();
+  const Index count = std::min(k, std::max(n - 1, 0));
+  if (static_cast<double>(count) * n > std::numeric_limits<Index>::max()) {
+    throw InputError("nearest neighbours: " + std::to_string(n) + " points with " + std::to_string(count) +
+                     " neighbours each are too many; their product must stay below 2^31");
+  }
+  Lists lists;
+  lists.offsets.resize(static_cast<std::size_t>(n) + 1);
+  for (Index i = 0; i <= n; ++i) lists.offsets[i] = i * count;
+  lists.items.resize(static_cast<std::size_t>(n) * count);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<Neighbor> found;
+    for (Index s = begin; s < end; ++s) {
+      // One more than wanted, for the point itself; where many coincide with it, it may be missing and the last one goes.
+      const Index i = tree.order()[s];
+      tree.nearest(points[i], count + 1, found);
+      Index* out = lists.items.data() + lists.offsets[i];
+      Index* const out_end = out + count;
+      for (std::size_t m = 0; m < found.size() && out != out_end; ++m) {
+        if (found[m].index != i) *out++ = found[m].index;
+      }
+    }
+  });
+  return lists;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,232 @@
+// Normals from the covariance of neighbourhoods, and their common side by a spanning tree of the neighbour graph.
+#include "deformable_surface/cloud/normals.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace deformable_surface::cloud {
+namespace {
+
+// Points per block of a parallel loop: about a millisecond of work.
+constexpr Index kBlock = 1024;
+// A sum of n signed terms that is smaller than this share of the sum of their magnitudes is rounding, and decides nothing.
+constexpr double kTie = 1e-9;
+// A closed surface that encloses less than this share of (area x extent) is flat, and has no outside.
+constexpr double kFlat = 1e-6;
+
+void checkSizes(const char* function, const Points& positions, const Lists& neighbors) {
+  if (neighbors.size() == static_cast<Index>(positions.size())) return;
+  throw InputError(std::string(function) + ": " + std::to_string(neighbors.size()) + " lists of neighbours for " +
+                   std::to_string(positions.size()) + " points; there must be one for each");
+}
+
+// Disjoint sets whose members know their sign relative to the set's root.
+class SignedSets {
+ public:
+  explicit SignedSets(Index n) : parent_(n), sign_(n, 1) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  // The root of i; afterwards sign(i) is relative to it.
+  Index find(Index i) {
+    Index root = i;
+    signed char sign = 1;
+    while (parent_[root] != root) {
+      sign = static_cast<signed char>(sign * sign_[root]);
+      root = parent_[root];
+    }
+    // Hang the whole path below the root.
+    while (parent_[i] != root && i != root) {
+      const Index next = parent_[i];
+      const signed char next_sign = static_cast<signed char>(sign * sign_[i]);
+      parent_[i] = root;
+      sign_[i] = sign;
+      i = next;
+      sign = next_sign;
+    }
+    return root;
+  }
+
+  signed char sign(Index i) const { return sign_[i]; }
+
+  // Joins the sets of i and j such that their relative sign becomes the given one; no effect within a set. The smaller index is
+  // the root, which makes the roots of the final sets independent of the order of the joins.
+  void join(Index i, Index j, signed char relative) {
+    Index root_i = find(i), root_j = find(j);
+    if (root_i == root_j) return;
+    const signed char sign = static_cast<signed char>(relative * (i == root_i ? 1 : sign_[i]) * (j == root_j ? 1 : sign_[j]));
+    if (root_j < root_i) std::swap(root_i, root_j);
+    parent_[root_j] = root_i;
+    sign_[root_j] = sign;
+  }
+
+ private:
+  std::vector<Index> parent_;
+  std::vector<signed char> sign_;
+};
+
+// What the sides of one component are decided by.
+struct Component {
+  Index count = 0;
+  bool closed = true;
+  Index votes = 0;  // reference normals that agree minus those that disagree
+  double area = 0.0;
+  Vec3 centroid = Vec3::Zero();
+  double volume = 0.0, volume_scale = 0.0;  // three times the enclosed volume, and the same without signs
+  double towards_viewpoint = 0.0;
+  Vec3 mean_normal = Vec3::Zero();
+};
+
+}  // namespace
+
+Points estimateNormals(const Points& positions, const Lists& neighbors) {
+  checkSizes("estimateNormals", positions, neighbors);
+  Points normals(positions.size());
+  parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      // Offsets from the point keep their digits far from the origin; scaled to one they neither overflow nor underflow.
+      const Vec3 p = positions[i];
+      Vec3 mean = Vec3::Zero();
+      double extent = 0.0;
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        const Vec3 d = positions[*j] - p;
+        mean += d;
+        extent = std::max(extent, d.cwiseAbs().maxCoeff());
+      }
+      if (!(extent > 0.0)) {
+        normals[i] = Vec3::UnitZ();
+        continue;
+      }
+      mean /= neighbors.count(i) + 1;
+
+      // Covariance of the point and its neighbours.
+      const double scale = 1.0 / extent;
+      const Vec3 own = -mean * scale;
+      Mat3 covariance = own * own.transpose();
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        const Vec3 d = (positions[*j] - p - mean) * scale;
+        covariance += d * d.transpose();
+      }
+      // The iterative solver: the closed form loses half the digits where a neighbourhood is thin.
+      const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+      if (!covariance.allFinite() || !solver.eigenvectors().allFinite()) {
+        throw InputError("estimateNormals: the neighbourhood of point " + std::to_string(i) +
+                         " is not finite; only finite points have a normal");
+      }
+      normals[i] = solver.eigenvectors().col(0).normalized();
+    }
+  });
+  return normals;
+}
+
+OrientationRule orientNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_boundary,
+                              const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals) {
+  const Index n = static_cast<Index>(positions.size());
+  checkSizes("orientNormals", positions, neighbors);
+  if (is_boundary.size() != positions.size() || normals.size() != positions.size() ||
+      (!reference_normals.empty() && reference_normals.size() != positions.size())) {
+    throw InputError("orientNormals: " + std::to_string(n) + " points with " + std::to_string(is_boundary.size()) +
+                     " boundary marks, " + std::to_string(normals.size()) + " normals and " +
+                     std::to_string(reference_normals.size()) +
+                     " reference normals; there must be one of each for every point, or no reference normals at all");
+  }
+
+  // Minimum spanning forest (Kruskal): the flattest links decide first.
+  struct Link {
+    float weight;
+    Index i, j;
+    bool operator<(const Link& other) const { return std::tie(weight, i, j) < std::tie(other.weight, other.i, other.j); }
+  };
+  std::vector<Link> links(neighbors.items.size());
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        const float weight = static_cast<float>(1.0 - std::abs(normals[i].dot(normals[*j])));
+        links[j - neighbors.items.data()] = {std::max(weight, 0.0f), std::min(i, *j), std::max(i, *j)};
+      }
+    }
+  });
+  std::sort(links.begin(), links.end());
+  SignedSets sets(n);
+  for (const Link& link : links) sets.join(link.i, link.j, normals[link.i].dot(normals[link.j]) < 0.0 ? -1 : 1);
+  std::vector<Index> root(n);
+  for (Index i = 0; i < n; ++i) {
+    root[i] = sets.find(i);
+    if (root[i] != i && sets.sign(i) < 0) normals[i] = -normals[i];
+  }
+
+  // Areas up to a common factor: the squared distance of the farthest listed neighbour.
+  std::vector<double> area(n, 0.0);
+  for (Index i = 0; i < n; ++i) {
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+      area[i] = std::max(area[i], (positions[*j] - positions[i]).squaredNorm());
+    }
+  }
+
+  // Sums over each component, in the order of the points.
+  std::vector<Component> components(n);
+  for (Index i = 0; i < n; ++i) {
+    Component& c = components[root[i]];
+    ++c.count;
+    c.closed = c.closed && !is_boundary[i];
+    c.area += area[i];
+    c.centroid += area[i] * (positions[i] - positions[root[i]]);
+    c.mean_normal += area[i] * normals[i];
+    if (!reference_normals.empty()) {
+      const double agreement = reference_normals[i].dot(normals[i]);
+      c.votes += (agreement > 0.0) - (agreement < 0.0);
+    }
+    if (viewpoint) c.towards_viewpoint += area[i] * normals[i].dot((*viewpoint - positions[i]).normalized());
+  }
+  for (Index i = 0; i < n; ++i) {
+    Component& c = components[root[i]];
+    const Vec3 arm = positions[i] - positions[root[i]] - c.centroid / std::max(c.area, std::numeric_limits<double>::min());
+    c.volume += area[i] * normals[i].dot(arm);
+    c.volume_scale += area[i] * arm.norm();
+  }
+
+  // The side of each component.
+  OrientationRule rule_of_largest = OrientationRule::kUp;
+  Index largest = 0;
+  std::vector<char> flip(n, 0);
+  for (Index r = 0; r < n; ++r) {
+    const Component& c = components[r];
+    if (c.count == 0) continue;
+    OrientationRule rule;
+    double side = 0.0;
+    if (c.votes != 0) {
+      rule = OrientationRule::kInputNormals;
+      side = c.votes;
+    } else if (c.closed && std::abs(c.volume) > kFlat * c.volume_scale) {
+      rule = OrientationRule::kOutward;
+      side = c.volume;
+    } else if (viewpoint && std::abs(c.towards_viewpoint) > kTie * c.area) {
+      rule = OrientationRule::kViewpoint;
+      side = c.towards_viewpoint;
+    } else {
+      rule = OrientationRule::kUp;
+      // Without any area (single points) the component's own first normal decides.
+      const Vec3 mean = c.area > 0.0 ? Vec3(c.mean_normal / c.area) : normals[r];
+      for (int axis : {2, 1, 0}) {
+        if (side == 0.0 && std::abs(mean[axis]) > kTie) side = mean[axis];
+      }
+    }
+    flip[r] = side < 0.0;
+    if (c.count > largest) {
+      largest = c.count;
+      rule_of_largest = rule;
+    }
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (flip[root[i]]) normals[i] = -normals[i];
+  }
+  return rule_of_largest;
+}
+
+}  // namespace deformable_surface::cloud

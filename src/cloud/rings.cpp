@@ -1,0 +1,195 @@
+// From the stars of single points to the connectivity of the whole: links made symmetric, triangles gathered from their corners.
+#include "deformable_surface/cloud/rings.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/links.h"
+#include "deformable_surface/geometry/delaunay_star.h"
+
+#include <algorithm>
+#include <cmath>
+#include <tuple>
+#include <utility>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
+
+// The star of every point, in the place of its neighbour list: star i has count[i] entries from neighbors.offsets[i] on.
+struct Stars {
+  std::vector<Index> member, cell_size, count;
+};
+
+Stars buildStars(const Points& positions, const Points& normals, const Lists& neighbors, Rings& rings) {
+  const Index n = neighbors.size();
+  Stars stars{std::vector<Index>(neighbors.items.size()), std::vector<Index>(neighbors.items.size()), std::vector<Index>(n)};
+  rings.open.resize(n);
+
+  // Half of the neighbours given is what the boundary looks at first, then all of them.
+  Index max_count = 0;
+  for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
+  const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
+
+  const LinkRule rule(positions, normals, neighbors);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    geometry::DelaunayStarBuilder builder;
+    std::vector<Index> linked;
+    std::vector<Vec2> projected;
+    for (Index i = begin; i < end; ++i) {
+      const TangentPlane plane(positions[i], normals[i]);
+      linked.clear();
+      projected.clear();
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        if (!rule.accepts(i, *j)) continue;
+        linked.push_back(*j);
+        projected.push_back(plane.project(positions[*j]));
+      }
+      const geometry::DelaunayStar& star =
+          builder.build(projected, geometry::kStarTie, boundary.is_boundary[i] ? kBoundaryGap : geometry::kStarMaxGap);
+      stars.count[i] = static_cast<Index>(star.ring.size());
+      for (Index r = 0; r < stars.count[i]; ++r) {
+        stars.member[neighbors.offsets[i] + r] = linked[star.ring[r]];
+        stars.cell_size[neighbors.offsets[i] + r] = star.cell_size[r];
+      }
+      rings.open[i] = star.open;
+    }
+  });
+  return stars;
+}
+
+// Sorts the ring of point i by angle; an open one then starts after its widest gap.
+void sortRing(const Points& positions, const Vec3& normal, Index i, bool open, Index* begin, Index* end) {
+  const TangentPlane plane(positions[i], normal);
+  std::vector<std::pair<double, Index>> by_angle;
+  for (const Index* j = begin; j != end; ++j) {
+    const Vec2 q = plane.project(positions[*j]);
+    by_angle.push_back({std::atan2(q.y(), q.x()), *j});
+  }
+  std::sort(by_angle.begin(), by_angle.end());
+  std::size_t start = 0;
+  if (open) {
+    double widest = by_angle.front().first - by_angle.back().first + 2.0 * 3.14159265358979323846;
+    for (std::size_t r = 1; r < by_angle.size(); ++r) {
+      const double gap = by_angle[r].first - by_angle[r - 1].first;
+      if (gap > widest) {
+        widest = gap;
+        start = r;
+      }
+    }
+  }
+  for (std::size_t r = 0; r < by_angle.size(); ++r) begin[r] = by_angle[(start + r) % by_angle.size()].second;
+}
+
+// The union of both directions: where j is in the star of i but i not in that of j, i joins the ring of j by angle.
+Lists makeSymmetric(const Points& positions, const Points& normals, const Lists& neighbors, const Stars& stars,
+                    const std::vector<char>& open) {
+  const Index n = neighbors.size();
+  const auto starBegin = [&](Index i) { return stars.member.data() + neighbors.offsets[i]; };
+  const auto starEnd = [&](Index i) { return starBegin(i) + stars.count[i]; };
+
+  std::vector<std::pair<Index, Index>> missing;  // (j, i): i is missing in the star of j
+  std::vector<Index> num_missing(n, 0);
+  for (Index i = 0; i < n; ++i) {
+    for (const Index* j = starBegin(i); j != starEnd(i); ++j) {
+      if (std::find(starBegin(*j), starEnd(*j), i) != starEnd(*j)) continue;
+      missing.push_back({*j, i});
+      ++num_missing[*j];
+    }
+  }
+
+  Lists ring;
+  ring.offsets.resize(n + 1);
+  for (Index i = 0; i < n; ++i) ring.offsets[i + 1] = ring.offsets[i] + stars.count[i] + num_missing[i];
+  ring.items.resize(ring.offsets[n]);
+  std::vector<Index> next(n);
+  for (Index i = 0; i < n; ++i) {
+    next[i] = static_cast<Index>(std::copy(starBegin(i), starEnd(i), ring.items.begin() + ring.offsets[i]) - ring.items.begin());
+  }
+  for (const auto& [j, i] : missing) ring.items[next[j]++] = i;
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      if (num_missing[i] == 0) continue;
+      sortRing(positions, normals[i], i, open[i], ring.items.data() + ring.offsets[i], ring.items.data() + ring.offsets[i + 1]);
+    }
+  });
+  return ring;
+}
+
+// Each triangle once, with the weights of all stars that hold it.
+std::vector<Triangle> gatherTriangles(const Points& positions, const Points& normals, const Lists& neighbors,
+                                      const Stars& stars) {
+  const Index n = neighbors.size();
+  const auto forTriangles = [&](Index i, const auto& visit) {
+    const Index first = neighbors.offsets[i], count = stars.count[i];
+    for (Index r = 0; r < count; ++r) {
+      if (stars.cell_size[first + r] == 0) continue;
+      Index corner[3] = {i, stars.member[first + r], stars.member[first + (r + 1) % count]};
+      std::sort(corner, corner + 3);
+      visit(Triangle{{corner[0], corner[1], corner[2]}, 1.0 / stars.cell_size[first + r]});
+    }
+  };
+
+  // One list for each smallest corner, filled in the order of the stars.
+  Lists lists;
+  lists.offsets.assign(n + 1, 0);
+  for (Index i = 0; i < n; ++i) forTriangles(i, [&](const Triangle& t) { ++lists.offsets[t.corner[0] + 1]; });
+  for (Index i = 0; i < n; ++i) lists.offsets[i + 1] += lists.offsets[i];
+  std::vector<Triangle> triangles(lists.offsets[n]);
+  std::vector<Index> next(lists.offsets.begin(), lists.offsets.end() - 1);
+  for (Index i = 0; i < n; ++i) forTriangles(i, [&](const Triangle& t) { triangles[next[t.corner[0]]++] = t; });
+
+  // Within a list, copies are merged and corners turned counter-clockwise.
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const auto first = triangles.begin() + lists.offsets[i], last = triangles.begin() + lists.offsets[i + 1];
+      std::stable_sort(first, last, [](const Triangle& a, const Triangle& b) {
+        return std::tie(a.corner[1], a.corner[2]) < std::tie(b.corner[1], b.corner[2]);
+      });
+      auto out = first;
+      for (auto t = first; t != last; ++out) {
+        Triangle merged = *t;
+        for (++t; t != last && t->corner[1] == merged.corner[1] && t->corner[2] == merged.corner[2]; ++t) {
+          merged.weight += t->weight;
+        }
+        *out = merged;
+      }
+      next[i] = static_cast<Index>(out - triangles.begin());
+      for (auto t = first; t != out; ++t) {
+        const auto& [a, b, c] = t->corner;
+        const Vec3 area_vector = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
+        if (area_vector.dot(normals[a] + normals[b] + normals[c]) < 0.0) std::swap(t->corner[1], t->corner[2]);
+      }
+      std::sort(first, out, [](const Triangle& a, const Triangle& b) {
+        return std::tie(a.corner[1], a.corner[2]) < std::tie(b.corner[1], b.corner[2]);
+      });
+    }
+  });
+  auto out = triangles.begin();
+  for (Index i = 0; i < n; ++i) out = std::move(triangles.begin() + lists.offsets[i], triangles.begin() + next[i], out);
+  triangles.erase(out, triangles.end());
+  return triangles;
+}
+
+}  // namespace
+
+Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors) {
+  if (positions.size() != normals.size() || static_cast<Index>(positions.size()) != neighbors.size()) {
+    throw InputError("buildRings: " + std::to_string(positions.size()) + " positions, " + std::to_string(normals.size()) +
+                     " normals and " + std::to_string(neighbors.size()) + " neighbour lists; the three numbers must be equal");
+  }
+  Rings rings;
+  const Stars stars = buildStars(positions, normals, neighbors, rings);
+  rings.ring = makeSymmetric(positions, normals, neighbors, stars, rings.open);
+  rings.triangles = gatherTriangles(positions, normals, neighbors, stars);
+  rings.area.assign(positions.size(), 0.0);
+  for (const Triangle& t : rings.triangles) {
+    const auto& [a, b, c] = t.corner;
+    const double area = 0.5 * (positions[b] - positions[a]).cross(positions[c] - positions[a]).norm();
+    for (Index corner : t.corner) rings.area[corner] += t.weight * area / 3.0;
+  }
+  for (Index i = 0; i < rings.ring.size(); ++i) rings.num_isolated += rings.ring.count(i) == 0;
+  return rings;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,238 @@
+// Greedy thinning with lazily kept keys: the point with the smallest ring goes, until few are left.
+#include "deformable_surface/cloud/simplification.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/links.h"
+#include "deformable_surface/cloud/rings.h"
+#include "deformable_surface/geometry/delaunay_star.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <queue>
+#include <utility>
+
+namespace deformable_surface::cloud {
+namespace {
+
+// Fewer points span no surface, so no part is thinned further.
+constexpr Index kMinPartPoints = 3;
+
+// Neighbours kept in store beyond the 2k that the boundary needs: lists are refilled less often, yet stay short to scan.
+constexpr Index kSpareNeighbors = 8;
+
+// The neighbours of one point and the memory to evaluate its star.
+struct Scratch {
+  std::vector<Index> near;  // alive, of the same part, nearest first, at most k
+  std::vector<Neighbor> found;
+  std::vector<Vec2> projected;
+  geometry::DelaunayStarBuilder builder;
+};
+
+class Thinning {
+ public:
+  Thinning(const Points& positions, const Points& normals, Index k)
+      : positions_(positions), normals_(normals), k_(k), tree_(positions),
+        lists_(nearestNeighbors(positions, 2 * k + kSpareNeighbors)), rule_(positions, normals, lists_),
+        alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
+        part_(labelParts()), stored_(positions.size()) {
+    const Index n = num_alive_;
+    for (Index i = 0; i < n; ++i) stored_[i] = lists_.count(i);
+
+    // The points of each part, for parts too small to ask the tree.
+    members_.offsets.assign(num_parts_ + 1, 0);
+    for (Index part : part_) ++members_.offsets[part + 1];
+    for (Index p = 0; p < num_parts_; ++p) members_.offsets[p + 1] += members_.offsets[p];
+    members_.items.resize(n);
+    std::vector<Index> next(members_.offsets.begin(), members_.offsets.end() - 1);
+    for (Index i = 0; i < n; ++i) members_.items[next[part_[i]]++] = i;
+    num_in_part_.resize(num_parts_);
+    for (Index p = 0; p < num_parts_; ++p) num_in_part_[p] = members_.count(p);
+  }
+
+  Simplification run(Index min_points, const std::vector<Index>& protected_points) {
+    const Index n = num_alive_;
+    Simplification result;
+    result.num_points = n;
+    std::vector<char> stays = findBoundary(positions_, normals_, lists_, k_).is_corner;
+    for (Index i : protected_points) stays[i] = 1;
+
+    // Keys of all points, in the order in which the tree holds them in memory.
+    std::vector<double> key(n);
+    constexpr Index kBlock = 1024;
+    parallelFor(n, kBlock, [&](Index begin, Index end) {
+      Scratch scratch;
+      for (Index s = begin; s < end; ++s) key[tree_.order()[s]] = evaluateKey(tree_.order()[s], scratch);
+    });
+    using Entry = std::pair<double, Index>;
+    std::vector<Entry> entries;
+    for (Index i = 0; i < n; ++i) {
+      if (!stays[i]) entries.push_back({key[i], i});
+    }
+    std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue(std::greater<Entry>(), std::move(entries));
+
+    // Removals let keys grow, so a key in the queue is taken for a lower bound and evaluated anew when its turn comes.
+    Scratch scratch;
+    double diameter = 0.0;
+    while (num_alive_ > min_points && !queue.empty()) {
+      const Index i = queue.top().second;
+      queue.pop();
+      if (num_in_part_[part_[i]] <= kMinPartPoints) continue;
+      const Entry fresh(evaluateKey(i, scratch), i);
+      if (!queue.empty() && queue.top() < fresh) {
+        queue.push(fresh);
+        continue;
+      }
+      remove(i);
+      diameter = std::max(diameter, fresh.first);
+      result.removed.push_back(i);
+      result.diameter.push_back(diameter);
+    }
+    return result;
+  }
+
+ private:
+  std::vector<Index> labelParts() {
+    Lists links;
+    for (Index i = 0; i < num_alive_; ++i) {
+      for (Index s = 0; s < std::min(k_, lists_.count(i)); ++s) {
+        if (rule_.accepts(i, lists_.begin(i)[s])) links.items.push_back(lists_.begin(i)[s]);
+      }
+      links.offsets.push_back(static_cast<Index>(links.items.size()));
+    }
+    return labelComponents(links, num_parts_);
+  }
+
+  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r.
+  double evaluateKey(Index i, Scratch& scratch) {
+    findNear(i, scratch);
+    if (scratch.near.empty()) return 0.0;
+    const double nearest = (positions_[scratch.near[0]] - positions_[i]).norm();
+    const TangentPlane plane(positions_[i], normals_[i]);
+    scratch.projected.clear();
+    for (Index j : scratch.near) {
+      if (rule_.isFlat(i, j)) scratch.projected.push_back(plane.project(positions_[j]));
+    }
+    const std::vector<Index>& ring = scratch.builder.build(scratch.projected).ring;
+    double squared_diameter = 0.0;
+    for (std::size_t a = 0; a < ring.size(); ++a) {
+      const Vec2& qa = scratch.projected[ring[a]];
+      squared_diameter = std::max(squared_diameter, qa.squaredNorm());
+      for (std::size_t b = 0; b < a; ++b) {
+        squared_diameter = std::max(squared_diameter, (qa - scratch.projected[ring[b]]).squaredNorm());
+      }
+    }
+    return ring.empty() ? 2.0 * nearest : 0.5 * std::sqrt(squared_diameter) + nearest;
+  }
+
+  void findNear(Index i, Scratch& scratch) {
+    const Index wanted = std::min(k_, num_in_part_[part_[i]] - 1);
+    takeStored(i, wanted, scratch.near);
+    if (static_cast<Index>(scratch.near.size()) == wanted) return;
+    refill(i, wanted, scratch.found);
+    takeStored(i, wanted, scratch.near);
+  }
+
+  void takeStored(Index i, Index wanted, std::vector<Index>& near) const {
+    near.clear();
+    const Index* end = lists_.begin(i) + stored_[i];
+    for (const Index* j = lists_.begin(i); j != end && static_cast<Index>(near.size()) < wanted; ++j) {
+      if (alive_[*j] && part_[*j] == part_[i]) near.push_back(*j);
+    }
+  }
+
+  // Stores the nearest alive points of the same part: from the part's own list if it is small, else from the tree, asking for
+  // more and more while points of other parts are in between.
+  void refill(Index i, Index wanted, std::vector<Neighbor>& found) {
+    const Index part = part_[i];
+    const auto isOther = [&](const Neighbor& neighbor) { return neighbor.index == i || part_[neighbor.index] != part; };
+    if (num_in_part_[part] <= k_) {
+      found.clear();
+      const Index* begin = members_.begin(part);
+      for (const Index* j = begin; j != begin + num_in_part_[part]; ++j) {
+        found.push_back({(positions_[*j] - positions_[i]).squaredNorm(), *j});
+      }
+      std::sort(found.begin(), found.end());
+      found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
+    } else {
+      for (Index asked = lists_.count(i) + 1;; asked = std::min(2 * asked, num_alive_)) {
+        tree_.nearest(positions_[i], asked, found);
+        found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
+        if (static_cast<Index>(found.size()) >= wanted || asked >= num_alive_) break;
+      }
+    }
+    stored_[i] = std::min(lists_.count(i), static_cast<Index>(found.size()));
+    for (Index s = 0; s < stored_[i]; ++s) lists_.items[lists_.offsets[i] + s] = found[s].index;
+  }
+
+  void remove(Index i) {
+    tree_.remove(i);
+    alive_[i] = 0;
+    --num_alive_;
+    const Index part = part_[i];
+    if (--num_in_part_[part] > k_) return;
+    // A part that is small from now on: its list is kept exact, the alive ones first.
+    const auto begin = members_.items.begin() + members_.offsets[part];
+    const auto end = begin + (num_in_part_[part] == k_ ? members_.count(part) : num_in_part_[part] + 1);
+    std::stable_partition(begin, end, [&](Index j) { return alive_[j] != 0; });
+  }
+
+  const Points& positions_;
+  const Points& normals_;
+  const Index k_;
+  KdTree tree_;                     // of the alive points
+  Lists lists_;                     // nearest neighbours; some dead or of another part
+  const LinkRule rule_;
+  std::vector<char> alive_;         // (n)
+  Index num_alive_;
+  Index num_parts_ = 0;
+  std::vector<Index> part_;         // (n)
+  std::vector<Index> stored_;       // (n) entries of lists_ in use
+  Lists members_;                   // (num_parts)
+  std::vector<Index> num_in_part_;  // alive
+};
+
+std::vector<Index> keepAllBut(Index num_points, const Index* begin, const Index* end) {
+  std::vector<char> keeps(num_points, 1);
+  for (const Index* i = begin; i != end; ++i) keeps[*i] = 0;
+  std::vector<Index> kept;
+  for (Index i = 0; i < num_points; ++i) {
+    if (keeps[i]) kept.push_back(i);
+  }
+  return kept;
+}
+
+}  // namespace
+
+std::vector<Index> Simplification::keepCount(Index target) const {
+  const Index excess = std::max(0, num_points - std::max(0, target));
+  return keepAllBut(num_points, removed.data(), removed.data() + std::min(excess, static_cast<Index>(removed.size())));
+}
+
+std::vector<Index> Simplification::keepDiameter(double threshold) const {
+  const auto reached = std::lower_bound(diameter.begin(), diameter.end(), threshold);
+  return keepAllBut(num_points, removed.data(), removed.data() + (reached - diameter.begin()));
+}
+
+Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
+                        const std::vector<Index>& protected_points) {
+  const Index n = static_cast<Index>(positions.size());
+  std::vector<std::string> problems;
+  if (positions.size() != normals.size()) {
+    problems.push_back("simplify: " + std::to_string(n) + " positions and " + std::to_string(normals.size()) +
+                       " normals; the two numbers must be equal");
+  }
+  if (k < 3) problems.push_back("simplify: k is " + std::to_string(k) + "; it must be at least 3");
+  if (min_points < 0) problems.push_back("simplify: min_points is " + std::to_string(min_points) + "; it must be at least 0");
+  for (Index i : protected_points) {
+    if (i >= 0 && i < n) continue;
+    problems.push_back("simplify: protected point " + std::to_string(i) + "; indices go from 0 to " + std::to_string(n - 1));
+    break;
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return Thinning(positions, normals, k).run(min_points, protected_points);
+}
+
+}  // namespace deformable_surface::cloud

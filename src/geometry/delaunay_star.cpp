@@ -1,0 +1,212 @@
+// The star of one point by inversion. With y = q / |q|^2 a circle through the origin becomes a line, and the circle is empty when
+// all other images lie on the origin's side of that line: hull edges of the images are the Delaunay triangles at the origin.
+#include "deformable_surface/geometry/delaunay_star.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::geometry {
+namespace {
+
+// Directions closer than this are one: far above rounding, so that the hull never has to decide between points in line with the
+// origin, and far below the angle between true neighbours.
+constexpr double kSameDirection = 1e-12;
+
+double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
+
+// Grows with the angle of v from 0 to 4 over a full turn, and by 2 over every half turn; needs no trigonometry.
+double directionOf(const Vec2& v) {
+  const double sum = std::abs(v.x()) + std::abs(v.y());
+  if (v.y() >= 0.0) return v.x() >= 0.0 ? v.y() / sum : 1.0 - v.x() / sum;
+  return v.x() < 0.0 ? 2.0 - v.y() / sum : 3.0 + v.x() / sum;
+}
+
+// True if the angles at a and c of the quadrilateral a b c d (counter-clockwise) sum to at least a straight angle less tie: the
+// corners lie on one circle, or miss it by that. Sine and cosine of the sum are those of a product of complex numbers.
+bool isCocircular(const Vec2& a, const Vec2& b, const Vec2& c, const Vec2& d, double tie) {
+  const Vec2 ab = b - a, ad = d - a, cd = d - c, cb = b - c;
+  const double sin_a = cross(ab, ad), cos_a = ab.dot(ad);
+  const double sin_c = cross(cd, cb), cos_c = cd.dot(cb);
+  const double sine = sin_a * cos_c + cos_a * sin_c;
+  const double cosine = cos_a * cos_c - sin_a * sin_c;
+  return cosine < 0.0 && sine <= -tie * cosine;
+}
+
+// True if the angle from a to b, counter-clockwise, is at most the one with this cosine (and so less than straight).
+bool spansTriangle(const Vec2& a, const Vec2& b, double max_gap_cosine) {
+  return cross(a, b) > 0.0 && a.dot(b) >= max_gap_cosine * std::sqrt(a.squaredNorm() * b.squaredNorm());
+}
+
+}  // namespace
+
+void DelaunayStarBuilder::sortByDirection(const std::vector<Vec2>& points) {
+  directions_.clear();
+  double nearest = std::numeric_limits<double>::max();
+  for (Index i = 0; i < static_cast<Index>(points.size()); ++i) {
+    const double squared_distance = points[i].squaredNorm();
+    using Limits = std::numeric_limits<double>;
+    if (!(squared_distance >= Limits::min() && squared_distance <= Limits::max())) continue;
+    directions_.push_back({directionOf(points[i]), squared_distance, i});
+    nearest = std::min(nearest, squared_distance);
+  }
+  std::sort(directions_.begin(), directions_.end(), [](const Direction& a, const Direction& b) {
+    if (a.angle != b.angle) return a.angle < b.angle;
+    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.neighbor < b.neighbor;
+  });
+  // Of several in one direction the nearest stays; the first and the last may be in one direction too.
+  std::size_t kept = 0;
+  for (const Direction& d : directions_) {
+    if (kept == 0 || d.angle - directions_[kept - 1].angle > kSameDirection) {
+      directions_[kept++] = d;
+    } else if (d.squared_distance < directions_[kept - 1].squared_distance) {
+      directions_[kept - 1] = d;
+    }
+  }
+  directions_.resize(kept);
+  if (kept > 1 && directions_.front().angle + 4.0 - directions_.back().angle <= kSameDirection) {
+    const bool last_is_nearer = directions_.back().squared_distance < directions_.front().squared_distance;
+    directions_.erase(last_is_nearer ? directions_.begin() : directions_.end() - 1);
+  }
+  // The radius of the inversion is the nearest distance, so that no image overflows.
+  image_.clear();
+  for (const Direction& d : directions_) image_.push_back(points[d.neighbor] * (nearest / d.squared_distance));
+}
+
+void DelaunayStarBuilder::findHull() {
+  const Index m = static_cast<Index>(directions_.size());
+  hull_.clear();
+  if (m == 0) return;
+
+  // A gap of half a turn or more makes the origin a hull vertex: the scan starts after it and does not close. Otherwise it starts
+  // at the longest image, which is on the hull, and comes back to it.
+  bool closed = true;
+  hull_start_ = 0;
+  for (Index s = 0; s < m; ++s) {
+    const double next = s + 1 < m ? directions_[s + 1].angle : directions_[0].angle + 4.0;
+    const double gap = next - directions_[s].angle;
+    if (gap >= 2.0 - kSameDirection) {
+      closed = false;
+      hull_start_ = (s + 1) % m;
+      break;
+    }
+    if (directions_[s].squared_distance < directions_[hull_start_].squared_distance) hull_start_ = s;
+  }
+
+  const auto imageAt = [&](Index step) -> const Vec2& { return image_[(hull_start_ + step) % m]; };
+  for (Index step = 0; step < m + (closed ? 1 : 0); ++step) {
+    const Vec2& y = imageAt(step);
+    while (hull_.size() >= 2) {
+      const Vec2 &last = imageAt(hull_.back()), &before = imageAt(hull_[hull_.size() - 2]);
+      if (cross(last - before, y - last) > 0.0) break;
+      hull_.pop_back();
+    }
+    if (step < m) hull_.push_back(step);
+  }
+}
+
+void DelaunayStarBuilder::fillRing(const std::vector<Vec2>& points, double tie, double max_gap_cosine) {
+  const Index m = static_cast<Index>(directions_.size());
+  const auto neighborAt = [&](Index step) { return directions_[(hull_start_ + step) % m].neighbor; };
+  star_.ring.clear();
+  for (std::size_t h = 0; h < hull_.size(); ++h) {
+    // Between the two corners of a hull edge, seen from the origin, those cocircular with it belong to the same cell.
+    const bool last = h + 1 == hull_.size();
+    const Index from = hull_[h], to = last ? m : hull_[h + 1];
+    const Vec2 &a = points[neighborAt(from)], &c = points[neighborAt(last ? hull_[0] : to)];
+    star_.ring.push_back(neighborAt(from));
+    if (to - from == 1 || !spansTriangle(a, c, max_gap_cosine)) continue;
+    for (Index step = from + 1; step < to; ++step) {
+      const Vec2& d = points[neighborAt(step)];
+      if (isCocircular(Vec2::Zero(), a, d, c, tie)) star_.ring.push_back(neighborAt(step));
+    }
+  }
+}
+
+// Marks the steps with triangles (cell_size 1 until measured) and rotates an open ring to start after its widest gap.
+void DelaunayStarBuilder::openRing(const std::vector<Vec2>& points, double max_gap_cosine) {
+  const std::size_t m = star_.ring.size();
+  star_.cell_size.assign(m, 1);
+  double widest = 0.0;
+  std::size_t start = 0;
+  for (std::size_t r = 0; r < m; ++r) {
+    const Vec2 &a = points[star_.ring[r]], &b = points[star_.ring[(r + 1) % m]];
+    if (m > 1 && spansTriangle(a, b, max_gap_cosine)) continue;
+    star_.cell_size[r] = 0;
+    double gap = std::atan2(cross(a, b), a.dot(b));
+    if (gap <= 0.0) gap += 2.0 * 3.14159265358979323846;
+    if (gap > widest) {
+      widest = gap;
+      start = (r + 1) % m;
+    }
+  }
+  star_.open = m == 0 || widest > 0.0;
+  std::rotate(star_.ring.begin(), star_.ring.begin() + start, star_.ring.end());
+  std::rotate(star_.cell_size.begin(), star_.cell_size.begin() + start, star_.cell_size.end());
+}
+
+// Takes members off the ends of an open ring while the outermost triangle has an angle beyond max_gap at the member next to the
+// end: seen from there it is a gap, so all three corners agree that there is no triangle. On a straight edge this is the triangle
+// of no area that rounding makes of three points in line.
+void DelaunayStarBuilder::trimRing(const std::vector<Vec2>& points, double max_gap_cosine) {
+  if (!star_.open) return;
+  std::vector<Index>&ring = star_.ring, &cell_size = star_.cell_size;
+  std::size_t begin = 0, end = ring.size();
+  while (end - begin >= 2 && cell_size[begin] > 0) {
+    const Vec2 &outer = points[ring[begin]], &inner = points[ring[begin + 1]];
+    if (spansTriangle(-inner, outer - inner, max_gap_cosine)) break;
+    ++begin;
+  }
+  while (end - begin >= 2 && cell_size[end - 2] > 0) {
+    const Vec2 &outer = points[ring[end - 1]], &inner = points[ring[end - 2]];
+    if (spansTriangle(outer - inner, -inner, max_gap_cosine)) break;
+    --end;
+    cell_size[end - 1] = 0;
+  }
+  for (std::vector<Index>* list : {&ring, &cell_size}) {
+    list->erase(list->begin() + end, list->end());
+    list->erase(list->begin(), list->begin() + begin);
+  }
+}
+
+// Joins consecutive triangles into cells where the ring member between them is cocircular with its two ring neighbours.
+void DelaunayStarBuilder::measureCells(const std::vector<Vec2>& points, double tie) {
+  const std::size_t m = star_.ring.size();
+  const auto isInsideCell = [&](std::size_t r) {
+    const std::size_t before = (r + m - 1) % m;
+    return star_.cell_size[before] > 0 && star_.cell_size[r] > 0 &&
+           isCocircular(points[star_.ring[before]], points[star_.ring[r]], points[star_.ring[(r + 1) % m]], Vec2::Zero(), tie);
+  };
+  // A closed ring may start anywhere: start it where a cell does.
+  if (!star_.open) {
+    std::size_t start = 0;
+    while (start < m && isInsideCell(start)) ++start;
+    if (start < m) std::rotate(star_.ring.begin(), star_.ring.begin() + start, star_.ring.end());
+  }
+  star_.area = star_.share = 0.0;
+  for (std::size_t begin = 0, end = 0; begin < m; begin = end) {
+    double area = 0.0;
+    do {
+      if (star_.cell_size[end] > 0) area += 0.5 * cross(points[star_.ring[end]], points[star_.ring[(end + 1) % m]]);
+      ++end;
+    } while (end < m && isInsideCell(end));
+    if (star_.cell_size[begin] == 0) continue;
+    const Index corners = static_cast<Index>(end - begin) + 2;
+    std::fill(star_.cell_size.begin() + begin, star_.cell_size.begin() + end, corners);
+    star_.area += area;
+    star_.share += area / corners;
+  }
+}
+
+const DelaunayStar& DelaunayStarBuilder::build(const std::vector<Vec2>& points, double tie, double max_gap) {
+  const double max_gap_cosine = std::cos(max_gap);
+  sortByDirection(points);
+  findHull();
+  fillRing(points, tie, max_gap_cosine);
+  openRing(points, max_gap_cosine);
+  trimRing(points, max_gap_cosine);
+  measureCells(points, tie);
+  return star_;
+}
+
+}  // namespace deformable_surface::geometry

@@ -1,0 +1,170 @@
+#include "deformable_surface/model/mass_spring/triangle_membrane.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/model/mass_spring/incidence.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::model {
+namespace {
+
+using Mat32 = Eigen::Matrix<double, 3, 2>;
+
+constexpr Index kBlock = 1024;
+
+// Rotation and invariants of F.
+struct Polar {
+  Mat32 rotation;
+  Vec3 normal;
+  double trace;        // T = tr S, the sum of the two stretches
+  double determinant;  // J
+};
+
+Polar decompose(const Mat32& F, Index element) {
+  Polar p;
+  const Vec3 cross = F.col(0).cross(F.col(1));
+  p.determinant = cross.norm();
+  p.trace = std::sqrt(F.squaredNorm() + 2.0 * p.determinant);
+  if (p.determinant > 0.0) {
+    p.normal = cross / p.determinant;
+  } else {
+    // Collapsed to a line or a point: any normal perpendicular to the line will do, always the same one.
+    const Vec3 line = F.col(F.col(0).squaredNorm() >= F.col(1).squaredNorm() ? 0 : 1);
+    const Vec3 aside = fixedDirection(element, element + 1);
+    p.normal = line.squaredNorm() > 0.0 ? Vec3(line.cross(aside)) : aside;
+    const double length = p.normal.norm();
+    p.normal = length > 0.0 ? Vec3(p.normal / length) : line.unitOrthogonal();
+  }
+  if (p.trace > 0.0) {
+    Mat32 cofactor;
+    cofactor << F.col(1).cross(p.normal), p.normal.cross(F.col(0));
+    p.rotation = (F + cofactor) / p.trace;
+  } else {
+    const Vec3 first = p.normal.unitOrthogonal();
+    p.rotation << first, p.normal.cross(first);
+  }
+  return p;
+}
+
+}  // namespace
+
+TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
+                                   double poisson_ratio)
+    : mu_(membrane_stiffness / (2.0 * (1.0 + poisson_ratio))),
+      lambda_(membrane_stiffness * poisson_ratio / (1.0 - poisson_ratio * poisson_ratio)) {
+  std::vector<std::pair<Index, Index>> corners;
+  for (const WeightedTriangle& t : triangles) {
+    const Vec3 a = rest[t.corner[1]] - rest[t.corner[0]], b = rest[t.corner[2]] - rest[t.corner[0]];
+    const double twice_area = a.cross(b).norm();
+    if (!(twice_area > 0.0)) continue;
+    // Edges in the triangle's own plane, first axis along a.
+    const double length = a.norm();
+    Mat2 edges;
+    edges << length, a.dot(b) / length, 0.0, twice_area / length;
+    Element e{{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), 0.5 * t.weight * twice_area};
+    if (!e.inverse.allFinite()) continue;
+    for (int c = 0; c < 3; ++c) corners.emplace_back(t.corner[c], static_cast<Index>(3 * elements_.size()) + c);
+    elements_.push_back(e);
+  }
+  incidence_ = groupByPoint(static_cast<Index>(rest.size()), corners);
+  corner_force_.resize(3 * elements_.size());
+}
+
+Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
+  const Vec3& origin = state.positions[e.corner[0]];
+  Mat32 edges;
+  edges << state.positions[e.corner[1]] - origin, state.positions[e.corner[2]] - origin;
+  return edges * e.inverse;
+}
+
+void TriangleMembrane::addForces(const State& state, Points& forces) const {
+  // The corner forces of every triangle: minus the first Piola-Kirchhoff stress times the gradients of the shape functions.
+  parallelFor(static_cast<Index>(elements_.size()), kBlock, [&](Index begin, Index end) {
+    for (Index t = begin; t < end; ++t) {
+      const Element& e = elements_[t];
+      const Mat32 F = gradient(e, state);
+      const Polar p = decompose(F, t);
+      const Mat32 stress = 2.0 * mu_ * (F - p.rotation) + lambda_ * (p.trace - 2.0) * p.rotation;
+      const Mat32 corner = -e.area * stress * e.inverse.transpose();
+      corner_force_[3 * t + 1] = corner.col(0);
+      corner_force_[3 * t + 2] = corner.col(1);
+      corner_force_[3 * t] = -corner.col(0) - corner.col(1);
+    }
+  });
+  // Gathered by the points.
+  parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      Vec3 sum = Vec3::Zero();
+      for (const Index* c = incidence_.begin(i); c != incidence_.end(i); ++c) sum += corner_force_[*c];
+      forces[i] += sum;
+    }
+  });
+}
+
+double TriangleMembrane::energy(const State& state) const {
+  return parallelSum(static_cast<Index>(elements_.size()), kBlock, [&](Index begin, Index end) {
+    double sum = 0.0;
+    for (Index t = begin; t < end; ++t) {
+      const Element& e = elements_[t];
+      const Mat32 F = gradient(e, state);
+      const Polar p = decompose(F, t);
+      sum += e.area * (mu_ * (F - p.rotation).squaredNorm() + 0.5 * lambda_ * (p.trace - 2.0) * (p.trace - 2.0));
+    }
+    return sum;
+  });
+}
+
+void TriangleMembrane::addStiffness(const State& state, BlockSparse& stiffness) const {
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const Element& e = elements_[t];
+    const Mat32 F = gradient(e, state);
+    const Polar p = decompose(F, static_cast<Index>(t));
+
+    // Principal stretches and directions: S = R^T F is symmetric.
+    const Mat2 S = p.rotation.transpose() * F;
+    const double mean = 0.5 * (S(0, 0) + S(1, 1)), difference = 0.5 * (S(0, 0) - S(1, 1));
+    const double offdiagonal = 0.5 * (S(0, 1) + S(1, 0));
+    const double radius = std::hypot(difference, offdiagonal);
+    const double angle = 0.5 * std::atan2(offdiagonal, difference);
+    const Vec2 v[2] = {Vec2(std::cos(angle), std::sin(angle)), Vec2(-std::sin(angle), std::cos(angle))};
+    const double stretch[2] = {mean + radius, mean - radius};
+
+    // d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains: R / sqrt 2 (dilation), R
+    // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is what the rotation's change takes away.
+    const double c = 2.0 * mu_ - lambda_ * (p.trace - 2.0);
+    const double spin = std::max(0.0, 2.0 * mu_ - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu_;
+    Mat2 turn;
+    turn << 0.0, -1.0, 1.0, 0.0;
+    const Mat32 spin_mode = p.rotation * turn / std::sqrt(2.0), dilation_mode = p.rotation / std::sqrt(2.0);
+    double tilt[2];
+    for (int k = 0; k < 2; ++k)
+      tilt[k] = std::max(0.0, 2.0 * mu_ - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu_;
+
+    // Shape function gradients of the corners in the plane at rest.
+    Vec2 g[3];
+    g[1] = e.inverse.row(0);
+    g[2] = e.inverse.row(1);
+    g[0] = -g[1] - g[2];
+    for (int a = 0; a < 3; ++a)
+      for (int b = 0; b <= a; ++b) {
+        Mat3 block = 2.0 * mu_ * g[a].dot(g[b]) * Mat3::Identity();
+        block += 2.0 * lambda_ * (dilation_mode * g[a]) * (dilation_mode * g[b]).transpose();
+        block += spin * (spin_mode * g[a]) * (spin_mode * g[b]).transpose();
+        for (int k = 0; k < 2; ++k) block += tilt[k] * v[k].dot(g[a]) * v[k].dot(g[b]) * p.normal * p.normal.transpose();
+        stiffness.add(e.corner[a], e.corner[b], e.area * block);
+      }
+  }
+}
+
+void TriangleMembrane::addRowBounds(std::vector<double>& stiffness) const {
+  const double largest = 2.0 * mu_ + 2.0 * std::max(0.0, lambda_);
+  for (const Element& e : elements_) {
+    const Vec2 g1 = e.inverse.row(0), g2 = e.inverse.row(1);
+    const double norm[3] = {(g1 + g2).norm(), g1.norm(), g2.norm()};
+    const double sum = norm[0] + norm[1] + norm[2];
+    for (int c = 0; c < 3; ++c) stiffness[e.corner[c]] += e.area * largest * norm[c] * sum;
+  }
+}
+
+}  // namespace deformable_surface::model

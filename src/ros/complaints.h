@@ -1,0 +1,45 @@
+// What went wrong, counted by kind and told in the log without flooding it. In a file of its own because every part of the node
+// complains, and the diagnostics report what they said.
+#pragma once
+
+#include <array>
+#include <chrono>
+#include <mutex>
+#include <string>
+
+namespace deformable_surface::node {
+
+enum class Complaint { kCloudRefused, kCommandRefused, kToolsRefused, kWaiting, kBehind, kClock, kNotice, kStep, kInternal };
+constexpr int kNumComplaints = 9;
+
+/// May be used from any thread.
+class Complaints {
+ public:
+  /// name: of the node, which begins each line.
+  explicit Complaints(std::string name) : name_(std::move(name)) {}
+
+  /// Counts, and writes one line unless one of its kind was written a short while ago; the next then says how many were left out.
+  void report(Complaint kind, const std::string& sentence);
+
+  const std::string& name() const { return name_; }
+  int count(Complaint kind) const;
+  /// The last sentence; empty if there was none.
+  std::string last() const;
+  /// True for a while after the last report.
+  bool isRecent() const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Kind {
+    int count = 0, left_out = 0;
+    Clock::time_point last_line;
+  };
+
+  const std::string name_;
+  mutable std::mutex mutex_;
+  std::array<Kind, kNumComplaints> kinds_;
+  std::string last_;
+  Clock::time_point last_time_;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,145 @@
+#include "inbox.h"
+
+#include <ros/time.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+// More than a second of forces at the highest rates there are; beyond it the sender has gone wild.
+constexpr std::size_t kMaxCommands = 4096;
+// Each waiting call holds a thread of its caller; more than this is a flood.
+constexpr std::size_t kMaxJobs = 16;
+// Longer than building the largest usual surface takes; then the caller is told to try again.
+constexpr std::chrono::seconds kPatience(30);
+
+}  // namespace
+
+void Inbox::put(DecodedCloud&& cloud) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  num_clouds_replaced_ += cloud_.has_value();
+  cloud_ = IncomingCloud{std::move(cloud), readClock()};
+  came_.notify_one();
+}
+
+void Inbox::put(const PointForceConstPtr& force) { putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force}); }
+
+void Inbox::put(const geometry_msgs::WrenchStampedConstPtr& wrench) {
+  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), wrench});
+}
+
+void Inbox::putCommand(Command command) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (command.stamp == 0) command.stamp = readClock();
+  if (commands_.size() >= kMaxCommands) {
+    commands_.pop_front();
+    ++num_commands_dropped_;
+  }
+  commands_.push_back(std::move(command));
+  came_.notify_one();
+}
+
+void Inbox::observeClock(std::int64_t now) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  observe(now, 0);
+  was_woken_ = true;
+  came_.notify_one();
+}
+
+std::int64_t Inbox::readClock() {
+  if (clock_.isSimulated()) return clock_.now();
+  const auto steady = std::chrono::steady_clock::now().time_since_epoch();
+  observe(static_cast<std::int64_t>(ros::Time::now().toNSec()), std::chrono::nanoseconds(steady).count());
+  return clock_.now();
+}
+
+void Inbox::observe(std::int64_t now, std::int64_t steady) {
+  // What was sent before a jump back belongs to a run that is over.
+  if (clock_.observe(now, steady)) commands_.clear();
+}
+
+void Inbox::wantFrame() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  frame_wanted_ = true;
+  came_.notify_one();
+}
+
+void Inbox::wake() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  was_woken_ = true;
+  came_.notify_one();
+}
+
+std::string Inbox::perform(const std::function<void()>& work) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  if (closed_) return "the node is shutting down";
+  if (jobs_.size() >= kMaxJobs) return "busy: too many calls wait already";
+  Job job{&work};
+  jobs_.push_back(&job);
+  came_.notify_one();
+  answered_.wait_for(lock, kPatience, [&] { return job.state != Job::State::kWaiting; });
+  if (job.state == Job::State::kWaiting) {
+    jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
+    return "busy: the simulation did not get to it in time; try again";
+  }
+  // Work that has begun uses what its caller holds, and must be waited for; it looks at isClosed() itself.
+  answered_.wait(lock, [&] { return job.state != Job::State::kRunning; });
+  return job.state == Job::State::kDone ? "" : "the node is shutting down";
+}
+
+void Inbox::doJobs() {
+  std::unique_lock<std::mutex> lock(mutex_);
+  while (!jobs_.empty() && !closed_) {
+    Job& job = *jobs_.front();
+    jobs_.pop_front();
+    job.state = Job::State::kRunning;
+    lock.unlock();
+    (*job.work)();
+    lock.lock();
+    job.state = Job::State::kDone;
+    answered_.notify_all();
+  }
+}
+
+void Inbox::close() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  closed_ = true;
+  for (Job* job : jobs_) job->state = Job::State::kRefused;
+  jobs_.clear();
+  came_.notify_all();
+  answered_.notify_all();
+}
+
+Inbox::Content Inbox::take(SteadyTime until) {
+  std::unique_lock<std::mutex> lock(mutex_);
+  came_.wait_until(lock, until, [&] { return closed_ || cloud_ || !commands_.empty() || !jobs_.empty() || frame_wanted_ || was_woken_; });
+  readClock();
+  Content content;
+  content.cloud = std::exchange(cloud_, std::nullopt);
+  content.commands.assign(std::make_move_iterator(commands_.begin()), std::make_move_iterator(commands_.end()));
+  commands_.clear();
+  content.frame_wanted = std::exchange(frame_wanted_, false);
+  content.closed = closed_;
+  content.clock = clock_.take();
+  was_woken_ = false;
+  return content;
+}
+
+bool Inbox::isClosed() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return closed_;
+}
+
+int Inbox::numCloudsReplaced() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return num_clouds_replaced_;
+}
+
+int Inbox::numCommandsDropped() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return num_commands_dropped_;
+}
+
+}  // namespace deformable_surface::node

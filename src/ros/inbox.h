@@ -1,0 +1,100 @@
+// Where everything that comes from outside waits for the simulation thread: clouds, commands, service calls, the clock. Callbacks
+// only put here, so that no message ever waits for a step, and the simulation itself needs no locks.
+#pragma once
+
+#include "deformable_surface/PointForce.h"
+#include "deformable_surface/ros/cloud_decoder.h"
+#include "deformable_surface/ros/step_schedule.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+
+#include <chrono>
+#include <condition_variable>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <mutex>
+#include <optional>
+#include <variant>
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// A cloud and the time (ns of the ROS clock) at which it came; 0 if there was no valid time yet.
+struct IncomingCloud {
+  DecodedCloud decoded;
+  std::int64_t arrival = 0;
+};
+
+/// A command and the time (ns) from which it counts: its stamp, or that of its arrival if it brings none.
+struct Command {
+  std::int64_t stamp = 0;
+  std::variant<PointForceConstPtr, geometry_msgs::WrenchStampedConstPtr> message;
+};
+
+class Inbox {
+ public:
+  using SteadyTime = std::chrono::steady_clock::time_point;
+
+  /// Work to be done by the simulation thread for a service that waits.
+  struct Job {
+    enum class State { kWaiting, kRunning, kDone, kRefused };
+    const std::function<void()>* work;
+    State state = State::kWaiting;
+  };
+
+  struct Content {
+    std::optional<IncomingCloud> cloud;
+    std::vector<Command> commands;  // in the order of arrival; none from before a jump back of the clock
+    bool frame_wanted = false;
+    bool closed = false;
+    ClockNews clock;
+  };
+
+  explicit Inbox(bool use_simulated_clock) : clock_(use_simulated_clock) {}
+
+  // For callbacks. None of them waits but perform().
+  /// A cloud that was not fetched yet gives way to the new one.
+  void put(DecodedCloud&& cloud);
+  /// Too many: the oldest is dropped.
+  void put(const PointForceConstPtr& force);
+  void put(const geometry_msgs::WrenchStampedConstPtr& wrench);
+  /// A message of /clock.
+  void observeClock(std::int64_t now);
+  /// Asks for a frame at once, for a new subscriber.
+  void wantFrame();
+  /// Has the simulation thread look around, for the diagnostics.
+  void wake();
+  /// Has the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done.
+  std::string perform(const std::function<void()>& work);
+  /// Ends the simulation thread; whoever waits is refused.
+  void close();
+
+  // For the simulation thread.
+  /// Waits until something comes or the time is there, and takes all but the jobs.
+  Content take(SteadyTime until);
+  /// Does the jobs that wait.
+  void doJobs();
+  bool isClosed() const;
+
+  int numCloudsReplaced() const;
+  int numCommandsDropped() const;
+
+ private:
+  void putCommand(Command command);
+  // With the mutex held:
+  /// The computer's clock is looked at; /clock has been observed already.
+  std::int64_t readClock();
+  void observe(std::int64_t now, std::int64_t steady);
+
+  mutable std::mutex mutex_;
+  std::condition_variable came_, answered_;
+  ClockWatch clock_;
+  std::optional<IncomingCloud> cloud_;
+  std::deque<Command> commands_;
+  std::deque<Job*> jobs_;
+  bool was_woken_ = false, frame_wanted_ = false, closed_ = false;
+  int num_clouds_replaced_ = 0, num_commands_dropped_ = 0;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,88 @@
+#include "node_diagnostics.h"
+
+#include "deformable_surface/base/value.h"
+
+#include <diagnostic_msgs/DiagnosticStatus.h>
+
+namespace deformable_surface::node {
+namespace {
+
+using diagnostic_msgs::DiagnosticStatus;
+using std::chrono::steady_clock;
+
+// Diagnostics are expected about once a second; news come sooner, but not so often that a flood of bad clouds becomes one of reports.
+constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
+
+}  // namespace
+
+NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const Stepper& stepper,
+                                 const Inbox& inbox, const Complaints& complaints)
+    : stepper_(stepper),
+      inbox_(inbox),
+      complaints_(complaints),
+      updater_(node, private_node, private_node.getNamespace()),
+      last_time_(steady_clock::now()) {
+  updater_.setHardwareID("none");
+  updater_.add("input", [this](Status& status) { describeInput(status); });
+  updater_.add("simulation", [this](Status& status) { describeSimulation(status); });
+}
+
+NodeDiagnostics::Happened NodeDiagnostics::observe() const {
+  const StepperStatus status = stepper_.status();
+  return {status.state, status.clouds_accepted + status.clouds_ignored, complaints_.count(Complaint::kCloudRefused), complaints_.last(),
+          status.commands_waiting, status.jumps_back};
+}
+
+Inbox::SteadyTime NodeDiagnostics::nextTime() const { return last_time_ + (observe() == published_ ? kPeriod : kShortest); }
+
+void NodeDiagnostics::update() {
+  const auto now = steady_clock::now();
+  if (now < nextTime()) return;
+  period_ = std::chrono::duration<double>(now - last_time_).count();
+  last_time_ = now;
+  published_ = observe();
+  now_ = stepper_.status();
+  updater_.force_update();
+  last_ = now_;
+}
+
+void NodeDiagnostics::describeInput(Status& status) const {
+  const int refused = complaints_.count(Complaint::kCloudRefused);
+  if (complaints_.isRecent()) {
+    status.summary(DiagnosticStatus::WARN, complaints_.last());
+  } else {
+    status.summary(DiagnosticStatus::OK, "ok");
+  }
+  status.add("clouds accepted", now_.clouds_accepted);
+  status.add("clouds refused", refused);
+  status.add("clouds ignored by policy", now_.clouds_ignored);
+  status.add("clouds replaced before they were built", inbox_.numCloudsReplaced());
+  status.add("commands applied", now_.commands_applied);
+  status.add("commands waiting", now_.commands_waiting);
+  status.add("commands refused", complaints_.count(Complaint::kCommandRefused) + complaints_.count(Complaint::kToolsRefused));
+  status.add("commands dropped", now_.commands_dropped + inbox_.numCommandsDropped());
+  status.add("last complaint", complaints_.last());
+}
+
+void NodeDiagnostics::describeSimulation(Status& status) const {
+  const double rate = static_cast<double>(now_.steps_taken - last_.steps_taken) / period_;
+  const bool is_behind = now_.time_let_go > last_.time_let_go;
+  if (now_.is_failed) {
+    status.summary(DiagnosticStatus::ERROR, now_.state);
+  } else if (is_behind) {
+    status.summary(DiagnosticStatus::WARN, "steps take longer than real time");
+  } else {
+    status.summary(DiagnosticStatus::OK, now_.state);
+  }
+  status.add("state", now_.state);
+  status.add("step", now_.step);
+  status.add("simulation time (s)", formatReal(now_.simulation_time));
+  status.add("steps per second", formatReal(rate));
+  status.add("real-time factor", formatReal(rate * now_.time_step));
+  status.add("lag (s)", formatReal(now_.lag));
+  status.add("time not caught up (s)", formatReal(now_.time_let_go));
+  status.add("frames dropped", now_.frames_dropped);
+  status.add("clock jumps back", now_.jumps_back);
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,48 @@
+// What the node says of itself on /diagnostics.
+#pragma once
+
+#include "complaints.h"
+#include "inbox.h"
+#include "stepper.h"
+
+#include <diagnostic_updater/diagnostic_updater.h>
+#include <ros/node_handle.h>
+
+#include <chrono>
+#include <string>
+#include <tuple>
+
+namespace deformable_surface::node {
+
+/// To be used by the simulation thread.
+class NodeDiagnostics {
+ public:
+  NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const Stepper& stepper, const Inbox& inbox,
+                  const Complaints& complaints);
+
+  /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or jumps
+  /// back must be reported too.
+  void update();
+  /// When update() is to be called next, at the latest.
+  Inbox::SteadyTime nextTime() const;
+
+ private:
+  using Status = diagnostic_updater::DiagnosticStatusWrapper;
+  // What is told soon: state, clouds accepted and refused, complaints, commands waiting.
+  using Happened = std::tuple<std::string, int, int, std::string, int, int>;
+
+  void describeInput(Status& status) const;
+  void describeSimulation(Status& status) const;
+  Happened observe() const;
+
+  const Stepper& stepper_;
+  const Inbox& inbox_;
+  const Complaints& complaints_;
+  diagnostic_updater::Updater updater_;
+  Happened published_;
+  Inbox::SteadyTime last_time_;
+  StepperStatus last_, now_;   // at the last two updates
+  double period_ = 0.0;        // s between them
+};
+
+}  // namespace deformable_surface::node

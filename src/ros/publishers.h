@@ -1,0 +1,37 @@
+// What the node publishes of its surface. Each output is made only for those who listen, as a message of its own that is never changed
+// again, so that nodelets in the same process share it without a copy.
+#pragma once
+
+#include "deformable_surface/ros/encode.h"
+#include "deformable_surface/ros/markers.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <functional>
+#include <optional>
+#include <string>
+
+namespace deformable_surface::node {
+
+class Publishers {
+ public:
+  /// on_subscriber is called when somebody begins to listen.
+  Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
+
+  /// A new surface, which must be at rest.
+  void begin(const simulation::Simulation& simulation, const std::string& frame);
+  /// Publishes the surface as it is now. time_input: seconds spent on commands in the last step, for the statistics.
+  void publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input);
+
+ private:
+  ros::Publisher deformed_, simulation_points_, markers_, statistics_;
+  std::string frame_;
+  std::optional<SurfaceEncoder> encoder_;
+  std::optional<SimulationMarkers> marker_maker_;
+  bool is_new_ = false;        // nothing of this surface was published yet
+  double time_publish_ = 0.0;  // s, of the last frame
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,183 @@
+#include "services.h"
+
+#include "frames.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/geometry/region.h"
+#include "deformable_surface/io/point_files.h"
+#include "deformable_surface/ros/surface_output.h"
+
+#include <cmath>
+#include <exception>
+#include <regex>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+using shape_msgs::SolidPrimitive;
+
+// A unit quaternion in float32 is off by less; more means that somebody did not mean a rotation.
+constexpr double kUnitTolerance = 1e-3;
+// A box turned by less than this misses by less than the rounding of its messages.
+constexpr double kAxesTolerance = 1e-6;
+// A call of this many steps holds the node for long already.
+constexpr std::uint32_t kMaxSteps = 1000000;
+
+Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
+  const Vec3 position(pose.position.x, pose.position.y, pose.position.z);
+  const auto& o = pose.orientation;
+  Eigen::Quaterniond orientation(o.w, o.x, o.y, o.z);
+  if (orientation.coeffs().isZero(0.0)) orientation.setIdentity();
+  if (!position.allFinite() || !(std::abs(orientation.norm() - 1.0) <= kUnitTolerance)) {
+    throw InputError("pose: found a position that is not finite or an orientation of length " + formatReal(orientation.norm()) +
+                     "; accepted: finite numbers and a unit quaternion");
+  }
+  return Eigen::Translation3d(position) * orientation.normalized();
+}
+
+geometry::Region readRegion(const SelectRegionRequest& request, const std::string& surface_frame, const tf2::BufferCore& transforms) {
+  const SolidPrimitive& primitive = request.primitive;
+  const bool is_box = primitive.type == SolidPrimitive::BOX;
+  const std::size_t num_sizes = is_box ? 3 : 1;
+  if (!is_box && primitive.type != SolidPrimitive::SPHERE)
+    throw InputError("primitive.type: found " + std::to_string(primitive.type) + "; accepted: 1 (box), 2 (sphere)");
+  if (primitive.dimensions.size() != num_sizes)
+    throw InputError("primitive.dimensions: found " + std::to_string(primitive.dimensions.size()) + " numbers; accepted: " +
+                     std::to_string(num_sizes));
+  for (const double size : primitive.dimensions) {
+    if (!(size >= 0.0 && std::isfinite(size)))
+      throw InputError("primitive.dimensions: found " + formatReal(size) + "; accepted: finite numbers >= 0 (m)");
+  }
+
+  const Eigen::Isometry3d pose =
+      findTransform("header.frame_id", request.header.frame_id, surface_frame, request.header.stamp, transforms) *
+      readPose(request.pose);
+  geometry::Region region;
+  if (!is_box) {
+    region.kind = geometry::Region::Kind::kSphere;
+    region.center = pose.translation();
+    region.radius = primitive.dimensions[SolidPrimitive::SPHERE_RADIUS];
+    return region;
+  }
+  if (!pose.linear().isIdentity(kAxesTolerance))
+    throw InputError("pose.orientation: found a box that is turned against the surface's frame; accepted: boxes parallel to its axes");
+  const Vec3 half = 0.5 * Vec3(primitive.dimensions[0], primitive.dimensions[1], primitive.dimensions[2]);
+  region.min = pose.translation() - half;
+  region.max = pose.translation() + half;
+  return region;
+}
+
+// A bare name cannot leave the directory, hide itself or be mistaken for an option.
+void checkSaveName(const std::string& name) {
+  static const std::regex kBareName("[A-Za-z0-9][A-Za-z0-9._-]{0,63}");
+  // Long texts are not shown to the pattern, whose matching is recursive.
+  if (name.size() > 64 || !std::regex_match(name, kBareName))
+    throw InputError("name: found " + quote(name) +
+                     "; accepted: up to 64 letters, digits, '.', '_' and '-', the first a letter or digit, ending in .ply or .pcd");
+  io::checkPointFileName(name);
+}
+
+}  // namespace
+
+Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
+                   std::string save_directory)
+    : inbox_(inbox), stepper_(stepper), transforms_(transforms), save_directory_(std::move(save_directory)) {
+  const auto advertise = [&](const char* name, auto request, auto response, auto call) {
+    using Request = decltype(request);
+    using Response = decltype(response);
+    servers_.push_back(node.advertiseService<Request, Response>(
+        name, boost::function<bool(Request&, Response&)>([call](Request& q, Response& r) { return call(q, r); })));
+  };
+  advertise("reset", std_srvs::TriggerRequest(), std_srvs::TriggerResponse(), [this](auto&, auto& r) { return reset(r); });
+  advertise("pause", std_srvs::SetBoolRequest(), std_srvs::SetBoolResponse(), [this](auto& q, auto& r) { return pause(q.data, r); });
+  advertise("step", StepRequest(), StepResponse(), [this](auto& q, auto& r) { return step(q.count, r); });
+  advertise("pin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, true, r); });
+  advertise("unpin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, false, r); });
+  advertise("save", SaveCloudRequest(), SaveCloudResponse(), [this](auto& q, auto& r) { return save(q.name, r); });
+}
+
+std::vector<std::string> Services::names() const {
+  std::vector<std::string> names;
+  for (const ros::ServiceServer& server : servers_) names.push_back(server.getService());
+  return names;
+}
+
+template <class Response, class Work>
+bool Services::perform(Response& response, const Work& work) {
+  const std::string refusal = inbox_.perform([&] {
+    try {
+      response.message = work();
+      response.success = true;
+    } catch (const std::exception& error) {
+      response.success = false;
+      response.message = error.what();
+    }
+  });
+  if (!refusal.empty()) {
+    response.success = false;
+    response.message = refusal;
+  }
+  return true;
+}
+
+bool Services::reset(std_srvs::TriggerResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    stepper_.reset();
+    stepper_.publish();
+    return "the surface is at rest at time 0";
+  });
+}
+
+bool Services::pause(bool paused, std_srvs::SetBoolResponse& response) {
+  return perform(response, [&] {
+    stepper_.setPaused(paused);
+    return paused ? "paused" : "running";
+  });
+}
+
+bool Services::step(std::uint32_t count, StepResponse& response) {
+  return perform(response, [&] {
+    if (!(count >= 1 && count <= kMaxSteps))
+      throw InputError("count: found " + std::to_string(count) + "; accepted: 1 to " + std::to_string(kMaxSteps));
+    if (!stepper_.isPaused()) throw InputError("the simulation is running; accepted: ~step while it is paused (~pause true)");
+    const std::string obstacle = stepper_.obstacle();
+    if (!obstacle.empty()) throw InputError(obstacle);
+    const std::uint32_t taken = stepper_.takeSteps(count);
+    stepper_.publish();
+    const simulation::Statistics statistics = stepper_.simulation()->statistics();
+    response.simulation_time = statistics.simulation_time;
+    response.energy = statistics.kinetic_energy + statistics.elastic_energy + statistics.potential_energy;
+    response.state_hash = statistics.state_hash;
+    const std::string sentence = "took " + std::to_string(taken) + " of " + std::to_string(count) + " steps";
+    if (taken < count) throw InputError(sentence + "; the last one failed or the node is shutting down, see /diagnostics");
+    return sentence;
+  });
+}
+
+bool Services::select(const SelectRegionRequest& request, bool pinned, SelectRegionResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    const geometry::Region region = readRegion(request, stepper_.frame(), transforms_);
+    response.count = static_cast<std::uint32_t>(pinned ? stepper_.simulation()->pin(region) : stepper_.simulation()->unpin(region));
+    if (response.count == 0)
+      throw InputError(std::string("no ") + (pinned ? "" : "pinned ") + "simulation point lies in the shape; nothing was changed");
+    stepper_.publish();
+    return std::to_string(response.count) + " simulation points " + (pinned ? "pinned" : "freed");
+  });
+}
+
+bool Services::save(const std::string& name, SaveCloudResponse& response) {
+  return perform(response, [&] {
+    if (save_directory_.empty()) throw InputError("~save is off, since the parameter save_directory is not set");
+    checkSaveName(name);
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    const simulation::Surface& surface = stepper_.simulation()->surface(true);
+    io::writePointFile(save_directory_ + "/" + name, makeOutputCloud(surface, stepper_.simulation()->input()), surface.displacement);
+    return "wrote " + name;
+  });
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,47 @@
+// The services of the node. Each hands its work to the simulation thread and waits for the answer; none of them throws.
+#pragma once
+
+#include "inbox.h"
+#include "stepper.h"
+
+#include "deformable_surface/SaveCloud.h"
+#include "deformable_surface/SelectRegion.h"
+#include "deformable_surface/Step.h"
+
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <string>
+#include <vector>
+
+namespace deformable_surface::node {
+
+class Services {
+ public:
+  /// save_directory: absolute and there; empty = ~save is off.
+  Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, std::string save_directory);
+
+  /// Resolved names, for registering them again.
+  std::vector<std::string> names() const;
+
+ private:
+  /// Has the work done, which returns the message of success; failures become success = false with the reason.
+  template <class Response, class Work>
+  bool perform(Response& response, const Work& work);
+
+  bool reset(std_srvs::TriggerResponse& response);
+  bool pause(bool paused, std_srvs::SetBoolResponse& response);
+  bool step(std::uint32_t count, StepResponse& response);
+  bool select(const SelectRegionRequest& request, bool pinned, SelectRegionResponse& response);
+  bool save(const std::string& name, SaveCloudResponse& response);
+
+  Inbox& inbox_;
+  Stepper& stepper_;
+  const tf2::BufferCore& transforms_;
+  const std::string save_directory_;
+  std::vector<ros::ServiceServer> servers_;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,329 @@
+#include "simulate.h"
+
+#include "simulate_bag.h"
+#include "simulate_options.h"
+#include "simulate_outputs.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/timer.h"
+#include "deformable_surface/io/point_files.h"
+#include "deformable_surface/io/scene.h"
+#include "deformable_surface/io/shapes.h"
+#include "deformable_surface/ros/commands.h"
+#include "deformable_surface/ros/surface_output.h"
+
+#include <ros/package.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <optional>
+
+namespace deformable_surface::node {
+namespace {
+
+namespace fs = std::filesystem;
+using simulation::SceneParams;
+using simulation::Simulation;
+
+constexpr int kDone = 0, kWrongInput = 2, kNoSoundStep = 3, kInterrupted = 128;
+
+// RViz shows nothing without a frame, and this one means "fixed in the world" everywhere (REP 105).
+constexpr char kDefaultFrame[] = "map";
+
+/// The folder of a package by ROS, else of this one beside the program in an install space without a ROS environment.
+std::string findPackage(const std::string& package) {
+  const std::string by_ros = ros::package::getPath(package);
+  if (!by_ros.empty()) return by_ros;
+  std::error_code error;
+  const fs::path program = fs::read_symlink("/proc/self/exe", error);
+  const fs::path installed = program.parent_path() / "../../share" / package;
+  if (!error && fs::is_directory(installed, error)) return installed.lexically_normal().string();
+  throw InputError("package " + quote(package) + ": not found; accepted: packages on ROS_PACKAGE_PATH");
+}
+
+SceneParams loadScene(const SimulateOptions& options) {
+  Value root = io::loadYamlFile(options.scene);
+  for (const std::string& assignment : options.assignments) io::setByPath(root, assignment);
+  const SceneParams params = io::readScene(root);
+  io::checkForSimulate(params, options.bag_in.empty());
+  return params;
+}
+
+cloud::PointCloud loadCloud(const SceneParams& params) {
+  if (params.cloud.file.empty()) return io::makeShape(params.cloud);
+  return io::readPointFile(params.cloud.file, params.cloud.scale, params.input.max_points, findPackage);
+}
+
+// What is written at the end of a long run is looked at before it.
+void checkFinalFile(const std::string& file) {
+  io::checkPointFileName(file);
+  const fs::path folder = fs::path(file).has_parent_path() ? fs::path(file).parent_path() : fs::path(".");
+  if (access(folder.c_str(), W_OK) != 0 || fs::is_directory(file)) {
+    throw InputError("--final: found " + quote(file) + ", which cannot be written; accepted: a file in a folder that can be written");
+  }
+}
+
+/// A bar that is drawn anew a few times a second.
+class Progress {
+ public:
+  explicit Progress(const Terminal& terminal, bool show) : err_(terminal.err), show_(show && terminal.show_progress) {}
+  ~Progress() { clear(); }
+
+  void update(double time, double duration) {
+    constexpr double kPeriod = 0.1;  // s: smooth to the eye and nothing to the processor
+    if (!show_ || timer_.seconds() < drawn_ + kPeriod) return;
+    drawn_ = timer_.seconds();
+    const int percent = static_cast<int>(100.0 * time / duration);
+    char line[100];
+    std::snprintf(line, sizeof line, "\r[%-40.*s] %3d %%  %.2f / %.2f s  %.2f x real time ", percent * 40 / 100,
+                  "########################################", percent, time, duration, time / drawn_);
+    err_ << line << std::flush;
+  }
+  void clear() {
+    if (show_ && drawn_ > 0.0) err_ << "\r\033[K" << std::flush;
+    drawn_ = 0.0;
+  }
+
+ private:
+  std::ostream& err_;
+  bool show_;
+  Timer timer_;
+  double drawn_ = 0.0;  // s
+};
+
+/// One run: surfaces from the scene or the bag, one after the other, and the outputs.
+class Run {
+ public:
+  Run(const SimulateOptions& options, const Terminal& terminal)
+      : options_(options), terminal_(terminal), params_(loadScene(options)), progress_(terminal, !options.quiet) {
+    setNumThreads(params_.threads);
+    const double dt = params_.integrator.time_step;
+    if (options.frame_rate * dt > 1.0 + kRounding) {
+      throw InputError("--frame_rate: found " + formatReal(options.frame_rate) + "; accepted: at most one frame per step, " +
+                       formatReal(1.0 / dt) + " (Hz)");
+    }
+    if (!options.final_file.empty()) checkFinalFile(options.final_file);
+    if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
+    if (!options.frames_directory.empty()) {
+      frames_.emplace(options.frames_directory, options.frame_rate > 0.0 ? options.frame_rate : params_.output.publish_rate, dt);
+    }
+    if (!options.bag_out.empty()) output_bag_.emplace(options.bag_out, params_.output.publish_rate, dt);
+  }
+
+  int run() {
+    if (options_.bag_in.empty()) {
+      begin(build(loadCloud(params_), "", 0, tf2::BufferCore()), 0);
+    } else {
+      playBag();
+    }
+    stepUntil(end_);
+    if (status_ == kInterrupted) return kInterrupted + terminal_.stop;
+    finish();
+    return status_;
+  }
+
+ private:
+  static constexpr double kRounding = 1e-9;  // of decimal fractions in double, relative
+
+  // The bag's messages in the order of their stamps, and the steps between them.
+  void playBag() {
+    const InputBag bag(options_.bag_in, options_.topics, {params_.input.max_points});
+    std::vector<InputBag::Event> waiting;  // commands that came before the first cloud
+    for (const auto& [stamp, instance] : bag.entries()) {
+      if (status_ != kDone || (simulation_ && stamp >= end_)) break;
+      InputBag::Event event = bag.read(stamp, instance);
+      if (auto* cloud = std::get_if<DecodedCloud>(&event.message)) {
+        takeCloud(std::move(*cloud), event.stamp, bag.transforms());
+        if (simulation_) {
+          for (const InputBag::Event& command : waiting) takeCommand(command, bag.transforms());
+          waiting.clear();
+        }
+      } else if (simulation_) {
+        takeCommand(event, bag.transforms());
+      } else {
+        waiting.push_back(std::move(event));
+      }
+    }
+    if (!simulation_) throw InputError(options_.bag_in + ": found no cloud that can be simulated; accepted: at least one");
+  }
+
+  // A cloud that is refused changes nothing.
+  void takeCloud(DecodedCloud decoded, std::int64_t stamp, const tf2::BufferCore& transforms) {
+    if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
+    std::unique_ptr<Simulation> simulation;
+    try {
+      if (!decoded.ok()) throw InputError(decoded.refusal);
+      simulation = build(std::move(decoded.cloud), decoded.header.frame_id, stamp, transforms);
+    } catch (const InputError& error) {
+      return reportRefusal("cloud", stamp, error);
+    }
+    // The old surface takes the steps that end before the new one is there.
+    if (simulation_) stepUntil(stamp);
+    if (status_ == kDone) begin(std::move(simulation), stamp);
+  }
+
+  // Takes effect at the first step that begins at or after the stamp.
+  void takeCommand(const InputBag::Event& event, const tf2::BufferCore& transforms) {
+    while (canStep() && now() < event.stamp) step();
+    try {
+      if (const auto* force = std::get_if<PointForce>(&event.message)) {
+        simulation_->setForce(toForce(*force, simulation_->time(), frame_, transforms));
+      } else {
+        simulation_->setForce(toForce(std::get<geometry_msgs::WrenchStamped>(event.message), simulation_->time(), frame_, transforms,
+                                      params_.force));
+      }
+    } catch (const InputError& error) {
+      reportRefusal("command", event.stamp, error);
+    }
+  }
+
+  std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp,
+                                    const tf2::BufferCore& transforms) {
+    auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
+    const std::string frame = !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
+    simulation->setGravity(findGravity(frame, stamp, transforms));
+    frame_ = frame;
+    return simulation;
+  }
+
+  // A surface at rest, whose time 0 is the stamp.
+  void begin(std::unique_ptr<Simulation> simulation, std::int64_t stamp) {
+    if (!simulation_) {
+      run_start_ = stamp;
+      end_ = stamp + toNanoseconds(params_.duration);
+    }
+    simulation_ = std::move(simulation);
+    start_ = stamp;
+    note(std::to_string(simulation_->input().size()) + " input points");
+    for (const std::string& line : simulation_->buildNotes()) note(line);
+    if (output_bag_) output_bag_->begin(frame_, *simulation_);
+    writeState();
+  }
+
+  Vec3 findGravity(const std::string& frame, std::int64_t stamp, const tf2::BufferCore& transforms) const {
+    if (params_.gravity_frame.empty() || params_.gravity_frame == frame) return params_.gravity;
+    // Gravity is a force on a unit of mass, whose frame is looked up as that of any other force.
+    PointForce unit;
+    unit.id = "gravity";
+    unit.header.frame_id = params_.gravity_frame;
+    unit.header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
+    unit.force.x = params_.gravity.x();
+    unit.force.y = params_.gravity.y();
+    unit.force.z = params_.gravity.z();
+    return toForce(unit, 0.0, frame, transforms).force;
+  }
+
+  // Takes the steps that end at or before the stamp.
+  void stepUntil(std::int64_t stamp) {
+    const std::int64_t most_of_step = toNanoseconds(0.99 * params_.integrator.time_step);  // the rest is for rounding
+    while (canStep() && now() + most_of_step <= stamp) step();
+  }
+
+  bool canStep() const { return status_ == kDone && now() + toNanoseconds(0.99 * params_.integrator.time_step) <= end_; }
+
+  void step() {
+    if (terminal_.stop != 0) {
+      status_ = kInterrupted;
+      return;
+    }
+    const simulation::StepOutcome outcome = simulation_->step();
+    if (!outcome.notice.empty()) note(outcome.notice);
+    if (!outcome.ok) {
+      status_ = kNoSoundStep;
+      report(outcome.problem);
+      return;
+    }
+    writeState();
+    if (statistics_) statistics_->add(simulation_->statistics());
+    ++steps_;
+    progress_.update(runTime(), params_.duration);
+  }
+
+  void writeState() {
+    if (frames_) frames_->add(runTime(), *simulation_);
+    if (output_bag_) output_bag_->add(runTime(), now(), *simulation_);
+  }
+
+  void finish() {
+    const double wall_time = timer_.seconds();
+    progress_.clear();
+    if (!options_.final_file.empty()) {
+      const simulation::Surface& surface = simulation_->surface(true);
+      io::writePointFile(options_.final_file, makeOutputCloud(surface, simulation_->input()), surface.displacement);
+    }
+    if (statistics_) statistics_->finish();
+    if (output_bag_) output_bag_->finish();
+    if (options_.quiet) return;
+
+    const simulation::Statistics statistics = simulation_->statistics();
+    float largest = 0.0f;
+    for (const float displacement : simulation_->surface(false).displacement) largest = std::max(largest, displacement);
+    char text[400];
+    std::snprintf(text, sizeof text,
+                  "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
+                  "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m\nstate hash            %016llx\n",
+                  statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
+                  static_cast<unsigned long long>(statistics.state_hash));
+    terminal_.out << text << std::flush;
+  }
+
+  // Stamp of the state, ns, and time since the run began, s.
+  std::int64_t now() const { return start_ + toNanoseconds(simulation_->time()); }
+  double runTime() const { return static_cast<double>(start_ - run_start_) * 1e-9 + simulation_->time(); }
+  static std::int64_t toNanoseconds(double seconds) { return std::llround(seconds * 1e9); }
+
+  void note(const std::string& line) {
+    progress_.clear();
+    if (!options_.quiet && line != last_note_) terminal_.out << "note: " << line << '\n';
+    last_note_ = line;
+  }
+  void report(const std::string& line) {
+    progress_.clear();
+    terminal_.err << "simulate: " << line << '\n';
+  }
+  void reportRefusal(const std::string& what, std::int64_t stamp, const InputError& error) {
+    for (const std::string& problem : error.problems()) {
+      report(options_.bag_in + ", " + what + " with the stamp " + formatReal(static_cast<double>(stamp) * 1e-9) + " s: " + problem);
+    }
+  }
+
+  const SimulateOptions& options_;
+  const Terminal& terminal_;
+  SceneParams params_;
+  Progress progress_;
+  std::optional<StatisticsFile> statistics_;
+  std::optional<FrameFiles> frames_;
+  std::optional<OutputBag> output_bag_;
+
+  std::unique_ptr<Simulation> simulation_;
+  std::string frame_;
+  std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
+  unsigned long long steps_ = 0;
+  int status_ = kDone;
+  std::string last_note_;
+  Timer timer_;
+};
+
+}  // namespace
+
+int simulate(const std::vector<std::string>& arguments, const Terminal& terminal) {
+  const auto report = [&](const std::string& line) { terminal.err << "simulate: " << line << '\n'; };
+  try {
+    const SimulateOptions options = parseOptions(arguments);
+    if (options.help) {
+      terminal.out << describeOptions();
+      return kDone;
+    }
+    return Run(options, terminal).run();
+  } catch (const InputError& error) {
+    for (const std::string& problem : error.problems()) report(problem);
+  } catch (const std::exception& error) {
+    report(std::string("stopped: ") + error.what());
+  }
+  return kWrongInput;
+}
+
+}  // namespace deformable_surface::node

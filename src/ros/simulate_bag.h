@@ -1,0 +1,50 @@
+// What `simulate` takes from a bag: clouds, forces and wrenches in the order of their stamps, and the transforms that these need.
+#pragma once
+
+#include "deformable_surface/PointForce.h"
+#include "deformable_surface/ros/cloud_decoder.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <tf2/buffer_core.h>
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <string>
+#include <variant>
+
+namespace deformable_surface::node {
+
+class InputBag {
+ public:
+  /// topics: from cloud_in, force, wrench, tools to topics. Throws InputError, naming the file and the topic, for a bag that
+  /// cannot be read, has no such clouds, or has messages of another type there.
+  InputBag(const std::string& file, const std::map<std::string, std::string>& topics, const DecodeLimits& limits);
+
+  struct Event {
+    std::int64_t stamp = 0;  // ns; that of the message, or when it was recorded if its own is zero
+    std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped> message;
+  };
+  /// Where the events are, by stamp; equal stamps in the order of the bag.
+  const std::multimap<std::int64_t, rosbag::MessageInstance>& entries() const { return entries_; }
+  /// One event. A cloud is decoded here, so that only one is in memory.
+  Event read(std::int64_t stamp, const rosbag::MessageInstance& instance) const;
+
+  /// All transforms of the bag.
+  const tf2::BufferCore& transforms() const { return *transforms_; }
+
+ private:
+  void index(const std::map<std::string, std::string>& topics);
+  void readTransforms();
+
+  std::string file_;
+  DecodeLimits limits_;
+  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::View> view_;
+  std::multimap<std::int64_t, rosbag::MessageInstance> entries_;
+  std::unique_ptr<tf2::BufferCore> transforms_;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,136 @@
+#include "simulate_options.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/params.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace deformable_surface::node {
+namespace {
+
+const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",      "--frames",  "--frame_rate",
+                                             "--bag_in", "--topic",    "--bag_out",    "--statistics", "--threads"};
+const std::vector<std::string> kFlags{"--quiet", "--help"};
+
+std::string refuseUnknown(const std::string& option) {
+  std::vector<std::string> known = kValueOptions;
+  known.insert(known.end(), kFlags.begin(), kFlags.end());
+  return "found the option " + quote(option) + "; the nearest known one is " + nearestWord(option, known) + "; accepted: those of --help";
+}
+
+// NAME=TOPIC.
+void addTopic(const std::string& value, SimulateOptions& options, std::vector<std::string>& problems) {
+  const std::size_t equals = value.find('=');
+  const std::string name = value.substr(0, equals);
+  if (equals == std::string::npos || equals + 1 == value.size()) {
+    problems.push_back("--topic: found " + quote(value) + "; accepted: NAME=TOPIC, e.g. cloud_in=/camera/points");
+  } else if (options.topics.count(name) == 0) {
+    problems.push_back("--topic: found the name " + quote(name) + "; accepted: cloud_in, force, wrench, tools");
+  } else {
+    options.topics[name] = value.substr(equals + 1);
+  }
+}
+
+void setFrameRate(const std::string& value, SimulateOptions& options, std::vector<std::string>& problems) {
+  const Value number = parseNumber(value);
+  const double rate = number.asReal() ? *number.asReal() : number.asInteger() ? static_cast<double>(*number.asInteger()) : 0.0;
+  if (rate > 0.0 && std::isfinite(rate)) {
+    options.frame_rate = rate;
+  } else {
+    problems.push_back("--frame_rate: found " + quote(value) + "; accepted: a number above 0 (Hz)");
+  }
+}
+
+}  // namespace
+
+SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
+  SimulateOptions options;
+  for (const char* name : {"cloud_in", "force", "wrench", "tools"}) options.topics[name] = std::string("/deformable_surface/") + name;
+  const std::map<std::string, std::string*> texts{{"--final", &options.final_file},           {"--frames", &options.frames_directory},
+                                                  {"--statistics", &options.statistics_file}, {"--bag_in", &options.bag_in},
+                                                  {"--bag_out", &options.bag_out}};
+  std::vector<std::string> problems, late_assignments;
+  std::set<std::string> given;
+
+  for (std::size_t i = 0; i < arguments.size(); ++i) {
+    const std::string& argument = arguments[i];
+    // The scene.
+    if (argument.empty() || argument[0] != '-') {
+      if (!options.scene.empty()) {
+        problems.push_back("found a second scene, " + quote(argument) + "; accepted: one scene file");
+      } else if (argument.empty()) {
+        problems.push_back("found an empty name of a scene; accepted: a scene file");
+      } else {
+        options.scene = argument;
+      }
+      continue;
+    }
+    // Options without a value.
+    if (argument == "--quiet" || argument == "--help") {
+      (argument == "--quiet" ? options.quiet : options.help) = true;
+      continue;
+    }
+    // Options with a value.
+    if (std::find(kValueOptions.begin(), kValueOptions.end(), argument) == kValueOptions.end()) {
+      problems.push_back(refuseUnknown(argument));
+      continue;
+    }
+    if (i + 1 == arguments.size() || arguments[i + 1].empty()) {
+      problems.push_back(argument + ": found nothing behind it; accepted: a value, see --help");
+      ++i;
+      continue;
+    }
+    const std::string& value = arguments[++i];
+    if (argument == "--set") {
+      options.assignments.push_back(value);
+      continue;
+    }
+    if (argument == "--topic") {
+      addTopic(value, options, problems);
+      given.insert(argument);
+      continue;
+    }
+    if (!given.insert(argument).second) problems.push_back(argument + ": found twice; accepted: once");
+    if (argument == "--frame_rate") {
+      setFrameRate(value, options, problems);
+    } else if (texts.count(argument) > 0) {
+      *texts.at(argument) = value;
+    } else {
+      late_assignments.push_back(argument.substr(2) + "=" + value);  // --duration, --threads
+    }
+  }
+  options.assignments.insert(options.assignments.end(), late_assignments.begin(), late_assignments.end());
+
+  if (options.help) return options;
+  if (options.scene.empty() && problems.empty()) problems.push_back("found no scene; accepted: simulate SCENE.yaml [options], see --help");
+  if (given.count("--frame_rate") > 0 && options.frames_directory.empty()) {
+    problems.push_back("--frame_rate: found without --frames; accepted: together with --frames DIR");
+  }
+  if (given.count("--topic") > 0 && options.bag_in.empty()) {
+    problems.push_back("--topic: found without --bag_in; accepted: together with --bag_in IN.bag");
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return options;
+}
+
+std::string describeOptions() {
+  return "simulate SCENE.yaml [options]\n"
+         "Runs a scene without a roscore, as fast as it goes.\n\n"
+         "  --set KEY=VALUE       override one scene value by its dotted path, e.g. integrator.time_step=0.002; repeatable\n"
+         "  --duration S          simulated seconds, a multiple of the time step (else the scene's duration)\n"
+         "  --final FILE          the full cloud after the last step, with normals; .ply or .pcd\n"
+         "  --frames DIR          the full cloud as numbered files, the state at time 0 first\n"
+         "  --frame_rate HZ       of --frames and at most one per step (else the scene's output.publish_rate)\n"
+         "  --bag_in IN.bag       take clouds, forces and wrenches from a bag, in stamp order, instead of the scene's cloud\n"
+         "  --topic NAME=TOPIC    where in the bag: cloud_in, force or wrench (else /deformable_surface/NAME); repeatable\n"
+         "  --bag_out OUT.bag     what the node would publish, under /deformable_surface/, stamped in simulation time\n"
+         "  --statistics FILE.csv one row per step\n"
+         "  --threads N           worker threads; the result is the same for every N\n"
+         "  --quiet               errors only\n\n"
+         "Exit status: 0 done; 2 the command line, the scene or an input file is wrong; 3 no sound step could be taken, and\n"
+         "the last good state is written.\n";
+}
+
+}  // namespace deformable_surface::node

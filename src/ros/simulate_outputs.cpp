@@ -1,0 +1,149 @@
+#include "simulate_outputs.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/io/point_files.h"
+#include "deformable_surface/ros/surface_output.h"
+
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <filesystem>
+
+namespace deformable_surface::node {
+
+PendingFile::~PendingFile() {
+  if (!kept_) std::remove(temporary_.c_str());
+}
+
+void PendingFile::keep() {
+  if (std::rename(temporary_.c_str(), file_.c_str()) != 0) {
+    throw InputError(file_ + ": the finished file cannot be put there; accepted: the name of a file in a folder that can be written");
+  }
+  kept_ = true;
+}
+
+bool Pace::isDue(double time) {
+  if (time + tolerance_ < static_cast<double>(count_) / rate_) return false;
+  // Outputs that fall into one step are one.
+  while (static_cast<double>(count_) / rate_ <= time + tolerance_) ++count_;
+  return true;
+}
+
+StatisticsFile::StatisticsFile(const std::string& file) : name_(file), file_(file), stream_(file_.temporary()) {
+  std::string header;
+  simulation::visitFields({}, [&](const std::string& name, const auto&) { header += (header.empty() ? "" : ",") + name; });
+  stream_ << header << '\n';
+  check();
+}
+
+void StatisticsFile::add(const simulation::Statistics& statistics) {
+  std::string row;
+  simulation::visitFields(statistics, [&](const std::string&, const auto& value) {
+    using Field = std::decay_t<decltype(value)>;
+    if (!row.empty()) row += ',';
+    if constexpr (std::is_same<Field, double>::value) {
+      char text[32];
+      std::snprintf(text, sizeof text, "%.17g", value);
+      row += text;
+    } else if constexpr (std::is_integral<Field>::value) {
+      row += std::to_string(value);
+    } else {
+      for (std::size_t i = 0; i < value.size(); ++i) row += (i > 0 ? " " : "") + value[i];
+    }
+  });
+  stream_ << row << '\n';
+  check();
+}
+
+void StatisticsFile::finish() {
+  stream_.close();
+  check();
+  file_.keep();
+}
+
+void StatisticsFile::check() const {
+  if (!stream_) throw InputError(name_ + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
+}
+
+FrameFiles::FrameFiles(const std::string& directory, double rate, double time_step) : directory_(directory), pace_(rate, time_step) {
+  std::error_code error;
+  std::filesystem::create_directories(directory, error);
+  if (!std::filesystem::is_directory(directory, error)) {
+    throw InputError(directory + ": no folder, and none can be made; accepted: a folder for --frames");
+  }
+}
+
+void FrameFiles::add(double time, simulation::Simulation& simulation) {
+  if (!pace_.isDue(time)) return;
+  char name[32];
+  std::snprintf(name, sizeof name, "frame_%06d.ply", count_++);
+  const simulation::Surface& surface = simulation.surface(true);
+  io::writePointFile((std::filesystem::path(directory_) / name).string(), makeOutputCloud(surface, simulation.input()),
+                     surface.displacement);
+}
+
+OutputBag::OutputBag(const std::string& file, double rate, double time_step) : file_(file), pace_(rate, time_step) {
+  try {
+    bag_.open(file_.temporary(), rosbag::bagmode::Write);
+  } catch (const rosbag::BagException&) {
+    throw InputError(file + ": cannot be written; accepted: a file in a folder that can be written");
+  }
+}
+
+void OutputBag::begin(const std::string& frame_id, const simulation::Simulation& simulation) {
+  frame_id_ = frame_id;
+  encoder_ = std::make_unique<SurfaceEncoder>(simulation.input(), simulation.params().output.normals);
+  markers_ = std::make_unique<SimulationMarkers>(simulation);
+}
+
+void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& simulation) {
+  std_msgs::Header header;
+  header.frame_id = frame_id_;
+  header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
+  const ros::Time recorded = std::max(header.stamp, ros::TIME_MIN);  // a bag knows no time zero
+  const auto write = [&](const char* name, const auto& message) {
+    bag_.write(std::string("/deformable_surface/") + name, recorded, message);
+  };
+
+  if (pace_.isDue(time)) {
+    sensor_msgs::PointCloud2 cloud;
+    encoder_->encode(simulation.surface(true), cloud);
+    cloud.header = header;
+    write("deformed", cloud);
+
+    Points normals;
+    simulation.computeSimulationNormals(normals);
+    std::vector<double> strain;
+    simulation.model().computePointStrain(simulation.state(), strain);
+    // Nothing sleeps yet: all that is not pinned is awake.
+    std::vector<char> awake(simulation.pinned().size());
+    std::transform(simulation.pinned().begin(), simulation.pinned().end(), awake.begin(), [](char pinned) { return pinned == 0; });
+    encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
+                           cloud);
+    cloud.header = header;
+    write("simulation_points", cloud);
+
+    visualization_msgs::MarkerArray markers;
+    markers_->make(header, simulation, markers);
+    write("markers", markers);
+  }
+
+  Statistics message;
+  encodeStatistics(simulation.statistics(), message);
+  message.header = header;
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  for (double* wall_time : {&message.time_input, &message.time_forces, &message.time_solve, &message.time_contact,
+                            &message.time_transfer, &message.time_normals, &message.time_publish, &message.time_total,
+                            &message.real_time_factor}) {
+    *wall_time = nan;
+  }
+  write("statistics", message);
+}
+
+void OutputBag::finish() {
+  bag_.close();
+  file_.keep();
+}
+
+}  // namespace deformable_surface::node

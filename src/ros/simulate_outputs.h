@@ -1,0 +1,93 @@
+// The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each becomes visible under its name only when
+// it is complete.
+#pragma once
+
+#include "deformable_surface/ros/encode.h"
+#include "deformable_surface/ros/markers.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <rosbag/bag.h>
+
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <string>
+
+namespace deformable_surface::node {
+
+/// A name that a finished file gets; what was written before under the temporary name is removed if it never does.
+class PendingFile {
+ public:
+  explicit PendingFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".partial") {}
+  ~PendingFile();
+  PendingFile(const PendingFile&) = delete;
+  PendingFile& operator=(const PendingFile&) = delete;
+
+  const std::string& temporary() const { return temporary_; }
+  /// Gives the file its name. Throws InputError.
+  void keep();
+
+ private:
+  std::string file_, temporary_;
+  bool kept_ = false;
+};
+
+/// When the next output of a rate is due: at the first step at or after each multiple of its period, and at most once per step.
+class Pace {
+ public:
+  Pace(double rate, double time_step) : rate_(rate), tolerance_(1e-6 * time_step) {}
+  bool isDue(double time);
+
+ private:
+  double rate_;       // Hz
+  double tolerance_;  // s; rounding of the time must not move an output to the next step
+  std::uint64_t count_ = 0;
+};
+
+/// One CSV row per step.
+class StatisticsFile {
+ public:
+  explicit StatisticsFile(const std::string& file);
+  void add(const simulation::Statistics& statistics);
+  void finish();
+
+ private:
+  void check() const;
+
+  std::string name_;
+  PendingFile file_;
+  std::ofstream stream_;
+};
+
+/// frame_000000.ply, frame_000001.ply, ...
+class FrameFiles {
+ public:
+  FrameFiles(const std::string& directory, double rate, double time_step);
+  void add(double time, simulation::Simulation& simulation);
+
+ private:
+  std::string directory_;
+  Pace pace_;
+  int count_ = 0;
+};
+
+/// What the node would publish. Wall times are left out as NaN, so that equal input gives equal bytes.
+class OutputBag {
+ public:
+  OutputBag(const std::string& file, double rate, double time_step);
+  /// For a new surface, at rest.
+  void begin(const std::string& frame_id, const simulation::Simulation& simulation);
+  /// time: s since the run began; stamp: ns on the clock of the bag, >= 0.
+  void add(double time, std::int64_t stamp, simulation::Simulation& simulation);
+  void finish();
+
+ private:
+  PendingFile file_;
+  rosbag::Bag bag_;
+  Pace pace_;
+  std::string frame_id_;
+  std::unique_ptr<SurfaceEncoder> encoder_;
+  std::unique_ptr<SimulationMarkers> markers_;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,350 @@
+#include "stepper.h"
+
+#include "frames.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/timer.h"
+#include "deformable_surface/ros/commands.h"
+
+#include <ros/console.h>
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+constexpr double kNanoseconds = 1e-9;
+// A sensor's transform comes a little after its first cloud; a latched cloud would be lost for ever.
+constexpr std::chrono::seconds kTransformPatience(5);
+// How often what is waited for, a transform, is looked at.
+constexpr milliseconds kPollPeriod(20);
+// More lag than this on the computer's clock would only be felt as delay; it is let go instead.
+constexpr std::int64_t kMaxLag = 250'000'000;
+// A simulated clock may start late or jump; a cloud older than this when it comes is not one that steps should catch up from.
+constexpr std::int64_t kOldCloud = 1'000'000'000;
+// A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
+constexpr std::int64_t kMaxAhead = 3600'000'000'000;
+// Even when steps come too late a picture is shown from time to time.
+constexpr milliseconds kLateFramePeriod(200);
+// Far more than a scene uses; names that come over the network must not fill the memory.
+constexpr std::size_t kMaxForces = 1000;
+constexpr std::size_t kMaxWaiting = 100000;
+
+double toSeconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * kNanoseconds; }
+
+void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud) {
+  for (Vec3& p : cloud.positions) p = transform * p;
+  for (Vec3& n : cloud.normals) n = transform.linear() * n;
+  if (cloud.viewpoint) cloud.viewpoint = transform * *cloud.viewpoint;
+}
+
+}  // namespace
+
+Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers& publishers, const tf2::BufferCore& transforms,
+                 Complaints& complaints)
+    : params_(params),
+      inbox_(inbox),
+      publishers_(publishers),
+      transforms_(transforms),
+      complaints_(complaints),
+      is_clock_simulated_(ros::Time::isSimTime()),
+      schedule_(params.integrator.time_step) {}
+
+bool Stepper::turn(Inbox::SteadyTime until) {
+  Inbox::Content content = inbox_.take(nextDeadline(until));
+  if (content.closed) return false;
+  handleClock(content.clock);
+  commands_.insert(commands_.end(), std::make_move_iterator(content.commands.begin()),
+                   std::make_move_iterator(content.commands.end()));
+  for (; commands_.size() > kMaxWaiting; commands_.pop_front()) ++counts_.commands_dropped;
+  if (content.cloud) {
+    waiting_cloud_ = std::make_unique<WaitingCloud>(WaitingCloud{std::move(*content.cloud), steady_clock::now() + kTransformPatience});
+  }
+  if (waiting_cloud_ && now_ != 0) handleCloud();
+  if (simulation_ && !is_gravity_known_) updateGravity();
+  inbox_.doJobs();
+  if (content.frame_wanted && simulation_) publish();
+  letGoOfLag();
+  if (isDue() && takeStep()) publishIfDue();
+  return true;
+}
+
+Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
+  const auto now = steady_clock::now();
+  if (waiting_cloud_ || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
+  if (!simulation_ || is_paused_ || !is_gravity_known_) return until;
+  if (isDue()) return now;
+  // A simulated clock wakes the inbox itself.
+  if (is_clock_simulated_) return until;
+  const std::int64_t due = schedule_.begin(simulation_->stepCount() + 1) - static_cast<std::int64_t>(ros::Time::now().toNSec());
+  return due > kMaxAhead ? until : std::min<Inbox::SteadyTime>(until, now + std::chrono::nanoseconds(std::max<std::int64_t>(due, 0)));
+}
+
+// ---- The clock ----
+
+void Stepper::handleClock(const ClockNews& clock) {
+  now_ = clock.now;
+  if (!clock.jumped_back) {
+    schedule_.skip(clock.skipped);
+    if (clock.skipped > 0 && simulation_) {
+      complaints_.report(Complaint::kClock, "the clock jumped forward by " + formatReal(toSeconds(clock.skipped)) +
+                                                " s, which is not caught up");
+    }
+    return;
+  }
+  ++counts_.jumps_back;
+  commands_.clear();
+  if (!simulation_) return;
+  complaints_.report(Complaint::kClock, "the clock jumped back to " + formatReal(toSeconds(clock.restart)) +
+                                            " s; the surface is reset to its rest state");
+  restart(clock.restart);
+  publish();
+}
+
+void Stepper::restart(std::int64_t now) {
+  simulation_->reset();
+  forces_.clear();
+  is_failed_ = false;
+  last_frame_ = 0;
+  is_frame_due_ = false;
+  schedule_.start(schedule_.zero());
+  schedule_.skipTo(now, 0);
+  is_gravity_known_ = false;
+  updateGravity();
+}
+
+void Stepper::letGoOfLag() {
+  if (!simulation_ || is_paused_ || !is_gravity_known_ || is_clock_simulated_) return;
+  const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
+  if (!(lag > kMaxLag)) return;
+  schedule_.skip(lag);
+  counts_.time_let_go += toSeconds(lag);
+  if (simulation_->stepCount() > 0) {
+    complaints_.report(Complaint::kBehind, "steps take longer than real time (the last one " + formatReal(step_seconds_) + " s for " +
+                                               formatReal(params_.integrator.time_step) + " s); " + formatReal(toSeconds(lag)) +
+                                               " s are not caught up");
+  }
+}
+
+// ---- The cloud ----
+
+void Stepper::handleCloud() {
+  const DecodedCloud& decoded = waiting_cloud_->incoming.decoded;
+  if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) {
+    ++counts_.clouds_ignored;
+    waiting_cloud_.reset();
+    return;
+  }
+  try {
+    if (!accept(waiting_cloud_->incoming)) return;
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  } catch (const std::bad_alloc&) {
+    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + std::to_string(decoded.cloud.size()) +
+                                                     " points do not fit in memory; accepted: fewer");
+  }
+  waiting_cloud_.reset();
+}
+
+/// Returns false to be called again, if a transform may still come.
+bool Stepper::accept(IncomingCloud& incoming) {
+  DecodedCloud& decoded = incoming.decoded;
+  const std::int64_t arrival = incoming.arrival != 0 ? incoming.arrival : now_;
+  const std::int64_t stamp = decoded.header.stamp.isZero() ? arrival : static_cast<std::int64_t>(decoded.header.stamp.toNSec());
+  if (stamp - arrival > kMaxAhead) {
+    throw InputError("header.stamp: found a time " + formatReal(toSeconds(stamp - arrival)) + " s ahead of the clock; accepted: up to " +
+                     formatReal(toSeconds(kMaxAhead)) + " s");
+  }
+  const std::string frame = withoutSlash(params_.frame_id.empty() ? decoded.header.frame_id : params_.frame_id);
+  try {
+    const Eigen::Isometry3d transform =
+        findTransform("header.frame_id", decoded.header.frame_id, frame, decoded.header.stamp, transforms_);
+    if (!transform.isApprox(Eigen::Isometry3d::Identity(), 0.0)) transformCloud(transform, decoded.cloud);
+  } catch (const InputError&) {
+    if (steady_clock::now() < waiting_cloud_->give_up) return false;
+    throw;
+  }
+
+  auto simulation = std::make_unique<simulation::Simulation>(params_, std::move(decoded.cloud));
+  publishers_.begin(*simulation, frame);
+  // Commands for the surface before are not for this one; before the first there was none that they could be for.
+  if (simulation_) {
+    const auto is_past = [&](const Command& command) { return command.stamp < stamp; };
+    const auto kept = std::remove_if(commands_.begin(), commands_.end(), is_past);
+    counts_.commands_dropped += static_cast<int>(commands_.end() - kept);
+    commands_.erase(kept, commands_.end());
+  }
+  simulation_ = std::move(simulation);
+  frame_ = frame;
+  forces_.clear();
+  is_failed_ = is_frame_due_ = false;
+  last_frame_ = 0;
+  schedule_.start(stamp);
+  if (is_clock_simulated_ && arrival - stamp > kOldCloud) schedule_.skipTo(arrival, 0);
+  is_gravity_known_ = false;
+  updateGravity();
+  ++counts_.clouds_accepted;
+
+  std::string notes;
+  for (const std::string& note : simulation_->buildNotes()) notes += (notes.empty() ? "" : "; ") + note;
+  ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
+  publish();
+  return true;
+}
+
+// ---- Steps ----
+
+std::string Stepper::obstacle() {
+  if (!simulation_) return "there is no surface yet; publish a cloud on ~cloud_in first";
+  if (!is_gravity_known_ && !updateGravity()) return "the transform of gravity_frame is not known yet";
+  return "";
+}
+
+bool Stepper::isDue() const {
+  return simulation_ && !is_paused_ && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
+}
+
+void Stepper::setPaused(bool paused) {
+  if (is_paused_ && !paused && simulation_) schedule_.skipTo(now_, simulation_->stepCount());
+  if (!paused) is_failed_ = false;
+  is_paused_ = paused;
+}
+
+void Stepper::reset() {
+  commands_.clear();
+  restart(now_);
+}
+
+std::uint32_t Stepper::takeSteps(std::uint32_t count) {
+  schedule_.skipTo(now_, simulation_->stepCount());
+  std::uint32_t taken = 0;
+  while (taken < count && !inbox_.isClosed() && takeStep()) ++taken;
+  is_frame_due_ = false;
+  return taken;
+}
+
+bool Stepper::takeStep() {
+  const Timer timer;
+  applyCommands(schedule_.begin(simulation_->stepCount()));
+  updateGravity();
+  time_input_ = timer.seconds();
+
+  const simulation::StepOutcome outcome = simulation_->step();
+  step_seconds_ = timer.seconds();
+  if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
+  if (!outcome.ok) {
+    is_failed_ = is_paused_ = true;
+    complaints_.report(Complaint::kStep, outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
+    return false;
+  }
+  ++counts_.steps_taken;
+  // Rounding must not delay a frame by a step.
+  const auto frame = static_cast<std::int64_t>(std::floor(simulation_->time() * params_.output.publish_rate + 1e-6));
+  if (frame > last_frame_) {
+    counts_.frames_dropped += is_frame_due_;
+    is_frame_due_ = true;
+    last_frame_ = frame;
+  }
+  return true;
+}
+
+void Stepper::applyCommands(std::int64_t begin) {
+  const auto is_due = [&](const Command& command) { return command.stamp <= begin; };
+  const auto later = std::stable_partition(commands_.begin(), commands_.end(), is_due);
+  std::stable_sort(commands_.begin(), later, [](const Command& a, const Command& b) { return a.stamp < b.stamp; });
+  for (auto command = commands_.begin(); command != later; ++command) {
+    try {
+      apply(*command);
+      ++counts_.commands_applied;
+    } catch (const InputError& error) {
+      complaints_.report(Complaint::kCommandRefused, error.what());
+    }
+  }
+  commands_.erase(commands_.begin(), later);
+}
+
+void Stepper::apply(const Command& command) {
+  const double time = simulation_->time();
+  simulation::ForceParams force;
+  if (const auto* message = std::get_if<PointForceConstPtr>(&command.message)) {
+    force = toForce(**message, time, frame_, transforms_);
+  } else {
+    force = toForce(*std::get<geometry_msgs::WrenchStampedConstPtr>(command.message), time, frame_, transforms_, params_.force);
+  }
+  limitForces(force);
+  simulation_->setForce(force);
+  forces_[force.id] = force.force.isZero(0.0) ? time : force.end;
+}
+
+void Stepper::limitForces(const simulation::ForceParams& force) {
+  const double time = simulation_->time();
+  for (auto entry = forces_.begin(); entry != forces_.end();) entry = entry->second <= time ? forces_.erase(entry) : std::next(entry);
+  if (forces_.size() >= kMaxForces && forces_.count(force.id) == 0) {
+    throw InputError("force " + quote(force.id) + ": found " + std::to_string(forces_.size()) +
+                     " forces at a time already; accepted: no more");
+  }
+}
+
+bool Stepper::updateGravity() {
+  if (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_) return is_gravity_known_ = true;
+  try {
+    const Eigen::Isometry3d transform = findTransform("gravity_frame", params_.gravity_frame, frame_, ros::Time(), transforms_);
+    simulation_->setGravity(transform.linear() * params_.gravity);
+    // The time spent waiting is not caught up.
+    if (!is_gravity_known_) schedule_.skipTo(now_, simulation_->stepCount());
+    return is_gravity_known_ = true;
+  } catch (const InputError& error) {
+    // Once known, the last one stays.
+    if (!is_gravity_known_) complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the surface waits for it");
+    return is_gravity_known_;
+  }
+}
+
+// ---- Output ----
+
+void Stepper::publish() {
+  publishers_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), time_input_);
+  last_published_ = steady_clock::now();
+}
+
+void Stepper::publishIfDue() {
+  if (!is_frame_due_) return;
+  // Steps go first when they come late, and the frame waits until they are in time.
+  const bool is_late = now_ - schedule_.begin(simulation_->stepCount() + 1) > timeStep();
+  if (is_late && steady_clock::now() - last_published_ < kLateFramePeriod) return;
+  is_frame_due_ = false;
+  publish();
+}
+
+StepperStatus Stepper::status() const {
+  StepperStatus status = counts_;
+  status.is_failed = is_failed_;
+  status.time_step = params_.integrator.time_step;
+  status.commands_waiting = static_cast<int>(commands_.size());
+  if (simulation_) {
+    status.simulation_time = simulation_->time();
+    status.step = simulation_->stepCount();
+    status.lag = std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
+  }
+  if (is_failed_) {
+    status.state = "stopped by a failed step";
+  } else if (is_paused_) {
+    status.state = "paused";
+  } else if (now_ == 0) {
+    status.state = "waiting for the clock";
+  } else if (simulation_ && !is_gravity_known_) {
+    status.state = "waiting for the transform of gravity_frame";
+  } else if (simulation_) {
+    status.state = "running";
+  }
+  return status;
+}
+
+}  // namespace deformable_surface::node

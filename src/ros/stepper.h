@@ -1,0 +1,107 @@
+// The simulation thread: builds a surface from the cloud that came, takes its steps when they are due, publishes. All that touches
+// the simulation happens here, one thing after the other.
+#pragma once
+
+#include "complaints.h"
+#include "inbox.h"
+#include "publishers.h"
+
+#include "deformable_surface/ros/step_schedule.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <tf2/buffer_core.h>
+
+#include <chrono>
+#include <deque>
+#include <map>
+#include <memory>
+#include <string>
+
+namespace deformable_surface::node {
+
+/// What the diagnostics tell of the simulation.
+struct StepperStatus {
+  std::string state = "waiting for a cloud";
+  bool is_failed = false;             // the last step failed
+  double time_step = 0.0, simulation_time = 0.0;  // s
+  std::uint64_t step = 0;
+  std::uint64_t steps_taken = 0;      // of all surfaces
+  int clouds_accepted = 0, clouds_ignored = 0, frames_dropped = 0, jumps_back = 0;
+  std::uint64_t commands_applied = 0;
+  int commands_waiting = 0, commands_dropped = 0;
+  double lag = 0.0;                   // s that the next step is late
+  double time_let_go = 0.0;           // s of the ROS clock for which no steps were taken, since they took too long
+};
+
+class Stepper {
+ public:
+  Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers& publishers, const tf2::BufferCore& transforms,
+          Complaints& complaints);
+
+  /// Waits for the next thing to do, but not beyond the given time, and does it. Returns false when the inbox is closed.
+  bool turn(Inbox::SteadyTime until);
+
+  // For services; only from work given to the inbox.
+  /// Null while there is no surface.
+  simulation::Simulation* simulation() { return simulation_.get(); }
+  const std::string& frame() const { return frame_; }
+  bool isPaused() const { return is_paused_; }
+  void setPaused(bool paused);
+  void reset();
+  /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
+  std::uint32_t takeSteps(std::uint32_t count);
+  void publish();
+  /// The reason why no step can be taken now; empty if there is none.
+  std::string obstacle();
+
+  StepperStatus status() const;
+
+ private:
+  struct WaitingCloud {
+    IncomingCloud incoming;
+    Inbox::SteadyTime give_up;
+  };
+
+  void handleClock(const ClockNews& clock);
+  void handleCloud();
+  bool accept(IncomingCloud& incoming);
+  void restart(std::int64_t zero);
+  void forgetRosForces();
+
+  bool isDue() const;
+  bool takeStep();
+  void applyCommands(std::int64_t begin);
+  void apply(const Command& command);
+  void limitForces(const simulation::ForceParams& force);
+  bool updateGravity();
+  void letGoOfLag();
+  void publishIfDue();
+  Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
+  std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
+
+  const simulation::SceneParams params_;
+  Inbox& inbox_;
+  Publishers& publishers_;
+  const tf2::BufferCore& transforms_;
+  Complaints& complaints_;
+  const bool is_clock_simulated_;
+
+  std::unique_ptr<simulation::Simulation> simulation_;
+  std::string frame_;
+  StepSchedule schedule_;
+  std::int64_t now_ = 0;                  // ns of the ROS clock; 0 = there is no valid time yet
+  std::unique_ptr<WaitingCloud> waiting_cloud_;
+  std::deque<Command> commands_;          // not yet due
+  std::map<std::string, double> forces_;  // those that came over ROS: when they end, s
+  bool is_paused_ = false, is_failed_ = false, is_gravity_known_ = false;
+  double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time of the last step: its commands, and all of it
+
+  // Frames lie on simulation time; this one is the last that was due.
+  std::int64_t last_frame_ = 0;
+  bool is_frame_due_ = false;
+  Inbox::SteadyTime last_published_;
+
+  StepperStatus counts_;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,145 @@
+#include "deformable_surface/ros/surface_node.h"
+
+#include "complaints.h"
+#include "inbox.h"
+#include "node_diagnostics.h"
+#include "publishers.h"
+#include "registration_watchdog.h"
+#include "services.h"
+#include "stepper.h"
+
+#include "deformable_surface/ToolArray.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/io/scene.h"
+#include "deformable_surface/ros/bounded_cloud.h"
+#include "deformable_surface/ros/xmlrpc_value.h"
+
+#include <ros/callback_queue.h>
+#include <ros/console.h>
+#include <ros/spinner.h>
+#include <rosgraph_msgs/Clock.h>
+#include <tf2_ros/transform_listener.h>
+
+#include <filesystem>
+#include <optional>
+#include <thread>
+
+namespace deformable_surface::node {
+namespace {
+
+// A second cloud may wait while one is decoded; more would only be stale.
+constexpr std::uint32_t kCloudQueue = 2;
+// As many commands as come while a large cloud is decoded.
+constexpr std::uint32_t kCommandQueue = 1000;
+// Every message of the clock counts, since the steps between two jumps depend on it.
+constexpr std::uint32_t kClockQueue = 10000;
+
+}  // namespace
+
+simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) {
+  XmlRpc::XmlRpcValue tree;
+  private_node.getParam(private_node.getNamespace(), tree);
+  if (!tree.valid()) tree.setSize(0);
+  const simulation::SceneParams params = io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
+  const std::filesystem::path directory = params.save_directory;
+  std::error_code error;
+  if (!directory.empty() && !(directory.is_absolute() && std::filesystem::is_directory(directory, error)))
+    throw InputError("save_directory: found " + quote(params.save_directory) + "; accepted: the absolute path of a directory that is there");
+  return params;
+}
+
+struct SurfaceNode::Impl {
+  ros::CallbackQueue input_queue, service_queue;
+  ros::NodeHandle node, private_node, service_node;
+  Complaints complaints;
+  Inbox inbox;
+  tf2::BufferCore transforms;
+  tf2_ros::TransformListener transform_listener;
+  Publishers publishers;
+  Stepper stepper;
+  std::optional<NodeDiagnostics> diagnostics;
+  Services services;
+  std::vector<ros::Subscriber> subscribers;
+  RegistrationWatchdog watchdog;
+  ros::AsyncSpinner input_spinner, service_spinner;
+  std::thread simulation_thread;
+
+  static ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
+    node.setCallbackQueue(&queue);
+    return node;
+  }
+
+  Impl(const ros::NodeHandle& given, const ros::NodeHandle& given_private, const simulation::SceneParams& params)
+      : node(onQueue(given, input_queue)),
+        private_node(onQueue(given_private, input_queue)),
+        service_node(onQueue(given_private, service_queue)),
+        complaints(private_node.getNamespace()),
+        inbox(ros::Time::isSimTime()),
+        transform_listener(transforms, given),
+        publishers(private_node, [this] { inbox.wantFrame(); }),
+        stepper(params, inbox, publishers, transforms, complaints),
+        services(service_node, inbox, stepper, transforms, params.save_directory),
+        watchdog(services.names()),
+        // One thread each: input keeps its order, and a service that waits does not hold it up.
+        input_spinner(1, &input_queue),
+        service_spinner(1, &service_queue) {
+    setNumThreads(params.threads);
+    if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
+    subscribe(params);
+    simulation_thread = std::thread([this] { run(); });
+    service_spinner.start();
+    input_spinner.start();
+  }
+
+  ~Impl() {
+    inbox.close();
+    simulation_thread.join();
+    input_spinner.stop();
+    service_spinner.stop();
+  }
+
+  void subscribe(const simulation::SceneParams& params) {
+    if (ros::Time::isSimTime()) {
+      subscribers.push_back(node.subscribe<rosgraph_msgs::Clock>("/clock", kClockQueue, [this](const rosgraph_msgs::ClockConstPtr& clock) {
+        inbox.observeClock(static_cast<std::int64_t>(clock->clock.toNSec()));
+      }));
+    }
+    DecodeLimits limits;
+    limits.max_points = params.input.max_points;
+    subscribers.push_back(subscribeCloud(private_node, "cloud_in", kCloudQueue, limits, [this](DecodedCloud&& cloud) {
+      if (cloud.ok()) {
+        inbox.put(std::move(cloud));
+      } else {
+        complaints.report(Complaint::kCloudRefused, "cloud refused: " + cloud.refusal);
+        inbox.wake();
+      }
+    }));
+    subscribers.push_back(private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
+    subscribers.push_back(private_node.subscribe<geometry_msgs::WrenchStamped>(
+        "wrench", kCommandQueue, [this](const geometry_msgs::WrenchStampedConstPtr& m) { inbox.put(m); }));
+    subscribers.push_back(private_node.subscribe<ToolArray>("tools", 1, [this](const ToolArrayConstPtr&) {
+      complaints.report(Complaint::kToolsRefused, "~tools: found a message, but tools are not built yet; accepted: none");
+    }));
+  }
+
+  // Nothing that a message can do may end the thread.
+  void run() {
+    for (bool goes_on = true; goes_on;) {
+      try {
+        goes_on = stepper.turn(diagnostics ? diagnostics->nextTime() : std::chrono::steady_clock::now() + std::chrono::seconds(1));
+        if (diagnostics) diagnostics->update();
+      } catch (const std::exception& error) {
+        complaints.report(Complaint::kInternal, std::string("the simulation is paused after an error of this program: ") + error.what());
+        stepper.setPaused(true);
+      }
+    }
+  }
+};
+
+SurfaceNode::SurfaceNode(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const simulation::SceneParams& params)
+    : impl_(std::make_unique<Impl>(node, private_node, params)) {}
+
+SurfaceNode::~SurfaceNode() = default;
+
+}  // namespace deformable_surface::node

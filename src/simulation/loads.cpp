@@ -1,0 +1,123 @@
+#include "deformable_surface/simulation/loads.h"
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+
+void GravityLoad::addForces(double, const State&, Points& forces) const {
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += masses_[i] * gravity;
+}
+
+double GravityLoad::potential(double, const State& state) const {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < masses_.size(); ++i) sum -= masses_[i] * gravity.dot(state.positions[i]);
+  return sum;
+}
+
+void AirLoad::addForces(double, const State& state, Points& forces) const {
+  model_.computeAreaVectors(state, area_);
+  if (drag_ > 0.0)
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      const double area = area_[i].norm();
+      if (area > 0.0) forces[i] -= drag_ * state.velocities[i].dot(area_[i]) / area * area_[i];
+    }
+  if (pressure_ == 0.0) return;
+  // On a closed surface the pressure pushes along the gradient of the volume: no net force, and a potential.
+  if (model_.isClosed()) model_.computeVolumeGradient(state, area_);
+  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += pressure_ * area_[i];
+}
+
+double AirLoad::potential(double, const State& state) const { return isConservative() ? -pressure_ * model_.enclosedVolume(state) : 0.0; }
+
+bool AirLoad::isConservative() const { return model_.isClosed() && drag_ == 0.0; }
+
+void AirLoad::addStiffness(double, const State& state, double step, BlockSparse& stiffness) const {
+  if (!(drag_ > 0.0 && step > 0.0)) return;
+  model_.computeAreaVectors(state, area_);
+  for (Index i = 0; i < state.size(); ++i) {
+    const double area = area_[i].norm();
+    stiffness.add(i, i, area > 0.0 ? Mat3(drag_ / (step * area) * area_[i] * area_[i].transpose()) : Mat3::Zero());
+  }
+}
+
+void AirLoad::addRowBounds(double, const State& state, std::vector<double>&, std::vector<double>& damping) const {
+  model_.computeAreaVectors(state, area_);
+  for (Index i = 0; i < state.size(); ++i) damping[i] += drag_ * area_[i].norm();
+}
+
+void AnchorLoad::addForces(double, const State& state, Points& forces) const {
+  for (const Anchor& a : anchors_) forces[a.point] += a.stiffness * (a.target - state.positions[a.point]);
+}
+
+double AnchorLoad::potential(double, const State& state) const {
+  double sum = 0.0;
+  for (const Anchor& a : anchors_) sum += 0.5 * a.stiffness * (a.target - state.positions[a.point]).squaredNorm();
+  return sum;
+}
+
+void AnchorLoad::addStiffness(double, const State&, double, BlockSparse& stiffness) const {
+  for (const Anchor& a : anchors_) stiffness.add(a.point, a.point, a.stiffness * Mat3::Identity());
+}
+
+void AnchorLoad::addRowBounds(double, const State&, std::vector<double>& stiffness, std::vector<double>&) const {
+  for (const Anchor& a : anchors_) stiffness[a.point] += a.stiffness;
+}
+
+void NamedForces::set(const ForceParams& force) {
+  remove(force.id);
+  if (force.force.isZero(0.0)) return;
+  const auto place = std::lower_bound(forces_.begin(), forces_.end(), force.id,
+                                      [](const Named& f, const std::string& id) { return f.params.id < id; });
+  Named named;
+  named.params = force;
+  forces_.insert(place, std::move(named));
+}
+
+void NamedForces::remove(const std::string& id) {
+  forces_.erase(std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return f.params.id == id; }), forces_.end());
+}
+
+void NamedForces::update(double time, const State& state) {
+  forces_.erase(std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return !(time < f.params.end); }),
+                forces_.end());
+  for (Named& f : forces_) {
+    if (f.started || time < f.params.start) continue;
+    f.started = true;
+    // The points within the radius, else the nearest one.
+    Index nearest = 0;
+    for (Index i = 0; i < state.size(); ++i) {
+      const double distance = (state.positions[i] - f.params.point).squaredNorm();
+      if (distance < (state.positions[nearest] - f.params.point).squaredNorm()) nearest = i;
+      if (f.params.radius > 0.0 && distance <= f.params.radius * f.params.radius) f.points.push_back(i);
+    }
+    if (f.points.empty()) f.points.push_back(nearest);
+    double total = 0.0;
+    for (Index i : f.points) total += masses_[i];
+    for (Index i : f.points) f.shares.push_back(masses_[i] / total);
+  }
+}
+
+void NamedForces::addForces(double, const State&, Points& forces) const {
+  for (const Named& f : forces_)
+    for (std::size_t k = 0; k < f.points.size(); ++k) forces[f.points[k]] += f.shares[k] * f.params.force;
+}
+
+double NamedForces::potential(double, const State& state) const {
+  double sum = 0.0;
+  for (const Named& f : forces_)
+    for (std::size_t k = 0; k < f.points.size(); ++k) sum -= f.shares[k] * f.params.force.dot(state.positions[f.points[k]]);
+  return sum;
+}
+
+std::vector<std::pair<Vec3, Vec3>> NamedForces::active(const State& state) const {
+  std::vector<std::pair<Vec3, Vec3>> list;
+  for (const Named& f : forces_) {
+    if (!f.started) continue;
+    Vec3 center = Vec3::Zero();
+    for (std::size_t k = 0; k < f.points.size(); ++k) center += f.shares[k] * state.positions[f.points[k]];
+    list.emplace_back(center, f.params.force);
+  }
+  return list;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,162 @@
+#include "deformable_surface/simulation/rest_surface.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/cloud/simplification.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few per cent of real time on one core
+constexpr Index kPinPoints = 3;      // that hold a pinned region: fewer would let it turn
+constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
+
+std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
+
+// Normals of the dense points: those given, estimated where none is given, all on one consistent side.
+void completeNormals(const cloud::PointCloud& input, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  Points normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
+  const cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, s.dense_neighbors.count(0) / 2);
+  s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
+  const cloud::OrientationRule rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary,
+                                                           s.dense.normals, input.viewpoint, normals);
+  // A given normal is taken as it is where it agrees with the side.
+  if (!s.dense.normals.empty())
+    for (Index i = 0; i < n; ++i)
+      if (s.dense.normals[i].dot(normals[i]) > 0.0) normals[i] = s.dense.normals[i];
+  s.dense.normals = std::move(normals);
+  static const char* const kRules[] = {"the input's normals", "outward (closed surface)", "towards the viewpoint", "+z"};
+  s.notes.push_back(std::string("normals point by ") + kRules[static_cast<int>(rule)]);
+}
+
+// Points that no simplification may take: of every pinned region three that are far from each other.
+std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense) {
+  std::vector<Index> chosen;
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    std::vector<Index> inside;
+    for (Index i = 0; i < static_cast<Index>(dense.size()); ++i)
+      if (params.pins[p].region.contains(dense[i])) inside.push_back(i);
+    if (inside.empty())
+      throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
+                       count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
+    // Farthest point sampling, first from the middle.
+    Vec3 middle = Vec3::Zero();
+    for (Index i : inside) middle += dense[i] / static_cast<double>(inside.size());
+    std::vector<double> distance(inside.size());
+    for (std::size_t k = 0; k < inside.size(); ++k) distance[k] = (dense[inside[k]] - middle).squaredNorm();
+    for (Index c = 0; c < kPinPoints && c < static_cast<Index>(inside.size()); ++c) {
+      const std::size_t far = std::max_element(distance.begin(), distance.end()) - distance.begin();
+      const Index point = inside[far];
+      chosen.push_back(point);
+      for (std::size_t k = 0; k < inside.size(); ++k) {
+        const double to_point = (dense[inside[k]] - dense[point]).squaredNorm();
+        distance[k] = c == 0 ? to_point : std::min(distance[k], to_point);
+      }
+    }
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
+std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  std::vector<Index> all(n);
+  std::iota(all.begin(), all.end(), 0);
+  const cloud::SimplificationParams& how = params.simplification;
+  if (how.method == cloud::SimplificationMethod::kNone) return all;
+  const bool by_threshold = how.target_points == 0 && !how.threshold.is_auto;
+  const Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
+  if (!by_threshold && target >= n) return all;
+  const cloud::Simplification order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k,
+                                                      by_threshold ? Index{3} : target, protected_points);
+  return by_threshold ? order.keepDiameter(how.threshold.value) : order.keepCount(target);
+}
+
+// Makes the simulation points and their rings; those that belong to no surface (far outliers, hairs) are dropped and ride along.
+void connect(const SceneParams& params, std::vector<Index> kept, RestSurface& s) {
+  const Index before = static_cast<Index>(kept.size());
+  for (int pruning = 0;; ++pruning) {
+    s.dense_index = kept;
+    s.points.clear();
+    s.normals.clear();
+    for (Index i : kept) {
+      s.points.push_back(s.dense.positions[i]);
+      s.normals.push_back(s.dense.normals[i]);
+    }
+    // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
+    const Lists neighbors = cloud::nearestNeighbors(s.points, params.neighbors.k);
+    if (kept.size() < s.dense.positions.size()) {
+      const Points fine = std::move(s.normals);
+      s.normals = cloud::estimateNormals(s.points, neighbors);
+      for (std::size_t i = 0; i < kept.size(); ++i)
+        if (s.normals[i].dot(fine[i]) < 0.0) s.normals[i] = -s.normals[i];
+    }
+    s.rings = cloud::buildRings(s.points, s.normals, neighbors);
+    std::vector<Index> rest;
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      if (s.rings.area[i] > 0.0 && s.rings.ring.count(static_cast<Index>(i)) >= 2) rest.push_back(kept[i]);
+    if (rest.size() == kept.size() || pruning == kMaxPrunings) break;
+    kept = std::move(rest);
+    if (kept.size() < 3) break;
+  }
+  if (kept.size() < 3 || s.rings.triangles.empty())
+    throw InputError("cloud: its " + count(static_cast<Index>(s.dense.positions.size()), "distinct points span no surface (") +
+                     count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
+  const Index dropped = before - static_cast<Index>(kept.size());
+  if (dropped > 0) s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
+}
+
+}  // namespace
+
+RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input) {
+  RestSurface s;
+  s.dense = cloud::clean(input);
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (n < 3)
+    throw InputError("cloud: found " + count(n, "finite distinct points among ") + count(input.size(), "; accepted: at least 3"));
+  if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
+  if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
+
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  completeNormals(input, s);
+  const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
+  connect(params, chooseSimulationPoints(params, pin_points, s), s);
+
+  // The area of the full surface; where every point is simulated it is that of the rings.
+  if (static_cast<Index>(s.points.size()) == n) {
+    s.area = std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0);
+  } else {
+    const cloud::Rings dense_rings = cloud::buildRings(s.dense.positions, s.dense.normals, s.dense_neighbors);
+    s.area = std::accumulate(dense_rings.area.begin(), dense_rings.area.end(), 0.0);
+  }
+
+  auto mass_spring = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
+                                                         params.mass_spring);
+  if (mass_spring->numMassRaised() > 0)
+    s.notes.push_back(count(mass_spring->numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
+  if (mass_spring->numWithoutBending() > 0)
+    s.notes.push_back(count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
+  s.model = std::move(mass_spring);
+
+  s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1), params.transfer);
+  if (s.transfer.numDegenerate() > 0)
+    s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
+
+  s.pinned.assign(s.points.size(), 0);
+  for (const PinParams& pin : params.pins)
+    for (std::size_t i = 0; i < s.points.size(); ++i)
+      if (pin.region.contains(s.points[i])) s.pinned[i] = 1;
+  s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
+                    count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
+                    count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+  return s;
+}
+
+}  // namespace deformable_surface::simulation

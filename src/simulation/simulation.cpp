@@ -1,0 +1,410 @@
+#include "deformable_surface/simulation/simulation.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/timer.h"
+#include "deformable_surface/simulation/loads.h"
+#include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/solve/integrator.h"
+#include "deformable_surface/solve/stable_step.h"
+#include "deformable_surface/transfer/resample.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstring>
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using solve::IntegratorType;
+
+constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
+constexpr int kMaxRetries = 3;           // of a step that was not finite, each with half the sub-step
+constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
+constexpr Index kBlock = 4096;
+const float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+bool isExplicit(IntegratorType type) {
+  return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
+}
+
+void requireFinite(const Vec3& v, const std::string& what) {
+  if (!v.allFinite()) throw InputError(what + ": found a value that is not finite; accepted: finite numbers");
+}
+
+Index nearestPoint(const Points& points, const Vec3& to) {
+  Index nearest = 0;
+  for (Index i = 1; i < static_cast<Index>(points.size()); ++i)
+    if ((points[i] - to).squaredNorm() < (points[nearest] - to).squaredNorm()) nearest = i;
+  return nearest;
+}
+
+}  // namespace
+
+struct Simulation::Impl {
+  // Given.
+  SceneParams params;
+  cloud::PointCloud input;
+
+  // Made once from the rest state.
+  RestSurface rest;
+  GravityLoad gravity;
+  AirLoad air;
+  AnchorLoad anchors;
+  NamedForces forces;
+  std::vector<const solve::ExternalLoad*> loads;
+  std::vector<char> pinned;
+  solve::System system;
+
+  // What a snapshot holds (with the pins and forces above).
+  State state;
+  std::uint64_t steps = 0;
+
+  // Solver and its memory.
+  std::unique_ptr<solve::Integrator> integrator;
+  IntegratorType integrator_type = IntegratorType::kAuto;
+  solve::StableStep stable_step;
+  double max_substep = 0.0;
+  double stretch_at_estimate = 0.0;
+  bool estimate_needed = true;
+
+  // Results and scratch.
+  State before;
+  Statistics statistics;
+  std::unique_ptr<transfer::Resampler> resampler;
+  transfer::Transfer inserted_transfer;
+  Points dense_now, inserted_now;
+  std::vector<Eigen::Vector3f> dense_normals_now, inserted_normals_now;
+  Surface surface;
+  std::uint64_t surface_version = 0, version = 1;
+  bool surface_has_normals = false;
+
+  Impl(const SceneParams& given, cloud::PointCloud cloud)
+      : params(given),
+        input(std::move(cloud)),
+        rest(buildRestSurface(params, input)),
+        gravity(rest.model->masses(), params.gravity),
+        air(*rest.model, params.pressure, params.viscous_drag),
+        anchors(makeAnchors()),
+        forces(rest.model->masses()),
+        loads(chooseLoads()),
+        system(*rest.model, loads, pinned, params.material.damping) {
+    reset();
+  }
+
+  std::vector<AnchorLoad::Anchor> makeAnchors() const {
+    std::vector<AnchorLoad::Anchor> list;
+    for (const AnchorParams& a : params.anchors) list.push_back({nearestPoint(rest.points, a.point), a.target, a.stiffness});
+    return list;
+  }
+
+  // Only the loads that can act are evaluated.
+  std::vector<const solve::ExternalLoad*> chooseLoads() const {
+    std::vector<const solve::ExternalLoad*> list{&gravity, &forces};
+    if (params.pressure != 0.0 || params.viscous_drag > 0.0) list.push_back(&air);
+    if (!params.anchors.empty()) list.push_back(&anchors);
+    return list;
+  }
+
+  double time() const { return static_cast<double>(steps) * params.integrator.time_step; }
+
+  void reset() {
+    state.positions = rest.points;
+    state.velocities.assign(rest.points.size(), Vec3::Zero());
+    steps = 0;
+    pinned = rest.pinned;
+    gravity.gravity = params.gravity;
+    forces.clear();
+    for (const ForceParams& force : params.forces) forces.set(force);
+    estimate_needed = true;
+    integrator.reset();
+    if (params.output.resample) makeResampler();
+    statistics = Statistics{};
+    measure();
+    ++version;
+  }
+
+  void makeResampler() {
+    const cloud::Rings rings = cloud::buildRings(rest.dense.positions, rest.dense.normals, rest.dense_neighbors);
+    const Index room = std::max<Index>(0, params.input.max_points - static_cast<Index>(rest.dense.positions.size()));
+    resampler = std::make_unique<transfer::Resampler>(rest.dense.positions, rest.dense.normals, rings, kResampleStretch, room);
+    inserted_transfer = transfer::Transfer();
+  }
+
+  // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
+  std::string chooseIntegrator() {
+    IntegratorType wanted = params.integrator.type;
+    std::string notice;
+    if (wanted == IntegratorType::kAuto) {
+      const Index substeps = solve::countSubsteps(params.integrator.time_step, max_substep);
+      wanted = substeps <= params.integrator.max_substeps ? IntegratorType::kVerlet : IntegratorType::kImplicit;
+      if (wanted != integrator_type && wanted == IntegratorType::kImplicit)
+        notice = "integrator.type auto: verlet needs " + std::to_string(substeps) + " sub-steps per step, more than max_substeps " +
+                 std::to_string(params.integrator.max_substeps) + "; implicit is used, which damps";
+      else if (wanted != integrator_type && integrator_type == IntegratorType::kImplicit)
+        notice = "integrator.type auto: sub-steps fit again; verlet is used";
+    }
+    if (!integrator || wanted != integrator_type) {
+      integrator = solve::makeIntegrator(wanted, params.integrator);
+      integrator_type = wanted;
+    }
+    return notice;
+  }
+
+  // One step, in this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer,
+  // normals, markers) is made when somebody asks for it.
+  StepOutcome step() {
+    const Timer timer;
+    const double dt = params.integrator.time_step;
+    const double now = time();
+    StepOutcome outcome;
+
+    // Commands. Rounding of the time must not lose a step to the one before.
+    forces.update(now + 1e-6 * dt, state);
+    before = state;
+
+    // The stable step, when the surface is no longer what it was measured on.
+    const double stretch = rest.model->maxStretch(state);
+    const bool needs_bound = isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto;
+    if (needs_bound && (estimate_needed || std::abs(stretch - stretch_at_estimate) > kStretchMemory)) {
+      max_substep = stable_step.estimate(now, state, system);
+      stretch_at_estimate = stretch;
+      estimate_needed = false;
+    }
+    outcome.notice = chooseIntegrator();
+
+    // Sub-steps; a step that went wrong is taken again with finer ones.
+    solve::SolveReport report = integrator->advance(system, now, dt, max_substep, state);
+    for (int retry = 1; !report.finite && integrator_type != IntegratorType::kExplicitEuler && isExplicit(integrator_type) && retry <= kMaxRetries; ++retry) {
+      state = before;
+      max_substep *= 0.5;
+      report = integrator->advance(system, now, dt, max_substep, state);
+      outcome.notice = "a step was not finite and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+    }
+    if (!report.finite) {
+      state = before;
+      outcome.ok = false;
+      outcome.problem = "step " + std::to_string(steps + 1) + " at " + std::to_string(now) +
+                        " s gave values that are not finite; the state before it is kept";
+      return outcome;
+    }
+    if (!report.converged)
+      outcome.notice = "the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
+                       std::to_string(report.residual) + " N";
+    ++steps;
+    ++version;
+
+    // What it was.
+    statistics.substeps = static_cast<std::uint32_t>(report.substeps);
+    statistics.solver_iterations = static_cast<std::uint32_t>(report.iterations);
+    statistics.solver_residual = report.residual;
+    statistics.time_forces = report.time_forces;
+    statistics.time_total = timer.seconds();
+    statistics.time_solve = statistics.time_total - report.time_forces;
+    statistics.real_time_factor = dt / statistics.time_total;
+    statistics.time_transfer = statistics.time_normals = 0.0;
+    return outcome;
+  }
+
+  // The quantities of the state, computed when asked for.
+  void measure() {
+    statistics.simulation_time = time();
+    statistics.step = steps;
+    statistics.points = static_cast<std::uint32_t>(input.positions.size());
+    statistics.simulation_points = static_cast<std::uint32_t>(rest.points.size());
+    statistics.springs = static_cast<std::uint32_t>(rest.model->stretchLinks().size() + rest.model->bendLinks().size());
+    statistics.awake = static_cast<std::uint32_t>(rest.points.size() - std::count(pinned.begin(), pinned.end(), 1));
+    statistics.kinetic_energy = system.kineticEnergy(state);
+    statistics.elastic_energy = rest.model->elasticEnergy(state);
+    statistics.potential_energy = system.loadPotential(time(), state);
+    statistics.max_stretch = rest.model->maxStretch(state);
+    double squared_speed = 0.0;
+    for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
+    statistics.max_speed = std::sqrt(squared_speed);
+    statistics.state_hash = hash();
+    statistics.skipped.clear();
+    if (surface_version != version) statistics.skipped.push_back("transfer");
+    if (surface_version != version || !surface_has_normals) statistics.skipped.push_back("normals");
+    if (params.pressure == 0.0 && !(params.viscous_drag > 0.0)) statistics.skipped.push_back("air");
+    if (params.anchors.empty()) statistics.skipped.push_back("anchors");
+    statistics.skipped.push_back("contact");
+  }
+
+  // FNV-1a over the 64-bit words of positions and velocities.
+  std::uint64_t hash() const {
+    std::uint64_t h = 14695981039346656037ull;
+    for (const Points* points : {&state.positions, &state.velocities})
+      for (const Vec3& p : *points)
+        for (int c = 0; c < 3; ++c) {
+          std::uint64_t bits;
+          std::memcpy(&bits, &p[c], sizeof bits);
+          h = (h ^ bits) * 1099511628211ull;
+        }
+    return h;
+  }
+
+  const Surface& makeSurface(bool with_normals) {
+    with_normals = with_normals && params.output.normals;
+    if (surface_version == version && (surface_has_normals || !with_normals)) return surface;
+    const Timer timer;
+    if (with_normals) {
+      rest.transfer.apply(state.positions, dense_now, dense_normals_now);
+    } else {
+      rest.transfer.apply(state.positions, dense_now);
+    }
+    if (with_normals && params.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
+    if (resampler) resample(with_normals);
+    expand(with_normals);
+    // The operator makes both in one pass; the time counts as that of what was asked for.
+    (with_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
+    surface_version = version;
+    surface_has_normals = with_normals;
+    return surface;
+  }
+
+  // Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.
+  void analyseNormals() {
+    const Points analysed = cloud::estimateNormals(dense_now, rest.dense_neighbors);
+    for (std::size_t i = 0; i < analysed.size(); ++i) {
+      const Eigen::Vector3f normal = analysed[i].cast<float>();
+      dense_normals_now[i] = normal.dot(dense_normals_now[i]) < 0.0f ? Eigen::Vector3f(-normal) : normal;
+    }
+  }
+
+  void resample(bool with_normals) {
+    const auto moveInserted = [&] {
+      if (resampler->insertedRest().empty()) return;
+      if (inserted_transfer.numDense() != static_cast<Index>(resampler->insertedRest().size()))
+        inserted_transfer = transfer::Transfer(resampler->insertedRest(), resampler->insertedNormals(), rest.points,
+                                               std::vector<char>(rest.points.size(), 1), params.transfer);
+      if (with_normals) {
+        inserted_transfer.apply(state.positions, inserted_now, inserted_normals_now);
+      } else {
+        inserted_transfer.apply(state.positions, inserted_now);
+      }
+    };
+    moveInserted();
+    Points all = dense_now;
+    all.insert(all.end(), inserted_now.begin(), inserted_now.end());
+    if (resampler->update(all) > 0) moveInserted();
+  }
+
+  // From distinct points to the rows of the input, then the inserted ones.
+  void expand(bool with_normals) {
+    const Index n = input.size();
+    const Index inserted = resampler ? static_cast<Index>(resampler->insertedRest().size()) : 0;
+    surface.num_input = n;
+    surface.positions.resize(n + inserted);
+    surface.displacement.resize(n + inserted);
+    surface.normals.resize(with_normals ? n + inserted : 0);
+    parallelFor(n, kBlock, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        const Index d = rest.dense.point_of_input[i];
+        if (d < 0) {
+          surface.positions[i].setConstant(kNaN);
+          surface.displacement[i] = kNaN;
+          if (with_normals) surface.normals[i].setConstant(kNaN);
+          continue;
+        }
+        surface.positions[i] = dense_now[d];
+        surface.displacement[i] = static_cast<float>((dense_now[d] - rest.dense.positions[d]).norm());
+        if (with_normals) surface.normals[i] = dense_normals_now[d];
+      }
+    });
+    surface.source.clear();
+    if (inserted == 0) return;
+    const std::vector<Index> input_of_dense = firstInputs();
+    for (Index p = 0; p < inserted; ++p) {
+      surface.positions[n + p] = inserted_now[p];
+      surface.displacement[n + p] = static_cast<float>((inserted_now[p] - resampler->insertedRest()[p]).norm());
+      if (with_normals) surface.normals[n + p] = inserted_normals_now[p];
+      const Index parent = resampler->parents()[p].first;
+      const Index num_dense = static_cast<Index>(rest.dense.positions.size());
+      surface.source.push_back(parent < num_dense ? input_of_dense[parent] : surface.source[parent - num_dense]);
+    }
+  }
+
+  std::vector<Index> firstInputs() const {
+    std::vector<Index> first(rest.dense.positions.size(), -1);
+    for (Index i = input.size() - 1; i >= 0; --i)
+      if (rest.dense.point_of_input[i] >= 0) first[rest.dense.point_of_input[i]] = i;
+    return first;
+  }
+};
+
+Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) : impl_(std::make_unique<Impl>(params, std::move(input))) {}
+Simulation::~Simulation() = default;
+Simulation::Simulation(Simulation&&) noexcept = default;
+Simulation& Simulation::operator=(Simulation&&) noexcept = default;
+
+StepOutcome Simulation::step() { return impl_->step(); }
+double Simulation::time() const { return impl_->time(); }
+std::uint64_t Simulation::stepCount() const { return impl_->steps; }
+const SceneParams& Simulation::params() const { return impl_->params; }
+const cloud::PointCloud& Simulation::input() const { return impl_->input; }
+void Simulation::reset() { impl_->reset(); }
+
+void Simulation::setForce(const ForceParams& force) {
+  requireFinite(force.point, "force '" + force.id + "' point");
+  requireFinite(force.force, "force '" + force.id + "' force");
+  if (!(force.radius >= 0.0) || !std::isfinite(force.radius))
+    throw InputError("force '" + force.id + "' radius: found " + std::to_string(force.radius) + "; accepted: >= 0 m");
+  if (!(force.end >= force.start))
+    throw InputError("force '" + force.id + "' duration: its end is before its start; accepted: >= 0 s");
+  impl_->forces.set(force);
+}
+
+void Simulation::removeForce(const std::string& id) { impl_->forces.remove(id); }
+
+Index Simulation::pin(const geometry::Region& region) {
+  Index changed = 0;
+  for (Index i = 0; i < impl_->state.size(); ++i) {
+    if (!region.contains(impl_->state.positions[i])) continue;
+    impl_->pinned[i] = 1;
+    impl_->state.velocities[i].setZero();
+    ++changed;
+  }
+  return changed;
+}
+
+Index Simulation::unpin(const geometry::Region& region) {
+  Index changed = 0;
+  for (Index i = 0; i < impl_->state.size(); ++i)
+    if (impl_->pinned[i] && region.contains(impl_->state.positions[i])) {
+      impl_->pinned[i] = 0;
+      ++changed;
+    }
+  impl_->estimate_needed = true;
+  return changed;
+}
+
+void Simulation::setGravity(const Vec3& gravity) {
+  requireFinite(gravity, "gravity");
+  impl_->gravity.gravity = gravity;
+}
+
+const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }
+
+Statistics Simulation::statistics() const {
+  impl_->measure();
+  return impl_->statistics;
+}
+
+std::uint64_t Simulation::stateHash() const { return impl_->hash(); }
+const model::State& Simulation::state() const { return impl_->state; }
+const model::DeformableModel& Simulation::model() const { return *impl_->rest.model; }
+const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
+
+void Simulation::computeSimulationNormals(Points& normals) const {
+  impl_->rest.model->computeAreaVectors(impl_->state, normals);
+  for (std::size_t i = 0; i < normals.size(); ++i) {
+    const double area = normals[i].norm();
+    normals[i] = area > 0.0 ? Vec3(normals[i] / area) : impl_->rest.normals[i];
+  }
+}
+
+std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return impl_->forces.active(impl_->state); }
+const std::vector<std::string>& Simulation::buildNotes() const { return impl_->rest.notes; }
+
+}  // namespace deformable_surface::simulation

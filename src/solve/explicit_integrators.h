@@ -1,0 +1,38 @@
+// The explicit integrators: explicit Euler as published, symplectic Euler, velocity Verlet.
+#pragma once
+
+#include "deformable_surface/solve/integrator.h"
+
+namespace deformable_surface::solve {
+
+/// x += dt v; v += dt a(x), both from the old state, one step [Su 2007, sec. 4.4]. It amplifies every undamped mode in
+/// every step and is here for comparison with the paper.
+class ExplicitEuler : public Integrator {
+ public:
+  SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+
+ private:
+  Points forces_;
+};
+
+/// v += dt a(x); x += dt v. First order, no drift of energy.
+class SymplecticEuler : public Integrator {
+ public:
+  SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+
+ private:
+  Points forces_;
+};
+
+/// Half kick, drift, half kick. Second order, no drift of energy, exact in free fall. Forces that depend on velocity are
+/// taken at predicted velocities, which keeps the order; damping by mass is applied exactly, half before and half after.
+class VelocityVerlet : public Integrator {
+ public:
+  SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+
+ private:
+  Points forces_;
+  State predicted_;
+};
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,41 @@
+// One projected Newton iteration with line search, shared by the implicit step and the static solution.
+#pragma once
+
+#include "deformable_surface/solve/system.h"
+
+#include <Eigen/SparseCholesky>
+
+namespace deformable_surface::solve {
+
+/// Minimises  Phi(x) = sum_i w_i/2 |x_i - y_i|^2 + E(x) + U(x) - L . x  over the free points, with E the elastic energy, U the
+/// potential of conservative loads and L the forces that have no potential (viscous ones, follower pressure), evaluated anew in
+/// every iteration, at velocities (x - x_before) / step (zero if step is 0).
+class NewtonDescent {
+ public:
+  struct Problem {
+    const System& system;
+    double time;                          // s, at which loads are evaluated
+    double step;                          // s; 0 = statics
+    const Points& before;                 // (n x 3) m
+    const Points& target;                 // y, (n x 3) m
+    const std::vector<double>& weight;    // w, (n) N/m
+  };
+
+  /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
+  double evaluate(const Problem& problem, State& state);
+
+  /// After evaluate(): moves state.positions along the Newton direction, halving the step until Phi falls by Armijo's rule.
+  /// Returns the fraction taken; 0 if no descent was found (the state is then unchanged).
+  double descend(const Problem& problem, State& state);
+
+ private:
+  double merit(const Problem& problem, const State& state) const;
+
+  Points gradient_, conservative_, forces_, remainder_, start_;
+  Eigen::VectorXd direction_;
+  BlockSparse stiffness_;
+  Eigen::SparseMatrix<double> matrix_;
+  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+};
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,91 @@
+#include "deformable_surface/solve/system.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::solve {
+
+System::System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
+               double damping)
+    : model_(model), loads_(loads), held_(held), damping_(damping) {}
+
+void System::computeForces(double time, const State& state, Points& forces) const {
+  forces.assign(state.positions.size(), Vec3::Zero());
+  model_.addForces(state, forces);
+  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    if (held_[i]) forces[i].setZero();
+}
+
+void System::computeConservativeForces(double time, const State& state, Points& forces) const {
+  at_rest_.positions = state.positions;
+  at_rest_.velocities.assign(state.positions.size(), Vec3::Zero());
+  forces.assign(state.positions.size(), Vec3::Zero());
+  model_.addForces(at_rest_, forces);
+  for (const ExternalLoad* load : loads_)
+    if (load->isConservative()) load->addForces(time, at_rest_, forces);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    if (held_[i]) forces[i].setZero();
+}
+
+double System::loadPotential(double time, const State& state) const {
+  double energy = 0.0;
+  for (const ExternalLoad* load : loads_)
+    if (load->isConservative()) energy += load->potential(time, state);
+  return energy;
+}
+
+double System::potentialEnergy(double time, const State& state) const {
+  return model_.elasticEnergy(state) + loadPotential(time, state);
+}
+
+double System::kineticEnergy(const State& state) const {
+  double energy = 0.0;
+  for (Index i = 0; i < size(); ++i) energy += 0.5 * masses()[i] * state.velocities[i].squaredNorm();
+  return energy;
+}
+
+void System::addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const {
+  model_.addStiffness(state, step, stiffness);
+  for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
+}
+
+double System::largestForce(double time, const State& state) const {
+  double squared = 0.0;
+  largest_.assign(state.positions.size(), Vec3::Zero());
+  model_.addForces(state, largest_);
+  for (const Vec3& force : largest_) squared = std::max(squared, force.squaredNorm());
+  largest_.assign(state.positions.size(), Vec3::Zero());
+  for (const ExternalLoad* load : loads_) load->addForces(time, state, largest_);
+  for (const Vec3& force : largest_) squared = std::max(squared, force.squaredNorm());
+  return std::sqrt(squared);
+}
+
+double System::roundingForce(double time, const State& state) const {
+  row_stiffness_.assign(size(), 0.0);
+  row_damping_.assign(size(), 0.0);
+  model_.addRowBounds(state, row_stiffness_, row_damping_);
+  for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  double largest = 0.0;
+  for (Index i = 0; i < size(); ++i)
+    largest = std::max(largest, row_stiffness_[i] * state.positions[i].lpNorm<Eigen::Infinity>());
+  return std::numeric_limits<double>::epsilon() * largest;
+}
+
+System::Bounds System::bounds(double time, const State& state) const {
+  row_stiffness_.assign(size(), 0.0);
+  row_damping_.assign(size(), 0.0);
+  model_.addRowBounds(state, row_stiffness_, row_damping_);
+  for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  Bounds b;
+  for (Index i = 0; i < size(); ++i) {
+    if (held_[i]) continue;
+    b.frequency = std::max(b.frequency, row_stiffness_[i] / masses()[i]);
+    b.damping_rate = std::max(b.damping_rate, row_damping_[i] / masses()[i]);
+  }
+  b.frequency = std::sqrt(b.frequency);
+  return b;
+}
+
+}  // namespace deformable_surface::solve

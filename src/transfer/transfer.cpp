@@ -1,0 +1,410 @@
+// The transfer operator: fitted once per rest state, applied in every frame. Applying it is one pass that moves as few bytes as
+// possible, because memory and not arithmetic limits it.
+#include "deformable_surface/transfer/transfer.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstring>
+#include <limits>
+#ifdef __SSE__
+#include <xmmintrin.h>
+#endif
+
+namespace deformable_surface::transfer {
+namespace {
+
+// Longest row: more neighbours smooth the motion and cost memory without use.
+constexpr Index kMaxNeighbors = 64;
+// The compact kernel ends this much beyond the farthest neighbour, which keeps a positive weight of a few ten-thousandths: where
+// the neighbours change from one dense point to the next, there is no visible step.
+constexpr double kKernelReach = 1.1;
+// A slope along a direction is fitted if it multiplies errors of the displacements by no more than this, per distance of the
+// farthest neighbour: their spread must be about a hundredth of that distance.
+constexpr double kMaxAmplification = 100.0;
+// Least squared area between the tangents now, in units of their squared lengths, that is more than float rounding: below it they
+// are parallel or have vanished.
+constexpr float kMinSquaredArea = 1e-10f;
+// The row length that gets a loop of its own, unrolled.
+constexpr Index kUsualNeighbors = 8;
+// Points per block of a parallel loop: a few ten microseconds of applying, a few milliseconds of fitting.
+constexpr Index kApplyBlock = 1024;  // times four points
+constexpr Index kFitBlock = 1024;
+
+// Four floats that every processor of the supported compilers' targets adds and multiplies at once: one quantity of four dense
+// points that lie behind each other.
+constexpr Index kLanes = 4;
+using Float4 = float __attribute__((vector_size(kLanes * sizeof(float))));
+
+inline Float4 load(const float* from) {
+  Float4 v;
+  std::memcpy(&v, from, sizeof v);
+  return v;
+}
+
+inline void store(const Float4& v, float* to) { std::memcpy(to, &v, sizeof v); }
+
+template <int A, int B, int C, int D>
+inline Float4 shuffle(const Float4& a, const Float4& b) {
+#ifdef __clang__
+  return __builtin_shufflevector(a, b, A, B, C, D);
+#else
+  using Int4 = int __attribute__((vector_size(kLanes * sizeof(int))));
+  return __builtin_shuffle(a, b, Int4{A, B, C, D});
+#endif
+}
+
+// Vectors of four points.
+struct Vec3x4 {
+  Float4 x, y, z;
+};
+
+inline Float4 dot(const Vec3x4& a, const Vec3x4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
+
+inline Vec3x4 cross(const Vec3x4& a, const Vec3x4& b) {
+  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+inline Float4 squareRoot(const Float4& v) {
+#ifdef __SSE__
+  return _mm_sqrt_ps(v);  // the same bits, without four checks for errno
+#else
+  return Float4{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
+#endif
+}
+
+inline Vec3x4 load3(const float* from) { return {load(from), load(from + kLanes), load(from + 2 * kLanes)}; }
+
+inline void addScaled(const Float4& scale, const Vec3x4& v, Vec3x4& sum) {
+  sum.x += scale * v.x;
+  sum.y += scale * v.y;
+  sum.z += scale * v.z;
+}
+
+// Four vectors x y z 0 in memory, one for each point.
+inline Vec3x4 gather(const float* vectors, const Index* index) {
+  const auto at = [&](int lane) { return load(vectors + 4 * static_cast<std::size_t>(index[lane])); };
+  const Float4 a = at(0), b = at(1), c = at(2), d = at(3);
+  const Float4 ab = shuffle<0, 4, 1, 5>(a, b), cd = shuffle<0, 4, 1, 5>(c, d);
+  return {shuffle<0, 1, 4, 5>(ab, cd), shuffle<2, 3, 6, 7>(ab, cd),
+          shuffle<0, 1, 4, 5>(shuffle<2, 6, 2, 6>(a, b), shuffle<2, 6, 2, 6>(c, d))};
+}
+
+// Per point at rest: the fitted tangents T = t + s n (t and n are the surface's own frame, s the slope of the fitted plane
+// against it), these slopes, the normal, and the height over the fitted plane.
+enum FrameRow { kTangentX = 0, kTangentY = 3, kNormal = 6, kSlopeX = 9, kSlopeY = 10, kHeight = 11, kFrameRows = 12 };
+
+// Unit normals from the tangents now: at rest and after every rotation, n is along T_x x T_y + s_x T_x + s_y T_y.
+inline Vec3x4 findNormals(const Vec3x4& tangent_x, const Vec3x4& tangent_y, const float* frame) {
+  const Vec3x4 across = cross(tangent_x, tangent_y), rest = load3(frame + kNormal * kLanes);
+  const Float4 slope_x = load(frame + kSlopeX * kLanes), slope_y = load(frame + kSlopeY * kLanes);
+  const Vec3x4 n = {across.x + slope_x * tangent_x.x + slope_y * tangent_y.x,
+                    across.y + slope_x * tangent_x.y + slope_y * tangent_y.y,
+                    across.z + slope_x * tangent_x.z + slope_y * tangent_y.z};
+  // One is about the tangents' squared length at rest, hence their rounding.
+  const Float4 size = dot(tangent_x, tangent_x) + dot(tangent_y, tangent_y), squared_length = dot(n, n);
+  const auto sound = (dot(across, across) > kMinSquaredArea * size * (size + 1.0f)) & (squared_length > 0.0f);
+  const Float4 scale = 1.0f / squareRoot(squared_length);
+  return {sound ? scale * n.x : rest.x, sound ? scale * n.y : rest.y, sound ? scale * n.z : rest.z};
+}
+
+// (1 - s)^4 (4 s + 1), s = r / h: the C2 kernel of compact support in three dimensions [Wendland 1995].
+inline double evaluateWendland(double s) {
+  const double t = std::max(1.0 - s, 0.0);
+  return t * t * t * t * (4.0 * s + 1.0);
+}
+
+// One number per neighbour, without allocating.
+using Row = std::array<double, kMaxNeighbors>;
+
+// Rounds a row to float, and puts what rounding took from its sum into its largest entry: constant displacements stay exact.
+// Entry j goes to out[j * stride].
+void storeRow(const Row& row, std::size_t count, double sum, float* out, std::size_t stride) {
+  std::size_t largest = 0;
+  double rest = sum;
+  for (std::size_t j = 0; j < count; ++j) {
+    out[j * stride] = static_cast<float>(row[j]);
+    rest -= out[j * stride];
+    if (std::abs(row[j]) > std::abs(row[largest])) largest = j;
+  }
+  out[largest * stride] = static_cast<float>(out[largest * stride] + rest);
+}
+
+void check(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
+           const TransferParams& params) {
+  std::vector<std::string> problems;
+  if (normals.size() != dense.size()) {
+    problems.push_back("transfer: " + std::to_string(normals.size()) + " normals for " + std::to_string(dense.size()) +
+                       " dense points; there must be one for each");
+  }
+  if (usable.size() != simulation.size()) {
+    problems.push_back("transfer: " + std::to_string(usable.size()) + " usable marks for " + std::to_string(simulation.size()) +
+                       " simulation points; there must be one for each");
+  }
+  if (!(params.k >= 1 && params.k <= kMaxNeighbors)) {
+    problems.push_back("transfer: k is " + std::to_string(params.k) + "; it must be 1 to " + std::to_string(kMaxNeighbors));
+  }
+  if (!(params.gaussian_width >= 0.0 && std::isfinite(params.gaussian_width))) {
+    problems.push_back("transfer: gaussian_width is " + std::to_string(params.gaussian_width) +
+                       " m; it must be 0 (mean distance of the neighbours) or positive");
+  }
+  if (!problems.empty()) throw InputError(problems);
+  // Normals of a float cloud are unit to a few 1e-7; a thousandth tells them from what was never normalised.
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    if (dense[i].allFinite() && std::abs(normals[i].squaredNorm() - 1.0) < 1e-3) continue;
+    throw InputError("transfer: dense point " + std::to_string(i) + " is not finite or its normal is not a unit vector");
+  }
+}
+
+}  // namespace
+
+Transfer::Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
+                   const TransferParams& params)
+    : rest_(dense), simulation_rest_(simulation), usable_(usable) {
+  check(dense, normals, simulation, usable, params);
+
+  // Neighbours are searched among the usable points only.
+  std::vector<Index> used;
+  Points used_positions;
+  for (std::size_t j = 0; j < simulation.size(); ++j) {
+    if (!usable[j]) continue;
+    used.push_back(static_cast<Index>(j));
+    used_positions.push_back(simulation[j]);
+  }
+  num_usable_ = static_cast<Index>(used.size());
+  const cloud::KdTree tree(used_positions);
+
+  k_ = params.k;
+  const std::size_t num_groups = (dense.size() + kLanes - 1) / kLanes;
+  index_.assign(num_groups * k_ * kLanes, 0);
+  weight_.assign(num_groups * k_ * 3 * kLanes, 0.0f);
+  frame_.assign(num_groups * kFrameRows * kLanes, 0.0f);
+  num_degenerate_ = static_cast<Index>(parallelSum(numDense(), kFitBlock, [&](Index begin, Index end) {
+    std::vector<cloud::Neighbor> nearest;
+    std::vector<Index> found;
+    int degenerate = 0;
+    for (Index i = begin; i < end; ++i) {
+      tree.nearest(dense[i], k_, nearest);
+      found.clear();
+      for (const cloud::Neighbor& neighbor : nearest) found.push_back(used[neighbor.index]);
+      if (!fitRow(i, normals[i], simulation, found, params)) ++degenerate;
+    }
+    return static_cast<double>(degenerate);
+  }));
+
+  // The normals as apply() will find them at rest, so that their change at rest is exactly zero.
+  for (std::size_t g = 0; g < num_groups; ++g) {
+    float* const frame = frame_.data() + g * kFrameRows * kLanes;
+    const Vec3x4 n = findNormals(load3(frame + kTangentX * kLanes), load3(frame + kTangentY * kLanes), frame);
+    store(n.x, frame + kNormal * kLanes);
+    store(n.y, frame + (kNormal + 1) * kLanes);
+    store(n.z, frame + (kNormal + 2) * kLanes);
+  }
+}
+
+bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found,
+                      const TransferParams& params) {
+  const std::size_t count = found.size(), group = i / kLanes, lane = i % kLanes;
+  const Vec3 n = normal.normalized();
+  const Vec3 t_x = n.unitOrthogonal(), t_y = n.cross(t_x);
+  double slope_x = 0.0, slope_y = 0.0, height = 0.0;
+  int rank = 0;
+  if (count > 0) {
+    // The neighbours on the tangent plane and above it, in units of the distance of the farthest.
+    Row x, y, z, distance;
+    for (std::size_t j = 0; j < count; ++j) distance[j] = (simulation[found[j]] - rest_[i]).norm();
+    const double farthest = *std::max_element(distance.begin(), distance.begin() + count);
+    const double unit = farthest > 0.0 ? farthest : 1.0;
+    for (std::size_t j = 0; j < count; ++j) {
+      const Vec3 d = (simulation[found[j]] - rest_[i]) / unit;
+      x[j] = t_x.dot(d);
+      y[j] = t_y.dot(d);
+      z[j] = n.dot(d);
+      distance[j] /= unit;
+    }
+
+    // Weights, normalised. The Gaussian is relative to the nearest neighbour, so that it never vanishes for all.
+    Row w;
+    if (params.weighting == Weighting::kCompact) {
+      for (std::size_t j = 0; j < count; ++j) w[j] = evaluateWendland(distance[j] / kKernelReach);
+    } else {
+      double mean = 0.0, least = std::numeric_limits<double>::infinity();
+      for (std::size_t j = 0; j < count; ++j) {
+        w[j] = x[j] * x[j] + y[j] * y[j];
+        mean += std::sqrt(w[j]) / count;
+        least = std::min(least, w[j]);
+      }
+      const double width = params.gaussian_width > 0.0 ? params.gaussian_width / unit : mean;
+      for (std::size_t j = 0; j < count; ++j) w[j] = w[j] > least ? std::exp((least - w[j]) / (width * width)) : 1.0;
+    }
+    double total = 0.0;
+    for (std::size_t j = 0; j < count; ++j) total += w[j];
+    for (std::size_t j = 0; j < count; ++j) w[j] /= total;
+
+    // Their centre, and their principal directions about it.
+    double center_x = 0.0, center_y = 0.0;
+    for (std::size_t j = 0; j < count; ++j) {
+      center_x += w[j] * x[j];
+      center_y += w[j] * y[j];
+    }
+    double c_xx = 0.0, c_xy = 0.0, c_yy = 0.0;
+    for (std::size_t j = 0; j < count; ++j) {
+      x[j] -= center_x;
+      y[j] -= center_y;
+      c_xx += w[j] * x[j] * x[j];
+      c_xy += w[j] * x[j] * y[j];
+      c_yy += w[j] * y[j] * y[j];
+    }
+    const double angle = 0.5 * std::atan2(2.0 * c_xy, c_xx - c_yy);
+
+    // The least-squares slope along each direction in which the neighbours spread, and from it the value at the dense point.
+    Row value = w, gradient_x{}, gradient_y{};
+    for (const Vec2& e : {Vec2(std::cos(angle), std::sin(angle)), Vec2(-std::sin(angle), std::cos(angle))}) {
+      double variance = 0.0, deviation = 0.0;
+      for (std::size_t j = 0; j < count; ++j) {
+        const double along = e.x() * x[j] + e.y() * y[j];
+        variance += w[j] * along * along;
+        deviation += w[j] * std::abs(along);
+      }
+      if (!(variance > 0.0 && deviation <= kMaxAmplification * variance)) continue;
+      ++rank;
+      const double center = e.x() * center_x + e.y() * center_y;
+      for (std::size_t j = 0; j < count; ++j) {
+        const double slope = w[j] * (e.x() * x[j] + e.y() * y[j]) / variance;
+        value[j] -= center * slope;
+        gradient_x[j] += e.x() * slope;
+        gradient_y[j] += e.y() * slope;
+      }
+    }
+
+    // The fitted plane at rest: its slopes against the tangent plane, and the point's height over it.
+    for (std::size_t j = 0; j < count; ++j) {
+      slope_x += gradient_x[j] * z[j];
+      slope_y += gradient_y[j] * z[j];
+      height -= value[j] * z[j] * unit;
+      gradient_x[j] /= unit;
+      gradient_y[j] /= unit;
+    }
+
+    // Store, filling up with the nearest neighbour at weight zero.
+    Index* const index = index_.data() + group * k_ * kLanes + lane;
+    float* const weight = weight_.data() + group * k_ * 3 * kLanes + lane;
+    for (Index j = 0; j < k_; ++j) index[j * kLanes] = found[static_cast<std::size_t>(j) < count ? j : 0];
+    storeRow(value, count, 1.0, weight, 3 * kLanes);
+    storeRow(gradient_x, count, 0.0, weight + kLanes, 3 * kLanes);
+    storeRow(gradient_y, count, 0.0, weight + 2 * kLanes, 3 * kLanes);
+  }
+
+  float* const frame = frame_.data() + group * kFrameRows * kLanes + lane;
+  for (int axis = 0; axis < 3; ++axis) {
+    frame[(kTangentX + axis) * kLanes] = static_cast<float>(t_x[axis] + slope_x * n[axis]);
+    frame[(kTangentY + axis) * kLanes] = static_cast<float>(t_y[axis] + slope_y * n[axis]);
+    frame[(kNormal + axis) * kLanes] = static_cast<float>(n[axis]);
+  }
+  frame[kSlopeX * kLanes] = static_cast<float>(slope_x);
+  frame[kSlopeY * kLanes] = static_cast<float>(slope_y);
+  frame[kHeight * kLanes] = static_cast<float>(height);
+  return rank == 2;
+}
+
+const float* Transfer::findDisplacements(const Points& simulation_now, Vec3& mean) const {
+  if (simulation_now.size() != simulation_rest_.size()) {
+    throw InputError("transfer: " + std::to_string(simulation_now.size()) + " positions for " +
+                     std::to_string(simulation_rest_.size()) + " simulation points; there must be one for each");
+  }
+  // Kept by the thread, so that nothing is allocated in later calls and several threads may share one operator.
+  static thread_local std::vector<float> displacements;
+  const std::size_t m = simulation_now.size();
+  if (displacements.size() < 4 * std::max<std::size_t>(m, 1)) displacements.resize(4 * std::max<std::size_t>(m, 1));
+  std::fill_n(displacements.begin(), 4, 0.0f);
+
+  // The mean is added back in double, so that far translations cost no digits.
+  mean.setZero();
+  for (std::size_t j = 0; j < m; ++j) {
+    if (usable_[j]) mean += simulation_now[j] - simulation_rest_[j];
+  }
+  mean /= std::max(num_usable_, 1);
+  for (std::size_t j = 0; j < m; ++j) {
+    const Vec3 u = usable_[j] ? Vec3(simulation_now[j] - simulation_rest_[j] - mean) : Vec3(0.0, 0.0, 0.0);
+    for (int axis = 0; axis < 3; ++axis) displacements[4 * j + axis] = static_cast<float>(u[axis]);
+    displacements[4 * j + 3] = 0.0f;
+  }
+  return displacements.data();
+}
+
+template <int K>
+void Transfer::run(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const {
+  Vec3 mean;
+  const float* const displacements = findDisplacements(simulation_now, mean);
+  const Index k = K > 0 ? K : k_, n = numDense();
+  parallelFor((n + kLanes - 1) / kLanes, kApplyBlock, [&](Index begin, Index end) {
+    const Index* index = index_.data() + static_cast<std::size_t>(begin) * k * kLanes;
+    const float* weight = weight_.data() + static_cast<std::size_t>(begin) * k * 3 * kLanes;
+    const float* frame = frame_.data() + static_cast<std::size_t>(begin) * kFrameRows * kLanes;
+    for (Index g = begin; g < end; ++g, frame += kFrameRows * kLanes) {
+      // Displacement, and the fitted tangents now.
+      const Vec3x4 rest_x = load3(frame + kTangentX * kLanes), rest_y = load3(frame + kTangentY * kLanes);
+      Vec3x4 u{}, tangent_x = rest_x, tangent_y = rest_y;
+      for (Index j = 0; j < k; ++j, index += kLanes, weight += 3 * kLanes) {
+        const Vec3x4 u_j = gather(displacements, index);
+        addScaled(load(weight), u_j, u);
+        addScaled(load(weight + kLanes), u_j, tangent_x);
+        addScaled(load(weight + 2 * kLanes), u_j, tangent_y);
+      }
+      const Index first = g * kLanes, count = std::min(kLanes, n - first);
+      if (ratio) {
+        const Vec3x4 now = cross(tangent_x, tangent_y), rest = cross(rest_x, rest_y);
+        const Float4 share = squareRoot(dot(now, now)) / squareRoot(dot(rest, rest));
+        std::memcpy(ratio + first, &share, count * sizeof(float));
+        continue;
+      }
+      // The height over the fitted plane turns with the normal.
+      const Vec3x4 normal = findNormals(tangent_x, tangent_y, frame), rest_normal = load3(frame + kNormal * kLanes);
+      const Float4 height = load(frame + kHeight * kLanes);
+      addScaled(height, {normal.x - rest_normal.x, normal.y - rest_normal.y, normal.z - rest_normal.z}, u);
+      for (Index lane = 0; lane < count; ++lane) {
+        const Vec3& p = rest_[first + lane];
+        dense_now[first + lane] = Vec3(p[0] + (mean[0] + u.x[lane]), p[1] + (mean[1] + u.y[lane]), p[2] + (mean[2] + u.z[lane]));
+        if (normals_now) normals_now[first + lane] = Eigen::Vector3f(normal.x[lane], normal.y[lane], normal.z[lane]);
+      }
+    }
+  });
+}
+
+void Transfer::dispatch(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const {
+  if (k_ == kUsualNeighbors) {
+    run<kUsualNeighbors>(simulation_now, dense_now, normals_now, ratio);
+  } else {
+    run<0>(simulation_now, dense_now, normals_now, ratio);
+  }
+}
+
+void Transfer::apply(const Points& simulation_now, Points& dense_now) const {
+  dense_now.resize(rest_.size());
+  dispatch(simulation_now, dense_now.data(), nullptr, nullptr);
+}
+
+void Transfer::apply(const Points& simulation_now, Points& dense_now, std::vector<Eigen::Vector3f>& normals_now) const {
+  dense_now.resize(rest_.size());
+  normals_now.resize(rest_.size());
+  dispatch(simulation_now, dense_now.data(), normals_now.data(), nullptr);
+}
+
+void Transfer::areaRatio(const Points& simulation_now, std::vector<float>& ratio) const {
+  ratio.resize(rest_.size());
+  dispatch(simulation_now, nullptr, nullptr, ratio.data());
+}
+
+Index Transfer::numDense() const { return static_cast<Index>(rest_.size()); }
+Index Transfer::numSimulation() const { return static_cast<Index>(simulation_rest_.size()); }
+Index Transfer::numDegenerate() const { return num_degenerate_; }
+
+std::size_t Transfer::bytesPerPoint() const {
+  return k_ * (sizeof(Index) + 3 * sizeof(float)) + kFrameRows * sizeof(float) + sizeof(Vec3);
+}
+
+}  // namespace deformable_surface::transfer

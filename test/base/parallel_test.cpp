@@ -1,0 +1,76 @@
+#include "deformable_surface/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+#include <stdexcept>
+#include <thread>
+
+namespace deformable_surface {
+namespace {
+
+class Parallel : public testing::TestWithParam<int> {
+ protected:
+  void SetUp() override { setNumThreads(GetParam()); }
+  void TearDown() override { setNumThreads(0); }
+};
+
+TEST_P(Parallel, LoopsCoverEveryIndexOnce) {
+  for (Index n : {0, 1, 99, 100, 101, 1000, 12345}) {
+    std::vector<int> seen(n, 0);
+    parallelFor(n, 100, [&](Index begin, Index end) {
+      EXPECT_EQ(begin % 100, 0);
+      for (Index i = begin; i < end; ++i) ++seen[i];
+    });
+    EXPECT_EQ(std::count(seen.begin(), seen.end(), 1), n);
+  }
+}
+
+TEST_P(Parallel, SumsDoNotDependOnTheNumberOfThreads) {
+  const auto sum = [] {
+    return parallelSum(100000, 64, [](Index begin, Index end) {
+      double s = 0.0;
+      for (Index i = begin; i < end; ++i) s += 1.0 / (1.0 + i);
+      return s;
+    });
+  };
+  const double here = sum();
+  setNumThreads(1);
+  EXPECT_EQ(here, sum());
+}
+
+TEST_P(Parallel, NestedLoopsRun) {
+  std::atomic<int> count{0};
+  parallelFor(50, 1, [&](Index, Index) { parallelFor(50, 1, [&](Index, Index) { ++count; }); });
+  EXPECT_EQ(count, 2500);
+}
+
+TEST_P(Parallel, TheExceptionOfTheLowestBlockIsThrownAndLaterLoopsRun) {
+  for (int repeat = 0; repeat < 20; ++repeat) {
+    try {
+      parallelFor(100, 1, [](Index begin, Index) {
+        if (begin >= 10) throw std::runtime_error(std::to_string(begin));
+      });
+      FAIL();
+    } catch (const std::runtime_error& e) {
+      EXPECT_STREQ(e.what(), "10");
+    }
+  }
+}
+
+TEST_P(Parallel, SeveralCallersAtOnceDoNotMixTheirWork) {
+  std::atomic<long> total{0};
+  std::vector<std::thread> callers;
+  for (int c = 0; c < 4; ++c)
+    callers.emplace_back([&] {
+      for (int repeat = 0; repeat < 50; ++repeat) parallelFor(1000, 10, [&](Index begin, Index end) { total += end - begin; });
+    });
+  for (std::thread& caller : callers) caller.join();
+  EXPECT_EQ(total, 4L * 50 * 1000);
+}
+
+INSTANTIATE_TEST_SUITE_P(Threads, Parallel, testing::Values(1, 2, 3, 8));
+
+}  // namespace
+}  // namespace deformable_surface

@@ -1,0 +1,247 @@
+// Holds normals to shapes whose normals are known, their side to each rule that decides it, and both to clouds without a surface.
+#include "deformable_surface/cloud/normals.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+struct Shape {
+  Points positions, normals;
+  std::vector<char> is_boundary;
+
+  void add(const Vec3& position, const Vec3& normal, bool boundary) {
+    positions.push_back(position);
+    normals.push_back(normal);
+    is_boundary.push_back(boundary);
+  }
+};
+
+void addSphere(Shape& shape, Index n, const Vec3& center, double radius) {
+  for (Index i = 0; i < n; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / n, turn = kPi * (3.0 - std::sqrt(5.0)) * i, s = std::sqrt(1.0 - z * z);
+    const Vec3 normal(s * std::cos(turn), s * std::sin(turn), z);
+    shape.add(center + radius * normal, normal, false);
+  }
+}
+
+void addSheet(Shape& shape, Index side, const Mat3& rotation, const Vec3& center) {
+  for (Index i = 0; i < side; ++i) {
+    for (Index j = 0; j < side; ++j) {
+      const bool edge = i == 0 || j == 0 || i == side - 1 || j == side - 1;
+      const Vec3 flat((i + 0.5) / side - 0.5, (j + 0.5) / side - 0.5, 0.0);
+      shape.add(center + rotation * flat, rotation.col(2), edge);
+    }
+  }
+}
+
+Shape makeTorus(Index around, Index across) {
+  Shape shape;
+  for (Index i = 0; i < around; ++i) {
+    for (Index j = 0; j < across; ++j) {
+      const double a = 2.0 * kPi * i / around, b = 2.0 * kPi * j / across;
+      const Vec3 out(std::cos(a), std::sin(a), 0.0), normal = std::cos(b) * out + std::sin(b) * Vec3::UnitZ();
+      shape.add(out + 0.35 * normal, normal, false);
+    }
+  }
+  return shape;
+}
+
+// A rotation without special directions.
+Mat3 makeTilt() { return Eigen::AngleAxisd(0.7, Vec3(1.0, -2.0, 0.5).normalized()).toRotationMatrix(); }
+
+// Estimated normals with signs at random, as an estimator that knows no side may give them.
+Points estimateWithRandomSigns(const Shape& shape, const Lists& neighbors) {
+  Points normals = estimateNormals(shape.positions, neighbors);
+  std::mt19937 random(1);
+  for (Vec3& n : normals) n = random() % 2 ? n : Vec3(-n);
+  return normals;
+}
+
+struct Oriented {
+  Points normals;
+  OrientationRule rule;
+};
+
+Oriented orient(const Shape& shape, const Points& reference = {}, const std::optional<Vec3>& viewpoint = {}) {
+  const Lists neighbors = nearestNeighbors(shape.positions, 12);
+  Oriented result{estimateWithRandomSigns(shape, neighbors), OrientationRule::kUp};
+  result.rule = orientNormals(shape.positions, neighbors, shape.is_boundary, reference, viewpoint, result.normals);
+  return result;
+}
+
+// The smallest cosine between found and true normals.
+double findWorstCosine(const Points& expected, const Points& found) {
+  double worst = 1.0;
+  for (std::size_t i = 0; i < expected.size(); ++i) worst = std::min(worst, expected[i].dot(found[i]));
+  return worst;
+}
+
+TEST(EstimateNormals, AreExactOnTiltedPlanesAtEveryScaleAndPlace) {
+  for (const double scale : {1e-20, 1e-3, 1.0, 1e5}) {
+    Shape shape;
+    addSheet(shape, 20, makeTilt(), Vec3(0.3, -0.2, 0.1));
+    for (Vec3& p : shape.positions) p *= scale;
+    const Points normals = estimateNormals(shape.positions, nearestNeighbors(shape.positions, 16));
+    for (const Vec3& n : normals) {
+      EXPECT_NEAR(1.0, n.norm(), 1e-14);
+      EXPECT_LT(n.cross(makeTilt().col(2)).norm(), 1e-12) << "scale " << scale;
+    }
+  }
+}
+
+TEST(EstimateNormals, KeepTheirDigitsFarFromTheOrigin) {
+  Shape shape;
+  addSheet(shape, 20, makeTilt(), Vec3(1e6, -1e6, 1e6));
+  for (const Vec3& n : estimateNormals(shape.positions, nearestNeighbors(shape.positions, 16))) {
+    EXPECT_LT(n.cross(makeTilt().col(2)).norm(), 1e-7);  // the coordinates themselves are rounded to 1e-10, 1e-9 of the spacing
+  }
+}
+
+TEST(EstimateNormals, ConvergeOnSphere) {
+  double error[2];
+  for (int level = 0; level < 2; ++level) {
+    Shape shape;
+    addSphere(shape, level == 0 ? 500 : 8000, Vec3::Zero(), 1.0);
+    const Points normals = estimateNormals(shape.positions, nearestNeighbors(shape.positions, 12));
+    error[level] = 0.0;
+    for (std::size_t i = 0; i < normals.size(); ++i) error[level] += normals[i].cross(shape.normals[i]).norm() / normals.size();
+  }
+  EXPECT_LT(error[0], 0.03);  // far below the 0.16 between neighbouring points
+  EXPECT_LT(error[1], 0.3 * error[0]);  // a quarter of the spacing; a quarter of the error at first order
+}
+
+TEST(EstimateNormals, ArePerpendicularToLinesAndSlivers) {
+  const Vec3 along = makeTilt().col(0);
+  for (const double width : {0.0, 1e-9, 1e-5}) {
+    Points points;
+    for (int i = 0; i < 60; ++i) points.push_back(along * (0.1 * i) + makeTilt().col(1) * (width * ((i * i) % 7)));
+    for (const Vec3& n : estimateNormals(points, nearestNeighbors(points, 8))) {
+      EXPECT_NEAR(1.0, n.norm(), 1e-14);
+      EXPECT_LT(std::abs(n.dot(along)), 1e-4);
+      if (width == 1e-5) {
+        EXPECT_GT(std::abs(n.dot(makeTilt().col(2))), 0.999);
+      }
+    }
+  }
+}
+
+TEST(Normals, AreUnitOnCloudsWithoutSurface) {
+  const std::vector<Points> clouds = {
+      {},
+      {{1, 2, 3}},
+      {{1, 2, 3}, {1, 2, 4}},
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+      Points(100, Vec3(1, 1, 1)),
+      {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {1e20, 1e20, 1e20}, {-1e20, 0, 0}},
+      {{1e-25, 0, 0}, {0, 1e-25, 0}, {0, 0, 0}, {1e-25, 1e-25, 0}},
+      {{1e6, 1e6, 1e6}, {1e6 + 1e-3, 1e6, 1e6}, {1e6, 1e6 + 1e-3, 1e6}, {1e6, 1e6, 1e6 + 1e-3}},
+  };
+  for (std::size_t c = 0; c < clouds.size(); ++c) {
+    Shape shape;
+    for (const Vec3& p : clouds[c]) shape.add(p, Vec3::UnitZ(), false);
+    for (const std::optional<Vec3>& viewpoint : {std::optional<Vec3>(), std::optional<Vec3>(Vec3(1, 2, 3))}) {
+      for (const Vec3& n : orient(shape, {}, viewpoint).normals) EXPECT_NEAR(1.0, n.norm(), 1e-12) << "cloud " << c;
+    }
+  }
+}
+
+TEST(OrientNormals, PointOutwardOnClosedSurfacesOfEveryGenus) {
+  Shape sphere;
+  addSphere(sphere, 2000, Vec3(3, 4, 5), 0.5);
+  const Oriented on_sphere = orient(sphere);
+  EXPECT_GT(findWorstCosine(sphere.normals, on_sphere.normals), 0.99);
+  EXPECT_EQ(OrientationRule::kOutward, on_sphere.rule);
+
+  const Shape torus = makeTorus(80, 28);
+  const Oriented on_torus = orient(torus);
+  EXPECT_GT(findWorstCosine(torus.normals, on_torus.normals), 0.95);
+  EXPECT_EQ(OrientationRule::kOutward, on_torus.rule);
+}
+
+TEST(OrientNormals, PointUpOnOpenSheets) {
+  Shape sheet;
+  addSheet(sheet, 25, makeTilt(), Vec3(0, 0, -7));
+  const Oriented result = orient(sheet);
+  EXPECT_GT(findWorstCosine(sheet.normals, result.normals), 0.999);
+  EXPECT_EQ(OrientationRule::kUp, result.rule);
+}
+
+TEST(OrientNormals, PointAlongYOnSheetsThatStandUpright) {
+  Shape sheet;
+  Mat3 upright;
+  upright.col(0) = Vec3(0.6, -0.8, 0.0);
+  upright.col(1) = Vec3::UnitZ();
+  upright.col(2) = Vec3(0.8, 0.6, 0.0);
+  upright.col(0) = upright.col(1).cross(upright.col(2));
+  addSheet(sheet, 15, upright, Vec3::Zero());
+  EXPECT_GT(findWorstCosine(sheet.normals, orient(sheet).normals), 0.999);
+}
+
+TEST(OrientNormals, PointTowardsTheViewpointOfOpenScans) {
+  Shape sheet;
+  addSheet(sheet, 25, Mat3::Identity(), Vec3::Zero());
+  const Oriented from_below = orient(sheet, {}, Vec3(0.5, 0.0, -2.0));
+  EXPECT_LT(from_below.normals[0].z(), -0.999);
+  EXPECT_LT(findWorstCosine(from_below.normals, sheet.normals), -0.999);
+  EXPECT_EQ(OrientationRule::kViewpoint, from_below.rule);
+}
+
+TEST(OrientNormals, FollowTheMajorityOfReferenceNormals) {
+  Shape sphere;
+  addSphere(sphere, 1000, Vec3::Zero(), 1.0);
+  Points reference(1000, Vec3::Zero());
+  for (Index i = 0; i < 1000; i += 10) reference[i] = -sphere.normals[i];
+  for (Index i = 0; i < 1000; i += 30) reference[i] = sphere.normals[i];  // a third of the votes is wrong
+  const Oriented result = orient(sphere, reference, Vec3(0, 0, 10));
+  for (Index i = 0; i < 1000; ++i) ASSERT_LT(result.normals[i].dot(sphere.normals[i]), -0.99);
+  EXPECT_EQ(OrientationRule::kInputNormals, result.rule);
+}
+
+TEST(OrientNormals, DecideEachComponentForItself) {
+  Shape two;
+  addSphere(two, 600, Vec3(0, 0, 0), 1.0);
+  addSheet(two, 20, makeTilt(), Vec3(0, 0, 8));
+  addSphere(two, 900, Vec3(9, 0, 0), 1.0);
+  const Oriented result = orient(two);
+  EXPECT_GT(findWorstCosine(two.normals, result.normals), 0.98);
+  EXPECT_EQ(OrientationRule::kOutward, result.rule);
+}
+
+TEST(OrientNormals, DoNotDependOnTheNumberOfThreads) {
+  const Shape torus = makeTorus(90, 40);
+  setNumThreads(1);
+  const Points one = orient(torus).normals;
+  setNumThreads(3);
+  const Points three = orient(torus).normals;
+  setNumThreads(0);
+  EXPECT_EQ(one, three);
+}
+
+TEST(Normals, RefuseArraysOfDifferentSizes) {
+  Shape sheet;
+  addSheet(sheet, 5, Mat3::Identity(), Vec3::Zero());
+  const Lists neighbors = nearestNeighbors(sheet.positions, 6);
+  EXPECT_THROW(estimateNormals(Points(24, Vec3::Zero()), neighbors), InputError);
+  EXPECT_THROW(orientNormals(sheet.positions, neighbors, {}, {}, {}, sheet.normals), InputError);
+  EXPECT_THROW(orientNormals(sheet.positions, neighbors, sheet.is_boundary, Points(3), {}, sheet.normals), InputError);
+}
+
+TEST(EstimateNormals, RefusePointsThatAreNotFinite) {
+  Points points = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}};
+  const Lists neighbors = nearestNeighbors(points, 2);
+  points[1].x() = std::nan("");
+  EXPECT_THROW(estimateNormals(points, neighbors), InputError);
+}
+
+}  // namespace
+}  // namespace deformable_surface::cloud

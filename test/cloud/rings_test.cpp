@@ -1,0 +1,297 @@
+// Connectivity of surfaces with known answers: rings of grids, areas, boundaries, corners, topology, inputs without a surface.
+#include "deformable_surface/cloud/rings.h"
+
+#include "cloud/test_surfaces.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <numeric>
+#include <tuple>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kNeighbors = 16;
+
+Rings build(const TestSurface& surface) {
+  return buildRings(surface.positions, surface.normals, nearestNeighbors(surface.positions, kNeighbors));
+}
+
+Boundary findBoundaryOf(const TestSurface& surface) {
+  return findBoundary(surface.positions, surface.normals, nearestNeighbors(surface.positions, 2 * kNeighbors), kNeighbors);
+}
+
+bool hasLink(const Rings& rings, Index i, Index j) { return std::count(rings.ring.begin(i), rings.ring.end(i), j) == 1; }
+
+double sumAreas(const Rings& rings) { return std::accumulate(rings.area.begin(), rings.area.end(), 0.0); }
+
+double sumTriangles(const TestSurface& surface, const Rings& rings) {
+  double sum = 0.0;
+  for (const Triangle& t : rings.triangles) {
+    const Vec3 &a = surface.positions[t.corner[0]], &b = surface.positions[t.corner[1]], &c = surface.positions[t.corner[2]];
+    sum += t.weight * 0.5 * (b - a).cross(c - a).norm();
+  }
+  return sum;
+}
+
+void expectSound(const TestSurface& surface, const Rings& rings) {
+  const Index n = surface.size();
+  ASSERT_EQ(rings.ring.size(), n);
+  ASSERT_EQ(static_cast<Index>(rings.open.size()), n);
+  ASSERT_EQ(static_cast<Index>(rings.area.size()), n);
+  Index isolated = 0;
+  for (Index i = 0; i < n; ++i) {
+    EXPECT_GE(rings.area[i], 0.0);
+    isolated += rings.ring.count(i) == 0;
+    for (const Index* j = rings.ring.begin(i); j != rings.ring.end(i); ++j) {
+      EXPECT_NE(*j, i);
+      EXPECT_TRUE(hasLink(rings, *j, i)) << i << " - " << *j;
+    }
+  }
+  EXPECT_EQ(rings.num_isolated, isolated);
+  for (std::size_t t = 0; t < rings.triangles.size(); ++t) {
+    const auto& [a, b, c] = rings.triangles[t].corner;
+    EXPECT_LT(a, std::min(b, c));
+    EXPECT_GT(rings.triangles[t].weight, 0.0);
+    EXPECT_GE(hasLink(rings, a, b) + hasLink(rings, b, c) + hasLink(rings, c, a), 2);  // the star that holds it has two
+    if (t == 0) continue;
+    const auto& [a0, b0, c0] = rings.triangles[t - 1].corner;
+    EXPECT_LT(std::tie(a0, b0, c0), std::tie(a, b, c));
+  }
+}
+
+TEST(Rings, GridHasBothDiagonalsEverywhereHoweverItIsTurned) {
+  const Index side = 12;
+  for (int turn = 0; turn < 8; ++turn) {
+    TestSurface sheet = makeSheet(side);
+    sheet.rotate(makeRotation(0.7 * turn, 0.31 * turn));
+    for (Vec3& p : sheet.positions) p = p.cast<float>().cast<double>();
+    const Rings rings = build(sheet);
+    expectSound(sheet, rings);
+    for (Index x = 0; x + 1 < side; ++x) {
+      for (Index y = 0; y + 1 < side; ++y) {
+        const Index corner = x * side + y;
+        ASSERT_TRUE(hasLink(rings, corner, corner + side + 1)) << "turn " << turn << ", square " << x << " " << y;
+        ASSERT_TRUE(hasLink(rings, corner + 1, corner + side)) << "turn " << turn << ", square " << x << " " << y;
+      }
+    }
+    for (Index i = 0; i < sheet.size(); ++i) {
+      const Index x = i / side, y = i % side;
+      const bool at_x = x == 0 || x == side - 1, at_y = y == 0 || y == side - 1;
+      ASSERT_EQ(rings.ring.count(i), at_x && at_y ? 3 : at_x || at_y ? 5 : 8);
+      ASSERT_EQ(rings.open[i] != 0, at_x || at_y);
+      const double cell = 1.0 / (side - 1) / (side - 1);
+      ASSERT_NEAR(rings.area[i], cell * (at_x ? 0.5 : 1.0) * (at_y ? 0.5 : 1.0), 1e-7);
+    }
+    ASSERT_EQ(rings.triangles.size(), 4u * (side - 1) * (side - 1));
+    for (const Triangle& t : rings.triangles) ASSERT_NEAR(t.weight, 0.5, 1e-12);
+  }
+}
+
+TEST(Rings, RingsTurnCounterClockwiseAboutTheNormal) {
+  const TestSurface sphere = makeSphere(600);
+  const Rings rings = build(sphere);
+  expectSound(sphere, rings);
+  for (Index i = 0; i < sphere.size(); ++i) {
+    EXPECT_FALSE(rings.open[i]);
+    const Vec3 &p = sphere.positions[i], &n = sphere.normals[i];
+    double turned = 0.0;
+    for (Index r = 0; r < rings.ring.count(i); ++r) {
+      const Vec3 a = sphere.positions[rings.ring.begin(i)[r]] - p;
+      const Vec3 b = sphere.positions[rings.ring.begin(i)[(r + 1) % rings.ring.count(i)]] - p;
+      EXPECT_GT(a.cross(b).dot(n), 0.0);
+      const Vec3 in_plane_a = a - a.dot(n) * n, in_plane_b = b - b.dot(n) * n;
+      turned += std::atan2(in_plane_a.cross(in_plane_b).dot(n), in_plane_a.dot(in_plane_b));
+    }
+    EXPECT_NEAR(turned, 2.0 * kPi, 1e-9);
+  }
+  for (const Triangle& t : rings.triangles) {
+    const Vec3 &a = sphere.positions[t.corner[0]], &b = sphere.positions[t.corner[1]], &c = sphere.positions[t.corner[2]];
+    EXPECT_GT((b - a).cross(c - a).dot(a + b + c), 0.0);
+  }
+}
+
+TEST(Rings, AreasOfASheetSumToItsArea) {
+  const TestSurface grid = makeSheet(20);
+  EXPECT_NEAR(sumAreas(build(grid)), 1.0, 1e-12);
+  EXPECT_NEAR(sumTriangles(grid, build(grid)), 1.0, 1e-12);
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    const TestSurface sheet = makeSheet(20, 0.2, seed);
+    const Rings rings = build(sheet);
+    expectSound(sheet, rings);
+    // Exact but for cells of five and more corners within the tolerance of a tie, on which the corners need not agree.
+    EXPECT_NEAR(sumAreas(rings), 1.0, 2e-4);
+    EXPECT_NEAR(sumTriangles(sheet, rings), sumAreas(rings), 1e-12);
+  }
+}
+
+TEST(Rings, AreasOfASphereConvergeWithTheSquareOfTheSpacing) {
+  // Tangent planes see projected areas, and near ties fall differently along the spiral: the error times n is bounded.
+  for (int n : {500, 2000, 8000}) {
+    const double error = 1.0 - sumAreas(build(makeSphere(n))) / (4.0 * kPi);
+    EXPECT_LT(std::abs(error) * n, 8.0) << n;
+  }
+}
+
+TEST(Rings, PointsTooFarToBeLinkedStaySeparate) {
+  TestSurface surface = makeSheet(10, 0.2);
+  const Index n = surface.size();
+  surface.add(Vec3(3.0, 0.5, 0.0), Vec3::UnitZ());
+  surface.append(makeSheet(3), Vec3(-4.0, 0.0, 0.0));
+  const Rings rings = build(surface);
+  expectSound(surface, rings);
+  EXPECT_EQ(rings.num_isolated, 1);
+  EXPECT_EQ(rings.ring.count(n), 0);
+  EXPECT_TRUE(rings.open[n]);
+  Index num_components = 0;
+  const std::vector<Index> label = labelComponents(rings, num_components);
+  EXPECT_EQ(num_components, 2);
+  EXPECT_EQ(label[0], 0);
+  EXPECT_EQ(label[n], -1);
+  EXPECT_EQ(label[n + 1], 1);
+  EXPECT_NEAR(sumAreas(rings), 2.0, 1e-3);
+}
+
+TEST(Rings, NeighborAlongTheNormalDoesNotSpoilTheRing) {
+  TestSurface surface = makeSheet(11);
+  const Index center = 5 * 11 + 5;
+  surface.add(surface.positions[center] + Vec3(1e-9, 0.0, 0.05), Vec3::UnitZ());
+  const Rings rings = build(surface);
+  expectSound(surface, rings);
+  EXPECT_EQ(rings.ring.count(center), 8);
+  EXPECT_NEAR(sumAreas(rings), 1.0, 0.03);
+}
+
+TEST(Rings, CloudsWithoutASurfaceGiveNoTrianglesOrAreSound) {
+  TestSurface line, pair, one, none, copies_apart;
+  for (int i = 0; i < 50; ++i) line.add(Vec3(0.1 * i, 0.0, 0.0), Vec3::UnitZ());
+  pair.add(Vec3::Zero(), Vec3::UnitZ());
+  one = pair;
+  pair.add(Vec3::UnitX(), Vec3::UnitZ());
+  for (const TestSurface* surface : {&line, &pair, &one, &none}) {
+    const Rings rings = build(*surface);
+    expectSound(*surface, rings);
+    EXPECT_TRUE(rings.triangles.empty());
+    EXPECT_EQ(sumAreas(rings), 0.0);
+  }
+  EXPECT_EQ(build(line).ring.count(25), 2);
+  EXPECT_EQ(build(one).num_isolated, 1);
+
+  TestSurface volume;
+  std::mt19937 random(5);
+  std::normal_distribution<double> normal;
+  for (int i = 0; i < 500; ++i) {
+    volume.add(Vec3(normal(random), normal(random), normal(random)), Vec3(normal(random), normal(random), normal(random)));
+  }
+  expectSound(volume, build(volume));
+  measureTopology(build(volume));
+}
+
+TEST(Rings, DoNotDependOnTheNumberOfThreads) {
+  const TestSurface sheet = makeSheet(60, 0.3);
+  setNumThreads(1);
+  const Rings one = build(sheet);
+  setNumThreads(3);
+  const Rings three = build(sheet);
+  setNumThreads(0);
+  EXPECT_EQ(one.ring.items, three.ring.items);
+  EXPECT_EQ(one.ring.offsets, three.ring.offsets);
+  EXPECT_EQ(one.area, three.area);
+  ASSERT_EQ(one.triangles.size(), three.triangles.size());
+  for (std::size_t t = 0; t < one.triangles.size(); ++t) {
+    EXPECT_TRUE(std::equal(one.triangles[t].corner, one.triangles[t].corner + 3, three.triangles[t].corner));
+    EXPECT_EQ(one.triangles[t].weight, three.triangles[t].weight);
+  }
+}
+
+TEST(Rings, ListsOfDifferentLengthAreRefused) {
+  TestSurface sheet = makeSheet(4);
+  const Lists neighbors = nearestNeighbors(sheet.positions, kNeighbors);
+  sheet.normals.pop_back();
+  EXPECT_THROW(buildRings(sheet.positions, sheet.normals, neighbors), InputError);
+  EXPECT_THROW(findBoundary(sheet.positions, sheet.normals, neighbors, 8), InputError);
+  sheet.normals.push_back(Vec3::UnitZ());
+  EXPECT_THROW(findBoundary(sheet.positions, sheet.normals, neighbors, 0), InputError);
+}
+
+TEST(Boundary, OfAJitteredSheetIsItsOutlineWithFourCorners) {
+  const Index side = 24;
+  for (double jitter : {0.0, 0.1, 0.3}) {
+    TestSurface sheet = makeSheet(side, jitter);
+    sheet.rotate(makeRotation(0.4, 0.9));
+    const Boundary boundary = findBoundaryOf(sheet);
+    for (Index i = 0; i < sheet.size(); ++i) {
+      const Index x = i / side, y = i % side;
+      const bool at_x = x == 0 || x == side - 1, at_y = y == 0 || y == side - 1;
+      EXPECT_EQ(boundary.is_boundary[i] != 0, at_x || at_y) << "jitter " << jitter << ", point " << x << " " << y;
+      EXPECT_EQ(boundary.is_corner[i] != 0, at_x && at_y) << "jitter " << jitter << ", point " << x << " " << y;
+    }
+  }
+}
+
+TEST(Boundary, OfADiscIsItsCircleWithoutCorners) {
+  const int rings = 12;
+  const TestSurface disc = makeDisc(rings);
+  const Boundary boundary = findBoundaryOf(disc);
+  for (Index i = 0; i < disc.size(); ++i) {
+    EXPECT_EQ(boundary.is_boundary[i] != 0, i >= disc.size() - 6 * rings) << i;
+    EXPECT_FALSE(boundary.is_corner[i]) << i;
+  }
+}
+
+TEST(Boundary, IsAbsentOnClosedSurfaces) {
+  for (const TestSurface& surface : {makeSphere(1000), makeTorus(60, 24, 0.2)}) {
+    const Boundary boundary = findBoundaryOf(surface);
+    EXPECT_EQ(std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1), 0);
+  }
+}
+
+TEST(Boundary, EndsOfAStringAreItsCorners) {
+  TestSurface line;
+  for (int i = 0; i < 100; ++i) line.add(Vec3(0.01 * i, 0.0, 0.0), Vec3::UnitY());
+  const Boundary boundary = findBoundaryOf(line);
+  for (Index i = 0; i < line.size(); ++i) EXPECT_EQ(boundary.is_corner[i] != 0, i == 0 || i == 99) << i;
+}
+
+void expectTopology(const TestSurface& surface, Index components, Index loops, Index euler_characteristic) {
+  const Topology topology = measureTopology(build(surface));
+  EXPECT_EQ(topology.components, components);
+  EXPECT_EQ(topology.boundary_loops, loops);
+  EXPECT_EQ(topology.euler_characteristic, euler_characteristic);
+}
+
+TEST(Topology, SheetHasOneLoop) {
+  expectTopology(makeSheet(15), 1, 1, 1);
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    TestSurface sheet = makeSheet(15, 0.25, seed);
+    sheet.rotate(makeRotation(0.3 * seed, 0.5 * seed));
+    expectTopology(sheet, 1, 1, 1);
+  }
+}
+
+TEST(Topology, SpheresAreClosed) {
+  for (int n : {100, 400, 1500}) expectTopology(makeSphere(n), 1, 0, 2);
+  TestSurface two = makeSphere(400);
+  two.append(makeSphere(300), Vec3(5.0, 0.0, 0.0));
+  expectTopology(two, 2, 0, 4);
+}
+
+TEST(Topology, TorusHasAHandle) {
+  expectTopology(makeTorus(60, 24, 0.0), 1, 0, 0);
+  expectTopology(makeTorus(60, 24, 0.2), 1, 0, 0);
+}
+
+TEST(Topology, SheetWithAHoleHasTwoLoops) {
+  TestSurface all = makeSheet(24, 0.2), rest;
+  for (Index i = 0; i < all.size(); ++i) {
+    if ((all.positions[i] - Vec3(0.5, 0.5, 0.0)).norm() > 0.2) rest.add(all.positions[i], all.normals[i]);
+  }
+  expectTopology(rest, 1, 2, 0);
+}
+
+}  // namespace
+}  // namespace deformable_surface::cloud

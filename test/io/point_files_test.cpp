@@ -1,0 +1,326 @@
+// Point files: every encoding in and out, what travels along, and that broken or lying files are refused with their name.
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/io/point_files.h"
+
+#include <gtest/gtest.h>
+#include <unistd.h>
+
+#include <cmath>
+#include <cstdlib>
+#include <cstring>
+#include <fstream>
+#include <sstream>
+
+using namespace deformable_surface;
+using namespace deformable_surface::io;
+using cloud::ExtraField;
+using cloud::PointCloud;
+using cloud::ScalarType;
+
+namespace {
+
+constexpr Index kMany = 1000000;
+
+/// A folder of its own for each test, removed at the end.
+class PointFiles : public testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = testing::TempDir() + "point_files_XXXXXX";
+    ASSERT_NE(mkdtemp(&folder_[0]), nullptr);
+  }
+  void TearDown() override {
+    for (const std::string& file : files_) std::remove(file.c_str());
+    rmdir(folder_.c_str());
+  }
+  std::string path(const std::string& name) {
+    files_.push_back(folder_ + "/" + name);
+    return files_.back();
+  }
+  std::string write(const std::string& name, const std::string& content) {
+    const std::string file = path(name);
+    std::ofstream(file, std::ios::binary) << content;
+    return file;
+  }
+  /// What reading a file of this content complains about.
+  std::string problem(const std::string& name, const std::string& content, Index max_points = kMany) {
+    const std::string file = write(name, content);
+    try {
+      readPointFile(file, 1.0, max_points);
+    } catch (const InputError& error) {
+      EXPECT_EQ(std::string(error.what()).compare(0, file.size(), file), 0) << error.what();
+      return error.what();
+    }
+    return "accepted";
+  }
+
+  std::string folder_;
+
+ private:
+  std::vector<std::string> files_;
+};
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+template <class T>
+ExtraField makeField(const std::string& name, ScalarType type, std::uint32_t count, const std::vector<T>& values) {
+  const auto* bytes = reinterpret_cast<const std::uint8_t*>(values.data());
+  return {name, type, count, {bytes, bytes + values.size() * sizeof(T)}};
+}
+
+PointCloud makeCloud() {
+  PointCloud cloud;
+  cloud.positions = {Vec3(0, 0.5, 1), Vec3(NAN, NAN, NAN), Vec3(-1.5, 2, 3), Vec3(4, 5, 6)};
+  cloud.normals = {Vec3(0, 0, 1), Vec3(NAN, NAN, NAN), Vec3(1, 0, 0), Vec3(0, 1, 0)};
+  cloud.extra_fields.push_back(makeField<float>("intensity", ScalarType::kFloat32, 1, {1, 2, 3, 4}));
+  cloud.extra_fields.push_back(makeField<std::uint32_t>("rgba", ScalarType::kUint32, 1, {0xff010203, 0x80102030, 0, 0x01ffffff}));
+  cloud.extra_fields.push_back(makeField<std::int16_t>("pair", ScalarType::kInt16, 2, {1, -1, 2, -2, 3, -3, 4, -4}));
+  cloud.width = cloud.height = 2;
+  return cloud;
+}
+
+const ExtraField* findField(const PointCloud& cloud, const std::string& name) {
+  for (const ExtraField& field : cloud.extra_fields) {
+    if (field.name == name) return &field;
+  }
+  return nullptr;
+}
+
+bool isSame(const Points& a, const Points& b) {
+  if (a.size() != b.size()) return false;
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (int c = 0; c < 3; ++c) {
+      if (!(a[i][c] == b[i][c] || (std::isnan(a[i][c]) && std::isnan(b[i][c])))) return false;
+    }
+  }
+  return true;
+}
+
+std::string makePcd(const std::string& points, const std::string& data, const std::string& body,
+                    const std::string& sizes = "4 4 4", const std::string& names = "x y z") {
+  return "VERSION 0.7\nFIELDS " + names + "\nSIZE " + sizes + "\nTYPE F F F\nCOUNT 1 1 1\nWIDTH " + points +
+         "\nHEIGHT 1\nVIEWPOINT 0 0 2 1 0 0 0\nPOINTS " + points + "\nDATA " + data + "\n" + body;
+}
+
+std::string makePly(const std::string& points, const std::string& properties, const std::string& body,
+                    const std::string& format = "ascii") {
+  return "ply\nformat " + format + " 1.0\ncomment made by a test\nelement vertex " + points + "\n" + properties + "end_header\n" +
+         body;
+}
+
+const char* const kXyz = "property float x\nproperty float y\nproperty float z\n";
+
+}  // namespace
+
+TEST_F(PointFiles, PcdKeepsAllThatItIsGiven) {
+  PointCloud cloud = makeCloud();
+  cloud.viewpoint = Vec3(0, 0, 2);
+  const std::string file = path("a.pcd");
+  writePointFile(file, cloud, {0.0f, NAN, 0.25f, 0.5f});
+  const PointCloud back = readPointFile(file, 1.0, kMany);
+  EXPECT_TRUE(isSame(back.positions, cloud.positions));
+  EXPECT_TRUE(isSame(back.normals, cloud.normals));
+  EXPECT_EQ(back.width, 2u);
+  EXPECT_EQ(back.height, 2u);
+  ASSERT_TRUE(back.viewpoint);
+  EXPECT_EQ(*back.viewpoint, Vec3(0, 0, 2));
+  ASSERT_EQ(back.extra_fields.size(), 4u);
+  EXPECT_EQ(back.extra_fields[0].name, "displacement");
+  for (std::size_t f = 0; f < 3; ++f) {
+    EXPECT_EQ(back.extra_fields[f + 1].name, cloud.extra_fields[f].name);
+    EXPECT_EQ(back.extra_fields[f + 1].type, cloud.extra_fields[f].type);
+    EXPECT_EQ(back.extra_fields[f + 1].count, cloud.extra_fields[f].count);
+    EXPECT_EQ(back.extra_fields[f + 1].bytes, cloud.extra_fields[f].bytes);
+  }
+}
+
+TEST_F(PointFiles, PlyKeepsPointsNormalsAndColours) {
+  const PointCloud cloud = makeCloud();
+  const std::string file = path("a.ply");
+  writePointFile(file, cloud, {0.0f, NAN, 0.25f, 0.5f});
+  const PointCloud back = readPointFile(file, 1.0, kMany);
+  EXPECT_TRUE(isSame(back.positions, cloud.positions));
+  EXPECT_TRUE(isSame(back.normals, cloud.normals));
+  ASSERT_TRUE(findField(back, "rgba"));
+  EXPECT_EQ(findField(back, "rgba")->bytes, cloud.extra_fields[1].bytes);
+  ASSERT_TRUE(findField(back, "pair_1"));
+  EXPECT_EQ(findField(back, "pair_1")->bytes, makeField<std::int16_t>("", ScalarType::kInt16, 1, {-1, -2, -3, -4}).bytes);
+  ASSERT_TRUE(findField(back, "displacement"));
+  float displacement = 0.0f;
+  std::memcpy(&displacement, &findField(back, "displacement")->bytes[2 * sizeof(float)], sizeof(float));
+  EXPECT_EQ(displacement, 0.25f);
+}
+
+TEST_F(PointFiles, WritingReplacesTheOldDisplacementAndLeavesNoPartialFile) {
+  PointCloud cloud = makeCloud();
+  cloud.extra_fields.push_back(makeField<float>("displacement", ScalarType::kFloat32, 1, {9, 9, 9, 9}));
+  const std::string file = path("a.pcd");
+  writePointFile(file, cloud, {1, 2, 3, 4});
+  const PointCloud back = readPointFile(file, 1.0, kMany);
+  EXPECT_EQ(findField(back, "displacement")->bytes, makeField<float>("", ScalarType::kFloat32, 1, {1, 2, 3, 4}).bytes);
+  EXPECT_FALSE(std::ifstream(file + ".partial").good());
+}
+
+TEST_F(PointFiles, FieldNamesCannotBreakAHeader) {
+  PointCloud cloud = makeCloud();
+  cloud.extra_fields[0].name = "a b\nelement face 9";
+  cloud.extra_fields[2].name = "x";
+  for (const char* name : {"a.pcd", "a.ply"}) {
+    const std::string file = path(name);
+    writePointFile(file, cloud);
+    const PointCloud back = readPointFile(file, 1.0, kMany);
+    EXPECT_TRUE(isSame(back.positions, cloud.positions));
+    EXPECT_TRUE(findField(back, "a_b_element_face_9")) << name;
+  }
+}
+
+TEST_F(PointFiles, ReadsAsciiPcdWithHolesScaleAndViewpoint) {
+  const std::string file = write("a.pcd", makePcd("2", "ascii", "1 2 3\nnan nan nan\n"));
+  const PointCloud cloud = readPointFile(file, 0.001, kMany);
+  EXPECT_TRUE(cloud.positions[0].isApprox(Vec3(0.001, 0.002, 0.003)));
+  EXPECT_TRUE(std::isnan(cloud.positions[1].x()));
+  ASSERT_TRUE(cloud.viewpoint);
+  EXPECT_EQ(*cloud.viewpoint, Vec3(0, 0, 0.002));
+}
+
+TEST_F(PointFiles, ReadsDoublesInFull) {
+  const double values[3] = {0.1, 1e6 + 1e-7, -1e-300};
+  const std::string body(reinterpret_cast<const char*>(values), sizeof(values));
+  const Vec3 expected(values[0], values[1], values[2]);
+  EXPECT_EQ(readPointFile(write("a.pcd", makePcd("1", "binary", body, "8 8 8")), 1.0, kMany).positions[0], expected);
+  const std::string properties = "property double x\nproperty double y\nproperty double z\n";
+  EXPECT_EQ(readPointFile(write("a.ply", makePly("1", properties, body, "binary_little_endian")), 1.0, kMany).positions[0],
+            expected);
+}
+
+TEST_F(PointFiles, LeavesOutTheFacesOfAMesh) {
+  const std::string text = "ply\nformat ascii 1.0\nelement vertex 3\n" + std::string(kXyz) +
+                           "element face 1\nproperty list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n";
+  EXPECT_EQ(readPointFile(write("a.ply", text), 1.0, kMany).size(), 3);
+}
+
+TEST_F(PointFiles, ReadsPlainTextWithAndWithoutNormals) {
+  const PointCloud plain = readPointFile(write("a.xyz", "# a comment\n1 2 3\n\n 4\t5 6\r\n"), 2.0, kMany);
+  ASSERT_EQ(plain.size(), 2);
+  EXPECT_EQ(plain.positions[1], Vec3(8, 10, 12));
+  EXPECT_TRUE(plain.normals.empty());
+  const PointCloud oriented = readPointFile(write("b.XYZ", "1 2 3 0 0 1 7.5"), 2.0, kMany);
+  EXPECT_EQ(oriented.normals[0], Vec3(0, 0, 1));
+  ASSERT_TRUE(findField(oriented, "column_7"));
+  EXPECT_EQ(findField(oriented, "column_7")->bytes, makeField<double>("", ScalarType::kFloat64, 1, {7.5}).bytes);
+  EXPECT_TRUE(readPointFile(write("c.xyz", "1 2 3 0 0 0\n"), 1.0, kMany).normals.empty());
+}
+
+TEST_F(PointFiles, RefusesBrokenPlainText) {
+  EXPECT_TRUE(contains(problem("a.xyz", "1 2\n"), "line 1: found 2 numbers"));
+  EXPECT_TRUE(contains(problem("a.xyz", "1 2 3\n1 2 3 4 5 6\n"), "line 2: found 6 numbers; accepted: 3"));
+  EXPECT_TRUE(contains(problem("a.xyz", "1 2 3\n1 2 x\n"), "line 2: found 'x"));
+  EXPECT_TRUE(contains(problem("a.xyz", "# nothing\n"), "no points"));
+  EXPECT_TRUE(contains(problem("a.xyz", "1 2 3\n1 2 3\n1 2 3\n", 2), "at most 2"));
+}
+
+TEST_F(PointFiles, RefusesHeadersThatPromiseMoreThanTheFileHolds) {
+  for (const char* count : {"4000000000", "1000000000000", "99999999999999999999", "-1", "1e3", "x"}) {
+    for (const char* data : {"ascii", "binary", "binary_compressed"}) {
+      EXPECT_NE(problem("a.pcd", makePcd(count, data, "1 2 3\n")), "accepted") << count << " " << data;
+    }
+    EXPECT_NE(problem("a.ply", makePly(count, kXyz, "1 2 3\n")), "accepted") << count;
+  }
+  // Within the number of points that is accepted, but not in the file.
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("900000", "ascii", "1 2 3\n")), "need at least"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("2", "binary", std::string(23, 'a'))), "need at least 24"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, std::string(23, 'a'), "binary_little_endian")), "need at least 24"));
+  EXPECT_TRUE(
+      contains(problem("a.pcd", makePcd("2", "binary_compressed", std::string("\x05\0\0\0\x18\0\0\0abc", 11))), "compressed"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("2", "binary_compressed", "abc")), "compressed"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("3", "ascii", "1 2 3\n1 2 3\n1 2 3\n"), 2), "at most 2"));
+}
+
+TEST_F(PointFiles, RefusesShortAsciiBodies) {
+  EXPECT_NE(problem("a.pcd", makePcd("3", "ascii", "1.25 2.25 3.25\n1.25 2.25 3.25\n")), "accepted");
+  EXPECT_NE(problem("a.ply", makePly("3", kXyz, "1.25 2.25 3.25\n1.25 2.25 3.25\n")), "accepted");
+}
+
+TEST_F(PointFiles, RefusesFilesWithoutUsablePositions) {
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("1", "ascii", "1 2 3\n", "4 4 4", "x y intensity")), "no x, y, z"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", "property float x\nproperty float y\n", "1 2\n")), "no x, y, z"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("0", "ascii", "")), "no points"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("1", "ascii", "1 2 3\n", "4 4")), "different lengths"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("1", "ascii", "1 2 3\n", "4 4 3")), "'F3'"));
+  EXPECT_TRUE(contains(problem("a.pcd", makePcd("1", "zip", "1 2 3\n")), "'zip'"));
+  EXPECT_TRUE(contains(problem("a.pcd", "hello\n"), "'DATA'"));
+  EXPECT_TRUE(contains(problem("a.pcd", ""), "no bytes"));
+  EXPECT_TRUE(contains(problem("a.obj", "v 1 2 3"), "'.obj'; accepted: .pcd, .ply, .xyz"));
+}
+
+TEST_F(PointFiles, RefusesPlyHeadersThatPclWouldTrust) {
+  const std::string xyz = kXyz;
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", xyz + "property list uchar int a\n", "1 2 3 1 1\n")), "a list"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", "property uchar blue\n" + xyz, "1 1 2 3\n")), "out of its place"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", "property uchar alpha\n" + xyz, "1 1 2 3\n")), "out of its place"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", "property uchar red\n" + xyz, "1 1 2 3\n")), "incomplete colour"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", xyz + xyz, "1 2 3 1 2 3\n")), "twice"));
+  EXPECT_TRUE(contains(problem("a.ply", "ply\nformat ascii 1.0\nobj_info num_cols 1\nelement vertex 9\n" + xyz + "end_header\n"),
+                       "range grid"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", xyz + "element vertex 2\n" + xyz, "1 2 3\n")), "'vertex'"));
+  EXPECT_TRUE(contains(problem("a.ply", makePly("1", xyz + "element face 999999\nproperty list uchar int a\n", "1 2 3\n")),
+                       "than bytes"));
+  EXPECT_TRUE(contains(problem("a.ply", "plz\nend_header\n"), "first line"));
+}
+
+TEST_F(PointFiles, EveryCutOfAFileIsRefusedOrWhole) {
+  const PointCloud cloud = makeCloud();
+  for (const char* name : {"a.pcd", "a.ply"}) {
+    const std::string file = path(name);
+    writePointFile(file, cloud);
+    std::ostringstream text;
+    text << std::ifstream(file, std::ios::binary).rdbuf();
+    for (std::size_t size = 0; size < text.str().size(); size += 3) {
+      EXPECT_NE(problem(std::string("cut_") + name, text.str().substr(0, size)), "accepted") << size;
+    }
+  }
+}
+
+TEST_F(PointFiles, ResolvesPackages) {
+  write("a.xyz", "1 2 3\n");
+  const FindPackage find = [&](const std::string& package) {
+    if (package != "here") throw InputError("no package " + package);
+    return folder_;
+  };
+  EXPECT_EQ(readPointFile("package://here/a.xyz", 1.0, kMany, find).size(), 1);
+  EXPECT_THROW(readPointFile("package://there/a.xyz", 1.0, kMany, find), InputError);
+  EXPECT_THROW(readPointFile("package://here/a.xyz", 1.0, kMany), InputError);
+  EXPECT_THROW(readPointFile("package://here", 1.0, kMany, find), InputError);
+  EXPECT_THROW(readPointFile(folder_ + "/missing.pcd", 1.0, kMany), InputError);
+  EXPECT_THROW(readPointFile(folder_ + "/missing.xyz", 1.0, kMany), InputError);
+}
+
+TEST_F(PointFiles, RefusesPlacesThatCannotBeWritten) {
+  EXPECT_THROW(writePointFile(folder_ + "/a.xyz", makeCloud()), InputError);
+  EXPECT_THROW(writePointFile(folder_ + "/none/a.ply", makeCloud()), InputError);
+  EXPECT_THROW(checkPointFileName("a.stl"), InputError);
+  EXPECT_NO_THROW(checkPointFileName("a.PLY"));
+}
+
+TEST(PointFilesOfTheWorld, ReadsRealScans) {
+  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
+  const std::string folder = given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data";
+  if (!std::ifstream(folder + "/INDEX.md")) GTEST_SKIP() << "no real data: set DEFORMABLE_SURFACE_DATA to its folder";
+  struct Scan {
+    const char* file;
+    Index points;
+    bool has_normals;
+    const char* extra;
+  };
+  for (const Scan& scan :
+       {Scan{"pcl_scans/bun0.pcd", 397, true, "curvature"}, Scan{"pcl_scans/five_people.pcd", 307200, false, "rgba"},
+        Scan{"ros_package_scans/maze.ply", 25809, true, "scalar_curvature"},
+        Scan{"ros_package_scans/part_scan.ply", 3627, false, "rgba"},
+        Scan{"ros_package_scans/wavy_mesh_with_hole.ply", 757, true, "rgba"}, Scan{"cgal_points/kitten.xyz", 5210, true, ""}}) {
+    const PointCloud cloud = readPointFile(folder + "/" + scan.file, 1.0, kMany);
+    EXPECT_EQ(cloud.size(), scan.points) << scan.file;
+    EXPECT_EQ(!cloud.normals.empty(), scan.has_normals) << scan.file;
+    EXPECT_TRUE(!*scan.extra || findField(cloud, scan.extra)) << scan.file;
+    EXPECT_EQ(std::uint64_t{cloud.width} * cloud.height, static_cast<std::uint64_t>(cloud.size())) << scan.file;
+  }
+}

@@ -1,0 +1,313 @@
+// Scene files: what is read, what is refused and with which words, overriding, printing, and the page of parameters.
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/io/scene.h"
+
+#include <gtest/gtest.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <fstream>
+#include <sstream>
+
+using namespace deformable_surface;
+using namespace deformable_surface::io;
+using simulation::SceneParams;
+
+namespace {
+
+SceneParams read(const std::string& text) { return readScene(parseYaml(text, "test.yaml")); }
+
+std::vector<std::string> problemsOf(const std::string& text) {
+  try {
+    read(text);
+  } catch (const InputError& error) {
+    return error.problems();
+  }
+  return {};
+}
+
+/// The only problem of a scene with a model and this text.
+std::string problemOf(const std::string& text) {
+  const std::vector<std::string> problems = problemsOf("model: mass_spring\n" + text);
+  if (problems.empty()) return "accepted";
+  return problems.size() == 1 ? problems[0] : problems[0] + " (and more)";
+}
+
+bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
+
+// Every section of the contract's scene that is built.
+const char* const kFullScene = R"(
+model: mass_spring
+frame_id: ""
+cloud: {shape: two_bars, points: 1000, size: [1.0, 0.2], gap: 0.015, jitter: 0.1, seed: 3, scale: 1.0}
+material:
+  young_modulus: 1e5
+  poisson_ratio: 0.25
+  thickness: 0.002
+  bending_rigidity: 1.5e-3
+  density: 900
+  damping: 0.5
+  spring_damping: 0.001
+neighbors: {k: 12, geodesicness: 1, radius: auto}
+simplification: {method: none, target_points: 0, threshold: 0.1}
+mass_spring: {membrane: triangles, bending: none, volume_stiffness: 10.0}
+oriented_particles: {}
+elastic_solid:
+integrator: {type: implicit, time_step: 0.005}
+accuracy: {position_error: 0.0, step_budget: 0.0}
+gravity: [0, 0, -1.6]
+gravity_frame: map
+viscous_drag: 0.1
+pressure: 2.0
+pins: [{box: {min: [0, -1, -1], max: [0.1, 1, 1]}, orientation: false}, {sphere: {center: [0, 0, 0], radius: 0.1}}]
+anchors: [{point: [1, 0, 0], target: [2, 0, 0], stiffness: 5}]
+forces: [{id: pull, point: [1, 0, 0], force: [0, 0, 2], radius: 0.05, start: 0.0, end: 1.0},
+         {id: push, point: [1, 0, 0], force: [0, 0, 2]}]
+force: {radius: 0.02, timeout: 1.0}
+tools: []
+duration: 1.0
+threads: 2
+output: {normals: false, resample: true, publish_rate: 10}
+input: {policy: ignore, max_points: 1000}
+save_directory: "/var/lib/clouds"
+diagnostics: false
+expect: {max_displacement: [0.01, 0.02], kinetic_energy: [-.inf, 1e3]}
+)";
+
+}  // namespace
+
+TEST(ReadScene, ReadsEveryField) {
+  const SceneParams p = read(kFullScene);
+  EXPECT_EQ(p.cloud.shape, simulation::CloudParams::Shape::kTwoBars);
+  EXPECT_EQ(p.cloud.size.y(), 0.2);
+  EXPECT_EQ(p.material.young_modulus, 1e5);
+  EXPECT_EQ(p.material.bending_rigidity.valueOr(0.0), 1.5e-3);
+  EXPECT_EQ(p.neighbors.k, 12);
+  EXPECT_EQ(p.simplification.method, cloud::SimplificationMethod::kNone);
+  EXPECT_EQ(p.mass_spring.bending, model::Bending::kNone);
+  EXPECT_EQ(p.integrator.type, solve::IntegratorType::kImplicit);
+  EXPECT_EQ(p.gravity.z(), -1.6);
+  ASSERT_EQ(p.pins.size(), 2u);
+  EXPECT_EQ(p.pins[0].region.kind, geometry::Region::Kind::kBox);
+  EXPECT_EQ(p.pins[1].region.kind, geometry::Region::Kind::kSphere);
+  EXPECT_EQ(p.pins[1].region.radius, 0.1);
+  EXPECT_EQ(p.anchors[0].stiffness, 5.0);
+  ASSERT_EQ(p.forces.size(), 2u);
+  EXPECT_EQ(p.forces[0].end, 1.0);
+  EXPECT_EQ(p.force.timeout, 1.0);
+  EXPECT_FALSE(p.output.normals);
+  EXPECT_EQ(p.input.policy, simulation::InputPolicy::kIgnore);
+  EXPECT_EQ(p.save_directory, "/var/lib/clouds");
+  ASSERT_EQ(p.expect.size(), 2u);
+  EXPECT_EQ(p.expect[0].quantity, "max_displacement");
+  EXPECT_EQ(p.expect[0].max, 0.02);
+}
+
+TEST(ReadScene, AcceptsWhatItPrints) {
+  for (const SceneParams& params : {SceneParams(), read(kFullScene)}) {
+    const std::string text = printScene(params);
+    EXPECT_EQ(printScene(read(text)), text);
+  }
+  // Printing hides nothing: another value gives another text.
+  SceneParams changed = read(kFullScene);
+  changed.forces[1].start = 0.1 + 0.2;
+  EXPECT_NE(printScene(changed), printScene(read(kFullScene)));
+  EXPECT_EQ(read(printScene(changed)).forces[1].start, 0.1 + 0.2);
+}
+
+TEST(ReadScene, NeedsAModelAndNothingElse) {
+  ASSERT_EQ(problemsOf("duration: 1").size(), 1u);
+  EXPECT_EQ(problemsOf("duration: 1")[0], "model: missing; accepted: mass_spring");
+  EXPECT_EQ(problemOf(""), "accepted");
+}
+
+TEST(ReadScene, NamesTheNearestKnownKey) {
+  EXPECT_EQ(problemOf("material: {yung_modulus: 1}"),
+            "material.yung_modulus: unknown key; the nearest known one is material.young_modulus");
+  EXPECT_EQ(problemOf("young_modulus: 1"), "young_modulus: unknown key; the nearest known one is material.young_modulus");
+  EXPECT_EQ(problemOf("forces: [{id: a, pont: [0, 0, 0], point: [0, 0, 0], force: [0, 0, 0]}]"),
+            "forces[0].pont: unknown key; the nearest known one is forces[].point");
+  EXPECT_EQ(problemOf("expect: {max_displacment: [0, 1]}"),
+            "expect.max_displacment: unknown quantity; the nearest known one is max_displacement");
+}
+
+TEST(ReadScene, CollectsAllProblems) {
+  EXPECT_EQ(problemsOf("model: cloth\nduration: -1\nmaterial: {density: heavy}\nintegrator: {typ: verlet}").size(), 4u);
+}
+
+TEST(ReadScene, RefusesTheOutsideOfEveryRange) {
+  // Numbers for which no field of this kind has a use: beyond every upper end, not finite, or not a number.
+  const std::vector<std::string> numbers = {"cloud: {radius: X}",
+                                            "cloud: {gap: X}",
+                                            "cloud: {scale: X}",
+                                            "cloud: {jitter: X}",
+                                            "cloud: {points: X}",
+                                            "cloud: {seed: X}",
+                                            "cloud: {size: [1, X]}",
+                                            "material: {young_modulus: X}",
+                                            "material: {poisson_ratio: X}",
+                                            "material: {thickness: X}",
+                                            "material: {bending_rigidity: X}",
+                                            "material: {density: X}",
+                                            "material: {damping: X}",
+                                            "material: {spring_damping: X}",
+                                            "neighbors: {k: X}",
+                                            "simplification: {target_points: X}",
+                                            "simplification: {threshold: X}",
+                                            "mass_spring: {volume_stiffness: X}",
+                                            "mass_spring: {bending_spring_ratio: X}",
+                                            "integrator: {time_step: X}",
+                                            "integrator: {max_substeps: X}",
+                                            "integrator: {tolerance: X}",
+                                            "integrator: {max_iterations: X}",
+                                            "viscous_drag: X",
+                                            "pressure: X",
+                                            "gravity: [0, X, 0]",
+                                            "force: {radius: X}",
+                                            "force: {timeout: X}",
+                                            "duration: X",
+                                            "threads: X",
+                                            "output: {publish_rate: X}",
+                                            "input: {max_points: X}",
+                                            "anchors: [{point: [0, 0, 0], target: [0, 0, 0], stiffness: X}]",
+                                            "pins: [{sphere: {center: [0, 0, 0], radius: X}}]",
+                                            "forces: [{id: a, point: [0, 0, 0], force: [0, 0, X]}]",
+                                            "forces: [{id: a, point: [0, 0, X], force: [0, 0, 0]}]"};
+  for (const std::string& number : numbers) {
+    const std::size_t place = number.find('X');
+    for (const char* bad : {"1e308", "-1e308", ".nan", ".inf", "-.inf", "much", "[]", "{}", "true", "~"}) {
+      const std::string text = number.substr(0, place) + bad + number.substr(place + 1);
+      EXPECT_TRUE(contains(problemOf(text), "; accepted: ")) << text << ": " << problemOf(text);
+    }
+    // Where a field must be positive it must be so beyond rounding.
+    if (contains(number, "modulus") || contains(number, "density") || contains(number, "thickness") ||
+        contains(number, "time_step") || contains(number, "threshold") || contains(number, "tolerance") ||
+        contains(number, "duration") || contains(number, "scale")) {
+      for (const char* bad : {"0", "-1", "1e-310"}) {
+        const std::string text = number.substr(0, place) + bad + number.substr(place + 1);
+        EXPECT_NE(problemOf(text), "accepted") << text;
+      }
+    }
+  }
+}
+
+TEST(ReadScene, RefusesWrongKinds) {
+  EXPECT_EQ(problemOf("material: [1]"), "material: found a list of 1; accepted: a map");
+  EXPECT_EQ(problemOf("pins: {}"), "pins: found an empty map; accepted: a list of maps");
+  EXPECT_EQ(problemOf("gravity: [0, 0]"), "gravity: found a list of 2; accepted: a list of 3 numbers, each -1e6 to 1e6 (m/s^2)");
+  EXPECT_EQ(problemOf("diagnostics: yes"), "diagnostics: found the text 'yes'; accepted: true or false");
+  EXPECT_EQ(problemOf("frame_id: 5"), "frame_id: found 5; accepted: text (in quotes if it looks like something else)");
+  EXPECT_EQ(problemOf("threads: 1.5"), "threads: found 1.5; accepted: an integer, 0 to 1024");
+  EXPECT_EQ(problemOf("integrator: {type: rk4}"),
+            "integrator.type: found the text 'rk4'; accepted: auto, verlet, symplectic_euler, explicit_euler, implicit, static");
+}
+
+TEST(ReadScene, SaysWhatIsNotBuiltYet) {
+  for (const char* text : {"oriented_particles: {spin: 1.0}", "elastic_solid: {fill: true}", "tools: [{id: ball}]",
+                           "neighbors: {geodesicness: 2}", "neighbors: {radius: 0.1}", "accuracy: {position_error: 0.1}",
+                           "accuracy: {step_budget: 0.1}", "input: {policy: track}"}) {
+    EXPECT_TRUE(contains(problemOf(text), "not built yet; accepted: ")) << text << ": " << problemOf(text);
+  }
+  EXPECT_TRUE(contains(problemsOf("model: elastic_solid")[0], "not built yet; accepted: mass_spring"));
+  EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "no orientation"));
+}
+
+TEST(ReadScene, HoldsRulesAmongFields) {
+  EXPECT_EQ(problemOf("mass_spring: {membrane: springs}\nmaterial: {poisson_ratio: 0.333}"), "accepted");
+  EXPECT_TRUE(contains(problemOf("mass_spring: {membrane: springs}\nmaterial: {poisson_ratio: 0.3}"), "by construction"));
+  EXPECT_EQ(problemOf("pins: [{}]"), "pins[0]: found neither of box and sphere; accepted: one");
+  EXPECT_EQ(problemOf("pins: [{box: {min: [0, 0, 0], max: [0, 0, 0]}, sphere: {center: [0, 0, 0], radius: 1}}]"),
+            "pins[0]: found both of box and sphere; accepted: one");
+  EXPECT_EQ(problemOf("pins: [{box: {min: [0, 1, 0], max: [0, 0, 0]}}]"),
+            "pins[0].box: found min above max; accepted: min <= max in x, y and z");
+  EXPECT_TRUE(contains(problemOf("pins: [{box: {min: [0, 0, 0]}}]"), "pins[0].box.max: missing"));
+  EXPECT_TRUE(contains(problemOf("forces: [{id: a, point: [0, 0, 0], force: [0, 0, 0], start: 2, end: 1}]"), "forces[0].end"));
+  EXPECT_TRUE(contains(problemOf("forces: [{id: '', point: [0, 0, 0], force: [0, 0, 0]}]"), "forces[0].id"));
+  EXPECT_TRUE(
+      contains(problemOf("forces: [{id: a, point: [0, 0, 0], force: [0, 0, 0]}, {id: a, point: [0, 0, 0], force: [0, 0, 0]}]"),
+               "forces[1].id: found 'a' a second time"));
+  EXPECT_TRUE(contains(problemOf("cloud: {file: a.pcd, shape: sheet}"), "cloud.shape"));
+  EXPECT_TRUE(contains(problemOf("simplification: {target_points: 2}"), "at least 3"));
+  EXPECT_TRUE(contains(problemOf("expect: {max_speed: [2, 1]}"), "expect.max_speed: found [2, 1]"));
+}
+
+TEST(ParseYaml, RefusesWhatIsNoPlainMap) {
+  const auto problem = [](const std::string& text) { return problemsOf(text).empty() ? "accepted" : problemsOf(text)[0]; };
+  EXPECT_TRUE(contains(problem("a: [1, 2"), "test.yaml, line 1, column "));
+  EXPECT_TRUE(contains(problem("- 1"), "a list of 1; accepted: a map"));
+  EXPECT_TRUE(contains(problem(""), "nothing; accepted: a map"));
+  EXPECT_TRUE(contains(problem("a: 1\n---\nb: 1"), "several YAML documents"));
+  EXPECT_TRUE(contains(problem("a: &x [1]\nb: *x"), "line 2, column 4: found an alias"));
+  EXPECT_TRUE(contains(problem("a: !degrees 90"), "the tag '!degrees'"));
+  EXPECT_TRUE(contains(problem("a: 1\na: 2"), "the key 'a' twice"));
+  EXPECT_TRUE(contains(problem("[1]: 2"), "not a word"));
+  EXPECT_TRUE(contains(problem(std::string("a: \0", 4)), "zero byte"));
+  EXPECT_TRUE(contains(problem("a: " + std::string(100, '[') + std::string(100, ']')), "levels of nesting"));
+  // Far deeper than the stack could take.
+  EXPECT_FALSE(problemsOf("a: " + std::string(200000, '[') + std::string(200000, ']')).empty());
+  EXPECT_FALSE(problemsOf("a: " + std::string(200000, '{')).empty());
+}
+
+TEST(ParseYaml, KeepsQuotedNumbersAsText) {
+  const Value value = parseYaml("a: '1'\nb: 1\nc: \"true\"", "test");
+  EXPECT_TRUE(value.find("a")->asText());
+  EXPECT_TRUE(value.find("b")->asInteger());
+  EXPECT_TRUE(value.find("c")->asText());
+}
+
+TEST(LoadYamlFile, NamesTheFileThatCannotBeRead) {
+  for (const char* path : {"/no/such/scene.yaml", "/"}) {
+    try {
+      loadYamlFile(path);
+      FAIL() << path;
+    } catch (const InputError& error) {
+      EXPECT_TRUE(contains(error.what(), path)) << error.what();
+    }
+  }
+}
+
+TEST(SetByPath, OverridesAndAdds) {
+  Value scene = parseYaml(kFullScene, "test.yaml");
+  setByPath(scene, "integrator.time_step=2e-3");
+  setByPath(scene, "forces.1.force=[1, 2, 3]");
+  setByPath(scene, "frame_id=map");
+  setByPath(scene, "save_directory=");
+  const SceneParams params = readScene(scene);
+  EXPECT_EQ(params.integrator.time_step, 2e-3);
+  EXPECT_EQ(params.forces[1].force, Vec3(1, 2, 3));
+  EXPECT_EQ(params.frame_id, "map");
+  EXPECT_EQ(params.save_directory, "");
+
+  Value empty = parseYaml("model: mass_spring", "test.yaml");
+  setByPath(empty, "material.density=500");
+  EXPECT_EQ(readScene(empty).material.density, 500.0);
+  setByPath(empty, "materal.density=500");
+  EXPECT_THROW(readScene(empty), InputError);
+}
+
+TEST(SetByPath, RefusesWhatIsNoAssignment) {
+  Value scene = parseYaml(kFullScene, "test.yaml");
+  for (const char* text :
+       {"", "duration", "=1", "a..b=1", "forces.2.id=x", "forces.x.id=y", "duration.x=1", "duration=[1", "duration=*a"}) {
+    EXPECT_THROW(setByPath(scene, text), InputError) << text;
+  }
+}
+
+TEST(CheckForSimulate, NeedsACloudAndWholeSteps) {
+  SceneParams params = read("{model: mass_spring, cloud: {shape: sheet}, duration: 0.3, integrator: {time_step: 0.1}}");
+  EXPECT_NO_THROW(checkForSimulate(params));
+  params.duration = 0.25;
+  EXPECT_THROW(checkForSimulate(params), InputError);
+  params.duration = 0.01;
+  EXPECT_THROW(checkForSimulate(params), InputError);
+  params.duration = 0.3;
+  params.cloud.shape = simulation::CloudParams::Shape::kNone;
+  EXPECT_THROW(checkForSimulate(params), InputError);
+}
+
+TEST(ParametersPage, IsWhatTheRepositoryHolds) {
+  std::ifstream file(DEFORMABLE_SURFACE_SOURCE_DIR "/docs/parameters.md");
+  std::ostringstream text;
+  text << file.rdbuf();
+  EXPECT_EQ(text.str(), parametersPage()) << "make it anew with: parameters_page > docs/parameters.md";
+}

@@ -1,0 +1,230 @@
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "model_checks.h"
+
+#include <Eigen/Eigenvalues>
+
+namespace deformable_surface::test {
+namespace {
+
+using model::Bending;
+using model::MassSpring;
+using model::MassSpringParams;
+using model::MaterialParams;
+using model::Membrane;
+
+struct Variant {
+  const char* name;
+  MassSpringParams params;
+  bool sphere;
+};
+
+MassSpringParams choose(Membrane membrane, Bending bending, double volume = 0.0) {
+  MassSpringParams p;
+  p.membrane = membrane;
+  p.bending = bending;
+  p.volume_stiffness = volume;
+  return p;
+}
+
+const Variant kVariants[] = {
+    {"SpringsAlone", choose(Membrane::kSprings, Bending::kNone), false},
+    {"SpringsAsPublished", choose(Membrane::kSprings, Bending::kSprings), false},
+    {"SpringsAndCurvature", choose(Membrane::kSprings, Bending::kCurvature), true},
+    {"TrianglesAlone", choose(Membrane::kTriangles, Bending::kNone), false},
+    {"TrianglesAndCurvature", choose(Membrane::kTriangles, Bending::kCurvature), false},
+    {"TrianglesAndCurvatureOnSphere", choose(Membrane::kTriangles, Bending::kCurvature), true},
+    {"TrianglesAndBendingSprings", choose(Membrane::kTriangles, Bending::kSprings), true},
+    {"TrianglesAndVolume", choose(Membrane::kTriangles, Bending::kNone, 1e4), true},
+};
+
+class MassSpringVariants : public testing::TestWithParam<Variant> {
+ protected:
+  static constexpr double kLength = 0.1;  // spacing
+
+  MassSpringVariants() : surface(GetParam().sphere ? makeSphere(120, 0.3) : makeSheet(9, 8, 0.8, 0.7, 0.3)) {
+    material.thickness = 0.02;  // thick, so that bending and membrane are of one size
+    material.spring_damping = 1e-3;
+    material.poisson_ratio = GetParam().params.membrane == Membrane::kSprings ? 1.0 / 3.0 : 0.2;
+    mass_spring = std::make_unique<MassSpring>(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material, GetParam().params);
+  }
+  double forceScale() const { return material.young_modulus * material.thickness * kLength; }
+
+  Surface surface;
+  MaterialParams material;
+  std::unique_ptr<MassSpring> mass_spring;
+};
+
+TEST_P(MassSpringVariants, RestIsAtRest) { checkRestIsAtRest(*mass_spring, surface.points, forceScale()); }
+
+TEST_P(MassSpringVariants, MomentumIsKept) {
+  checkMomentumIsKept(*mass_spring, stateAt(perturb(surface.points, 0.3 * kLength)));
+}
+
+TEST_P(MassSpringVariants, RigidMotionIsNotNoticed) {
+  checkRigidMotionIsNotNoticed(*mass_spring, perturb(surface.points, 0.3 * kLength));
+}
+
+TEST_P(MassSpringVariants, ForcesAreMinusTheGradientOfTheEnergy) {
+  checkForcesAreMinusTheGradient(*mass_spring, perturb(surface.points, 0.2 * kLength), kLength);
+}
+
+TEST_P(MassSpringVariants, StiffnessAtRestIsTheDerivativeOfTheForces) {
+  if (GetParam().params.volume_stiffness > 0.0) GTEST_SKIP() << "the volume's full matrix is left out by design";
+  checkStiffnessAtRestIsTheDerivative(*mass_spring, surface.points, kLength);
+}
+
+TEST_P(MassSpringVariants, StiffnessIsPositiveAlsoFarFromRest) {
+  checkStiffnessIsPositive(*mass_spring, perturb(surface.points, 0.6 * kLength));
+}
+
+TEST_P(MassSpringVariants, RowBoundsHold) { checkRowBoundsHold(*mass_spring, surface.points); }
+
+TEST_P(MassSpringVariants, MassesSumToTheSurfaces) {
+  double sum = 0.0;
+  for (double m : mass_spring->masses()) {
+    EXPECT_GT(m, 0.0);
+    sum += m;
+  }
+  EXPECT_NEAR(sum, material.arealDensity() * surface.area, 1e-12 * sum);
+}
+
+TEST_P(MassSpringVariants, CollapsedSurfacesGiveFiniteForces) {
+  const Index n = static_cast<Index>(surface.points.size());
+  Points line = surface.points, plane = surface.points;
+  for (Vec3& p : line) p = Vec3(p.x(), 0.0, 0.0);
+  for (Vec3& p : plane) p.z() = -p.z();
+  for (const Points& collapsed : {Points(n, Vec3(1.0, 2.0, 3.0)), line, plane}) {
+    for (const Vec3& f : forcesAt(*mass_spring, stateAt(collapsed))) ASSERT_TRUE(f.allFinite());
+    EXPECT_TRUE(std::isfinite(mass_spring->elasticEnergy(stateAt(collapsed))));
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(All, MassSpringVariants, testing::ValuesIn(kVariants),
+                         [](const testing::TestParamInfo<Variant>& info) { return info.param.name; });
+
+// Energy of a homogeneous strain of a patch over that of the material, per unit area.
+double energyRatio(const MassSpring& m, const Surface& s, const Mat2& strain, const MaterialParams& material) {
+  Points strained = s.points;
+  for (Vec3& p : strained) p.head<2>() += strain * p.head<2>();
+  const double Eh = material.young_modulus * material.thickness, nu = material.poisson_ratio;
+  const double trace = strain.trace();
+  const double density = Eh / (2.0 * (1.0 + nu)) * strain.squaredNorm() + 0.5 * Eh * nu / (1.0 - nu * nu) * trace * trace;
+  return m.elasticEnergy(stateAt(strained)) / (density * s.area);
+}
+
+TEST(MassSpring, TrianglesCarryHomogeneousStrainsExactlyForAnyPoissonRatio) {
+  const Surface s = makeSheet(12, 12, 1.0, 1.0, 0.3);
+  for (double nu : {-0.3, 0.0, 1.0 / 3.0, 0.49}) {
+    MaterialParams material;
+    material.poisson_ratio = nu;
+    const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kTriangles, Bending::kNone));
+    for (const Mat2& strain : {Mat2{{1e-3, 0.0}, {0.0, 0.0}}, Mat2{{0.0, 1e-3}, {1e-3, 0.0}}, Mat2{{1e-3, 0.0}, {0.0, 1e-3}}})
+      EXPECT_NEAR(energyRatio(m, s, strain, material), 1.0, 2e-3) << nu;
+  }
+}
+
+TEST(MassSpring, RegularGridOfSpringsResistsShear) {
+  const Surface s = makeSheet(12, 12, 1.0, 1.0);
+  MaterialParams material;
+  material.poisson_ratio = 1.0 / 3.0;
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kSprings, Bending::kNone));
+  // Both diagonals of every square are there; the square lattice is not isotropic, but of the material's size in both directions.
+  EXPECT_NEAR(energyRatio(m, s, Mat2{{0.0, 1e-3}, {1e-3, 0.0}}, material), 1.0, 0.35);
+  EXPECT_NEAR(energyRatio(m, s, Mat2{{1e-3, 0.0}, {0.0, 0.0}}, material), 1.0, 0.35);
+}
+
+TEST(MassSpring, SpringsOfHexagonalLatticeHaveTheClosedFormStiffness) {
+  Points points;
+  const double a = 0.1;
+  for (int i = 0; i < 14; ++i)
+    for (int j = 0; j < 16; ++j) points.emplace_back(a * (i + 0.5 * (j % 2)), a * std::sqrt(0.75) * j, 0.0);
+  const Surface s = connect(points, Points(points.size(), Vec3::UnitZ()));
+  MaterialParams material;
+  material.poisson_ratio = 1.0 / 3.0;
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kSprings, Bending::kNone));
+  // k = (sqrt 3 / 2) E h in the interior of an equilateral lattice; the scaling to the whole patch moves it by its edges.
+  double sum = 0.0;
+  int count = 0;
+  for (const auto& [i, j] : m.stretchLinks()) {
+    (void)i, (void)j;
+    ++count;
+  }
+  EXPECT_GT(count, 500);
+  for (const Mat2& strain : {Mat2{{1e-3, 0.0}, {0.0, 0.0}}, Mat2{{0.0, 1e-3}, {1e-3, 0.0}}}) {
+    sum = energyRatio(m, s, strain, material);
+    EXPECT_NEAR(sum, 1.0, 0.06);
+  }
+}
+
+TEST(MassSpring, CurvatureBendingOfACylinderHasTheStatedRigidity) {
+  MaterialParams material;
+  material.bending_rigidity = 2.5e-4;
+  const Surface s = makeSheet(25, 13, 1.0, 0.5, 0.2);
+  for (bool springs : {false, true}) {
+    const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material,
+                       choose(springs ? Membrane::kSprings : Membrane::kTriangles, Bending::kCurvature));
+    const MassSpring membrane_only(s.points, s.normals, s.rings, s.area, s.isClosed(), material,
+                                   choose(springs ? Membrane::kSprings : Membrane::kTriangles, Bending::kNone));
+    const double radius = 2.0;
+    Points rolled = s.points;
+    for (Vec3& p : rolled) p = Vec3(radius * std::sin(p.x() / radius), p.y(), radius * (1.0 - std::cos(p.x() / radius)));
+    const double bending = m.elasticEnergy(stateAt(rolled)) - membrane_only.elasticEnergy(stateAt(rolled));
+    EXPECT_NEAR(bending / (0.5 * 2.5e-4 / (radius * radius) * s.area), 1.0, 0.01);
+  }
+}
+
+TEST(MassSpring, CurvedRestShapeHasNoBendingEnergyAtRestAndResistsFlattening) {
+  Surface flat = makeSheet(20, 9, 1.0, 0.4, 0.1);
+  const double radius = 0.5;
+  Points points, normals;
+  for (const Vec3& p : flat.points) {
+    points.emplace_back(radius * std::sin(p.x() / radius), p.y(), radius * (1.0 - std::cos(p.x() / radius)));
+    normals.emplace_back(-std::sin(p.x() / radius), 0.0, std::cos(p.x() / radius));
+  }
+  const Surface s = connect(points, normals);
+  MaterialParams material;
+  material.bending_rigidity = 1e-3;
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kTriangles, Bending::kCurvature));
+  EXPECT_NEAR(m.elasticEnergy(stateAt(s.points)), 0.0, 1e-20);
+  EXPECT_NEAR(m.elasticEnergy(stateAt(flat.points)) / (0.5 * 1e-3 / (radius * radius) * s.area), 1.0, 0.03);
+}
+
+TEST(MassSpring, PublishedBendingSpringsHaveNoStiffnessAtAFlatRestState) {
+  // Their energy grows with the fourth power of the curvature: ten times less curvature, ten thousand times less energy.
+  const Surface s = makeSheet(15, 10, 1.0, 0.6);
+  MaterialParams material;
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kTriangles, Bending::kSprings));
+  const auto energyAtRadius = [&](double radius) {
+    Points rolled = s.points;
+    for (Vec3& p : rolled) p = Vec3(radius * std::sin(p.x() / radius), p.y(), radius * (1.0 - std::cos(p.x() / radius)));
+    return m.elasticEnergy(stateAt(rolled));
+  };
+  EXPECT_NEAR(energyAtRadius(1.0) / energyAtRadius(10.0), 1e4, 2e2);
+}
+
+TEST(MassSpring, AreaVectorsOfASphereSumToZeroAndMeasureItsAreaAndVolume) {
+  const Surface s = makeSphere(2000, 0.5);
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), MaterialParams(), MassSpringParams());
+  Points area;
+  m.computeAreaVectors(stateAt(s.points), area);
+  Vec3 sum = Vec3::Zero();
+  double total = 0.0;
+  for (std::size_t i = 0; i < area.size(); ++i) {
+    sum += area[i];
+    total += area[i].norm();
+    EXPECT_GT(area[i].dot(s.normals[i]), 0.0);
+  }
+  EXPECT_LT(sum.norm(), 1e-3 * total);
+  EXPECT_NEAR(total, M_PI, 0.01 * M_PI);
+  EXPECT_NEAR(m.enclosedVolume(stateAt(s.points)), M_PI / 6.0, 0.01 * M_PI / 6.0);
+}
+
+TEST(MassSpring, VolumeStiffnessOfAnOpenSurfaceIsRefused) {
+  const Surface s = makeSheet(6, 6, 1.0, 1.0);
+  EXPECT_THROW(MassSpring(s.points, s.normals, s.rings, s.area, s.isClosed(), MaterialParams(), choose(Membrane::kTriangles, Bending::kNone, 1.0)),
+               InputError);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test

@@ -1,0 +1,155 @@
+// What every model must do, whatever its material: keep momentum, stay at rest at rest, not notice rigid motion, push by minus the
+// gradient of its energy, and know its stiffness.
+#pragma once
+
+#include "../support/surfaces.h"
+#include "deformable_surface/model/deformable_model.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+
+using model::DeformableModel;
+using model::State;
+
+inline State stateAt(const Points& positions) { return {positions, Points(positions.size(), Vec3::Zero())}; }
+
+/// positions moved by up to amount in every direction.
+inline Points perturb(Points positions, double amount, unsigned seed = 7) {
+  std::mt19937 generator(seed);
+  for (Vec3& p : positions) p += amount * randomVector(generator);
+  return positions;
+}
+
+inline Points forcesAt(const DeformableModel& model, const State& state) {
+  Points forces(state.positions.size(), Vec3::Zero());
+  model.addForces(state, forces);
+  return forces;
+}
+
+inline double largest(const Points& vectors) {
+  double norm = 0.0;
+  for (const Vec3& v : vectors) norm = std::max(norm, v.norm());
+  return norm;
+}
+
+inline void checkRestIsAtRest(const DeformableModel& model, const Points& rest, double force_scale) {
+  EXPECT_LT(largest(forcesAt(model, stateAt(rest))), 1e-10 * force_scale);
+  EXPECT_NEAR(model.elasticEnergy(stateAt(rest)), 0.0, 1e-18 * force_scale);
+}
+
+inline void checkMomentumIsKept(const DeformableModel& model, State state) {
+  std::mt19937 generator(3);
+  for (Vec3& v : state.velocities) v = randomVector(generator);
+  const Points forces = forcesAt(model, state);
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+  double sizes = 0.0;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    sum += forces[i];
+    moment += state.positions[i].cross(forces[i]);
+    sizes += forces[i].norm();
+  }
+  ASSERT_GT(sizes, 0.0);
+  EXPECT_LT(sum.norm(), 1e-13 * sizes);
+  EXPECT_LT(moment.norm(), 1e-12 * sizes);
+}
+
+inline void checkRigidMotionIsNotNoticed(const DeformableModel& model, const Points& deformed) {
+  const Mat3 rotation = someRotation();
+  const Vec3 shift(0.7, -2.0, 1.5);
+  Points moved = deformed;
+  for (Vec3& p : moved) p = rotation * p + shift;
+  const double energy = model.elasticEnergy(stateAt(deformed));
+  ASSERT_GT(energy, 0.0);
+  EXPECT_NEAR(model.elasticEnergy(stateAt(moved)), energy, 1e-10 * energy);
+  const Points forces = forcesAt(model, stateAt(deformed)), moved_forces = forcesAt(model, stateAt(moved));
+  const double scale = largest(forces);
+  for (std::size_t i = 0; i < forces.size(); ++i) EXPECT_LT((moved_forces[i] - rotation * forces[i]).norm(), 1e-9 * scale) << i;
+}
+
+/// Central differences of the energy along random directions and along single coordinates.
+inline void checkForcesAreMinusTheGradient(const DeformableModel& model, const Points& deformed, double length_scale) {
+  const Points forces = forcesAt(model, stateAt(deformed));
+  std::mt19937 generator(11);
+  const double h = 1e-5 * length_scale;
+  for (int trial = 0; trial < 10; ++trial) {
+    Points direction(deformed.size(), Vec3::Zero());
+    if (trial < 5) {
+      for (Vec3& d : direction) d = randomVector(generator);
+    } else {
+      direction[generator() % direction.size()] = randomVector(generator);
+    }
+    Points ahead = deformed, behind = deformed;
+    double expected = 0.0, size = 0.0;
+    for (std::size_t i = 0; i < deformed.size(); ++i) {
+      ahead[i] += h * direction[i];
+      behind[i] -= h * direction[i];
+      expected -= forces[i].dot(direction[i]);
+      size += std::abs(forces[i].dot(direction[i]));
+    }
+    const double slope = (model.elasticEnergy(stateAt(ahead)) - model.elasticEnergy(stateAt(behind))) / (2.0 * h);
+    EXPECT_NEAR(slope, expected, 1e-6 * size) << "direction " << trial;
+  }
+}
+
+/// The stiffness is symmetric positive semidefinite as filled, and at rest it is the derivative of the forces.
+inline void checkStiffnessAtRestIsTheDerivative(const DeformableModel& model, const Points& rest, double length_scale) {
+  const Index n = static_cast<Index>(rest.size());
+  BlockSparse stiffness;
+  stiffness.begin(n);
+  model.addStiffness(stateAt(rest), 0.0, stiffness);
+  const Eigen::SparseMatrix<double> lower = stiffness.finish();
+  std::mt19937 generator(5);
+  const double h = 1e-6 * length_scale;
+  Eigen::VectorXd direction(3 * n);
+  for (Eigen::Index i = 0; i < direction.size(); ++i) direction[i] = uniform(generator);
+  Points ahead = rest, behind = rest;
+  for (Index i = 0; i < n; ++i) {
+    ahead[i] += h * direction.segment<3>(3 * i);
+    behind[i] -= h * direction.segment<3>(3 * i);
+  }
+  const Points forces_ahead = forcesAt(model, stateAt(ahead)), forces_behind = forcesAt(model, stateAt(behind));
+  const Eigen::VectorXd product = lower.selfadjointView<Eigen::Lower>() * direction;
+  const double scale = product.lpNorm<Eigen::Infinity>();
+  ASSERT_GT(scale, 0.0);
+  for (Index i = 0; i < n; ++i) {
+    const Vec3 difference = -(forces_ahead[i] - forces_behind[i]) / (2.0 * h);
+    EXPECT_LT((difference - product.segment<3>(3 * i)).norm(), 1e-5 * scale) << i;
+  }
+}
+
+/// Along any direction the stiffness is not negative, also far from rest.
+inline void checkStiffnessIsPositive(const DeformableModel& model, const Points& deformed) {
+  const Index n = static_cast<Index>(deformed.size());
+  BlockSparse stiffness;
+  stiffness.begin(n);
+  model.addStiffness(stateAt(deformed), 0.0, stiffness);
+  const Eigen::MatrixXd lower = stiffness.finish();
+  const Eigen::MatrixXd full = lower.selfadjointView<Eigen::Lower>();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(full, Eigen::EigenvaluesOnly);
+  EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-9 * solver.eigenvalues().maxCoeff());
+}
+
+/// Gershgorin's row bounds are not below the largest eigenvalue of M^-1 K.
+inline void checkRowBoundsHold(const DeformableModel& model, const Points& rest) {
+  const Index n = static_cast<Index>(rest.size());
+  BlockSparse stiffness;
+  stiffness.begin(n);
+  model.addStiffness(stateAt(rest), 0.0, stiffness);
+  const Eigen::MatrixXd lower = stiffness.finish();
+  Eigen::MatrixXd scaled = lower.selfadjointView<Eigen::Lower>();
+  std::vector<double> rows(n, 0.0), damping(n, 0.0);
+  model.addRowBounds(stateAt(rest), rows, damping);
+  double bound = 0.0;
+  for (Index i = 0; i < n; ++i) {
+    bound = std::max(bound, rows[i] / model.masses()[i]);
+    scaled.middleRows<3>(3 * i) /= std::sqrt(model.masses()[i]);
+    scaled.middleCols<3>(3 * i) /= std::sqrt(model.masses()[i]);
+  }
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(scaled, Eigen::EigenvaluesOnly);
+  EXPECT_LE(solver.eigenvalues().maxCoeff(), bound * (1.0 + 1e-9));
+}
+
+}  // namespace deformable_surface::test

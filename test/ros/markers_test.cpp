@@ -1,0 +1,201 @@
+// Markers keep the rules by which RViz accepts them, and show what they should.
+#include "deformable_surface/ros/markers.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <map>
+#include <set>
+
+namespace deformable_surface::node {
+namespace {
+
+using visualization_msgs::Marker;
+
+bool isFinite(const geometry_msgs::Point& p) { return std::isfinite(p.x) && std::isfinite(p.y) && std::isfinite(p.z); }
+
+bool isColor(const std_msgs::ColorRGBA& color) {
+  for (float part : {color.r, color.g, color.b, color.a})
+    if (!(part >= 0.0f && part <= 1.0f)) return false;
+  return true;
+}
+
+/// The first of RViz's rules that a marker breaks, or nothing.
+std::string checkMarker(const Marker& marker) {
+  if (marker.action == Marker::DELETE) return "";
+  if (marker.action != Marker::ADD) return "unknown action";
+  const auto& q = marker.pose.orientation;
+  if (std::abs(q.x * q.x + q.y * q.y + q.z * q.z + q.w * q.w - 1.0) > 1e-6) return "orientation is not a unit quaternion";
+  if (!isFinite(marker.pose.position)) return "position is not finite";
+  if (!isColor(marker.color) || marker.color.a == 0.0f) return "colour is out of range or invisible";
+  for (const auto& point : marker.points)
+    if (!isFinite(point)) return "a point is not finite";
+  for (const auto& color : marker.colors)
+    if (!isColor(color)) return "a colour is out of range";
+  if (!marker.colors.empty() && marker.colors.size() != marker.points.size()) return "colours and points differ in number";
+
+  const auto isPositive = [](double size) { return size > 0.0 && std::isfinite(size); };
+  const bool all_positive = isPositive(marker.scale.x) && isPositive(marker.scale.y) && isPositive(marker.scale.z);
+  switch (marker.type) {
+    case Marker::LINE_LIST:
+      if (marker.points.empty() || marker.points.size() % 2 != 0) return "a line list without pairs of points";
+      return isPositive(marker.scale.x) ? "" : "a line without width";
+    case Marker::TRIANGLE_LIST:
+      if (marker.points.empty() || marker.points.size() % 3 != 0) return "a triangle list without triples of points";
+      return all_positive ? "" : "a scale that is not positive";
+    case Marker::SPHERE_LIST:
+      if (marker.points.empty()) return "a sphere list without points";
+      return all_positive ? "" : "a scale that is not positive";
+    case Marker::ARROW:
+      if (marker.points.size() != 2) return "an arrow without two points";
+      return all_positive ? "" : "a scale that is not positive";
+    default: return "a type that is not expected";
+  }
+}
+
+void expectValid(const visualization_msgs::MarkerArray& array) {
+  std::set<std::pair<std::string, int>> names;
+  for (const Marker& marker : array.markers) {
+    EXPECT_EQ(checkMarker(marker), "") << marker.ns << ' ' << marker.id;
+    EXPECT_TRUE(names.emplace(marker.ns, marker.id).second) << marker.ns << ' ' << marker.id << " occurs twice";
+  }
+}
+
+std_msgs::Header makeHeader() {
+  std_msgs::Header header;
+  header.frame_id = "map";
+  header.stamp.sec = 5;
+  return header;
+}
+
+const Points kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+const std::vector<std::pair<Index, Index>> kLinks{{0, 1}, {1, 2}, {0, 2}};
+const std::vector<model::WeightedTriangle> kTriangles{{{0, 1, 2}, 1.0}, {{0, 2, 3}, 1.0}};
+
+TEST(Colors, RunFromBlueThroughGreenToRed) {
+  const auto rgb = [](double value) {
+    const auto color = colorOf(value);
+    return std::vector<float>{color.r, color.g, color.b};
+  };
+  EXPECT_EQ(rgb(0.0), (std::vector<float>{0, 0, 1}));
+  EXPECT_EQ(rgb(0.5), (std::vector<float>{0, 1, 0}));
+  EXPECT_EQ(rgb(1.0), (std::vector<float>{1, 0, 0}));
+  EXPECT_EQ(rgb(7.0), rgb(1.0));
+  EXPECT_EQ(rgb(std::numeric_limits<double>::infinity()), rgb(1.0));
+  EXPECT_EQ(rgb(std::nan("")), (std::vector<float>{0.5f, 0.5f, 0.5f}));
+}
+
+TEST(Markers, DrawLinksWithTheColoursOfTheirEnds) {
+  const Marker marker =
+      makeLinksMarker(makeHeader(), "stretch_springs", kSquare, kLinks, {0.0, 0.05, 0.1, 0.0}, 0.1, 0.01);
+  EXPECT_EQ(checkMarker(marker), "");
+  EXPECT_EQ(marker.header.frame_id, "map");
+  EXPECT_EQ(marker.header.stamp, ros::Time(5));
+  EXPECT_EQ(marker.ns, "stretch_springs");
+  EXPECT_EQ(marker.type, static_cast<int>(Marker::LINE_LIST));
+  ASSERT_EQ(marker.points.size(), 6u);
+  EXPECT_EQ(marker.points[3].y, 1.0);
+  EXPECT_EQ(marker.colors[0].b, 1.0f);
+  EXPECT_EQ(marker.colors[1].g, 1.0f);
+  EXPECT_EQ(marker.colors[3].r, 1.0f);
+}
+
+TEST(Markers, DrawTheSurfaceAndItsEdges) {
+  const Marker surface = makeSurfaceMarker(makeHeader(), kSquare, kTriangles, {0, 0, 0, 1}, 1.0);
+  EXPECT_EQ(checkMarker(surface), "");
+  EXPECT_EQ(surface.points.size(), 6u);
+  EXPECT_EQ(surface.colors[5].r, 1.0f);
+  const Marker wireframe = makeWireframeMarker(makeHeader(), kSquare, kLinks, 0.01);
+  EXPECT_EQ(checkMarker(wireframe), "");
+  EXPECT_EQ(wireframe.points.size(), 6u);
+  EXPECT_TRUE(wireframe.colors.empty());
+}
+
+TEST(Markers, DrawABallAtEachPin) {
+  const Marker marker = makePinsMarker(makeHeader(), kSquare, {0, 1, 0, 1}, 0.1);
+  EXPECT_EQ(checkMarker(marker), "");
+  ASSERT_EQ(marker.points.size(), 2u);
+  EXPECT_EQ(marker.points[1].y, 1.0);
+}
+
+TEST(Markers, DeleteThemselvesWithNothingToShow) {
+  EXPECT_EQ(makeLinksMarker(makeHeader(), "bending_springs", kSquare, {}, {0, 0, 0, 0}, 1.0, 0.01).action, int{Marker::DELETE});
+  EXPECT_EQ(makeSurfaceMarker(makeHeader(), kSquare, {}, {0, 0, 0, 0}, 1.0).action, int{Marker::DELETE});
+  EXPECT_EQ(makeWireframeMarker(makeHeader(), kSquare, {}, 0.01).action, int{Marker::DELETE});
+  EXPECT_EQ(makePinsMarker(makeHeader(), kSquare, {0, 0, 0, 0}, 0.1).action, int{Marker::DELETE});
+}
+
+TEST(Markers, DrawForcesAsArrowsInProportion) {
+  visualization_msgs::MarkerArray array;
+  const int shown = addForceMarkers(makeHeader(), {{Vec3(1, 0, 0), Vec3(0, 0, 4)}, {Vec3(2, 0, 0), Vec3(0, 2, 0)}}, 0.5, 0, array);
+  EXPECT_EQ(shown, 2);
+  ASSERT_EQ(array.markers.size(), 2u);
+  expectValid(array);
+  EXPECT_DOUBLE_EQ(array.markers[0].points[1].z, 0.5);
+  EXPECT_DOUBLE_EQ(array.markers[1].points[0].x, 2.0);
+  EXPECT_DOUBLE_EQ(array.markers[1].points[1].y, 0.25);
+}
+
+TEST(Markers, DeleteArrowsOfForcesThatEnded) {
+  visualization_msgs::MarkerArray array;
+  EXPECT_EQ(addForceMarkers(makeHeader(), {{Vec3(1, 0, 0), Vec3(0, 0, 4)}}, 0.5, 3, array), 1);
+  ASSERT_EQ(array.markers.size(), 3u);
+  expectValid(array);
+  EXPECT_EQ(array.markers[0].action, int{Marker::ADD});
+  EXPECT_EQ(array.markers[1].action, int{Marker::DELETE});
+  EXPECT_EQ(array.markers[2].action, int{Marker::DELETE});
+}
+
+TEST(Markers, DrawAZeroForceAsNothing) {
+  visualization_msgs::MarkerArray array;
+  addForceMarkers(makeHeader(), {{Vec3(1, 0, 0), Vec3::Zero()}}, 0.5, 0, array);
+  expectValid(array);
+  EXPECT_EQ(array.markers[0].action, int{Marker::DELETE});
+}
+
+TEST(Markers, ShowABoundedNumberOfArrows) {
+  visualization_msgs::MarkerArray array;
+  const std::vector<std::pair<Vec3, Vec3>> forces(kMaxArrows + 50, {Vec3::Zero(), Vec3::UnitX()});
+  EXPECT_EQ(addForceMarkers(makeHeader(), forces, 0.5, 0, array), kMaxArrows);
+  EXPECT_EQ(array.markers.size(), static_cast<std::size_t>(kMaxArrows));
+}
+
+TEST(SimulationMarkers, ShowASimulationInEveryNamespaceAndKeepTheRules) {
+  cloud::PointCloud input;
+  for (int i = 0; i < 100; ++i) input.positions.emplace_back(0.1 * (i % 10), 0.1 * (i / 10), 0.0);
+  input.width = 100;
+  simulation::SceneParams params;
+  params.pins.emplace_back();
+  params.pins.back().region.min = Vec3(-0.05, -0.05, -0.05);
+  params.pins.back().region.max = Vec3(0.05, 0.95, 0.05);
+  simulation::Simulation simulation(params, input);
+  SimulationMarkers markers(simulation);
+  visualization_msgs::MarkerArray array;
+  std::map<std::string, int> actions;
+  const auto make = [&] {
+    markers.make(makeHeader(), simulation, array);
+    expectValid(array);
+    for (const Marker& marker : array.markers) actions[marker.ns] = marker.action;
+  };
+  make();
+  for (const char* ns : {"stretch_springs", "surface", "wireframe", "pins"}) EXPECT_EQ(actions.at(ns), int{Marker::ADD}) << ns;
+  EXPECT_EQ(actions.count("bending_springs"), 1u);
+  EXPECT_EQ(actions.count("forces"), 0u);
+
+  simulation::ForceParams force;
+  force.id = "pull";
+  force.point = Vec3(0.9, 0.9, 0.0);
+  force.force = Vec3(0.0, 0.0, 0.1);
+  simulation.setForce(force);
+  ASSERT_TRUE(simulation.step().ok);
+  make();
+  EXPECT_EQ(actions.at("forces"), int{Marker::ADD});
+
+  simulation.reset();
+  make();
+  EXPECT_EQ(actions.at("forces"), int{Marker::DELETE});
+}
+
+}  // namespace
+}  // namespace deformable_surface::node

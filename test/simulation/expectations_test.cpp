@@ -1,0 +1,96 @@
+// What `expect` measures, on motions whose numbers are known beforehand.
+#include "deformable_surface/simulation/expectations.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/io/shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kFall = 9.81 * 0.1 * 0.1 / 2.0;  // of a free body after a tenth of a second
+
+SceneParams makeFallingSheet() {
+  SceneParams params;
+  params.cloud.shape = CloudParams::Shape::kSheet;
+  params.cloud.points = 100;
+  params.simplification.target_points = 40;
+  params.integrator.time_step = 0.01;
+  return params;
+}
+
+Simulation runSteps(const SceneParams& params, int steps) {
+  Simulation simulation(params, io::makeShape(params.cloud));
+  for (int i = 0; i < steps; ++i) EXPECT_TRUE(simulation.step().ok);
+  return simulation;
+}
+
+TEST(Expectations, ComputeDisplacementsAndBoundsOfAFreeFall) {
+  Simulation simulation = runSteps(makeFallingSheet(), 10);
+  // Displacements are float.
+  for (const char* name : {"max_displacement", "mean_displacement", "rms_displacement"})
+    EXPECT_NEAR(computeQuantity(name, simulation), kFall, 1e-7) << name;
+  EXPECT_NEAR(computeQuantity("min_z", simulation), -kFall, 1e-9);
+  EXPECT_NEAR(computeQuantity("max_z", simulation), -kFall, 1e-9);
+  EXPECT_NEAR(computeQuantity("min_x", simulation), -0.5, 1e-9);
+  EXPECT_NEAR(computeQuantity("max_x", simulation), 0.5, 1e-9);
+  EXPECT_NEAR(computeQuantity("min_y", simulation), -0.5, 1e-9);
+  EXPECT_NEAR(computeQuantity("max_y", simulation), 0.5, 1e-9);
+}
+
+TEST(Expectations, ReadTheStatistics) {
+  Simulation simulation = runSteps(makeFallingSheet(), 10);
+  EXPECT_EQ(computeQuantity("points", simulation), 100.0);
+  EXPECT_EQ(computeQuantity("simulation_points", simulation), 40.0);
+  EXPECT_EQ(computeQuantity("step", simulation), 10.0);
+  EXPECT_NEAR(computeQuantity("max_speed", simulation), 9.81 * 0.1, 1e-9);
+}
+
+TEST(Expectations, KnowEveryNameThatTheSchemaKnows) {
+  SceneParams params = makeFallingSheet();
+  params.cloud.shape = CloudParams::Shape::kSphere;
+  Simulation simulation = runSteps(params, 1);
+  for (const std::string& name : expectQuantities()) EXPECT_NO_THROW(computeQuantity(name, simulation)) << name;
+  EXPECT_THROW(computeQuantity("max_displacment", simulation), InputError);
+  EXPECT_THROW(computeQuantity("state_hash", simulation), InputError);
+}
+
+TEST(Expectations, MeasureTheVolumeOfClosedSurfacesOnly) {
+  SceneParams params = makeFallingSheet();
+  Simulation sheet = runSteps(params, 1);
+  EXPECT_THROW(computeQuantity("volume_ratio", sheet), InputError);
+  params.cloud.shape = CloudParams::Shape::kSphere;
+  Simulation falling = runSteps(params, 10);
+  EXPECT_NEAR(computeQuantity("volume_ratio", falling), 1.0, 1e-9);
+  params.pressure = 100.0;
+  Simulation blown = runSteps(params, 10);
+  EXPECT_GT(computeQuantity("volume_ratio", blown), 1.01);
+}
+
+TEST(Expectations, SkipHolesInTheCloud) {
+  const SceneParams params = makeFallingSheet();
+  cloud::PointCloud cloud = io::makeShape(params.cloud);
+  cloud.positions.insert(cloud.positions.begin(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  ++cloud.width;
+  Simulation simulation(params, cloud);
+  EXPECT_TRUE(simulation.step().ok);
+  EXPECT_NEAR(computeQuantity("max_x", simulation), 0.5, 1e-9);
+  EXPECT_GT(computeQuantity("mean_displacement", simulation), 0.0);
+}
+
+TEST(Expectations, NameEachBoundThatDoesNotHold) {
+  SceneParams params = makeFallingSheet();
+  const double inf = std::numeric_limits<double>::infinity();
+  params.expect = {{"min_z", -0.06, -0.04}, {"step", 11.0, inf}, {"error_estimate", -inf, inf}, {"max_speed", 0.0, 1.0}};
+  Simulation simulation = runSteps(params, 10);
+  const std::vector<std::string> violations = checkExpectations(simulation);
+  ASSERT_EQ(violations.size(), 2u);  // the estimate is NaN, which no bound accepts
+  EXPECT_EQ(violations[0], "expect.step: found 10.0 at 0.1 s; accepted: 11.0 to .inf");
+  EXPECT_EQ(violations[1].substr(0, 22), "expect.error_estimate:");
+}
+
+}  // namespace
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,254 @@
+#include "deformable_surface/simulation/simulation.h"
+#include "clouds.h"
+#include "deformable_surface/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::ForceParams;
+using simulation::SceneParams;
+using simulation::Simulation;
+
+TEST(Simulation, StartsAtRestWithEveryPointInItsPlace) {
+  const cloud::PointCloud cloud = sheetCloud();
+  Simulation s(hangingSheet(), cloud);
+  const simulation::Surface& surface = s.surface(true);
+  ASSERT_EQ(surface.positions.size(), cloud.positions.size());
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i) {
+    EXPECT_EQ(surface.positions[i], cloud.positions[i]);
+    EXPECT_EQ(surface.displacement[i], 0.0f);
+    EXPECT_NEAR(surface.normals[i].z(), 1.0f, 1e-6f);
+  }
+  EXPECT_EQ(s.time(), 0.0);
+  EXPECT_EQ(s.statistics().simulation_points, 150u);
+}
+
+TEST(Simulation, PinnedEdgeStaysAndTheFreeEdgeFalls) {
+  Simulation s(hangingSheet(), sheetCloud());
+  run(s, 50);
+  const simulation::Surface& surface = s.surface(true);
+  for (std::size_t i = 0; i < surface.positions.size(); ++i) {
+    const Vec3& rest = s.input().positions[i];
+    if (rest.x() == 0.0) {
+      EXPECT_LT(surface.displacement[i], 0.02f);
+    }
+    if (rest.x() == 1.0) {
+      EXPECT_LT(surface.positions[i].z(), -0.3);
+    }
+    EXPECT_NEAR(surface.normals[i].norm(), 1.0f, 1e-5f);
+  }
+  EXPECT_NEAR(s.time(), 0.5, 1e-12);
+}
+
+TEST(Simulation, HolesStayHolesAndCoincidentPointsMoveTogether) {
+  cloud::PointCloud cloud = sheetCloud();
+  const std::size_t hole = 17, twin = cloud.positions.size();
+  cloud.positions[hole].y() = std::nan("");
+  cloud.positions.push_back(cloud.positions[400]);
+  cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+  Simulation s(hangingSheet(), cloud);
+  run(s, 20);
+  const simulation::Surface& surface = s.surface(true);
+  ASSERT_EQ(surface.positions.size(), cloud.positions.size());
+  EXPECT_TRUE(std::isnan(surface.positions[hole].x()) && std::isnan(surface.normals[hole].x()) && std::isnan(surface.displacement[hole]));
+  EXPECT_EQ(surface.positions[twin], surface.positions[400]);
+  EXPECT_GT(surface.displacement[400], 0.0f);
+}
+
+TEST(Simulation, ResetBringsBackTheSameRunBitForBit) {
+  Simulation s(hangingSheet(), sheetCloud());
+  const std::uint64_t at_rest = s.stateHash();
+  run(s, 30);
+  const std::uint64_t first = s.stateHash();
+  EXPECT_NE(first, at_rest);
+  s.setForce({"push", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 5.0), 0.2, s.time(), 1e300});
+  s.pin(s.params().pins[0].region);
+  run(s, 5);
+  s.reset();
+  EXPECT_EQ(s.stateHash(), at_rest);
+  EXPECT_EQ(s.time(), 0.0);
+  run(s, 30);
+  EXPECT_EQ(s.stateHash(), first);
+}
+
+TEST(Simulation, NamedForcesActFromStartToEndAndAreReplacedById) {
+  SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.forces.push_back({"lift", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.5), 0.1, 0.05, 0.10});
+  Simulation s(p, sheetCloud());
+  run(s, 5);
+  EXPECT_LT(s.statistics().max_speed, 1e-10);  // rounding
+  run(s, 1);
+  EXPECT_GT(s.statistics().max_speed, 1e-3);
+  EXPECT_EQ(s.activeForces().size(), 1u);
+  run(s, 5);
+  EXPECT_TRUE(s.activeForces().empty());
+  s.setForce({"a", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 1.0), 0.0, s.time(), 1e300});
+  s.setForce({"a", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 2.0), 0.0, s.time(), 1e300});
+  run(s, 1);
+  ASSERT_EQ(s.activeForces().size(), 1u);
+  EXPECT_EQ(s.activeForces()[0].second.z(), 2.0);
+  s.setForce({"a", Vec3(1.0, 0.0, 0.0), Vec3::Zero(), 0.0, s.time(), 1e300});
+  run(s, 1);
+  EXPECT_TRUE(s.activeForces().empty());
+}
+
+TEST(Simulation, PinsTakeHoldWherePointsAreAndUnpinLetsGo) {
+  SceneParams p = hangingSheet();
+  Simulation s(p, sheetCloud());
+  run(s, 40);
+  geometry::Region everywhere;
+  everywhere.min.setConstant(-10.0);
+  everywhere.max.setConstant(10.0);
+  EXPECT_EQ(s.pin(everywhere), 150);
+  const Points held = s.state().positions;
+  run(s, 5);
+  EXPECT_EQ(s.state().positions, held);
+  EXPECT_EQ(s.unpin(everywhere), 150);
+  run(s, 5);
+  EXPECT_NE(s.state().positions, held);
+}
+
+TEST(Simulation, APinThatHoldsNoPointIsNamed) {
+  SceneParams p = hangingSheet();
+  p.pins[0].region.max.x() = p.pins[0].region.min.x() = -5.0;
+  try {
+    Simulation s(p, sheetCloud());
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("pins[0]"), std::string::npos) << e.what();
+  }
+}
+
+TEST(Simulation, CloudsThatAreNoSurfaceAreRefused) {
+  Points line;
+  for (int i = 0; i < 100; ++i) line.emplace_back(0.01 * i, 0.02 * i, -0.03 * i);
+  const Points nowhere(10, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  for (const Points& points : {Points{}, Points{Vec3::Zero()}, Points(50, Vec3::Ones()), line, nowhere})
+    EXPECT_THROW(Simulation(SceneParams(), asCloud(points)), InputError) << points.size();
+}
+
+TEST(Simulation, CommandsThatAreNotFiniteAreRefusedAndChangeNothing) {
+  Simulation s(hangingSheet(), sheetCloud());
+  run(s, 3);
+  const std::uint64_t before = s.stateHash();
+  const double nan = std::nan(""), inf = std::numeric_limits<double>::infinity();
+  EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3(nan, 0, 0), 0.0, 0.0, 1.0}), InputError);
+  EXPECT_THROW(s.setForce({"f", Vec3(0, inf, 0), Vec3::UnitX(), 0.0, 0.0, 1.0}), InputError);
+  EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3::UnitX(), -1.0, 0.0, 1.0}), InputError);
+  EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3::UnitX(), nan, 0.0, 1.0}), InputError);
+  EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3::UnitX(), 0.0, 1.0, 0.0}), InputError);
+  EXPECT_THROW(s.setGravity(Vec3(0, 0, nan)), InputError);
+  EXPECT_EQ(s.stateHash(), before);
+  EXPECT_TRUE(s.activeForces().empty());
+}
+
+TEST(Simulation, AStepThatCannotBeTakenKeepsTheStateBeforeIt) {
+  SceneParams p = hangingSheet();
+  p.integrator.type = solve::IntegratorType::kExplicitEuler;
+  p.material.damping = 0.0;
+  p.material.young_modulus = 1e9;
+  p.integrator.time_step = 0.1;
+  Simulation s(p, sheetCloud());
+  simulation::StepOutcome outcome;
+  std::uint64_t before = 0, steps = 0;
+  for (int k = 0; k < 2000 && outcome.ok; ++k) {
+    before = s.stateHash();
+    steps = s.stepCount();
+    outcome = s.step();
+  }
+  EXPECT_FALSE(outcome.ok);
+  EXPECT_NE(outcome.problem.find("not finite"), std::string::npos);
+  EXPECT_EQ(s.stateHash(), before);
+  EXPECT_EQ(s.stepCount(), steps);
+}
+
+TEST(Simulation, AutoFallsBackToImplicitWhenSubstepsDoNotFitAndSaysSo) {
+  SceneParams p = hangingSheet();
+  p.integrator.max_substeps = 1;
+  Simulation s(p, sheetCloud());
+  const simulation::StepOutcome first = s.step();
+  EXPECT_TRUE(first.ok);
+  EXPECT_NE(first.notice.find("implicit"), std::string::npos);
+  EXPECT_EQ(s.statistics().substeps, 1u);
+  EXPECT_TRUE(s.step().notice.empty());
+}
+
+TEST(Simulation, ImplicitWithSmallStepsAgreesWithVerlet) {
+  SceneParams p = hangingSheet();
+  p.simplification.target_points = 60;
+  Simulation verlet(p, sheetCloud(16));
+  run(verlet, 20);
+  p.integrator.type = solve::IntegratorType::kImplicit;
+  double previous = 1e300;
+  for (double step : {0.01, 0.002}) {
+    p.integrator.time_step = step;
+    Simulation implicit(p, sheetCloud(16));
+    run(implicit, static_cast<int>(std::lround(0.2 / step)));
+    double worst = 0.0;
+    for (Index i = 0; i < verlet.state().size(); ++i)
+      worst = std::max(worst, (implicit.state().positions[i] - verlet.state().positions[i]).norm());
+    EXPECT_LT(worst, 0.3 * previous);
+    previous = worst;
+  }
+  EXPECT_LT(previous, 0.01);
+}
+
+TEST(Simulation, TransferAndNormalsAreSkippedUntilAskedFor) {
+  Simulation s(hangingSheet(), sheetCloud());
+  run(s, 1);
+  const auto skips = [&](const std::string& what) {
+    const auto list = s.statistics().skipped;
+    return std::find(list.begin(), list.end(), what) != list.end();
+  };
+  EXPECT_TRUE(skips("transfer") && skips("normals"));
+  s.surface(false);
+  EXPECT_FALSE(skips("transfer"));
+  EXPECT_TRUE(skips("normals"));
+  s.surface(true);
+  EXPECT_FALSE(skips("normals"));
+  run(s, 1);
+  EXPECT_TRUE(skips("transfer"));
+}
+
+TEST(Simulation, EnergyIsKeptWithoutDamping) {
+  SceneParams p = hangingSheet();
+  p.material.damping = 0.0;
+  Simulation s(p, sheetCloud());
+  const auto energy = [&] {
+    const auto st = s.statistics();
+    return st.kinetic_energy + st.elastic_energy + st.potential_energy;
+  };
+  const double before = energy(), potential = s.statistics().potential_energy;
+  run(s, 60);
+  const double exchanged = potential - s.statistics().potential_energy;
+  ASSERT_GT(exchanged, 1.0);
+  EXPECT_NEAR(energy(), before, 2e-3 * exchanged);
+}
+
+TEST(Simulation, ResamplingAppendsPointsWhereTheSurfaceIsStretchedAndKeepsTheirIndices) {
+  SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.output.resample = true;
+  p.material.bending_rigidity = 0.0;
+  p.forces.push_back({"pull", Vec3(1.0, 0.0, 0.0), Vec3(60.0, 0.0, 0.0), 0.6, 0.0, 1e300});
+  Simulation s(p, sheetCloud());
+  run(s, 20);
+  const Index first = static_cast<Index>(s.surface(true).positions.size());
+  EXPECT_GT(first, s.input().size());
+  const Index shown = s.input().size();
+  EXPECT_EQ(s.surface(true).source.size(), static_cast<std::size_t>(first - shown));
+  run(s, 20);
+  const simulation::Surface& later = s.surface(true);
+  EXPECT_GE(static_cast<Index>(later.positions.size()), first);
+  for (Index i : later.source) EXPECT_TRUE(i >= 0 && i < shown);
+  for (std::size_t i = shown; i < later.positions.size(); ++i) EXPECT_TRUE(later.positions[i].allFinite());
+}
+
+}  // namespace
+}  // namespace deformable_surface::test

@@ -1,0 +1,193 @@
+#include "deformable_surface/solve/integrator.h"
+#include "deformable_surface/solve/stable_step.h"
+#include "oscillators.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using solve::IntegratorParams;
+using solve::IntegratorType;
+using solve::System;
+
+constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+
+State startAt(const Vec3& x, const Vec3& v, Index n = 1) { return {Points(n, x), Points(n, v)}; }
+
+struct World {
+  World(std::vector<double> stiffness, double mass, double viscosity = 0.0, double damping = 0.0)
+      : model(std::move(stiffness), mass, viscosity), held(model.masses().size(), 0), system(model, loads, held, damping) {}
+
+  // Runs for duration in n steps of one sub-step each.
+  State run(IntegratorType type, double duration, int n, State state, const IntegratorParams& params = {}) {
+    const auto integrator = solve::makeIntegrator(type, params);
+    const double dt = duration / n;
+    for (int k = 0; k < n; ++k) last = integrator->advance(system, k * dt, dt, kNoLimit, state);
+    return state;
+  }
+
+  Oscillators model;
+  std::vector<const solve::ExternalLoad*> loads;
+  std::vector<char> held;
+  System system;
+  solve::SolveReport last;
+};
+
+// Slope of log(error) over log(step) of x'' = -x from two step counts.
+double measureOrder(IntegratorType type) {
+  World world({1.0}, 1.0);
+  IntegratorParams params;
+  params.tolerance = 1e-12;
+  const auto error = [&](int n) {
+    const State end = world.run(type, 2.0, n, startAt(Vec3::UnitX(), Vec3::Zero()), params);
+    return (end.positions[0] - std::cos(2.0) * Vec3::UnitX()).norm();
+  };
+  return std::log2(error(100) / error(200));
+}
+
+TEST(Integrators, ShowTheirOrder) {
+  EXPECT_NEAR(measureOrder(IntegratorType::kExplicitEuler), 1.0, 0.1);
+  EXPECT_NEAR(measureOrder(IntegratorType::kSymplecticEuler), 1.0, 0.1);
+  EXPECT_NEAR(measureOrder(IntegratorType::kImplicit), 1.0, 0.1);
+  EXPECT_NEAR(measureOrder(IntegratorType::kVerlet), 2.0, 0.1);
+}
+
+TEST(Integrators, VerletKeepsItsOrderWithDampingByMassAndByVelocity) {
+  // x'' = -x - (c + b) x' with c by mass and b viscous.
+  const double c = 0.3, b = 0.2, decay = 0.5 * (c + b), w = std::sqrt(1.0 - decay * decay);
+  const auto error = [&](int n) {
+    World world({1.0}, 1.0, b, c);
+    const State end = world.run(IntegratorType::kVerlet, 2.0, n, startAt(Vec3::UnitX(), Vec3::Zero()));
+    const double exact = std::exp(-2.0 * decay) * (std::cos(2.0 * w) + decay / w * std::sin(2.0 * w));
+    return std::abs(end.positions[0].x() - exact);
+  };
+  EXPECT_NEAR(std::log2(error(100) / error(200)), 2.0, 0.15);
+}
+
+TEST(Integrators, FreeFallIsExactWithVerletAndLateByHalfAStepWithFirstOrderMethods) {
+  for (const auto& [type, error] : {std::pair{IntegratorType::kVerlet, 0.0},
+                                    std::pair{IntegratorType::kSymplecticEuler, -0.5 * 9.81 / 60.0},
+                                    std::pair{IntegratorType::kImplicit, -0.5 * 9.81 / 60.0},
+                                    std::pair{IntegratorType::kExplicitEuler, 0.5 * 9.81 / 60.0}}) {
+    World world({0.0}, 2.0);
+    const ConstantField gravity(world.model.masses(), Vec3(0.0, 0.0, -9.81));
+    world.loads.push_back(&gravity);
+    const State end = world.run(type, 1.0, 60, startAt(Vec3::Zero(), Vec3::Zero()));
+    EXPECT_NEAR(end.positions[0].z(), -0.5 * 9.81 + error, 1e-6) << static_cast<int>(type);
+    EXPECT_NEAR(end.velocities[0].z(), -9.81, 1e-6);
+  }
+}
+
+TEST(Integrators, DampingByMassIsExactInTheExplicitOnes) {
+  World world({0.0}, 1.0, 0.0, 0.7);
+  for (IntegratorType type : {IntegratorType::kVerlet, IntegratorType::kSymplecticEuler}) {
+    const State end = world.run(type, 2.0, 3, startAt(Vec3::Zero(), Vec3::UnitX()));
+    EXPECT_NEAR(end.velocities[0].x(), std::exp(-1.4), 1e-14);
+  }
+}
+
+TEST(Integrators, SymplecticOnesDoNotDriftAndExplicitEulerGrows) {
+  World world({1.0}, 1.0);
+  const auto energyAfter = [&](IntegratorType type) {
+    const State end = world.run(type, 2000.0, 20000, startAt(Vec3::UnitX(), Vec3::Zero()));
+    return 0.5 * (end.positions[0].squaredNorm() + end.velocities[0].squaredNorm());
+  };
+  EXPECT_NEAR(energyAfter(IntegratorType::kVerlet), 0.5, 0.002);
+  EXPECT_NEAR(energyAfter(IntegratorType::kSymplecticEuler), 0.5, 0.03);
+  EXPECT_GT(energyAfter(IntegratorType::kExplicitEuler), 1e6);
+}
+
+TEST(Integrators, ImplicitLosesTheStatedShareOfAMode) {
+  World world({1.0}, 1.0);
+  IntegratorParams params;
+  params.tolerance = 1e-12;
+  const double h = 0.5;
+  const State end = world.run(IntegratorType::kImplicit, 10 * h, 10, startAt(Vec3::UnitX(), Vec3::Zero()), params);
+  const double amplitude = std::sqrt(end.positions[0].squaredNorm() + end.velocities[0].squaredNorm());
+  EXPECT_NEAR(amplitude, std::pow(1.0 + h * h, -5.0), 1e-9);
+}
+
+TEST(Integrators, ImplicitIsStableAtEveryStep) {
+  for (double h : {1e-3, 1.0, 1e3, 1e6}) {
+    World world({1.0, 1e6}, 1.0);
+    const State end = world.run(IntegratorType::kImplicit, 5 * h, 5, startAt(Vec3::UnitX(), Vec3::UnitY(), 2));
+    EXPECT_TRUE(world.last.converged);
+    EXPECT_LE(end.positions[0].norm(), 1.5);
+  }
+}
+
+TEST(Integrators, StaticFindsTheEquilibriumAndStops) {
+  World world({10.0, 1000.0}, 2.0);
+  const ConstantField gravity(world.model.masses(), Vec3(0.0, 0.0, -9.81));
+  world.loads.push_back(&gravity);
+  const State end = world.run(IntegratorType::kStatic, 0.01, 1, startAt(Vec3(1.0, 2.0, 3.0), Vec3::UnitX(), 2));
+  EXPECT_TRUE(world.last.converged);
+  EXPECT_NEAR(end.positions[0].z(), -2.0 * 9.81 / 10.0, 1e-5);
+  EXPECT_NEAR(end.positions[1].z(), -2.0 * 9.81 / 1000.0, 1e-5);
+  EXPECT_EQ(end.velocities[0], Vec3::Zero());
+}
+
+TEST(Integrators, HeldPointsDoNotMove) {
+  for (IntegratorType type : {IntegratorType::kVerlet, IntegratorType::kSymplecticEuler, IntegratorType::kExplicitEuler,
+                              IntegratorType::kImplicit, IntegratorType::kStatic}) {
+    World world({1.0, 1.0}, 1.0);
+    world.held[1] = 1;
+    const State end = world.run(type, 0.5, 5, startAt(Vec3::UnitX(), Vec3::Zero(), 2));
+    EXPECT_EQ(end.positions[1], Vec3(Vec3::UnitX()));
+    EXPECT_NE(end.positions[0], Vec3(Vec3::UnitX()));
+  }
+}
+
+TEST(Integrators, SayWhenTheStateIsNoLongerFinite) {
+  World world({1.0}, 1.0);
+  for (IntegratorType type : {IntegratorType::kVerlet, IntegratorType::kSymplecticEuler, IntegratorType::kExplicitEuler}) {
+    world.run(type, 1.0, 1, startAt(Vec3(std::nan(""), 0.0, 0.0), Vec3::Zero()));
+    EXPECT_FALSE(world.last.finite);
+  }
+}
+
+TEST(Integrators, SubstepsFillTheStepAndStayUnderTheStableOne) {
+  EXPECT_EQ(solve::countSubsteps(0.01, kNoLimit), 1);
+  EXPECT_EQ(solve::countSubsteps(0.01, 0.01), 2);
+  EXPECT_EQ(solve::countSubsteps(0.01, 0.001), 12);
+  EXPECT_EQ(solve::countSubsteps(0.01, 0.0), 2000000000);
+}
+
+TEST(StableStep, IsTwoOverTheHighestFrequency) {
+  World world({1.0, 40.0, 900.0, 25.0}, 1.0);
+  solve::StableStep stable;
+  const State state = startAt(Vec3::Zero(), Vec3::Zero(), 4);
+  EXPECT_NEAR(stable.estimate(0.0, state, world.system), 2.0 / 30.0, 1e-6);
+  world.held[2] = 1;
+  EXPECT_NEAR(stable.estimate(0.0, state, world.system), 2.0 / std::sqrt(40.0), 1e-6);
+}
+
+TEST(StableStep, ShrinksWithViscousDampingByTheCentralDifferenceFormula) {
+  World world({100.0}, 1.0, 6.0);
+  solve::StableStep stable;
+  const double z = 0.3;
+  EXPECT_NEAR(stable.estimate(0.0, startAt(Vec3::Zero(), Vec3::Zero()), world.system), 0.2 * (std::sqrt(1.0 + z * z) - z), 1e-9);
+}
+
+TEST(StableStep, VerletIsStableBelowItAndNotAbove) {
+  for (double viscosity : {0.0, 6.0}) {
+    World world({100.0}, 1.0, viscosity);
+    solve::StableStep stable;
+    const double limit = stable.estimate(0.0, startAt(Vec3::Zero(), Vec3::Zero()), world.system);
+    EXPECT_LT(world.run(IntegratorType::kVerlet, 2000 * 0.98 * limit, 2000, startAt(Vec3::UnitX(), Vec3::Zero())).positions[0].norm(), 20.0);
+    EXPECT_GT(world.run(IntegratorType::kVerlet, 100 * 1.6 * limit, 100, startAt(Vec3::UnitX(), Vec3::Zero())).positions[0].norm(), 1e3);
+  }
+}
+
+TEST(StableStep, OfAFreeBodyIsUnlimited) {
+  World world({0.0, 0.0}, 1.0);
+  solve::StableStep stable;
+  EXPECT_EQ(stable.estimate(0.0, startAt(Vec3::Zero(), Vec3::Zero(), 2), world.system), kNoLimit);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test

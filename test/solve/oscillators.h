@@ -1,0 +1,71 @@
+// The simplest model there is: points on springs to the origin, each with its own stiffness. Its motion is known exactly.
+#pragma once
+
+#include "deformable_surface/solve/integrator.h"
+
+namespace deformable_surface::test {
+
+using model::State;
+
+class Oscillators : public model::DeformableModel {
+ public:
+  Oscillators(std::vector<double> stiffness, double mass, double viscosity = 0.0)
+      : stiffness_(std::move(stiffness)), masses_(stiffness_.size(), mass), viscosity_(viscosity) {}
+
+  const std::vector<double>& masses() const override { return masses_; }
+  void addForces(const State& s, Points& forces) const override {
+    for (std::size_t i = 0; i < forces.size(); ++i)
+      forces[i] -= stiffness_[i] * s.positions[i] + viscosity_ * s.velocities[i];
+  }
+  double elasticEnergy(const State& s) const override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < stiffness_.size(); ++i) sum += 0.5 * stiffness_[i] * s.positions[i].squaredNorm();
+    return sum;
+  }
+  void addStiffness(const State&, double step, BlockSparse& k) const override {
+    for (Index i = 0; i < static_cast<Index>(stiffness_.size()); ++i)
+      k.add(i, i, (stiffness_[i] + (step > 0.0 ? viscosity_ / step : 0.0)) * Mat3::Identity());
+  }
+  void addRowBounds(const State&, std::vector<double>& k, std::vector<double>& c) const override {
+    for (std::size_t i = 0; i < stiffness_.size(); ++i) {
+      k[i] += stiffness_[i];
+      c[i] += viscosity_;
+    }
+  }
+  void computeAreaVectors(const State& s, Points& a) const override { a.assign(s.positions.size(), Vec3::Zero()); }
+  bool isClosed() const override { return false; }
+  double enclosedVolume(const State&) const override { return 0.0; }
+  void computeVolumeGradient(const State& s, Points& g) const override { g.assign(s.positions.size(), Vec3::Zero()); }
+  double maxStretch(const State&) const override { return 0.0; }
+  void computePointStrain(const State& s, std::vector<double>& strain) const override { strain.assign(s.positions.size(), 0.0); }
+  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links_; }
+  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
+  const std::vector<model::WeightedTriangle>& triangles() const override { return no_triangles_; }
+
+ private:
+  std::vector<double> stiffness_, masses_;
+  double viscosity_;
+  std::vector<std::pair<Index, Index>> no_links_;
+  std::vector<model::WeightedTriangle> no_triangles_;
+};
+
+/// A constant force per mass.
+class ConstantField : public solve::ExternalLoad {
+ public:
+  ConstantField(const std::vector<double>& masses, const Vec3& field) : masses_(masses), field_(field) {}
+  void addForces(double, const State&, Points& forces) const override {
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += masses_[i] * field_;
+  }
+  double potential(double, const State& s) const override {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < masses_.size(); ++i) sum -= masses_[i] * field_.dot(s.positions[i]);
+    return sum;
+  }
+  bool isConservative() const override { return true; }
+
+ private:
+  const std::vector<double>& masses_;
+  Vec3 field_;
+};
+
+}  // namespace deformable_surface::test
