@@ -175,7 +175,7 @@ std::vector<Stage> listStages() {
        [](const Preparation& p) { return hashValues(p.rings.area); }},
       {"model", "relative error of mass",
        [](Preparation& p) {
-         p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, sumOf(p.dense_rings.area),
+         p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, sumOf(p.dense_rings.area), false,
                                                        model::MaterialParams{}, model::MassSpringParams{});
        },
        [](const Preparation& p) {

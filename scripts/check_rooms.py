@@ -24,7 +24,7 @@ ROOMS = {
     "ros": [r".*"],
 }
 
-STANDARD = r"[a-z_0-9]+|(immintrin|unistd|fcntl|sched)\.h|sys/\w+\.h"  # C++, the compiler's intrinsics, POSIX
+STANDARD = r"[a-z_0-9]+|([a-z]mmintrin|unistd|fcntl|sched)\.h|sys/\w+\.h"  # C++, the compiler's intrinsics, POSIX
 # What comes from outside, and the files that may include it, as patterns of paths without include/deformable_surface or src.
 OUTSIDE = [
     (STANDARD, r".*"),

@@ -20,7 +20,8 @@ namespace {
 using solve::IntegratorType;
 
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
-constexpr int kMaxRetries = 3;           // of a step that was not finite, each with half the sub-step
+constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry of a step that was not finite
+constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
 constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
 constexpr Index kBlock = 4096;
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
@@ -152,6 +153,35 @@ struct Simulation::Impl {
     return notice;
   }
 
+  // Estimates the stable step anew when the surface is no longer what it was measured on.
+  void refreshStableStep(double now) {
+    const double stretch = rest.model->maxStretch(state);
+    if (!estimate_needed && std::abs(stretch - stretch_at_estimate) <= kStretchMemory) return;
+    max_substep = stable_step.estimate(now, state, system);
+    stretch_at_estimate = stretch;
+    estimate_needed = false;
+  }
+
+  // Advances the state by one step. Verlet's sub-steps, each at most a share of the stable one, are taken in portions between which
+  // the stable step is looked at again: within a long step the surface can become another.
+  solve::SolveReport advance(double now, double share) {
+    const double dt = params.integrator.time_step;
+    if (integrator_type != IntegratorType::kVerlet) return integrator->advance(system, now, dt, share * max_substep, state);
+    solve::SolveReport total;
+    double done = 0.0;
+    for (;;) {
+      const Index left = solve::countSubsteps(dt - done, share * max_substep);
+      const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
+      const solve::SolveReport report = integrator->advance(system, now + done, portion, share * max_substep, state);
+      total.finite = report.finite;
+      total.substeps += report.substeps;
+      total.time_forces += report.time_forces;
+      if (left <= kPortion || !report.finite) return total;
+      done += portion;
+      refreshStableStep(now + done);
+    }
+  }
+
   // One step, in this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer,
   // normals, markers) is made when somebody asks for it.
   StepOutcome step() {
@@ -164,22 +194,14 @@ struct Simulation::Impl {
     forces.update(now + 1e-6 * dt, state);
     before = state;
 
-    // The stable step, when the surface is no longer what it was measured on.
-    const double stretch = rest.model->maxStretch(state);
-    const bool needs_bound = isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto;
-    if (needs_bound && (estimate_needed || std::abs(stretch - stretch_at_estimate) > kStretchMemory)) {
-      max_substep = stable_step.estimate(now, state, system);
-      stretch_at_estimate = stretch;
-      estimate_needed = false;
-    }
+    if (isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto) refreshStableStep(now);
     outcome.notice = chooseIntegrator();
 
     // Sub-steps; a step that went wrong is taken again with finer ones.
-    solve::SolveReport report = integrator->advance(system, now, dt, max_substep, state);
-    for (int retry = 1; !report.finite && integrator_type != IntegratorType::kExplicitEuler && isExplicit(integrator_type) && retry <= kMaxRetries; ++retry) {
+    solve::SolveReport report = advance(now, 1.0);
+    for (double share = 0.5; !report.finite && integrator_type == IntegratorType::kVerlet && share >= kSmallestShare; share *= 0.5) {
       state = before;
-      max_substep *= 0.5;
-      report = integrator->advance(system, now, dt, max_substep, state);
+      report = advance(now, share);
       outcome.notice = "a step was not finite and was taken again with " + std::to_string(report.substeps) + " sub-steps";
     }
     if (!report.finite) {

@@ -7,7 +7,9 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kSafety = 0.9;  // of the stable step: the highest frequency rises a little as the surface deforms
+// Of the stable step, which holds for small motions: a sheet that crumples without damping gained energy and blew up within seconds
+// at nine tenths, and keeps it to a hundredth of what gravity exchanges at this share (test/simulation/stress_test.cpp).
+constexpr double kSafety = 0.6;
 
 bool allFinite(const State& state) {
   // A sum is finite only if every term is, up to overflow, which is no sound state either.

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace deformable_surface::solve {
 namespace {
@@ -34,9 +35,10 @@ SolveReport ImplicitEuler::advance(const System& system, double time, double ste
   for (Index i = 0; i < n; ++i) {
     target_[i] = before_[i] + step / factor * state.velocities[i];
     weight_[i] = factor * system.masses()[i] / (step * step);
-    if (!system.isHeld(i)) state.positions[i] = target_[i];
   }
+  const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
   const NewtonDescent::Problem problem{system, time + step, step, before_, target_, weight_};
+  startFromLower(system, time + step, energy, state);
   // The forces to balance: what the material and the loads do, and the momentum brought along.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - before_[i]).norm());
@@ -55,8 +57,36 @@ SolveReport ImplicitEuler::advance(const System& system, double time, double ste
   }
   for (Index i = 0; i < n; ++i)
     state.velocities[i] = system.isHeld(i) ? Vec3::Zero().eval() : ((state.positions[i] - before_[i]) / step).eval();
+  const double allowed = energy + std::max(0.0, newton_.remainderWork(problem, state));
+  limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
   report.finite = allFinite(state.positions);
   return report;
+}
+
+// The inertial guess where it is no worse than staying: from there every descent ends below the energy before the step.
+void ImplicitEuler::startFromLower(const System& system, double time, double energy, State& state) const {
+  for (Index i = 0; i < state.size(); ++i)
+    if (!system.isHeld(i)) state.positions[i] = target_[i];
+  if (system.potentialEnergy(time, state) > energy) state.positions = before_;
+}
+
+void ImplicitEuler::limitKineticEnergy(const System& system, double limit, State& state) const {
+  const double kinetic = system.kineticEnergy(state);
+  if (!(kinetic > limit)) return;
+  // A free body keeps its momentum; a held one has none to keep.
+  Vec3 mean = Vec3::Zero();
+  double mass = 0.0;
+  bool any_held = false;
+  for (Index i = 0; i < state.size(); ++i) {
+    any_held = any_held || system.isHeld(i);
+    mean += system.masses()[i] * state.velocities[i];
+    mass += system.masses()[i];
+  }
+  mean = any_held ? Vec3::Zero() : Vec3(mean / mass);
+  const double of_mean = 0.5 * mass * mean.squaredNorm();
+  const double scale = std::sqrt(std::max(0.0, limit - of_mean) / std::max(kinetic - of_mean, std::numeric_limits<double>::min()));
+  for (Index i = 0; i < state.size(); ++i)
+    if (!system.isHeld(i)) state.velocities[i] = mean + std::min(1.0, scale) * (state.velocities[i] - mean);
 }
 
 SolveReport StaticSolver::advance(const System& system, double time, double step, double, State& state) {

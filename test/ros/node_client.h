@@ -1,0 +1,254 @@
+// A client of the running node: starts it, talks to it as any other program would, and waits for conditions, never for a time. In a
+// file of its own because every test with a roscore uses it.
+#pragma once
+
+#include "deformable_surface/PointForce.h"
+#include "deformable_surface/SaveCloud.h"
+#include "deformable_surface/SelectRegion.h"
+#include "deformable_surface/Statistics.h"
+#include "deformable_surface/Step.h"
+#include "deformable_surface/base/types.h"
+#include "deformable_surface/io/scene.h"
+
+#include <diagnostic_msgs/DiagnosticArray.h>
+#include <gtest/gtest.h>
+#include <ros/callback_queue.h>
+#include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+#include <xmlrpcpp/XmlRpcValue.h>
+
+#include <csignal>
+#include <cstring>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <optional>
+#include <sstream>
+#include <string>
+#include <vector>
+
+#include <fcntl.h>
+#include <spawn.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+extern char** environ;
+
+namespace deformable_surface::node::test {
+
+// Long enough for a loaded machine; only a test that fails takes that long.
+constexpr double kPatience = 30.0;
+
+/// Lets messages in until the condition holds; false if it does not in time.
+inline bool waitUntil(const std::function<bool()>& condition, double seconds = kPatience) {
+  const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
+  while (!condition()) {
+    if (ros::WallTime::now() > end || !ros::ok()) return false;
+    ros::getGlobalCallbackQueue()->callAvailable(ros::WallDuration(0.005));
+  }
+  return true;
+}
+
+inline XmlRpc::XmlRpcValue toXmlRpc(const Value& value) {
+  XmlRpc::XmlRpcValue result;
+  if (const bool* flag = value.asBool()) return XmlRpc::XmlRpcValue(*flag);
+  if (const std::int64_t* integer = value.asInteger()) return XmlRpc::XmlRpcValue(static_cast<int>(*integer));
+  if (const double* real = value.asReal()) return XmlRpc::XmlRpcValue(*real);
+  if (const std::string* text = value.asText()) return XmlRpc::XmlRpcValue(*text);
+  if (const Value::List* list = value.asList()) {
+    result.setSize(static_cast<int>(list->size()));
+    for (std::size_t i = 0; i < list->size(); ++i) result[static_cast<int>(i)] = toXmlRpc((*list)[i]);
+  }
+  if (const Value::Map* map = value.asMap())
+    for (const auto& [key, member] : *map) result[key] = toXmlRpc(member);
+  return result;
+}
+
+/// The node as a process of its own, started with the parameters of a scene in YAML and ended with this object.
+class NodeProcess {
+ public:
+  NodeProcess(const std::string& name, const std::string& scene) {
+    ros::param::set(name, toXmlRpc(io::parseYaml(scene, name)));
+    output_ = std::filesystem::temp_directory_path() / ("deformable_surface" + std::to_string(getpid()) + "_" + name.substr(1));
+    // The executables of a package lie side by side.
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "deformable_surface_node";
+    const std::string remapping = "__name:=" + name.substr(1);
+    char* arguments[] = {const_cast<char*>(program.c_str()), const_cast<char*>(remapping.c_str()), nullptr};
+    posix_spawn_file_actions_t actions;
+    posix_spawn_file_actions_init(&actions);
+    posix_spawn_file_actions_addopen(&actions, 1, output_.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    posix_spawn_file_actions_adddup2(&actions, 1, 2);
+    is_running_ = posix_spawn(&process_, program.c_str(), &actions, nullptr, arguments, environ) == 0;
+    posix_spawn_file_actions_destroy(&actions);
+    EXPECT_TRUE(is_running_) << program;
+  }
+  ~NodeProcess() {
+    if (isRunning()) {
+      kill(process_, SIGTERM);
+      if (!waitForExit()) {
+        kill(process_, SIGKILL);
+        waitpid(process_, nullptr, 0);
+      }
+    }
+    std::filesystem::remove(output_);
+  }
+  NodeProcess(const NodeProcess&) = delete;
+  NodeProcess& operator=(const NodeProcess&) = delete;
+
+  void send(int signal) { kill(process_, signal); }
+  bool isRunning() {
+    int status = 0;
+    if (is_running_ && waitpid(process_, &status, WNOHANG) == process_) {
+      is_running_ = false;
+      exit_code_ = WIFEXITED(status) ? WEXITSTATUS(status) : -WTERMSIG(status);
+    }
+    return is_running_;
+  }
+  /// The exit code, negative for a signal; nothing if it did not end.
+  std::optional<int> waitForExit() {
+    if (!waitUntil([this] { return !isRunning(); })) return std::nullopt;
+    return exit_code_;
+  }
+  std::string output() const {
+    std::stringstream text;
+    text << std::ifstream(output_).rdbuf();
+    return text.str();
+  }
+
+ private:
+  std::filesystem::path output_;
+  pid_t process_ = 0;
+  bool is_running_ = false;
+  int exit_code_ = 0;
+};
+
+/// Topics and services of one node.
+class NodeClient {
+ public:
+  explicit NodeClient(const std::string& name) : handle_(name), name_(name) {
+    deformed_ = handle_.subscribe<sensor_msgs::PointCloud2>("deformed", 100, [this](const sensor_msgs::PointCloud2ConstPtr& m) {
+      frames.push_back(m);
+      stamps[m->header.stamp] = m;
+    });
+    diagnostics_ = handle_.subscribe<diagnostic_msgs::DiagnosticArray>(
+        "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& m) { take(*m); });
+    cloud_ = handle_.advertise<sensor_msgs::PointCloud2>("cloud_in", 10);
+    force_ = handle_.advertise<PointForce>("force", 10);
+  }
+
+  /// True when everything is connected.
+  bool waitForNode() {
+    return waitUntil([this] {
+      return deformed_.getNumPublishers() > 0 && cloud_.getNumSubscribers() > 0 && force_.getNumSubscribers() > 0 &&
+             ros::service::exists(name_ + "/save", false);
+    });
+  }
+
+  void publish(const sensor_msgs::PointCloud2& cloud) { cloud_.publish(cloud); }
+  void publish(const PointForce& force) { force_.publish(force); }
+
+  /// Waits for the frame of this stamp.
+  sensor_msgs::PointCloud2ConstPtr waitForFrame(const ros::Time& stamp) {
+    return waitUntil([&] { return stamps.count(stamp) > 0; }) ? stamps[stamp] : nullptr;
+  }
+  /// Publishes the cloud and waits for it to come back at rest.
+  sensor_msgs::PointCloud2ConstPtr exchange(const sensor_msgs::PointCloud2& cloud) {
+    stamps.erase(cloud.header.stamp);
+    publish(cloud);
+    return waitForFrame(cloud.header.stamp);
+  }
+
+  /// A value of the diagnostics of this node, by its name; -1 before the first.
+  double diagnostic(const std::string& key) const {
+    const auto found = values_.find(key);
+    return found == values_.end() ? -1.0 : std::atof(found->second.c_str());
+  }
+  std::string diagnosticText(const std::string& key) const {
+    const auto found = values_.find(key);
+    return found == values_.end() ? "" : found->second;
+  }
+  bool waitForDiagnostic(const std::string& key, double value) {
+    return waitUntil([&] { return diagnostic(key) == value; });
+  }
+
+  std_srvs::TriggerResponse reset() { return call<std_srvs::Trigger>("reset", std_srvs::TriggerRequest()); }
+  std_srvs::SetBoolResponse pause(bool paused) {
+    std_srvs::SetBoolRequest request;
+    request.data = paused;
+    return call<std_srvs::SetBool>("pause", request);
+  }
+  StepResponse step(std::uint32_t count) {
+    StepRequest request;
+    request.count = count;
+    return call<Step>("step", request);
+  }
+  SelectRegionResponse select(const char* service, const SelectRegionRequest& request) { return call<SelectRegion>(service, request); }
+  SaveCloudResponse save(const std::string& name) {
+    SaveCloudRequest request;
+    request.name = name;
+    return call<SaveCloud>("save", request);
+  }
+
+  ros::NodeHandle& handle() { return handle_; }
+
+  std::vector<sensor_msgs::PointCloud2ConstPtr> frames;
+  std::map<ros::Time, sensor_msgs::PointCloud2ConstPtr> stamps;  // the last frame of each
+
+ private:
+  template <class Service>
+  typename Service::Response call(const std::string& service, const typename Service::Request& request) {
+    Service exchange;
+    exchange.request = request;
+    EXPECT_TRUE(ros::service::call(name_ + "/" + service, exchange)) << service;
+    return exchange.response;
+  }
+  void take(const diagnostic_msgs::DiagnosticArray& message) {
+    for (const auto& status : message.status) {
+      if (status.name.find(name_.substr(1) + ": ") != 0) continue;
+      for (const auto& value : status.values) values_[value.key] = value.value;
+    }
+  }
+
+  ros::NodeHandle handle_;
+  const std::string name_;
+  ros::Subscriber deformed_, diagnostics_;
+  ros::Publisher cloud_, force_;
+  std::map<std::string, std::string> values_;
+};
+
+/// A float32 or float64 scalar of a point, by the name of its field.
+inline double readField(const sensor_msgs::PointCloud2& cloud, std::size_t point, const std::string& name) {
+  for (const auto& field : cloud.fields) {
+    if (field.name != name) continue;
+    const std::uint8_t* bytes = cloud.data.data() + point * cloud.point_step + field.offset;
+    if (field.datatype == sensor_msgs::PointField::FLOAT64) {
+      double value;
+      std::memcpy(&value, bytes, sizeof value);
+      return value;
+    }
+    float value;
+    std::memcpy(&value, bytes, sizeof value);
+    return value;
+  }
+  ADD_FAILURE() << "no field " << name;
+  return 0.0;
+}
+
+inline Vec3 readPosition(const sensor_msgs::PointCloud2& cloud, std::size_t point) {
+  return {readField(cloud, point, "x"), readField(cloud, point, "y"), readField(cloud, point, "z")};
+}
+
+inline PointForce makeForce(const std::string& id, const Vec3& point, const Vec3& force, double radius = 0.0, double duration = 0.0) {
+  PointForce message;
+  message.id = id;
+  message.point.x = point.x(), message.point.y = point.y(), message.point.z = point.z();
+  message.force.x = force.x(), message.force.y = force.y(), message.force.z = force.z();
+  message.radius = radius;
+  message.duration = duration;
+  return message;
+}
+
+}  // namespace deformable_surface::node::test

@@ -1,0 +1,131 @@
+// The node on /clock: it stands when the clock stands, starts over when it jumps back, and comes to the same state whenever it gets
+// the same messages, in each of two instances.
+#include "bad_clouds.h"
+#include "node_client.h"
+
+#include <rosgraph_msgs/Clock.h>
+
+namespace deformable_surface::node::test {
+namespace {
+
+constexpr char kScene[] = R"({model: mass_spring, gravity: [0, 0, -1], pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}],
+                              output: {publish_rate: 100.0}})";
+constexpr std::int64_t kStart = 100'000'000'000, kStep = 10'000'000;  // ns
+
+ros::Time toTime(std::int64_t nanoseconds) {
+  ros::Time time;
+  return time.fromNSec(static_cast<std::uint64_t>(nanoseconds));
+}
+
+class SimulatedTimeTest : public ::testing::Test {
+ protected:
+  SimulatedTimeTest() : process_("/one", kScene), client_("/one") { clock_ = client_.handle().advertise<rosgraph_msgs::Clock>("/clock", 1000); }
+  void SetUp() override {
+    ASSERT_TRUE(client_.waitForNode()) << process_.output();
+    // roscpp's own subscription and the node's, and that of this process.
+    ASSERT_TRUE(waitUntil([&] { return clock_.getNumSubscribers() >= 2; }));
+    cloud_ = makeSheet(20, 10);
+    cloud_.header.stamp = toTime(kStart);
+  }
+
+  void tick(std::int64_t time) {
+    rosgraph_msgs::Clock message;
+    message.clock = toTime(time);
+    clock_.publish(message);
+  }
+  void tick(std::int64_t from, std::int64_t to) {
+    for (std::int64_t time = from; time <= to; time += kStep) tick(time);
+  }
+
+  /// The messages of a run from kStart on, and the state that it comes to after half a second.
+  std::string run(NodeClient& client) {
+    // Until the node has seen the clock, the cloud waits.
+    tick(kStart);
+    EXPECT_TRUE(client.exchange(cloud_));
+    const double applied = client.diagnostic("commands applied");
+    for (int i = 0; i < 5; ++i) {
+      PointForce force = makeForce("pull", Vec3(0.19, 0.05, 0.0), Vec3(0.0, 0.001 * i, 0.002), 0.02, 0.07);
+      force.header.stamp = toTime(kStart + (3 + 8 * i) * kStep);
+      client.publish(force);
+    }
+    EXPECT_TRUE(client.waitForDiagnostic("commands waiting", 5));
+    const ros::Time end = cloud_.header.stamp + ros::Duration(0.5);
+    client.stamps.erase(end);
+    tick(kStart + kStep, kStart + 50 * kStep);
+    const auto frame = client.waitForFrame(end);
+    EXPECT_TRUE(frame);
+    EXPECT_TRUE(client.waitForDiagnostic("commands applied", std::max(applied, 0.0) + 5.0));
+    return frame ? std::string(frame->data.begin(), frame->data.end()) : "";
+  }
+
+  NodeProcess process_;
+  NodeClient client_;
+  ros::Publisher clock_;
+  PointCloud2 cloud_;
+};
+
+TEST_F(SimulatedTimeTest, StandsWhileTheClockStands) {
+  client_.publish(cloud_);
+  ASSERT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "waiting for the clock"; }));
+  tick(kStart);
+  ASSERT_TRUE(client_.waitForFrame(cloud_.header.stamp)) << process_.output();
+  tick(kStart + 5 * kStep);
+  ASSERT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));
+  // A diagnosis later it has not moved.
+  const double step = 5;
+  ASSERT_TRUE(client_.waitForDiagnostic("step", step));
+  ASSERT_TRUE(waitUntil([&] { return client_.diagnostic("steps per second") == 0.0; }));
+  EXPECT_EQ(client_.diagnostic("step"), step);
+  EXPECT_EQ(client_.frames.back()->header.stamp, toTime(kStart + 5 * kStep));
+}
+
+TEST_F(SimulatedTimeTest, DoesNotCatchUpAForwardJump) {
+  tick(kStart);
+  ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
+  tick(kStart + 1'000 * kStep);
+  tick(kStart + 1'001 * kStep);
+  ASSERT_TRUE(client_.waitForFrame(toTime(kStart + kStep)));
+  tick(kStart + 1'003 * kStep);
+  ASSERT_TRUE(client_.waitForDiagnostic("step", 3));
+}
+
+TEST_F(SimulatedTimeTest, RepeatsItselfWhenTheClockJumpsBackAndInAnotherInstance) {
+  const std::string first = run(client_);
+  ASSERT_FALSE(first.empty()) << process_.output();
+  EXPECT_EQ(client_.diagnostic("clock jumps back"), 0);
+  // As a bag that loops; the cloud comes again.
+  EXPECT_EQ(run(client_), first);
+  ASSERT_TRUE(client_.waitForDiagnostic("clock jumps back", 1));
+
+  NodeProcess other_process("/two", kScene);
+  NodeClient other("/two");
+  ASSERT_TRUE(other.waitForNode()) << other_process.output();
+  const std::uint32_t needed = clock_.getNumSubscribers();
+  ASSERT_TRUE(waitUntil([&] { return clock_.getNumSubscribers() >= std::max(needed, 3u); }));
+  EXPECT_EQ(run(other), first);
+}
+
+TEST_F(SimulatedTimeTest, StartsOverFromRestAfterAJumpBackWithoutANewCloud) {
+  tick(kStart);
+  ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
+  tick(kStart, kStart + 50 * kStep);
+  const auto first = client_.waitForFrame(toTime(kStart + 50 * kStep));
+  ASSERT_TRUE(first);
+  client_.stamps.clear();
+  tick(kStart - 100 * kStep);
+  ASSERT_TRUE(client_.waitForFrame(cloud_.header.stamp));
+  tick(kStart - 100 * kStep, kStart + 50 * kStep);
+  const auto second = client_.waitForFrame(toTime(kStart + 50 * kStep));
+  ASSERT_TRUE(second);
+  EXPECT_EQ(second->data, first->data);
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "simulated_time_rostest");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
