@@ -36,7 +36,7 @@ void printHeader(const std::string& commit) {
   std::printf("compiler  g++ %s, %s\n", __VERSION__, DEFORMABLE_SURFACE_FLAGS);
   std::printf("commit    %s\n", commit.c_str());
   std::printf("wall: median of the runs after a warm-up; spread: interquartile range over median; cpu: least processor time of all\n"
-              "threads, which other work on the machine disturbs least\n");
+              "threads, which other work on the machine disturbs least; cores: cpu over wall, how many the machine gave\n");
 }
 
 int fail(const std::string& problem) {

@@ -11,6 +11,7 @@ namespace {
 
 constexpr double kBatchSeconds = 2e-3;  // far above what reading the clocks costs
 constexpr int kMaxRepetitions = 100;    // more do not move the median
+constexpr double kLongRuns = 3.0;       // budgets: bodies longer than this run once
 
 }  // namespace
 
@@ -27,29 +28,38 @@ Quartiles findQuartiles(std::vector<double> values) {
 }
 
 Timing measure(const std::function<void()>& body, double budget, int min_repetitions) {
-  // The first run fills caches and buffers, the second says how many make a batch.
-  body();
-  const Timer once;
-  body();
-  const int batch = static_cast<int>(std::max(1.0, std::min(1e6, kBatchSeconds / std::max(once.seconds(), 1e-9))));
-
-  Timing timing;
   std::vector<double> walls, cpus;
-  if (batch == 1 && once.seconds() > budget) --min_repetitions;  // long ones: the second run has cost enough
-  const Timer all;
-  while (timing.repetitions < std::max(1, min_repetitions) ||
-         (all.seconds() < budget && timing.repetitions < kMaxRepetitions)) {
+  const auto repeat = [&](int batch) {
     const double cpu_before = processorSeconds();
     const Timer timer;
     for (int i = 0; i < batch; ++i) body();
     walls.push_back(timer.seconds() / batch);
     cpus.push_back((processorSeconds() - cpu_before) / batch);
-    ++timing.repetitions;
+  };
+
+  // The first run fills caches and buffers and is forgotten, unless the body is so long that this does not matter.
+  repeat(1);
+  if (walls[0] < kLongRuns * budget) {
+    walls.clear();
+    cpus.clear();
+    repeat(1);  // says how many make a batch
+    const int batch = static_cast<int>(std::max(1.0, std::min(1e6, kBatchSeconds / std::max(walls[0], 1e-9))));
+    if (batch > 1) {
+      walls.clear();
+      cpus.clear();
+    }
+    const Timer all;
+    while (static_cast<int>(walls.size()) < min_repetitions ||
+           (all.seconds() < budget && static_cast<int>(walls.size()) < kMaxRepetitions))
+      repeat(batch);
   }
+
   const Quartiles quartiles = findQuartiles(walls);
+  Timing timing;
   timing.wall = quartiles.median;
   timing.spread = (quartiles.high - quartiles.low) / quartiles.median;
   timing.cpu = *std::min_element(cpus.begin(), cpus.end());
+  timing.repetitions = static_cast<int>(walls.size());
   return timing;
 }
 

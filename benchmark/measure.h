@@ -20,7 +20,7 @@ struct Timing {
 double processorSeconds();
 
 /// Runs body once to warm up and then again and again, for about budget seconds and at least min_repetitions times. Short bodies
-/// are run in batches that the clocks can resolve.
+/// are run in batches that the clocks can resolve; bodies far longer than the budget run once.
 Timing measure(const std::function<void()>& body, double budget, int min_repetitions = 3);
 
 /// The values in the middle and at the two quarters.

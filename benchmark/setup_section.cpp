@@ -15,7 +15,7 @@ void measureStages(Index n, PointOrder order, int threads, const Options& option
   const auto addRow = [&](const std::string& name, const Timing& t, double error, const std::string& error_name,
                           std::uint64_t hash) {
     report.add({name, std::to_string(p.cloud.size()), order == PointOrder::kScan ? "scan" : "shuffled", std::to_string(numThreads()),
-                showMilliseconds(t.wall), showPercent(t.spread), showMilliseconds(t.cpu), show(1e9 * t.cpu * per_point),
+                showMilliseconds(t.wall), showPercent(t.spread), showMilliseconds(t.cpu), show(t.cpu / t.wall), show(1e9 * t.cpu * per_point),
                 std::to_string(t.repetitions), show(error), error_name, showHash(hash)});
   };
   for (const Stage& stage : listStages()) {
@@ -38,8 +38,8 @@ void measureStages(Index n, PointOrder order, int threads, const Options& option
 
 void runSetupSection(const Options& options, Report& report) {
   report.begin("setup", "1. Set-up of a wavy sheet, 50 points to one simulation point",
-               {"stage", "points", "order", "threads", "wall_ms", "spread_%", "cpu_ms", "cpu_ns_per_point", "runs", "error",
-                "error_is", "hash"});
+               {"stage", "points", "order", "threads", "wall_ms", "spread_%", "cpu_ms", "cores", "cpu_ns_per_point", "runs",
+                "error", "error_is", "hash"});
   std::vector<Index> sizes{10000, 100000};
   if (options.large) sizes.push_back(1000000);
   for (Index n : sizes)

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 namespace deformable_surface::benchmark {
 namespace {
@@ -42,7 +43,7 @@ double measureTriad(double bytes, double budget) {
 
 void runTransferSection(const Options& options, Report& report) {
   report.begin("transfer", "3. Transfer with normals against the memory's bandwidth (triad on as many bytes, same run)",
-               {"points", "threads", "wall_ms", "spread_%", "cpu_ms", "million_points_per_s", "bytes_per_point", "GB_per_s",
+               {"points", "threads", "wall_ms", "spread_%", "cpu_ms", "cores", "million_points_per_s", "bytes_per_point", "GB_per_s",
                 "triad_GB_per_s", "ratio", "rotation_error_m", "normal_error_deg", "runs", "hash"});
   const cloud::PointCloud coarse = makeWavySheet(kSimulationPoints, PointOrder::kScan);
   const Mat3 rotation = Eigen::AngleAxisd(1.1, Vec3(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
@@ -68,7 +69,7 @@ void runTransferSection(const Options& options, Report& report) {
       const double bandwidth = movedBytes(transfer) * dense.size() / timing.wall;
       const double triad = measureTriad(movedBytes(transfer) * dense.size(), options.budget);
       report.add({std::to_string(dense.size()), std::to_string(threads), showMilliseconds(timing.wall), showPercent(timing.spread),
-                  showMilliseconds(timing.cpu), show(1e-6 * dense.size() / timing.wall), show(movedBytes(transfer)),
+                  showMilliseconds(timing.cpu), show(timing.cpu / timing.wall), show(1e-6 * dense.size() / timing.wall), show(movedBytes(transfer)),
                   show(1e-9 * bandwidth), show(1e-9 * triad), show(bandwidth / triad), show(error),
                   show(normal_error * 180.0 / std::acos(-1.0)), std::to_string(timing.repetitions), showHash(hashValues(now))});
     }

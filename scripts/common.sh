@@ -82,8 +82,7 @@ source_setup() { set +u; . "$1"; set -u; }
 
 enter_ros() {
   if [ -f /opt/ros/noetic/setup.bash ]; then source_setup /opt/ros/noetic/setup.bash; fi
-  # The name of a container often does not resolve, and then no node reaches another. The address of this machine alone also
-  # keeps the nodes from listening to the network.
+  # The name of a container often does not resolve, and then no node reaches another.
   if [ -z "${ROS_IP:-}" ] && [ -z "${ROS_HOSTNAME:-}" ]; then
     case ${ROS_MASTER_URI:-http://localhost:11311} in
       *//localhost:* | *//127.0.0.1:*) export ROS_IP=127.0.0.1 ;;
@@ -94,8 +93,13 @@ enter_ros() {
 # build [target ...]: builds the workspace, whose only package is this repository, and enters it. Both Python variables are
 # needed: catkin reads the first, the ament macros that Debian's pluginlib calls read the second.
 build() {
-  mkdir -p "$workspace/src"
-  ln -sfn "$repository" "$workspace/src/deformable_surface"
+  # The package in the workspace is a folder of links to what the repository holds: a link to the repository itself would contain
+  # the workspace again, and tools that follow links would go round in it.
+  local package=$workspace/src/deformable_surface entry
+  [ ! -L "$package" ] || rm "$package"
+  mkdir -p "$package"
+  find "$package" -mindepth 1 -maxdepth 1 -type l -delete
+  for entry in "$repository"/*; do ln -s "$entry" "$package/"; done
   enter_ros
   (cd "$workspace" && catkin_make -j"$jobs" -DCMAKE_BUILD_TYPE=Release \
     -DPYTHON_EXECUTABLE=/usr/bin/python3 -DPython3_EXECUTABLE=/usr/bin/python3 "$@")

@@ -1,32 +1,13 @@
 #include "deformable_surface/ros/commands.h"
 
-#include "deformable_surface/base/error.h"
+#include "frames.h"
 
-#include <tf2/exceptions.h>
+#include "deformable_surface/base/error.h"
 
 #include <cmath>
 
 namespace deformable_surface::node {
 namespace {
-
-// Names of frames are given with and without a slash, and mean the same.
-std::string withoutSlash(const std::string& frame) { return frame.empty() || frame[0] != '/' ? frame : frame.substr(1); }
-
-Eigen::Isometry3d findTransform(const std::string& name, const std_msgs::Header& header, const std::string& surface_frame,
-                                const tf2::BufferCore& transforms) {
-  const std::string from = withoutSlash(header.frame_id), to = withoutSlash(surface_frame);
-  if (from.empty() || from == to) return Eigen::Isometry3d::Identity();
-  try {
-    const geometry_msgs::Transform t = transforms.lookupTransform(to, from, header.stamp).transform;
-    Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
-    transform.translate(Vec3(t.translation.x, t.translation.y, t.translation.z));
-    transform.rotate(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
-    return transform;
-  } catch (const tf2::TransformException& error) {
-    throw InputError(name + " header.frame_id: found " + quote(from) + ", from which there is no transform to the surface's frame " +
-                     quote(to) + " (" + error.what() + "); accepted: frames with a transform at the message's stamp");
-  }
-}
 
 void requireFinite(const std::string& name, const Vec3& v) {
   if (!v.allFinite()) throw InputError(name + ": found a value that is not finite; accepted: finite numbers");
@@ -51,7 +32,8 @@ simulation::ForceParams toForce(const PointForce& message, double now, const std
   requireNotNegative(name + " radius", message.radius, "m");
   requireNotNegative(name + " duration", message.duration, "s");
 
-  const Eigen::Isometry3d transform = findTransform(name, message.header, surface_frame, transforms);
+  const Eigen::Isometry3d transform =
+      findTransform(name, message.header.frame_id, surface_frame, message.header.stamp, transforms);
   simulation::ForceParams params;
   params.id = message.id;
   params.point = transform * point;
@@ -66,7 +48,8 @@ simulation::ForceParams toForce(const geometry_msgs::WrenchStamped& message, dou
                                 const tf2::BufferCore& transforms, const simulation::WrenchParams& wrench) {
   const Vec3 force(message.wrench.force.x, message.wrench.force.y, message.wrench.force.z);
   requireFinite("wrench force", force);
-  const Eigen::Isometry3d transform = findTransform("wrench", message.header, surface_frame, transforms);
+  const Eigen::Isometry3d transform =
+      findTransform("wrench", message.header.frame_id, surface_frame, message.header.stamp, transforms);
   simulation::ForceParams params;
   params.id = kWrenchId;
   params.point = transform.translation();

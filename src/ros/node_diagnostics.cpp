@@ -70,7 +70,7 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
   if (now_.is_failed) {
     status.summary(DiagnosticStatus::ERROR, now_.state);
   } else if (is_behind) {
-    status.summary(DiagnosticStatus::WARN, "steps take longer than real time");
+    status.summary(DiagnosticStatus::WARN, "slower than real time");
   } else {
     status.summary(DiagnosticStatus::OK, now_.state);
   }

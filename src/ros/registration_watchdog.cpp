@@ -10,6 +10,9 @@
 #include <xmlrpcpp/XmlRpcException.h>
 
 #include <chrono>
+#include <cstdint>
+#include <exception>
+#include <memory>
 #include <utility>
 
 namespace deformable_surface::node {
@@ -79,6 +82,8 @@ void registerAll(const std::vector<std::string>& services) {
   const std::string service_uri =
       "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
   for (const std::string& service : services) askMaster("registerService", answer, service, service_uri, uri);
+  for (const char* service : {"/get_loggers", "/set_logger_level"})
+    askMaster("registerService", answer, ros::this_node::getName() + service, service_uri, uri);
 }
 
 }  // namespace

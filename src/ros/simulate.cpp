@@ -1,5 +1,6 @@
 #include "simulate.h"
 
+#include "frames.h"
 #include "simulate_bag.h"
 #include "simulate_options.h"
 #include "simulate_outputs.h"
@@ -16,6 +17,7 @@
 #include <ros/package.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <filesystem>
@@ -35,8 +37,10 @@ constexpr char kDefaultFrame[] = "map";
 
 /// The folder of a package by ROS, else of this one beside the program in an install space without a ROS environment.
 std::string findPackage(const std::string& package) {
-  const std::string by_ros = ros::package::getPath(package);
-  if (!by_ros.empty()) return by_ros;
+  // To ask for a package that there is not would write to the terminal.
+  std::vector<std::string> known;
+  ros::package::getAll(known);
+  if (std::find(known.begin(), known.end(), package) != known.end()) return ros::package::getPath(package);
   std::error_code error;
   const fs::path program = fs::read_symlink("/proc/self/exe", error);
   const fs::path installed = program.parent_path() / "../../share" / package;
@@ -62,7 +66,8 @@ void checkFinalFile(const std::string& file) {
   io::checkPointFileName(file);
   const fs::path folder = fs::path(file).has_parent_path() ? fs::path(file).parent_path() : fs::path(".");
   if (access(folder.c_str(), W_OK) != 0 || fs::is_directory(file)) {
-    throw InputError("--final: found " + quote(file) + ", which cannot be written; accepted: a file in a folder that can be written");
+    throw InputError("--final: found " + quote(file) +
+                     ", which cannot be written; accepted: a file in a folder that can be written");
   }
 }
 
@@ -115,8 +120,9 @@ class Run {
 
   int run() {
     if (options_.bag_in.empty()) {
-      begin(build(loadCloud(params_), "", 0, tf2::BufferCore()), 0);
+      begin(build(loadCloud(params_), "", 0), 0);
     } else {
+      bag_.emplace(options_.bag_in, options_.topics, DecodeLimits{params_.input.max_points});
       playBag();
     }
     stepUntil(end_);
@@ -130,19 +136,18 @@ class Run {
 
   // The bag's messages in the order of their stamps, and the steps between them.
   void playBag() {
-    const InputBag bag(options_.bag_in, options_.topics, {params_.input.max_points});
     std::vector<InputBag::Event> waiting;  // commands that came before the first cloud
-    for (const auto& [stamp, instance] : bag.entries()) {
+    for (const auto& [stamp, instance] : bag_->entries()) {
       if (status_ != kDone || (simulation_ && stamp >= end_)) break;
-      InputBag::Event event = bag.read(stamp, instance);
+      InputBag::Event event = bag_->read(stamp, instance);
       if (auto* cloud = std::get_if<DecodedCloud>(&event.message)) {
-        takeCloud(std::move(*cloud), event.stamp, bag.transforms());
+        takeCloud(std::move(*cloud), event.stamp);
         if (simulation_) {
-          for (const InputBag::Event& command : waiting) takeCommand(command, bag.transforms());
+          for (const InputBag::Event& command : waiting) takeCommand(command);
           waiting.clear();
         }
       } else if (simulation_) {
-        takeCommand(event, bag.transforms());
+        takeCommand(event);
       } else {
         waiting.push_back(std::move(event));
       }
@@ -151,12 +156,12 @@ class Run {
   }
 
   // A cloud that is refused changes nothing.
-  void takeCloud(DecodedCloud decoded, std::int64_t stamp, const tf2::BufferCore& transforms) {
+  void takeCloud(DecodedCloud decoded, std::int64_t stamp) {
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
     std::unique_ptr<Simulation> simulation;
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
-      simulation = build(std::move(decoded.cloud), decoded.header.frame_id, stamp, transforms);
+      simulation = build(std::move(decoded.cloud), decoded.header.frame_id, stamp);
     } catch (const InputError& error) {
       return reportRefusal("cloud", stamp, error);
     }
@@ -166,25 +171,24 @@ class Run {
   }
 
   // Takes effect at the first step that begins at or after the stamp.
-  void takeCommand(const InputBag::Event& event, const tf2::BufferCore& transforms) {
+  void takeCommand(const InputBag::Event& event) {
     while (canStep() && now() < event.stamp) step();
     try {
       if (const auto* force = std::get_if<PointForce>(&event.message)) {
-        simulation_->setForce(toForce(*force, simulation_->time(), frame_, transforms));
+        simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms()));
       } else {
-        simulation_->setForce(toForce(std::get<geometry_msgs::WrenchStamped>(event.message), simulation_->time(), frame_, transforms,
-                                      params_.force));
+        simulation_->setForce(toForce(std::get<geometry_msgs::WrenchStamped>(event.message), simulation_->time(), frame_,
+                                      bag_->transforms(), params_.force));
       }
     } catch (const InputError& error) {
       reportRefusal("command", event.stamp, error);
     }
   }
 
-  std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp,
-                                    const tf2::BufferCore& transforms) {
+  std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp) {
     auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
     const std::string frame = !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
-    simulation->setGravity(findGravity(frame, stamp, transforms));
+    simulation->setGravity(findGravity(frame, stamp));
     frame_ = frame;
     return simulation;
   }
@@ -203,17 +207,25 @@ class Run {
     writeState();
   }
 
-  Vec3 findGravity(const std::string& frame, std::int64_t stamp, const tf2::BufferCore& transforms) const {
+  // In the surface's frame.
+  Vec3 findGravity(const std::string& frame, std::int64_t stamp) const {
     if (params_.gravity_frame.empty() || params_.gravity_frame == frame) return params_.gravity;
-    // Gravity is a force on a unit of mass, whose frame is looked up as that of any other force.
-    PointForce unit;
-    unit.id = "gravity";
-    unit.header.frame_id = params_.gravity_frame;
-    unit.header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
-    unit.force.x = params_.gravity.x();
-    unit.force.y = params_.gravity.y();
-    unit.force.z = params_.gravity.z();
-    return toForce(unit, 0.0, frame, transforms).force;
+    if (!bag_) {
+      throw InputError("gravity_frame: found " + quote(params_.gravity_frame) +
+                       " without a bag that has transforms; accepted: the surface's frame, " + quote(frame));
+    }
+    ros::Time time;
+    time.fromNSec(static_cast<std::uint64_t>(stamp));
+    return findTransform("gravity_frame", params_.gravity_frame, frame, time, bag_->transforms()).linear() * params_.gravity;
+  }
+
+  // The surface's frame may turn while it is simulated. Beyond the last transform the last direction stays.
+  void updateGravity() {
+    if (params_.gravity_frame.empty() || !bag_) return;
+    try {
+      simulation_->setGravity(findGravity(frame_, now()));
+    } catch (const InputError&) {
+    }
   }
 
   // Takes the steps that end at or before the stamp.
@@ -229,6 +241,7 @@ class Run {
       status_ = kInterrupted;
       return;
     }
+    updateGravity();
     const simulation::StepOutcome outcome = simulation_->step();
     if (!outcome.notice.empty()) note(outcome.notice);
     if (!outcome.ok) {
@@ -262,11 +275,12 @@ class Run {
     float largest = 0.0f;
     for (const float displacement : simulation_->surface(false).displacement) largest = std::max(largest, displacement);
     char text[400];
-    std::snprintf(text, sizeof text,
-                  "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
-                  "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m\nstate hash            %016llx\n",
-                  statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
-                  static_cast<unsigned long long>(statistics.state_hash));
+    std::snprintf(
+        text, sizeof text,
+        "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
+        "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m\nstate hash            %016llx\n",
+        statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
+        static_cast<unsigned long long>(statistics.state_hash));
     terminal_.out << text << std::flush;
   }
 
@@ -286,7 +300,8 @@ class Run {
   }
   void reportRefusal(const std::string& what, std::int64_t stamp, const InputError& error) {
     for (const std::string& problem : error.problems()) {
-      report(options_.bag_in + ", " + what + " with the stamp " + formatReal(static_cast<double>(stamp) * 1e-9) + " s: " + problem);
+      report(options_.bag_in + ", " + what + " with the stamp " + formatReal(static_cast<double>(stamp) * 1e-9) +
+             " s: " + problem);
     }
   }
 
@@ -298,6 +313,7 @@ class Run {
   std::optional<FrameFiles> frames_;
   std::optional<OutputBag> output_bag_;
 
+  std::optional<InputBag> bag_;
   std::unique_ptr<Simulation> simulation_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end

@@ -1,4 +1,4 @@
-// The program `simulate`: a scene in, and a bag if given; clouds, a bag and a CSV out. Apart from its main, so that tests call it.
+// The program `simulate`: a scene in, and a bag if given; clouds, a bag and a CSV out. Apart from its main, for tests.
 #pragma once
 
 #include <csignal>
@@ -12,8 +12,8 @@ namespace deformable_surface::node {
 struct Terminal {
   std::ostream& out;
   std::ostream& err;
-  bool show_progress;                         // a bar on err
-  const volatile std::sig_atomic_t& stop;     // the number of a signal that came, else 0
+  bool show_progress;                      // a bar on err
+  const volatile std::sig_atomic_t& stop;  // the number of a signal that came, else 0
 };
 
 /// arguments: without the name of the program. Returns the exit status: 0 done; 2 the command line, the scene or an input file is

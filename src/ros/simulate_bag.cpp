@@ -9,6 +9,7 @@
 #include <tf2_msgs/TFMessage.h>
 
 #include <cstring>
+#include <set>
 #include <vector>
 
 namespace deformable_surface::node {
@@ -35,7 +36,8 @@ std::int64_t readStamp(const rosbag::MessageInstance& instance) {
 
 template <class Message>
 bool isType(const rosbag::ConnectionInfo& connection) {
-  return connection.datatype == ros::message_traits::datatype<Message>() && connection.md5sum == ros::message_traits::md5sum<Message>();
+  return connection.datatype == ros::message_traits::datatype<Message>() &&
+         connection.md5sum == ros::message_traits::md5sum<Message>();
 }
 
 }  // namespace
@@ -58,7 +60,8 @@ void InputBag::index(const std::map<std::string, std::string>& topics) {
   std::vector<std::string> wanted;
   for (const auto& [name, topic] : topics) {
     if (!name_of.emplace(topic, name).second) {
-      throw InputError("--topic: found " + quote(topic) + " for both " + name_of[topic] + " and " + name + "; accepted: different topics");
+      throw InputError("--topic: found " + quote(topic) + " for both " + name_of[topic] + " and " + name +
+                       "; accepted: different topics");
     }
     wanted.push_back(topic);
   }
@@ -72,18 +75,25 @@ void InputBag::index(const std::map<std::string, std::string>& topics) {
                           : name == "force"  ? isType<PointForce>(*connection)
                                              : isType<geometry_msgs::WrenchStamped>(*connection);
     if (!accepted) {
-      throw InputError(file_ + ": found messages of type " + quote(connection->datatype) + " (md5sum " + quote(connection->md5sum) + ") on " +
-                       quote(connection->topic) + "; accepted for " + name + ": " +
-                       (name == "cloud_in" ? "sensor_msgs/PointCloud2" : name == "force" ? "deformable_surface/PointForce" : "geometry_msgs/WrenchStamped") +
+      throw InputError(file_ + ": found messages of type " + quote(connection->datatype) + " (md5sum " +
+                       quote(connection->md5sum) + ") on " + quote(connection->topic) + "; accepted for " + name + ": " +
+                       (name == "cloud_in" ? "sensor_msgs/PointCloud2"
+                        : name == "force"  ? "deformable_surface/PointForce"
+                                           : "geometry_msgs/WrenchStamped") +
                        " of this version");
     }
     has_cloud = has_cloud || name == "cloud_in";
   }
   if (!has_cloud) {
+    std::set<std::string> clouds;
+    for (const rosbag::ConnectionInfo* connection : rosbag::View(bag_).getConnections()) {
+      if (isType<sensor_msgs::PointCloud2>(*connection)) clouds.insert(quote(connection->topic));
+    }
     std::string found;
-    for (const rosbag::ConnectionInfo* connection : rosbag::View(bag_).getConnections()) found += " " + quote(connection->topic);
-    throw InputError(file_ + ": found no cloud on " + quote(topics.at("cloud_in")) + " but the topics" + (found.empty() ? " none" : found) +
-                     "; accepted: --topic cloud_in=TOPIC with one that has sensor_msgs/PointCloud2");
+    for (const std::string& topic : clouds) found += " " + topic;
+    throw InputError(file_ + ": found no cloud on " + quote(topics.at("cloud_in")) +
+                     "; accepted: --topic cloud_in=TOPIC with one of" +
+                     (found.empty() ? " those that have sensor_msgs/PointCloud2, of which this bag has none" : found));
   }
 
   for (const rosbag::MessageInstance& instance : *view_) entries_.emplace(readStamp(instance), instance);

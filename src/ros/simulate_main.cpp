@@ -16,5 +16,6 @@ void onSignal(int number) { stop_signal = number; }
 int main(int argc, char** argv) {
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
-  return deformable_surface::node::simulate({argv + 1, argv + argc}, {std::cout, std::cerr, isatty(STDERR_FILENO) == 1, stop_signal});
+  return deformable_surface::node::simulate({argv + 1, argv + argc},
+                                            {std::cout, std::cerr, isatty(STDERR_FILENO) == 1, stop_signal});
 }

@@ -10,14 +10,15 @@
 namespace deformable_surface::node {
 namespace {
 
-const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",      "--frames",  "--frame_rate",
-                                             "--bag_in", "--topic",    "--bag_out",    "--statistics", "--threads"};
+const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",   "--frames",     "--frame_rate",
+                                             "--bag_in", "--topic",    "--bag_out", "--statistics", "--threads"};
 const std::vector<std::string> kFlags{"--quiet", "--help"};
 
 std::string refuseUnknown(const std::string& option) {
   std::vector<std::string> known = kValueOptions;
   known.insert(known.end(), kFlags.begin(), kFlags.end());
-  return "found the option " + quote(option) + "; the nearest known one is " + nearestWord(option, known) + "; accepted: those of --help";
+  return "found the option " + quote(option) + "; the nearest known one is " + nearestWord(option, known) +
+         "; accepted: those of --help";
 }
 
 // NAME=TOPIC.
@@ -47,9 +48,12 @@ void setFrameRate(const std::string& value, SimulateOptions& options, std::vecto
 
 SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
   SimulateOptions options;
-  for (const char* name : {"cloud_in", "force", "wrench", "tools"}) options.topics[name] = std::string("/deformable_surface/") + name;
-  const std::map<std::string, std::string*> texts{{"--final", &options.final_file},           {"--frames", &options.frames_directory},
-                                                  {"--statistics", &options.statistics_file}, {"--bag_in", &options.bag_in},
+  for (const char* name : {"cloud_in", "force", "wrench", "tools"})
+    options.topics[name] = std::string("/deformable_surface/") + name;
+  const std::map<std::string, std::string*> texts{{"--final", &options.final_file},
+                                                  {"--frames", &options.frames_directory},
+                                                  {"--statistics", &options.statistics_file},
+                                                  {"--bag_in", &options.bag_in},
                                                   {"--bag_out", &options.bag_out}};
   std::vector<std::string> problems, late_assignments;
   std::set<std::string> given;
@@ -104,7 +108,8 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
   options.assignments.insert(options.assignments.end(), late_assignments.begin(), late_assignments.end());
 
   if (options.help) return options;
-  if (options.scene.empty() && problems.empty()) problems.push_back("found no scene; accepted: simulate SCENE.yaml [options], see --help");
+  if (options.scene.empty() && problems.empty())
+    problems.push_back("found no scene; accepted: simulate SCENE.yaml [options], see --help");
   if (given.count("--frame_rate") > 0 && options.frames_directory.empty()) {
     problems.push_back("--frame_rate: found without --frames; accepted: together with --frames DIR");
   }

@@ -12,13 +12,21 @@
 
 namespace deformable_surface::node {
 
+PendingFile::PendingFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".partial") {
+  std::error_code error;
+  if (std::filesystem::exists(file_, error) && !std::filesystem::is_regular_file(file_, error)) {
+    throw InputError(file_ + ": found something that is no file there; accepted: a new file, or one to be replaced");
+  }
+}
+
 PendingFile::~PendingFile() {
   if (!kept_) std::remove(temporary_.c_str());
 }
 
 void PendingFile::keep() {
   if (std::rename(temporary_.c_str(), file_.c_str()) != 0) {
-    throw InputError(file_ + ": the finished file cannot be put there; accepted: the name of a file in a folder that can be written");
+    throw InputError(file_ +
+                     ": the finished file cannot be put there; accepted: the name of a file in a folder that can be written");
   }
   kept_ = true;
 }
@@ -63,10 +71,12 @@ void StatisticsFile::finish() {
 }
 
 void StatisticsFile::check() const {
-  if (!stream_) throw InputError(name_ + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
+  if (!stream_)
+    throw InputError(name_ + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
 }
 
-FrameFiles::FrameFiles(const std::string& directory, double rate, double time_step) : directory_(directory), pace_(rate, time_step) {
+FrameFiles::FrameFiles(const std::string& directory, double rate, double time_step)
+    : directory_(directory), pace_(rate, time_step) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (!std::filesystem::is_directory(directory, error)) {
@@ -98,6 +108,7 @@ void OutputBag::begin(const std::string& frame_id, const simulation::Simulation&
 }
 
 void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& simulation) {
+  if (!pace_.isDue(time)) return;
   std_msgs::Header header;
   header.frame_id = frame_id_;
   header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
@@ -106,36 +117,34 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
     bag_.write(std::string("/deformable_surface/") + name, recorded, message);
   };
 
-  if (pace_.isDue(time)) {
-    sensor_msgs::PointCloud2 cloud;
-    encoder_->encode(simulation.surface(true), cloud);
-    cloud.header = header;
-    write("deformed", cloud);
+  sensor_msgs::PointCloud2 cloud;
+  encoder_->encode(simulation.surface(true), cloud);
+  cloud.header = header;
+  write("deformed", cloud);
 
-    Points normals;
-    simulation.computeSimulationNormals(normals);
-    std::vector<double> strain;
-    simulation.model().computePointStrain(simulation.state(), strain);
-    // Nothing sleeps yet: all that is not pinned is awake.
-    std::vector<char> awake(simulation.pinned().size());
-    std::transform(simulation.pinned().begin(), simulation.pinned().end(), awake.begin(), [](char pinned) { return pinned == 0; });
-    encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
-                           cloud);
-    cloud.header = header;
-    write("simulation_points", cloud);
+  Points normals;
+  simulation.computeSimulationNormals(normals);
+  std::vector<double> strain;
+  simulation.model().computePointStrain(simulation.state(), strain);
+  // Nothing sleeps yet: all that is not pinned is awake.
+  std::vector<char> awake(simulation.pinned().size());
+  std::transform(simulation.pinned().begin(), simulation.pinned().end(), awake.begin(), [](char pinned) { return pinned == 0; });
+  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
+                         cloud);
+  cloud.header = header;
+  write("simulation_points", cloud);
 
-    visualization_msgs::MarkerArray markers;
-    markers_->make(header, simulation, markers);
-    write("markers", markers);
-  }
+  visualization_msgs::MarkerArray markers;
+  markers_->make(header, simulation, markers);
+  write("markers", markers);
 
   Statistics message;
   encodeStatistics(simulation.statistics(), message);
   message.header = header;
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (double* wall_time : {&message.time_input, &message.time_forces, &message.time_solve, &message.time_contact,
-                            &message.time_transfer, &message.time_normals, &message.time_publish, &message.time_total,
-                            &message.real_time_factor}) {
+  for (double* wall_time :
+       {&message.time_input, &message.time_forces, &message.time_solve, &message.time_contact, &message.time_transfer,
+        &message.time_normals, &message.time_publish, &message.time_total, &message.real_time_factor}) {
     *wall_time = nan;
   }
   write("statistics", message);

@@ -1,5 +1,5 @@
-// The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each becomes visible under its name only when
-// it is complete.
+// The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each becomes visible under its name only
+// when it is complete.
 #pragma once
 
 #include "deformable_surface/ros/encode.h"
@@ -18,7 +18,8 @@ namespace deformable_surface::node {
 /// A name that a finished file gets; what was written before under the temporary name is removed if it never does.
 class PendingFile {
  public:
-  explicit PendingFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".partial") {}
+  /// Throws InputError if the name is that of a folder or device.
+  explicit PendingFile(std::string file);
   ~PendingFile();
   PendingFile(const PendingFile&) = delete;
   PendingFile& operator=(const PendingFile&) = delete;

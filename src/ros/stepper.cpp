@@ -31,8 +31,9 @@ constexpr std::int64_t kMaxLag = 250'000'000;
 constexpr std::int64_t kOldCloud = 1'000'000'000;
 // A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
 constexpr std::int64_t kMaxAhead = 3600'000'000'000;
-// Even when steps come too late a picture is shown from time to time.
+// Even when steps come too late a picture is shown from time to time, and most of the time is left to steps.
 constexpr milliseconds kLateFramePeriod(200);
+constexpr double kLateFramesApart = 8.0;  // in the time that one takes
 // Far more than a scene uses; names that come over the network must not fill the memory.
 constexpr std::size_t kMaxForces = 1000;
 constexpr std::size_t kMaxWaiting = 100000;
@@ -67,10 +68,12 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (content.cloud) {
     waiting_cloud_ = std::make_unique<WaitingCloud>(WaitingCloud{std::move(*content.cloud), steady_clock::now() + kTransformPatience});
   }
-  if (waiting_cloud_ && now_ != 0) handleCloud();
+  // Building takes long: the clock is to be read again before a step.
+  const bool was_built = waiting_cloud_ && now_ != 0 && handleCloud();
   if (simulation_ && !is_gravity_known_) updateGravity();
   inbox_.doJobs();
   if (content.frame_wanted && simulation_) publish();
+  if (was_built) return true;
   letGoOfLag();
   if (isDue() && takeStep()) publishIfDue();
   return true;
@@ -127,30 +130,32 @@ void Stepper::letGoOfLag() {
   schedule_.skip(lag);
   counts_.time_let_go += toSeconds(lag);
   if (simulation_->stepCount() > 0) {
-    complaints_.report(Complaint::kBehind, "steps take longer than real time (the last one " + formatReal(step_seconds_) + " s for " +
-                                               formatReal(params_.integrator.time_step) + " s); " + formatReal(toSeconds(lag)) +
-                                               " s are not caught up");
+    complaints_.report(Complaint::kBehind, "slower than real time: the last step took " + formatReal(step_seconds_) + " s for " +
+                                               formatReal(params_.integrator.time_step) + " s, the last frame " +
+                                               formatReal(frame_seconds_) + " s; " + formatReal(toSeconds(lag)) + " s are not caught up");
   }
 }
 
 // ---- The cloud ----
 
-void Stepper::handleCloud() {
-  const DecodedCloud& decoded = waiting_cloud_->incoming.decoded;
+/// Returns true if it took time.
+bool Stepper::handleCloud() {
   if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) {
     ++counts_.clouds_ignored;
     waiting_cloud_.reset();
-    return;
+    return false;
   }
+  const Index num_points = waiting_cloud_->incoming.decoded.cloud.size();
   try {
-    if (!accept(waiting_cloud_->incoming)) return;
+    if (!accept(waiting_cloud_->incoming)) return false;
   } catch (const InputError& error) {
     complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
   } catch (const std::bad_alloc&) {
-    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + std::to_string(decoded.cloud.size()) +
+    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + std::to_string(num_points) +
                                                      " points do not fit in memory; accepted: fewer");
   }
   waiting_cloud_.reset();
+  return true;
 }
 
 /// Returns false to be called again, if a transform may still come.
@@ -310,7 +315,9 @@ bool Stepper::updateGravity() {
 // ---- Output ----
 
 void Stepper::publish() {
+  const Timer timer;
   publishers_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), time_input_);
+  frame_seconds_ = timer.seconds();
   last_published_ = steady_clock::now();
 }
 
@@ -318,7 +325,9 @@ void Stepper::publishIfDue() {
   if (!is_frame_due_) return;
   // Steps go first when they come late, and the frame waits until they are in time.
   const bool is_late = now_ - schedule_.begin(simulation_->stepCount() + 1) > timeStep();
-  if (is_late && steady_clock::now() - last_published_ < kLateFramePeriod) return;
+  const std::chrono::duration<double> apart = std::max<std::chrono::duration<double>>(
+      kLateFramePeriod, std::chrono::duration<double>(kLateFramesApart * frame_seconds_));
+  if (is_late && steady_clock::now() - last_published_ < apart) return;
   is_frame_due_ = false;
   publish();
 }

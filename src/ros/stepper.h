@@ -63,7 +63,7 @@ class Stepper {
   };
 
   void handleClock(const ClockNews& clock);
-  void handleCloud();
+  bool handleCloud();
   bool accept(IncomingCloud& incoming);
   void restart(std::int64_t zero);
   void forgetRosForces();
@@ -94,7 +94,8 @@ class Stepper {
   std::deque<Command> commands_;          // not yet due
   std::map<std::string, double> forces_;  // those that came over ROS: when they end, s
   bool is_paused_ = false, is_failed_ = false, is_gravity_known_ = false;
-  double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time of the last step: its commands, and all of it
+  // s of wall time: the commands of the last step, all of the last step, the last frame.
+  double time_input_ = 0.0, step_seconds_ = 0.0, frame_seconds_ = 0.0;
 
   // Frames lie on simulation time; this one is the last that was due.
   std::int64_t last_frame_ = 0;

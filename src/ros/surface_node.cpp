@@ -7,8 +7,8 @@
 #include "registration_watchdog.h"
 #include "services.h"
 #include "stepper.h"
+#include "unread_tools.h"
 
-#include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/scene.h"
@@ -118,8 +118,9 @@ struct SurfaceNode::Impl {
     subscribers.push_back(private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
     subscribers.push_back(private_node.subscribe<geometry_msgs::WrenchStamped>(
         "wrench", kCommandQueue, [this](const geometry_msgs::WrenchStampedConstPtr& m) { inbox.put(m); }));
-    subscribers.push_back(private_node.subscribe<ToolArray>("tools", 1, [this](const ToolArrayConstPtr&) {
+    subscribers.push_back(private_node.subscribe<UnreadTools>("tools", 1, [this](const boost::shared_ptr<const UnreadTools>&) {
       complaints.report(Complaint::kToolsRefused, "~tools: found a message, but tools are not built yet; accepted: none");
+      inbox.wake();
     }));
   }
 

@@ -67,11 +67,12 @@ inline XmlRpc::XmlRpcValue toXmlRpc(const Value& value) {
   return result;
 }
 
-/// The node as a process of its own, started with the parameters of a scene in YAML and ended with this object.
+/// The node as a process of its own, started with the parameters of a scene in YAML, or with those that are set already, and ended
+/// with this object.
 class NodeProcess {
  public:
-  NodeProcess(const std::string& name, const std::string& scene) {
-    ros::param::set(name, toXmlRpc(io::parseYaml(scene, name)));
+  explicit NodeProcess(const std::string& name, const std::string& scene = "") {
+    if (!scene.empty()) ros::param::set(name, toXmlRpc(io::parseYaml(scene, name)));
     output_ = std::filesystem::temp_directory_path() / ("deformable_surface" + std::to_string(getpid()) + "_" + name.substr(1));
     // The executables of a package lie side by side.
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "deformable_surface_node";

@@ -4,7 +4,9 @@
 
 #include "deformable_surface/ToolArray.h"
 
+#include <geometry_msgs/TransformStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
+#include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
 #include <cmath>
@@ -14,7 +16,7 @@ namespace deformable_surface::node::test {
 namespace {
 
 constexpr int kColumns = 21, kRows = 15;
-constexpr int kHole = 7;       // every such point is one
+constexpr int kHole = 7;  // every such point is one; since the columns are a multiple, whole columns are
 constexpr double kSpacing = 0.02;
 
 /// A sheet as a depth camera would send it: organised, float64, padded, with an extra field and holes. It lies in z = 0 from the
@@ -94,7 +96,7 @@ TEST_F(SurfaceNodeTest, MovesAlongTheForceAndHoldsThePinnedPart) {
   cloud_ = makeSurface(ros::Time::now());
   ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   client_->publish(makeForce("pull", Vec3(kSpacing * (kColumns - 1), 0.1, 0.0), Vec3(0.0, 0.0, 0.02), 0.05));
-  const int pulled = 7 * kColumns + kColumns - 1, held = 7 * kColumns;
+  const int pulled = 7 * kColumns + kColumns - 2, held = 7 * kColumns;
   ASSERT_TRUE(waitUntil([&] { return readField(*client_->frames.back(), pulled, "z") > 0.005; })) << process_->output();
   const PointCloud2& frame = *client_->frames.back();
   EXPECT_LT((readPosition(frame, held) - readPosition(cloud_, held)).norm(), 1e-6);
@@ -150,7 +152,7 @@ TEST_F(SurfaceNodeTest, PinsAndFreesWhatLiesInAShape) {
   const SelectRegionResponse pinned = client_->select("pin", far_end);
   EXPECT_TRUE(pinned.success) << pinned.message;
   EXPECT_GT(pinned.count, 0u);
-  const int end = 7 * kColumns + kColumns - 1;
+  const int end = 7 * kColumns + kColumns - 2;
   const auto pull = [&] {
     client_->publish(makeForce("pull", Vec3(kSpacing * (kColumns - 1), 0.1, 0.0), Vec3(0.0, 0.0, 0.02), 0.05));
     EXPECT_TRUE(client_->waitForDiagnostic("commands waiting", 1));
@@ -221,6 +223,48 @@ TEST_F(SurfaceNodeTest, AppliesAWrenchUntilItsTimeout) {
   EXPECT_TRUE(waitUntil([&] { return num_arrows == 0; }));
 }
 
+TEST_F(SurfaceNodeTest, TakesForcesAndGravityFromTheirFrames) {
+  const std::string scene = "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0}}";
+  NodeProcess process("/tilted", scene);
+  NodeClient client("/tilted");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  cloud_ = makeSurface(ros::Time::now());
+  ASSERT_TRUE(client.exchange(cloud_));
+  ASSERT_TRUE(waitUntil([&] { return client.diagnosticText("state") == "waiting for the transform of gravity_frame"; }));
+  ASSERT_TRUE(client.pause(true).success);
+  EXPECT_FALSE(client.step(1).success);
+
+  // The camera looks down along the world's x: what falls in the world moves along the camera's x.
+  geometry_msgs::TransformStamped transform;
+  transform.header.frame_id = "world";
+  transform.header.stamp = ros::Time::now();
+  transform.child_frame_id = "camera";
+  transform.transform.rotation.y = transform.transform.rotation.w = std::sqrt(0.5);
+  tf2_ros::StaticTransformBroadcaster broadcaster;
+  broadcaster.sendTransform(transform);
+  ASSERT_TRUE(waitUntil([&] { return client.diagnosticText("state") == "paused" && client.step(1).success; }));
+  ASSERT_TRUE(client.step(9).success);
+  auto frame = client.waitForFrame(stampAfter(10));
+  ASSERT_TRUE(frame);
+  const int free_point = 7 * kColumns + 3;
+  const Vec3 fallen = readPosition(*frame, free_point) - readPosition(cloud_, free_point);
+  EXPECT_NEAR(fallen.x(), 0.5 * 1.0 * 0.1 * 0.1, 1e-3);
+  EXPECT_NEAR(fallen.z(), 0.0, 1e-6);
+
+  // A force up in the world, on everything, of more than the weight.
+  ASSERT_TRUE(client.reset().success);
+  PointForce lift = makeForce("lift", Vec3::Zero(), Vec3(0.0, 0.0, 1.0), 10.0);
+  lift.header.frame_id = "world";
+  client.publish(lift);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(client.step(20).success);
+  frame = client.waitForFrame(stampAfter(20));
+  ASSERT_TRUE(frame);
+  const Vec3 lifted = readPosition(*frame, free_point) - readPosition(cloud_, free_point);
+  EXPECT_LT(lifted.x(), -0.01);
+  EXPECT_NEAR(lifted.z(), 0.0, 1e-4);
+}
+
 TEST_F(SurfaceNodeTest, RefusesCommandsThatMeanNothing) {
   ASSERT_TRUE(startPaused());
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -230,9 +274,10 @@ TEST_F(SurfaceNodeTest, RefusesCommandsThatMeanNothing) {
   wrong.back().header.frame_id = "nowhere";
   for (const PointForce& force : wrong) client_->publish(force);
   ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", wrong.size()));
-  const std::uint64_t still = client_->step(1).state_hash;
+  const std::uint64_t commanded = client_->step(1).state_hash;
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", wrong.size()));
-  EXPECT_EQ(client_->step(1).state_hash, still);
+  ASSERT_TRUE(client_->reset().success);
+  EXPECT_EQ(client_->step(1).state_hash, commanded);
 
   ros::Publisher tools = client_->handle().advertise<ToolArray>("tools", 10);
   ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0; }));

@@ -1,5 +1,5 @@
-// What is written and published of a simulation besides the clouds of encode.h: the surface as a cloud for files, and the statistics
-// message. The node and `simulate` share it.
+// What is written and published of a simulation besides the clouds of encode.h: the surface as a cloud for files, and the
+// statistics message. The node and `simulate` share it.
 #pragma once
 
 #include "deformable_surface/Statistics.h"

@@ -8,9 +8,9 @@
 
 namespace deformable_surface::simulation {
 
-/// The quantity of that name now; the names are those of expectQuantities(). Displacements and bounds are those of all finite points
-/// of the full cloud; volume_ratio is the volume that the simulation points enclose now over that at rest. Throws InputError for
-/// an unknown name and for the volume of an open surface.
+/// The quantity of that name now; the names are those of expectQuantities(). Displacements and bounds are those of all finite
+/// points of the full cloud; volume_ratio is the volume that the simulation points enclose now over that at rest. Throws
+/// InputError for an unknown name and for the volume of an open surface.
 double computeQuantity(const std::string& name, Simulation& simulation);
 
 /// One sentence for each bound of params().expect that does not hold; NaN holds none.

@@ -1,0 +1,362 @@
+// The program `simulate` from its command line to its files: exit status, one line per problem, no half files, bags in and out.
+#include "../../src/ros/simulate.h"
+
+#include "deformable_surface/PointForce.h"
+#include "deformable_surface/Statistics.h"
+#include "deformable_surface/io/point_files.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+#include <gtest/gtest.h>
+#include <rosbag/bag.h>
+#include <rosbag/view.h>
+#include <sensor_msgs/PointCloud2.h>
+#include <sensor_msgs/point_cloud2_iterator.h>
+#include <tf2_msgs/TFMessage.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+
+namespace deformable_surface::node {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr char kScene[] =
+    "model: mass_spring\n"
+    "cloud: {shape: sheet, points: 100}\n"
+    "simplification: {target_points: 40}\n"
+    "gravity: [0.0, 0.0, 0.0]\n"
+    "duration: 0.1\n";
+constexpr double kStart = 100.0;  // s, stamp of the cloud in the bags
+
+std::string readFile(const std::string& file) {
+  std::ifstream stream(file, std::ios::binary);
+  return {std::istreambuf_iterator<char>(stream), {}};
+}
+
+std::size_t countLines(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
+
+class Simulate : public testing::Test {
+ protected:
+  void SetUp() override {
+    const auto* info = testing::UnitTest::GetInstance()->current_test_info();
+    folder_ = fs::temp_directory_path() / ("simulate_test_" + std::to_string(getpid()) + "_" + info->name());
+    fs::create_directories(folder_);
+    std::ofstream(path("scene.yaml")) << kScene;
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+
+  std::string path(const std::string& name) const { return (folder_ / name).string(); }
+
+  /// Runs the scene with these arguments.
+  int run(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), path("scene.yaml"));
+    return runWithoutScene(arguments);
+  }
+  int runWithoutScene(const std::vector<std::string>& arguments) {
+    std::ostringstream out, err;
+    const int status = simulate(arguments, {out, err, false, stop_});
+    out_ = out.str();
+    err_ = err.str();
+    return status;
+  }
+
+  /// How many files there are that end like this.
+  int countFiles(const std::string& ending) const {
+    int count = 0;
+    for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
+      const std::string name = entry.path().string();
+      count += name.size() >= ending.size() && name.compare(name.size() - ending.size(), ending.size(), ending) == 0;
+    }
+    return count;
+  }
+
+  /// A square sheet in the frame "sheet", and whatever the caller adds.
+  template <class Fill>
+  void writeBag(const std::string& name, const Fill& fill) {
+    rosbag::Bag bag(path(name), rosbag::bagmode::Write);
+    bag.write("/deformable_surface/cloud_in", ros::Time(kStart), makeCloud(ros::Time(kStart)));
+    fill(bag);
+  }
+  static sensor_msgs::PointCloud2 makeCloud(const ros::Time& stamp) {
+    sensor_msgs::PointCloud2 cloud;
+    cloud.header.frame_id = "sheet";
+    cloud.header.stamp = stamp;
+    sensor_msgs::PointCloud2Modifier modifier(cloud);
+    modifier.setPointCloud2FieldsByString(1, "xyz");
+    modifier.resize(100);
+    sensor_msgs::PointCloud2Iterator<float> x(cloud, "x");
+    for (int i = 0; i < 100; ++i, ++x) {
+      x[0] = 0.1f * static_cast<float>(i % 10);
+      x[1] = 0.1f * static_cast<float>(i / 10);
+      x[2] = 0.0f;
+    }
+    return cloud;
+  }
+  static PointForce makeForce(double stamp, double z, double duration = 0.0) {
+    PointForce force;
+    force.header.stamp = ros::Time(stamp);
+    force.id = "pull";
+    force.point.x = 0.45;
+    force.point.y = 0.45;
+    force.force.z = z;
+    force.radius = 2.0;  // all points, so that the sheet moves like one body
+    force.duration = duration;
+    return force;
+  }
+
+  volatile std::sig_atomic_t stop_ = 0;
+  fs::path folder_;
+  std::string out_, err_;
+};
+
+TEST_F(Simulate, RunsASceneAndTellsWhatItDid) {
+  EXPECT_EQ(run({}), 0);
+  EXPECT_EQ(err_, "");
+  for (const char* line : {"points                100", "simulation points     40", "steps                 10",
+                           "simulated time        0.1 s", "largest displacement", "real-time factor", "wall time", "state hash"})
+    EXPECT_NE(out_.find(line), std::string::npos) << line << " in\n" << out_;
+  EXPECT_EQ(run({"--quiet"}), 0);
+  EXPECT_EQ(out_, "");
+}
+
+TEST_F(Simulate, PrintsHelpWithoutAScene) {
+  EXPECT_EQ(runWithoutScene({"--help"}), 0);
+  for (const char* option : {"--set", "--duration", "--final", "--frames", "--frame_rate", "--bag_in", "--topic", "--bag_out",
+                             "--statistics", "--threads", "--quiet"})
+    EXPECT_NE(out_.find(option), std::string::npos) << option;
+}
+
+TEST_F(Simulate, RefusesWrongCommandLinesWithOneLineEach) {
+  const std::vector<std::pair<std::vector<std::string>, std::string>> cases{
+      {{"--durations"}, "--duration"},
+      {{"--duration"}, "found nothing behind it"},
+      {{"--duration", "0.105"}, "multiple of integrator.time_step"},
+      {{"--duration", "nan"}, "duration"},
+      {{"--duration", "-1"}, "duration"},
+      {{"--duration", "soon"}, "duration"},
+      {{"--threads", "-1"}, "threads"},
+      {{"--set", "integrator.time_stepp=0.01"}, "integrator.time_step"},
+      {{"--set", "integrator"}, "KEY=VALUE"},
+      {{"--frame_rate", "10"}, "--frames"},
+      {{"--frames", path("frames"), "--frame_rate", "0"}, "above 0"},
+      {{"--frames", path("frames"), "--frame_rate", "1000"}, "one frame per step"},
+      {{"--topic", "cloud_in=/points"}, "--bag_in"},
+      {{"--bag_in", path("in.bag"), "--topic", "clouds=/points"}, "cloud_in, force, wrench, tools"},
+      {{"--final", path("out.stl")}, ".ply"},
+      {{"--final", path("missing/out.ply")}, "folder"},
+      {{"--statistics", path("missing/out.csv")}, "folder"},
+      {{"--bag_out", path("missing/out.bag")}, "folder"},
+      {{"--bag_out", folder_.string()}, "no file"},
+      {{"--bag_in", path("missing.bag")}, "missing.bag"},
+      {{"--final", path("a.ply"), "--final", path("b.ply")}, "twice"},
+      {{"second.yaml"}, "second"}};
+  for (const auto& [arguments, sentence] : cases) {
+    EXPECT_EQ(run(arguments), 2) << arguments[0];
+    EXPECT_EQ(countLines(err_), 1u) << arguments[0] << ":\n" << err_;
+    EXPECT_NE(err_.find(sentence), std::string::npos) << sentence << " in " << err_;
+  }
+  EXPECT_EQ(countFiles(".partial"), 0);
+  EXPECT_EQ(runWithoutScene({}), 2);
+  EXPECT_EQ(runWithoutScene({path("missing.yaml")}), 2);
+}
+
+TEST_F(Simulate, NamesEveryProblemOnALineOfItsOwn) {
+  EXPECT_EQ(run({"--duration", "0.105", "--set", "material.thickness=-1", "--set", "colour=red", "--fast"}), 2);
+  EXPECT_EQ(countLines(err_), 1u) << err_;  // the command line first
+  EXPECT_EQ(run({"--set", "material.thickness=-1", "--set", "colour=red"}), 2);
+  EXPECT_EQ(countLines(err_), 2u) << err_;
+}
+
+TEST_F(Simulate, WritesTheFinalCloudWithNormalsAndDisplacement) {
+  EXPECT_EQ(run({"--set", "gravity=[0, 0, -9.81]", "--final", path("out.ply")}), 0);
+  const cloud::PointCloud cloud = io::readPointFile(path("out.ply"), 1.0, 1000);
+  ASSERT_EQ(cloud.size(), 100);
+  EXPECT_EQ(cloud.normals.size(), 100u);
+  EXPECT_NEAR(cloud.positions[0].z(), -0.5 * 9.81 * 0.01, 1e-6);
+  ASSERT_EQ(cloud.extra_fields.size(), 1u);
+  EXPECT_EQ(cloud.extra_fields[0].name, "displacement");
+  EXPECT_EQ(countFiles(".partial"), 0);
+}
+
+TEST_F(Simulate, WritesFramesFromTimeZeroOn) {
+  EXPECT_EQ(
+      run({"--set", "gravity=[0, 0, -9.81]", "--frames", path("a/frames"), "--frame_rate", "20", "--final", path("out.ply")}), 0);
+  EXPECT_EQ(countFiles(".ply"), 4);
+  EXPECT_EQ(io::readPointFile(path("a/frames/frame_000000.ply"), 1.0, 1000).positions[0].z(), 0.0);
+  EXPECT_EQ(readFile(path("a/frames/frame_000002.ply")), readFile(path("out.ply")));
+}
+
+TEST_F(Simulate, WritesOneRowOfStatisticsPerStep) {
+  EXPECT_EQ(run({"--statistics", path("out.csv")}), 0);
+  const std::string text = readFile(path("out.csv"));
+  EXPECT_EQ(countLines(text), 11u);
+  EXPECT_EQ(text.substr(0, 21), "simulation_time,step,");
+  const std::string header = text.substr(0, text.find('\n')), last = text.substr(text.rfind('\n', text.size() - 2) + 1);
+  EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(last.begin(), last.end(), ','));
+  EXPECT_EQ(last.substr(0, last.find(',')), "0.10000000000000001");
+}
+
+TEST_F(Simulate, StopsWithStatusThreeAndTheLastGoodState) {
+  // An explicit Euler step far beyond what the springs allow.
+  EXPECT_EQ(run({"--set", "integrator={type: explicit_euler, time_step: 1.0}", "--set", "material={young_modulus: 1.0e9}",
+                 "--set", "forces=[{id: pull, point: [0.5, 0.5, 0], force: [1, 1, 1]}]", "--duration", "1000", "--final",
+                 path("out.ply"), "--statistics", path("out.csv"), "--bag_out", path("out.bag")}),
+            3);
+  EXPECT_NE(err_.find("step "), std::string::npos) << err_;
+  EXPECT_EQ(countLines(err_), 1u);
+  EXPECT_TRUE(fs::exists(path("out.ply")) && fs::exists(path("out.csv")) && fs::exists(path("out.bag")));
+  EXPECT_EQ(countFiles(".partial"), 0);
+}
+
+TEST_F(Simulate, LeavesNothingBehindWhenItIsInterrupted) {
+  stop_ = SIGTERM;
+  EXPECT_EQ(run({"--final", path("out.ply"), "--statistics", path("out.csv"), "--bag_out", path("out.bag")}), 128 + SIGTERM);
+  EXPECT_EQ(countFiles(".ply") + countFiles(".csv") + countFiles(".bag") + countFiles(".partial"), 0);
+}
+
+TEST_F(Simulate, GivesTheSameFilesForEveryNumberOfThreads) {
+  for (const char* threads : {"1", "3"}) {
+    const std::string n = threads;
+    EXPECT_EQ(run({"--set", "gravity=[0, 0, -9.81]", "--threads", n, "--final", path(n + ".ply"), "--bag_out", path(n + ".bag")}),
+              0);
+  }
+  EXPECT_EQ(readFile(path("1.ply")), readFile(path("3.ply")));
+  EXPECT_EQ(readFile(path("1.bag")), readFile(path("3.bag")));
+}
+
+TEST_F(Simulate, WritesABagOfWhatTheNodeWouldPublish) {
+  EXPECT_EQ(run({"--set", "frame_id=table", "--set", "output.publish_rate=20", "--bag_out", path("out.bag")}), 0);
+  const rosbag::Bag bag(path("out.bag"));
+  std::map<std::string, int> count;
+  for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
+    ++count[message.getTopic()];
+    if (const auto cloud = message.instantiate<sensor_msgs::PointCloud2>()) {
+      EXPECT_EQ(cloud->header.frame_id, "table");
+    }
+    if (const auto statistics = message.instantiate<Statistics>()) {
+      EXPECT_NEAR(statistics->header.stamp.toSec(), statistics->simulation_time, 1e-9);
+    }
+  }
+  EXPECT_EQ(count["/deformable_surface/deformed"], 3);
+  EXPECT_EQ(count["/deformable_surface/simulation_points"], 3);
+  EXPECT_EQ(count["/deformable_surface/markers"], 3);
+  EXPECT_EQ(count["/deformable_surface/statistics"], 3);
+}
+
+TEST_F(Simulate, TakesCloudsAndForcesFromABagInTheOrderOfTheirStamps) {
+  // Recorded first, but stamped after the cloud: from the first step at or after 0.045 s on, so 5 steps long.
+  writeBag("in.bag", [](rosbag::Bag& bag) { bag.write("/pushes", ros::Time(kStart - 1.0), makeForce(kStart + 0.045, 1.0)); });
+  EXPECT_EQ(
+      run({"--bag_in", path("in.bag"), "--topic", "force=/pushes", "--bag_out", path("out.bag"), "--final", path("out.ply")}), 0)
+      << err_;
+  EXPECT_EQ(err_, "");
+  const cloud::PointCloud cloud = io::readPointFile(path("out.ply"), 1.0, 1000);
+  ASSERT_EQ(cloud.size(), 100);
+  // One newton on 0.81 kg: the sheet measures 0.9 m by 0.9 m and weighs 1 kg/m^2.
+  EXPECT_NEAR(cloud.positions[55].z(), 0.5 / 0.81 * 0.05 * 0.05, 1e-6);
+  const rosbag::Bag bag(path("out.bag"));
+  EXPECT_EQ(rosbag::View(bag).getBeginTime(), ros::Time(kStart));
+  EXPECT_NEAR(rosbag::View(bag).getEndTime().toSec(), kStart + 0.1, 1e-6);
+  for (const rosbag::MessageInstance& message : rosbag::View(bag)) {
+    if (const auto deformed = message.instantiate<sensor_msgs::PointCloud2>()) {
+      EXPECT_EQ(deformed->header.frame_id, "sheet");
+    }
+  }
+}
+
+TEST_F(Simulate, EndsAForceAfterItsDuration) {
+  writeBag("in.bag",
+           [](rosbag::Bag& bag) { bag.write("/deformable_surface/force", ros::Time(kStart), makeForce(kStart, 1.0, 0.02)); });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--final", path("out.ply")}), 0) << err_;
+  const double fall = io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z();
+  // Two steps under the force, then eight at the speed that it gave.
+  EXPECT_NEAR(fall, 1.0 / 0.81 * (0.5 * 0.02 * 0.02 + 0.02 * 0.08), 1e-6);
+}
+
+TEST_F(Simulate, AppliesAWrenchAtItsFrameUntilTheTimeout) {
+  writeBag("in.bag", [](rosbag::Bag& bag) {
+    // The tip's z axis points along -z of the sheet.
+    geometry_msgs::TransformStamped tip;
+    tip.header.frame_id = "sheet";
+    tip.header.stamp = ros::Time(kStart);
+    tip.child_frame_id = "tip";
+    tip.transform.translation.x = tip.transform.translation.y = 0.45;
+    tip.transform.rotation.x = 1.0;
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms.push_back(tip);
+    bag.write("/tf_static", ros::Time(kStart), transforms);
+    geometry_msgs::WrenchStamped wrench;
+    wrench.header.frame_id = "tip";
+    wrench.header.stamp = ros::Time(kStart);
+    wrench.wrench.force.z = 1.0;
+    bag.write("/deformable_surface/wrench", ros::Time(kStart), wrench);
+    wrench.header.frame_id = "nowhere";
+    bag.write("/deformable_surface/wrench", ros::Time(kStart), wrench);
+  });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", "force={radius: 2.0, timeout: 0.02}", "--final", path("out.ply")}), 0)
+      << err_;
+  const double rise = io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z();
+  EXPECT_NEAR(rise, -1.0 / 0.81 * (0.5 * 0.02 * 0.02 + 0.02 * 0.08), 1e-6);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  EXPECT_NE(err_.find("nowhere"), std::string::npos) << err_;
+}
+
+TEST_F(Simulate, ReplacesTheSurfaceByALaterCloudUnlessToldToIgnoreIt) {
+  writeBag("in.bag", [](rosbag::Bag& bag) {
+    bag.write("/deformable_surface/cloud_in", ros::Time(kStart + 0.05), makeCloud(ros::Time(kStart + 0.05)));
+  });
+  const std::vector<std::string> arguments{"--bag_in", path("in.bag"), "--set", "gravity=[0, 0, -2]", "--final", path("out.ply")};
+  EXPECT_EQ(run(arguments), 0) << err_;
+  EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), -0.05 * 0.05, 1e-6);
+  std::vector<std::string> ignoring = arguments;
+  ignoring.insert(ignoring.end(), {"--set", "input.policy=ignore"});
+  EXPECT_EQ(run(ignoring), 0) << err_;
+  EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), -0.1 * 0.1, 1e-6);
+}
+
+TEST_F(Simulate, SkipsARefusedCloudAndSaysSo) {
+  {
+    rosbag::Bag bag(path("in.bag"), rosbag::bagmode::Write);
+    sensor_msgs::PointCloud2 broken = makeCloud(ros::Time(kStart));
+    broken.data.resize(10);
+    bag.write("/points", ros::Time(kStart), broken);
+    bag.write("/points", ros::Time(kStart + 1.0), makeCloud(ros::Time(kStart + 1.0)));
+  }
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "cloud_in=/points", "--bag_out", path("out.bag")}), 0) << err_;
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  const rosbag::Bag bag(path("out.bag"));
+  EXPECT_EQ(rosbag::View(bag).getBeginTime(), ros::Time(kStart + 1.0));
+}
+
+TEST_F(Simulate, RefusesBagsThatItCannotUse) {
+  writeBag("in.bag",
+           [](rosbag::Bag& bag) { bag.write("/deformable_surface/force", ros::Time(kStart), geometry_msgs::WrenchStamped()); });
+  EXPECT_EQ(run({"--bag_in", path("in.bag")}), 2);
+  EXPECT_NE(err_.find("geometry_msgs/WrenchStamped"), std::string::npos) << err_;
+
+  writeBag("in.bag", [](rosbag::Bag&) {});
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "cloud_in=/points"}), 2);
+  EXPECT_NE(err_.find("/deformable_surface/cloud_in"), std::string::npos) << err_;  // of what there is
+
+  const std::string whole = readFile(path("in.bag"));
+  for (const std::size_t size : {std::size_t{0}, std::size_t{5}, whole.size() / 2, whole.size() - 10}) {
+    std::ofstream(path("cut.bag"), std::ios::binary) << whole.substr(0, size);
+    EXPECT_EQ(run({"--bag_in", path("cut.bag")}), 2) << size;
+    EXPECT_EQ(countLines(err_), 1u) << err_;
+  }
+}
+
+TEST_F(Simulate, GivesTheSameBagForTheSameBag) {
+  writeBag("in.bag", [](rosbag::Bag& bag) { bag.write("/deformable_surface/force", ros::Time(kStart), makeForce(kStart, 1.0)); });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--bag_out", path("a.bag")}), 0);
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--bag_out", path("b.bag")}), 0);
+  EXPECT_EQ(readFile(path("a.bag")), readFile(path("b.bag")));
+}
+
+}  // namespace
+}  // namespace deformable_surface::node
