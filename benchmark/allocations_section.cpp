@@ -5,6 +5,8 @@
 #include "swinging_sheet.h"
 #include "wavy_sheet.h"
 
+#include <algorithm>
+
 namespace deformable_surface::benchmark {
 namespace {
 
@@ -16,13 +18,14 @@ constexpr int kSteps = 20;
 struct Named {
   const char* name;
   IntegratorType type;
+  double time_step;  // s: long enough that the sheet swings, but for the scheme that is unstable
 };
-constexpr Named kIntegrators[] = {{"auto", IntegratorType::kAuto},
-                                  {"verlet", IntegratorType::kVerlet},
-                                  {"symplectic_euler", IntegratorType::kSymplecticEuler},
-                                  {"explicit_euler", IntegratorType::kExplicitEuler},
-                                  {"implicit", IntegratorType::kImplicit},
-                                  {"static", IntegratorType::kStatic}};
+constexpr Named kIntegrators[] = {{"auto", IntegratorType::kAuto, 0.01},
+                                  {"verlet", IntegratorType::kVerlet, 0.01},
+                                  {"symplectic_euler", IntegratorType::kSymplecticEuler, 0.01},
+                                  {"explicit_euler", IntegratorType::kExplicitEuler, 1e-5},
+                                  {"implicit", IntegratorType::kImplicit, 0.01},
+                                  {"static", IntegratorType::kStatic, 0.01}};
 
 }  // namespace
 
@@ -51,20 +54,16 @@ void runAllocationsSection(const Options&, Report& report) {
   };
   const auto nothing = [] {};
 
-  // Small enough to run in the calling thread, and large enough to be shared among threads.
-  for (Index n : {324, 20000}) {
-    for (const Named& integrator : kIntegrators) {
-      const bool newton = integrator.type == IntegratorType::kImplicit || integrator.type == IntegratorType::kStatic;
-      if (newton && n > 1000) continue;  // minutes, and the same code
-      simulation::SceneParams scene = makeSwingingScene(integrator.type, integrator.type == IntegratorType::kExplicitEuler ? 1e-5 : 1e-3);
-      if (n > 1000) scene.integrator.time_step *= 0.1;
-      for (int threads : {1, 2}) {
-        setNumThreads(threads);
-        Simulation sheet(scene, makeSwingingSheet(n));
-        countCalls(std::string("step, ") + integrator.name, sheet, nothing, [&] { sheet.step(); });
-      }
-    }
+  for (const Named& integrator : kIntegrators) {
+    simulation::SceneParams scene = makeSwingingScene(integrator.type, integrator.time_step);
+    setNumThreads(1);
+    Simulation sheet(scene, makeSwingingSheet(324));
+    countCalls(std::string("step, ") + integrator.name, sheet, nothing, [&] { sheet.step(); });
   }
+  // Large enough to be shared among threads.
+  setNumThreads(2);
+  Simulation large(makeSwingingScene(IntegratorType::kVerlet, 1e-4), makeSwingingSheet(20000));
+  countCalls("step, verlet", large, nothing, [&] { large.step(); });
   for (int threads : {1, 2}) {
     setNumThreads(threads);
     simulation::SceneParams scene;
@@ -75,6 +74,7 @@ void runAllocationsSection(const Options&, Report& report) {
     countCalls("statistics", sheet, [&] { sheet.step(); }, [&] { sheet.statistics(); });
   }
   report.end();
+  report.note("target: no allocation; a step that measures its stable sub-step anew, or whose matrix has a new pattern, asks for memory");
   report.note("counted at malloc, so what Eigen and the standard library take is in it");
 }
 

@@ -1,7 +1,7 @@
 # The package as catkin builds it: the core, point files through PCL, the ROS border, the executables and all tests.
 find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-             rosbag roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_ros visualization_msgs
-             xmlrpcpp)
+             rosbag roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros
+             visualization_msgs xmlrpcpp)
 find_package(PCL REQUIRED COMPONENTS common io)
 
 add_message_files(FILES PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
@@ -13,7 +13,8 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${libraries}
   CATKIN_DEPENDS diagnostic_msgs diagnostic_updater geometry_msgs message_runtime nodelet pluginlib rosbag roscpp roslib
-                 sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_ros visualization_msgs xmlrpcpp
+                 sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros visualization_msgs
+                 xmlrpcpp
   DEPENDS EIGEN3)
 
 file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp)
@@ -79,7 +80,7 @@ if(CATKIN_ENABLE_TESTING)
     add_unit_test(${name} deformable_surface_core ${source})
   endforeach()
 
-  file(GLOB io_tests CONFIGURE_DEPENDS test/io/point_files*_test.cpp)
+  file(GLOB io_tests CONFIGURE_DEPENDS test/io/point_files*_test.cpp test/scenario/*_test.cpp)
   foreach(source ${io_tests})
     get_filename_component(name ${source} NAME_WE)
     add_unit_test(${name} deformable_surface_io ${source})

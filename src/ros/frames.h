@@ -13,8 +13,9 @@ namespace deformable_surface::node {
 /// tf2 knows frames without a leading slash only; old bags have one.
 std::string withoutSlash(const std::string& frame);
 
-/// The transform that takes coordinates of `from` to those of `to` at the stamp (0 = the latest), without waiting. An empty or the same
-/// frame is no transform. Throws InputError, beginning with `what`, if there is none or it is not finite, which tf2 lets through.
+/// The transform that takes coordinates of `from` to those of `to` at the stamp (0 = the latest), without waiting. An empty or
+/// the same frame is no transform. Throws InputError, beginning with `what`, if there is none or it is not finite, which tf2 lets
+/// through.
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
                                 const tf2::BufferCore& transforms);
 

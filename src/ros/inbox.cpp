@@ -24,10 +24,12 @@ void Inbox::put(DecodedCloud&& cloud) {
   came_.notify_one();
 }
 
-void Inbox::put(const PointForceConstPtr& force) { putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force}); }
+void Inbox::put(const PointForceConstPtr& force) {
+  putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force, nullptr});
+}
 
 void Inbox::put(const geometry_msgs::WrenchStampedConstPtr& wrench) {
-  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), wrench});
+  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), nullptr, wrench});
 }
 
 void Inbox::putCommand(Command command) {
@@ -114,7 +116,8 @@ void Inbox::close() {
 
 Inbox::Content Inbox::take(SteadyTime until) {
   std::unique_lock<std::mutex> lock(mutex_);
-  came_.wait_until(lock, until, [&] { return closed_ || cloud_ || !commands_.empty() || !jobs_.empty() || frame_wanted_ || was_woken_; });
+  came_.wait_until(lock, until,
+                   [&] { return closed_ || cloud_ || !commands_.empty() || !jobs_.empty() || frame_wanted_ || was_woken_; });
   readClock();
   Content content;
   content.cloud = std::exchange(cloud_, std::nullopt);

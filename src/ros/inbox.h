@@ -15,7 +15,6 @@
 #include <functional>
 #include <mutex>
 #include <optional>
-#include <variant>
 #include <vector>
 
 namespace deformable_surface::node {
@@ -29,7 +28,9 @@ struct IncomingCloud {
 /// A command and the time (ns) from which it counts: its stamp, or that of its arrival if it brings none.
 struct Command {
   std::int64_t stamp = 0;
-  std::variant<PointForceConstPtr, geometry_msgs::WrenchStampedConstPtr> message;
+  // One of the two:
+  PointForceConstPtr force;
+  geometry_msgs::WrenchStampedConstPtr wrench;
 };
 
 class Inbox {

@@ -10,7 +10,8 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 using std::chrono::steady_clock;
 
-// Diagnostics are expected about once a second; news come sooner, but not so often that a flood of bad clouds becomes one of reports.
+// Diagnostics are expected about once a second; news come sooner, but not so often that a flood of bad clouds becomes one of
+// reports.
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
 
 }  // namespace
@@ -29,8 +30,12 @@ NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHan
 
 NodeDiagnostics::Happened NodeDiagnostics::observe() const {
   const StepperStatus status = stepper_.status();
-  return {status.state, status.clouds_accepted + status.clouds_ignored, complaints_.count(Complaint::kCloudRefused), complaints_.last(),
-          status.commands_waiting, status.jumps_back};
+  return {status.state,
+          status.clouds_accepted + status.clouds_ignored,
+          complaints_.count(Complaint::kCloudRefused),
+          complaints_.last(),
+          status.commands_waiting,
+          status.jumps_back};
 }
 
 Inbox::SteadyTime NodeDiagnostics::nextTime() const { return last_time_ + (observe() == published_ ? kPeriod : kShortest); }

@@ -20,8 +20,8 @@ class NodeDiagnostics {
   NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const Stepper& stepper, const Inbox& inbox,
                   const Complaints& complaints);
 
-  /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or jumps
-  /// back must be reported too.
+  /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or
+  /// jumps back must be reported too.
   void update();
   /// When update() is to be called next, at the latest.
   Inbox::SteadyTime nextTime() const;
@@ -41,8 +41,8 @@ class NodeDiagnostics {
   diagnostic_updater::Updater updater_;
   Happened published_;
   Inbox::SteadyTime last_time_;
-  StepperStatus last_, now_;   // at the last two updates
-  double period_ = 0.0;        // s between them
+  StepperStatus last_, now_;  // at the last two updates
+  double period_ = 0.0;       // s between them
 };
 
 }  // namespace deformable_surface::node

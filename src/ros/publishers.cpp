@@ -25,8 +25,8 @@ boost::shared_ptr<sensor_msgs::PointCloud2> makeSimulationPoints(const std_msgs:
   simulation.model().computePointStrain(simulation.state(), strain);
   std::vector<char> awake = simulation.pinned();
   for (char& flag : awake) flag = !flag;
-  encodeSimulationPoints(
-      {simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()}, *message);
+  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
+                         *message);
   return message;
 }
 

@@ -1,5 +1,5 @@
-// What the node publishes of its surface. Each output is made only for those who listen, as a message of its own that is never changed
-// again, so that nodelets in the same process share it without a copy.
+// What the node publishes of its surface. Each output is made only for those who listen, as a message of its own that is never
+// changed again, so that nodelets in the same process share it without a copy.
 #pragma once
 
 #include "deformable_surface/ros/encode.h"

@@ -51,7 +51,8 @@ class Self {
   template <class... Values>
   XmlRpcValue ask(const char* method, const Values&... values) {
     XmlRpcValue answer;
-    if (!client_->execute(method, makeArguments(values...), answer) || answer.getType() != XmlRpcValue::TypeArray || answer.size() < 3)
+    if (!client_->execute(method, makeArguments(values...), answer) || answer.getType() != XmlRpcValue::TypeArray ||
+        answer.size() < 3)
       return XmlRpcValue();
     return answer[2];
   }
@@ -76,7 +77,8 @@ void registerAll(const std::vector<std::string>& services) {
   for (int i = 0; i < count(topics); ++i) {
     const std::string topic = topics[i][0];
     // Publishers that were faster than this node are told to nobody else.
-    if (askMaster("registerSubscriber", answer, topic, std::string(topics[i][1]), uri)) self.ask("publisherUpdate", topic, answer);
+    if (askMaster("registerSubscriber", answer, topic, std::string(topics[i][1]), uri))
+      self.ask("publisherUpdate", topic, answer);
   }
 
   const std::string service_uri =

@@ -1,5 +1,5 @@
-// Registers the process again after the roscore was restarted. roscpp does not: the node would vanish from the graph, and nobody new
-// could find it, while old connections live on.
+// Registers the process again after the roscore was restarted. roscpp does not: the node would vanish from the graph, and nobody
+// new could find it, while old connections live on.
 #pragma once
 
 #include <condition_variable>
@@ -12,8 +12,8 @@ namespace deformable_surface::node {
 
 class RegistrationWatchdog {
  public:
-  /// services: resolved names; topics are found by themselves. Runs in a thread of its own, since a master that hangs blocks whoever
-  /// asks it.
+  /// services: resolved names; topics are found by themselves. Runs in a thread of its own, since a master that hangs blocks
+  /// whoever asks it.
   explicit RegistrationWatchdog(std::vector<std::string> services);
   ~RegistrationWatchdog();
   RegistrationWatchdog(const RegistrationWatchdog&) = delete;

@@ -37,15 +37,16 @@ Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
   return Eigen::Translation3d(position) * orientation.normalized();
 }
 
-geometry::Region readRegion(const SelectRegionRequest& request, const std::string& surface_frame, const tf2::BufferCore& transforms) {
+geometry::Region readRegion(const SelectRegionRequest& request, const std::string& surface_frame,
+                            const tf2::BufferCore& transforms) {
   const SolidPrimitive& primitive = request.primitive;
   const bool is_box = primitive.type == SolidPrimitive::BOX;
   const std::size_t num_sizes = is_box ? 3 : 1;
   if (!is_box && primitive.type != SolidPrimitive::SPHERE)
     throw InputError("primitive.type: found " + std::to_string(primitive.type) + "; accepted: 1 (box), 2 (sphere)");
   if (primitive.dimensions.size() != num_sizes)
-    throw InputError("primitive.dimensions: found " + std::to_string(primitive.dimensions.size()) + " numbers; accepted: " +
-                     std::to_string(num_sizes));
+    throw InputError("primitive.dimensions: found " + std::to_string(primitive.dimensions.size()) +
+                     " numbers; accepted: " + std::to_string(num_sizes));
   for (const double size : primitive.dimensions) {
     if (!(size >= 0.0 && std::isfinite(size)))
       throw InputError("primitive.dimensions: found " + formatReal(size) + "; accepted: finite numbers >= 0 (m)");
@@ -62,7 +63,8 @@ geometry::Region readRegion(const SelectRegionRequest& request, const std::strin
     return region;
   }
   if (!pose.linear().isIdentity(kAxesTolerance))
-    throw InputError("pose.orientation: found a box that is turned against the surface's frame; accepted: boxes parallel to its axes");
+    throw InputError(
+        "pose.orientation: found a box that is turned against the surface's frame; accepted: boxes parallel to its axes");
   const Vec3 half = 0.5 * Vec3(primitive.dimensions[0], primitive.dimensions[1], primitive.dimensions[2]);
   region.min = pose.translation() - half;
   region.max = pose.translation() + half;
@@ -74,8 +76,9 @@ void checkSaveName(const std::string& name) {
   static const std::regex kBareName("[A-Za-z0-9][A-Za-z0-9._-]{0,63}");
   // Long texts are not shown to the pattern, whose matching is recursive.
   if (name.size() > 64 || !std::regex_match(name, kBareName))
-    throw InputError("name: found " + quote(name) +
-                     "; accepted: up to 64 letters, digits, '.', '_' and '-', the first a letter or digit, ending in .ply or .pcd");
+    throw InputError(
+        "name: found " + quote(name) +
+        "; accepted: up to 64 letters, digits, '.', '_' and '-', the first a letter or digit, ending in .ply or .pcd");
   io::checkPointFileName(name);
 }
 
@@ -91,7 +94,8 @@ Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const 
         name, boost::function<bool(Request&, Response&)>([call](Request& q, Response& r) { return call(q, r); })));
   };
   advertise("reset", std_srvs::TriggerRequest(), std_srvs::TriggerResponse(), [this](auto&, auto& r) { return reset(r); });
-  advertise("pause", std_srvs::SetBoolRequest(), std_srvs::SetBoolResponse(), [this](auto& q, auto& r) { return pause(q.data, r); });
+  advertise("pause", std_srvs::SetBoolRequest(), std_srvs::SetBoolResponse(),
+            [this](auto& q, auto& r) { return pause(q.data, r); });
   advertise("step", StepRequest(), StepResponse(), [this](auto& q, auto& r) { return step(q.count, r); });
   advertise("pin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, true, r); });
   advertise("unpin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, false, r); });
@@ -161,9 +165,11 @@ bool Services::select(const SelectRegionRequest& request, bool pinned, SelectReg
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     const geometry::Region region = readRegion(request, stepper_.frame(), transforms_);
-    response.count = static_cast<std::uint32_t>(pinned ? stepper_.simulation()->pin(region) : stepper_.simulation()->unpin(region));
+    response.count =
+        static_cast<std::uint32_t>(pinned ? stepper_.simulation()->pin(region) : stepper_.simulation()->unpin(region));
     if (response.count == 0)
-      throw InputError(std::string("no ") + (pinned ? "" : "pinned ") + "simulation point lies in the shape; nothing was changed");
+      throw InputError(std::string("no ") + (pinned ? "" : "pinned ") +
+                       "simulation point lies in the shape; nothing was changed");
     stepper_.publish();
     return std::to_string(response.count) + " simulation points " + (pinned ? "pinned" : "freed");
   });
@@ -175,7 +181,8 @@ bool Services::save(const std::string& name, SaveCloudResponse& response) {
     checkSaveName(name);
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     const simulation::Surface& surface = stepper_.simulation()->surface(true);
-    io::writePointFile(save_directory_ + "/" + name, makeOutputCloud(surface, stepper_.simulation()->input()), surface.displacement);
+    io::writePointFile(save_directory_ + "/" + name, makeOutputCloud(surface, stepper_.simulation()->input()),
+                       surface.displacement);
     return "wrote " + name;
   });
 }

@@ -4,14 +4,13 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/timer.h"
-#include "deformable_surface/ros/commands.h"
 
 #include <ros/console.h>
 #include <ros/time.h>
 
 #include <algorithm>
 #include <cmath>
-#include <exception>
+#include <new>
 #include <utility>
 
 namespace deformable_surface::node {
@@ -34,9 +33,6 @@ constexpr std::int64_t kMaxAhead = 3600'000'000'000;
 // Even when steps come too late a picture is shown from time to time, and most of the time is left to steps.
 constexpr milliseconds kLateFramePeriod(200);
 constexpr double kLateFramesApart = 8.0;  // in the time that one takes
-// Far more than a scene uses; names that come over the network must not fill the memory.
-constexpr std::size_t kMaxForces = 1000;
-constexpr std::size_t kMaxWaiting = 100000;
 
 double toSeconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * kNanoseconds; }
 
@@ -56,17 +52,17 @@ Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers
       transforms_(transforms),
       complaints_(complaints),
       is_clock_simulated_(ros::Time::isSimTime()),
-      schedule_(params.integrator.time_step) {}
+      schedule_(params.integrator.time_step),
+      commands_(params.force, transforms, complaints) {}
 
 bool Stepper::turn(Inbox::SteadyTime until) {
   Inbox::Content content = inbox_.take(nextDeadline(until));
   if (content.closed) return false;
   handleClock(content.clock);
-  commands_.insert(commands_.end(), std::make_move_iterator(content.commands.begin()),
-                   std::make_move_iterator(content.commands.end()));
-  for (; commands_.size() > kMaxWaiting; commands_.pop_front()) ++counts_.commands_dropped;
+  commands_.append(std::move(content.commands));
   if (content.cloud) {
-    waiting_cloud_ = std::make_unique<WaitingCloud>(WaitingCloud{std::move(*content.cloud), steady_clock::now() + kTransformPatience});
+    waiting_cloud_ =
+        std::make_unique<WaitingCloud>(WaitingCloud{std::move(*content.cloud), steady_clock::now() + kTransformPatience});
   }
   // Building takes long: the clock is to be read again before a step.
   const bool was_built = waiting_cloud_ && now_ != 0 && handleCloud();
@@ -87,7 +83,8 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   // A simulated clock wakes the inbox itself.
   if (is_clock_simulated_) return until;
   const std::int64_t due = schedule_.begin(simulation_->stepCount() + 1) - static_cast<std::int64_t>(ros::Time::now().toNSec());
-  return due > kMaxAhead ? until : std::min<Inbox::SteadyTime>(until, now + std::chrono::nanoseconds(std::max<std::int64_t>(due, 0)));
+  return due > kMaxAhead ? until
+                         : std::min<Inbox::SteadyTime>(until, now + std::chrono::nanoseconds(std::max<std::int64_t>(due, 0)));
 }
 
 // ---- The clock ----
@@ -97,8 +94,8 @@ void Stepper::handleClock(const ClockNews& clock) {
   if (!clock.jumped_back) {
     schedule_.skip(clock.skipped);
     if (clock.skipped > 0 && simulation_) {
-      complaints_.report(Complaint::kClock, "the clock jumped forward by " + formatReal(toSeconds(clock.skipped)) +
-                                                " s, which is not caught up");
+      complaints_.report(Complaint::kClock,
+                         "the clock jumped forward by " + formatReal(toSeconds(clock.skipped)) + " s, which is not caught up");
     }
     return;
   }
@@ -113,7 +110,7 @@ void Stepper::handleClock(const ClockNews& clock) {
 
 void Stepper::restart(std::int64_t now) {
   simulation_->reset();
-  forces_.clear();
+  commands_.forgetForces();
   is_failed_ = false;
   last_frame_ = 0;
   is_frame_due_ = false;
@@ -132,7 +129,8 @@ void Stepper::letGoOfLag() {
   if (simulation_->stepCount() > 0) {
     complaints_.report(Complaint::kBehind, "slower than real time: the last step took " + formatReal(step_seconds_) + " s for " +
                                                formatReal(params_.integrator.time_step) + " s, the last frame " +
-                                               formatReal(frame_seconds_) + " s; " + formatReal(toSeconds(lag)) + " s are not caught up");
+                                               formatReal(frame_seconds_) + " s; " + formatReal(toSeconds(lag)) +
+                                               " s are not caught up");
   }
 }
 
@@ -151,8 +149,8 @@ bool Stepper::handleCloud() {
   } catch (const InputError& error) {
     complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
   } catch (const std::bad_alloc&) {
-    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + std::to_string(num_points) +
-                                                     " points do not fit in memory; accepted: fewer");
+    complaints_.report(Complaint::kCloudRefused,
+                       "cloud refused: " + std::to_string(num_points) + " points do not fit in memory; accepted: fewer");
   }
   waiting_cloud_.reset();
   return true;
@@ -164,8 +162,8 @@ bool Stepper::accept(IncomingCloud& incoming) {
   const std::int64_t arrival = incoming.arrival != 0 ? incoming.arrival : now_;
   const std::int64_t stamp = decoded.header.stamp.isZero() ? arrival : static_cast<std::int64_t>(decoded.header.stamp.toNSec());
   if (stamp - arrival > kMaxAhead) {
-    throw InputError("header.stamp: found a time " + formatReal(toSeconds(stamp - arrival)) + " s ahead of the clock; accepted: up to " +
-                     formatReal(toSeconds(kMaxAhead)) + " s");
+    throw InputError("header.stamp: found a time " + formatReal(toSeconds(stamp - arrival)) +
+                     " s ahead of the clock; accepted: up to " + formatReal(toSeconds(kMaxAhead)) + " s");
   }
   const std::string frame = withoutSlash(params_.frame_id.empty() ? decoded.header.frame_id : params_.frame_id);
   try {
@@ -180,15 +178,10 @@ bool Stepper::accept(IncomingCloud& incoming) {
   auto simulation = std::make_unique<simulation::Simulation>(params_, std::move(decoded.cloud));
   publishers_.begin(*simulation, frame);
   // Commands for the surface before are not for this one; before the first there was none that they could be for.
-  if (simulation_) {
-    const auto is_past = [&](const Command& command) { return command.stamp < stamp; };
-    const auto kept = std::remove_if(commands_.begin(), commands_.end(), is_past);
-    counts_.commands_dropped += static_cast<int>(commands_.end() - kept);
-    commands_.erase(kept, commands_.end());
-  }
+  if (simulation_) commands_.dropBefore(stamp);
   simulation_ = std::move(simulation);
   frame_ = frame;
-  forces_.clear();
+  commands_.forgetForces();
   is_failed_ = is_frame_due_ = false;
   last_frame_ = 0;
   schedule_.start(stamp);
@@ -237,7 +230,7 @@ std::uint32_t Stepper::takeSteps(std::uint32_t count) {
 
 bool Stepper::takeStep() {
   const Timer timer;
-  applyCommands(schedule_.begin(simulation_->stepCount()));
+  commands_.apply(schedule_.begin(simulation_->stepCount()), *simulation_, frame_);
   updateGravity();
   time_input_ = timer.seconds();
 
@@ -246,7 +239,8 @@ bool Stepper::takeStep() {
   if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
   if (!outcome.ok) {
     is_failed_ = is_paused_ = true;
-    complaints_.report(Complaint::kStep, outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
+    complaints_.report(Complaint::kStep,
+                       outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
     return false;
   }
   ++counts_.steps_taken;
@@ -258,43 +252,6 @@ bool Stepper::takeStep() {
     last_frame_ = frame;
   }
   return true;
-}
-
-void Stepper::applyCommands(std::int64_t begin) {
-  const auto is_due = [&](const Command& command) { return command.stamp <= begin; };
-  const auto later = std::stable_partition(commands_.begin(), commands_.end(), is_due);
-  std::stable_sort(commands_.begin(), later, [](const Command& a, const Command& b) { return a.stamp < b.stamp; });
-  for (auto command = commands_.begin(); command != later; ++command) {
-    try {
-      apply(*command);
-      ++counts_.commands_applied;
-    } catch (const InputError& error) {
-      complaints_.report(Complaint::kCommandRefused, error.what());
-    }
-  }
-  commands_.erase(commands_.begin(), later);
-}
-
-void Stepper::apply(const Command& command) {
-  const double time = simulation_->time();
-  simulation::ForceParams force;
-  if (const auto* message = std::get_if<PointForceConstPtr>(&command.message)) {
-    force = toForce(**message, time, frame_, transforms_);
-  } else {
-    force = toForce(*std::get<geometry_msgs::WrenchStampedConstPtr>(command.message), time, frame_, transforms_, params_.force);
-  }
-  limitForces(force);
-  simulation_->setForce(force);
-  forces_[force.id] = force.force.isZero(0.0) ? time : force.end;
-}
-
-void Stepper::limitForces(const simulation::ForceParams& force) {
-  const double time = simulation_->time();
-  for (auto entry = forces_.begin(); entry != forces_.end();) entry = entry->second <= time ? forces_.erase(entry) : std::next(entry);
-  if (forces_.size() >= kMaxForces && forces_.count(force.id) == 0) {
-    throw InputError("force " + quote(force.id) + ": found " + std::to_string(forces_.size()) +
-                     " forces at a time already; accepted: no more");
-  }
 }
 
 bool Stepper::updateGravity() {
@@ -325,8 +282,8 @@ void Stepper::publishIfDue() {
   if (!is_frame_due_) return;
   // Steps go first when they come late, and the frame waits until they are in time.
   const bool is_late = now_ - schedule_.begin(simulation_->stepCount() + 1) > timeStep();
-  const std::chrono::duration<double> apart = std::max<std::chrono::duration<double>>(
-      kLateFramePeriod, std::chrono::duration<double>(kLateFramesApart * frame_seconds_));
+  const std::chrono::duration<double> apart =
+      std::max<std::chrono::duration<double>>(kLateFramePeriod, std::chrono::duration<double>(kLateFramesApart * frame_seconds_));
   if (is_late && steady_clock::now() - last_published_ < apart) return;
   is_frame_due_ = false;
   publish();
@@ -336,7 +293,9 @@ StepperStatus Stepper::status() const {
   StepperStatus status = counts_;
   status.is_failed = is_failed_;
   status.time_step = params_.integrator.time_step;
-  status.commands_waiting = static_cast<int>(commands_.size());
+  status.commands_applied = commands_.numApplied();
+  status.commands_waiting = commands_.numWaiting();
+  status.commands_dropped = commands_.numDropped();
   if (simulation_) {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();

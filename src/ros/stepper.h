@@ -1,9 +1,10 @@
-// The simulation thread: builds a surface from the cloud that came, takes its steps when they are due, publishes. All that touches
-// the simulation happens here, one thing after the other.
+// The simulation thread: builds a surface from the cloud that came, takes its steps when they are due, publishes. All that
+// touches the simulation happens here, one thing after the other.
 #pragma once
 
 #include "complaints.h"
 #include "inbox.h"
+#include "pending_commands.h"
 #include "publishers.h"
 
 #include "deformable_surface/ros/step_schedule.h"
@@ -12,8 +13,6 @@
 #include <tf2/buffer_core.h>
 
 #include <chrono>
-#include <deque>
-#include <map>
 #include <memory>
 #include <string>
 
@@ -22,15 +21,15 @@ namespace deformable_surface::node {
 /// What the diagnostics tell of the simulation.
 struct StepperStatus {
   std::string state = "waiting for a cloud";
-  bool is_failed = false;             // the last step failed
+  bool is_failed = false;                         // the last step failed
   double time_step = 0.0, simulation_time = 0.0;  // s
   std::uint64_t step = 0;
-  std::uint64_t steps_taken = 0;      // of all surfaces
+  std::uint64_t steps_taken = 0;  // of all surfaces
   int clouds_accepted = 0, clouds_ignored = 0, frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0;
   int commands_waiting = 0, commands_dropped = 0;
-  double lag = 0.0;                   // s that the next step is late
-  double time_let_go = 0.0;           // s of the ROS clock for which no steps were taken, since they took too long
+  double lag = 0.0;          // s that the next step is late
+  double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
 };
 
 class Stepper {
@@ -65,14 +64,10 @@ class Stepper {
   void handleClock(const ClockNews& clock);
   bool handleCloud();
   bool accept(IncomingCloud& incoming);
-  void restart(std::int64_t zero);
-  void forgetRosForces();
+  void restart(std::int64_t now);
 
   bool isDue() const;
   bool takeStep();
-  void applyCommands(std::int64_t begin);
-  void apply(const Command& command);
-  void limitForces(const simulation::ForceParams& force);
   bool updateGravity();
   void letGoOfLag();
   void publishIfDue();
@@ -89,10 +84,9 @@ class Stepper {
   std::unique_ptr<simulation::Simulation> simulation_;
   std::string frame_;
   StepSchedule schedule_;
-  std::int64_t now_ = 0;                  // ns of the ROS clock; 0 = there is no valid time yet
+  std::int64_t now_ = 0;  // ns of the ROS clock; 0 = there is no valid time yet
   std::unique_ptr<WaitingCloud> waiting_cloud_;
-  std::deque<Command> commands_;          // not yet due
-  std::map<std::string, double> forces_;  // those that came over ROS: when they end, s
+  PendingCommands commands_;
   bool is_paused_ = false, is_failed_ = false, is_gravity_known_ = false;
   // s of wall time: the commands of the last step, all of the last step, the last frame.
   double time_input_ = 0.0, step_seconds_ = 0.0, frame_seconds_ = 0.0;

@@ -41,11 +41,13 @@ simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) 
   XmlRpc::XmlRpcValue tree;
   private_node.getParam(private_node.getNamespace(), tree);
   if (!tree.valid()) tree.setSize(0);
-  const simulation::SceneParams params = io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
+  const simulation::SceneParams params =
+      io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
   const std::filesystem::path directory = params.save_directory;
   std::error_code error;
   if (!directory.empty() && !(directory.is_absolute() && std::filesystem::is_directory(directory, error)))
-    throw InputError("save_directory: found " + quote(params.save_directory) + "; accepted: the absolute path of a directory that is there");
+    throw InputError("save_directory: found " + quote(params.save_directory) +
+                     "; accepted: the absolute path of a directory that is there");
   return params;
 }
 
@@ -101,9 +103,10 @@ struct SurfaceNode::Impl {
 
   void subscribe(const simulation::SceneParams& params) {
     if (ros::Time::isSimTime()) {
-      subscribers.push_back(node.subscribe<rosgraph_msgs::Clock>("/clock", kClockQueue, [this](const rosgraph_msgs::ClockConstPtr& clock) {
-        inbox.observeClock(static_cast<std::int64_t>(clock->clock.toNSec()));
-      }));
+      subscribers.push_back(
+          node.subscribe<rosgraph_msgs::Clock>("/clock", kClockQueue, [this](const rosgraph_msgs::ClockConstPtr& clock) {
+            inbox.observeClock(static_cast<std::int64_t>(clock->clock.toNSec()));
+          }));
     }
     DecodeLimits limits;
     limits.max_points = params.input.max_points;
@@ -115,7 +118,8 @@ struct SurfaceNode::Impl {
         inbox.wake();
       }
     }));
-    subscribers.push_back(private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
+    subscribers.push_back(
+        private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
     subscribers.push_back(private_node.subscribe<geometry_msgs::WrenchStamped>(
         "wrench", kCommandQueue, [this](const geometry_msgs::WrenchStampedConstPtr& m) { inbox.put(m); }));
     subscribers.push_back(private_node.subscribe<UnreadTools>("tools", 1, [this](const boost::shared_ptr<const UnreadTools>&) {
@@ -128,10 +132,12 @@ struct SurfaceNode::Impl {
   void run() {
     for (bool goes_on = true; goes_on;) {
       try {
-        goes_on = stepper.turn(diagnostics ? diagnostics->nextTime() : std::chrono::steady_clock::now() + std::chrono::seconds(1));
+        goes_on =
+            stepper.turn(diagnostics ? diagnostics->nextTime() : std::chrono::steady_clock::now() + std::chrono::seconds(1));
         if (diagnostics) diagnostics->update();
       } catch (const std::exception& error) {
-        complaints.report(Complaint::kInternal, std::string("the simulation is paused after an error of this program: ") + error.what());
+        complaints.report(Complaint::kInternal,
+                          std::string("the simulation is paused after an error of this program: ") + error.what());
         stepper.setPaused(true);
       }
     }

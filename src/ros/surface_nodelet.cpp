@@ -17,7 +17,8 @@ class DeformableSurfaceNodelet : public nodelet::Nodelet {
     try {
       node_ = std::make_unique<SurfaceNode>(getNodeHandle(), getPrivateNodeHandle(), readNodeParameters(getPrivateNodeHandle()));
     } catch (const InputError& error) {
-      NODELET_FATAL_STREAM("the parameters below " << getPrivateNodeHandle().getNamespace() << " are not accepted:\n" << error.what());
+      NODELET_FATAL_STREAM("the parameters below " << getPrivateNodeHandle().getNamespace() << " are not accepted:\n"
+                                                   << error.what());
     } catch (const std::exception& error) {
       NODELET_FATAL_STREAM("the nodelet cannot run: " << error.what());
     }

@@ -19,13 +19,14 @@ TEST(BadClouds, ThroughTheRunningNodeLeaveItAnsweringGoodOnes) {
   for (const BadCloud& bad : BadClouds::makeAll()) {
     const double accepted = client.diagnostic("clouds accepted"), verdicts = countVerdicts();
     client.publish(bad.message);
-    ASSERT_TRUE(waitUntil([&] { return countVerdicts() == verdicts + 1.0; }))
-        << bad.id << " " << bad.what << "\n" << process.output();
+    ASSERT_TRUE(waitUntil([&] { return countVerdicts() == verdicts + 1.0; })) << bad.id << " " << bad.what << "\n"
+                                                                              << process.output();
     const bool was_accepted = client.diagnostic("clouds accepted") > accepted;
     if (bad.verdict == Verdict::kAccept) {
       // Some are well-formed messages of points in a line, of which there is no surface to make.
       const std::string complaint = client.diagnosticText("last complaint");
-      EXPECT_TRUE(was_accepted || complaint.find("span no surface") != std::string::npos) << bad.id << " " << bad.what << ": " << complaint;
+      EXPECT_TRUE(was_accepted || complaint.find("span no surface") != std::string::npos)
+          << bad.id << " " << bad.what << ": " << complaint;
     }
     if (bad.verdict == Verdict::kRefuse) {
       EXPECT_FALSE(was_accepted) << bad.id << " " << bad.what;

@@ -1,5 +1,5 @@
-// A client of the running node: starts it, talks to it as any other program would, and waits for conditions, never for a time. In a
-// file of its own because every test with a roscore uses it.
+// A client of the running node: starts it, talks to it as any other program would, and waits for conditions, never for a time. In
+// a file of its own because every test with a roscore uses it.
 #pragma once
 
 #include "deformable_surface/PointForce.h"
@@ -67,8 +67,8 @@ inline XmlRpc::XmlRpcValue toXmlRpc(const Value& value) {
   return result;
 }
 
-/// The node as a process of its own, started with the parameters of a scene in YAML, or with those that are set already, and ended
-/// with this object.
+/// The node as a process of its own, started with the parameters of a scene in YAML, or with those that are set already, and
+/// ended with this object.
 class NodeProcess {
  public:
   explicit NodeProcess(const std::string& name, const std::string& scene = "") {
@@ -186,7 +186,9 @@ class NodeClient {
     request.count = count;
     return call<Step>("step", request);
   }
-  SelectRegionResponse select(const char* service, const SelectRegionRequest& request) { return call<SelectRegion>(service, request); }
+  SelectRegionResponse select(const char* service, const SelectRegionRequest& request) {
+    return call<SelectRegion>(service, request);
+  }
   SaveCloudResponse save(const std::string& name) {
     SaveCloudRequest request;
     request.name = name;
@@ -242,7 +244,8 @@ inline Vec3 readPosition(const sensor_msgs::PointCloud2& cloud, std::size_t poin
   return {readField(cloud, point, "x"), readField(cloud, point, "y"), readField(cloud, point, "z")};
 }
 
-inline PointForce makeForce(const std::string& id, const Vec3& point, const Vec3& force, double radius = 0.0, double duration = 0.0) {
+inline PointForce makeForce(const std::string& id, const Vec3& point, const Vec3& force, double radius = 0.0,
+                            double duration = 0.0) {
   PointForce message;
   message.id = id;
   message.point.x = point.x(), message.point.y = point.y(), message.point.z = point.z();

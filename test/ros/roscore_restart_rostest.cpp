@@ -1,4 +1,5 @@
-// The node outlives its roscore: with a new one it registers all that it has again. The master that dies is one of this test's own.
+// The node outlives its roscore: with a new one it registers all that it has again. The master that dies is one of this test's
+// own.
 #include "node_client.h"
 
 #include <xmlrpcpp/XmlRpcClient.h>
@@ -55,7 +56,8 @@ class Master {
     for (int kind = 0; state.valid() && kind < 3; ++kind)
       for (int i = 0; i < state[kind].size(); ++i)
         for (int n = 0; n < state[kind][i][1].size(); ++n)
-          if (static_cast<std::string&>(state[kind][i][1][n]) == node) list.insert(kinds[kind] + static_cast<std::string&>(state[kind][i][0]));
+          if (static_cast<std::string&>(state[kind][i][1][n]) == node)
+            list.insert(kinds[kind] + static_cast<std::string&>(state[kind][i][0]));
     return list;
   }
 
@@ -75,7 +77,8 @@ TEST(RoscoreRestart, IsFollowedByTheRegistrationOfAllThereWas) {
   std::set<std::string> before;
   ASSERT_TRUE(waitUntil([&] {
     before = master->listRegistrations("/surface");
-    return before.count("serve /surface/save") && before.count("subscribe /surface/tools") && before.count("publish /diagnostics");
+    return before.count("serve /surface/save") && before.count("subscribe /surface/tools") &&
+           before.count("publish /diagnostics");
   })) << process.output();
   master.reset();
   master = std::make_unique<Master>(port);

@@ -1,5 +1,5 @@
-// The node on /clock: it stands when the clock stands, starts over when it jumps back, and comes to the same state whenever it gets
-// the same messages, in each of two instances.
+// The node on /clock: it stands when the clock stands, starts over when it jumps back, and comes to the same state whenever it
+// gets the same messages, in each of two instances.
 #include "bad_clouds.h"
 #include "node_client.h"
 
@@ -19,7 +19,9 @@ ros::Time toTime(std::int64_t nanoseconds) {
 
 class SimulatedTimeTest : public ::testing::Test {
  protected:
-  SimulatedTimeTest() : process_("/one", kScene), client_("/one") { clock_ = client_.handle().advertise<rosgraph_msgs::Clock>("/clock", 1000); }
+  SimulatedTimeTest() : process_("/one", kScene), client_("/one") {
+    clock_ = client_.handle().advertise<rosgraph_msgs::Clock>("/clock", 1000);
+  }
   void SetUp() override {
     ASSERT_TRUE(client_.waitForNode()) << process_.output();
     // roscpp's own subscription and the node's, and that of this process.

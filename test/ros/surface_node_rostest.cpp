@@ -194,8 +194,9 @@ TEST_F(SurfaceNodeTest, SavesUnderBareNamesOnly) {
     EXPECT_TRUE(saved.success) << saved.message;
     EXPECT_GT(std::filesystem::file_size(directory_ / name), 1000u);
   }
-  for (const std::string& name : std::vector<std::string>{"", ".ply", "../a.ply", "/etc/a.ply", "a/b.ply", "a.txt", "a b.ply", "-a.ply",
-                                                          std::string("a\0.ply", 6), std::string(1 << 20, 'a') + ".ply"}) {
+  for (const std::string& name :
+       std::vector<std::string>{"", ".ply", "../a.ply", "/etc/a.ply", "a/b.ply", "a.txt", "a b.ply", "-a.ply",
+                                std::string("a\0.ply", 6), std::string(1 << 20, 'a') + ".ply"}) {
     EXPECT_FALSE(client_->save(name).success) << name.substr(0, 20);
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), std::filesystem::directory_iterator()), 2);
@@ -207,7 +208,8 @@ TEST_F(SurfaceNodeTest, AppliesAWrenchUntilItsTimeout) {
   const ros::Subscriber markers = client_->handle().subscribe<visualization_msgs::MarkerArray>(
       "markers", 10, [&](const visualization_msgs::MarkerArrayConstPtr& m) {
         num_arrows = 0;
-        for (const auto& marker : m->markers) num_arrows += marker.ns == "forces" && marker.action == visualization_msgs::Marker::ADD;
+        for (const auto& marker : m->markers)
+          num_arrows += marker.ns == "forces" && marker.action == visualization_msgs::Marker::ADD;
       });
   ASSERT_TRUE(waitUntil([&] { return num_arrows == 0; }));
   ros::Publisher wrench = client_->handle().advertise<geometry_msgs::WrenchStamped>("wrench", 10);
@@ -268,9 +270,12 @@ TEST_F(SurfaceNodeTest, TakesForcesAndGravityFromTheirFrames) {
 TEST_F(SurfaceNodeTest, RefusesCommandsThatMeanNothing) {
   ASSERT_TRUE(startPaused());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  std::vector<PointForce> wrong = {makeForce("", Vec3::Zero(), Vec3::UnitZ()), makeForce("a", Vec3(nan, 0, 0), Vec3::UnitZ()),
-                                   makeForce("a", Vec3::Zero(), Vec3(0, nan, 0)), makeForce("a", Vec3::Zero(), Vec3::UnitZ(), -1.0),
-                                   makeForce("a", Vec3::Zero(), Vec3::UnitZ(), 0.0, -1.0), makeForce("a", Vec3::Zero(), Vec3::UnitZ())};
+  std::vector<PointForce> wrong = {makeForce("", Vec3::Zero(), Vec3::UnitZ()),
+                                   makeForce("a", Vec3(nan, 0, 0), Vec3::UnitZ()),
+                                   makeForce("a", Vec3::Zero(), Vec3(0, nan, 0)),
+                                   makeForce("a", Vec3::Zero(), Vec3::UnitZ(), -1.0),
+                                   makeForce("a", Vec3::Zero(), Vec3::UnitZ(), 0.0, -1.0),
+                                   makeForce("a", Vec3::Zero(), Vec3::UnitZ())};
   wrong.back().header.frame_id = "nowhere";
   for (const PointForce& force : wrong) client_->publish(force);
   ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", wrong.size()));

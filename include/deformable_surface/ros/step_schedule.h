@@ -1,5 +1,5 @@
-// When steps are due: what the ROS clock did, and where the steps of the simulation lie on it. Apart from the thread that takes the
-// steps, so that jumps of the clock can be tested without waiting for one. Times are nanoseconds of the ROS clock.
+// When steps are due: what the ROS clock did, and where the steps of the simulation lie on it. Apart from the thread that takes
+// the steps, so that jumps of the clock can be tested without waiting for one. Times are nanoseconds of the ROS clock.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@ namespace deformable_surface::node {
 
 /// What the ROS clock did since it was last asked.
 struct ClockNews {
-  std::int64_t now = 0;        // 0 = there is no valid time yet
-  std::int64_t skipped = 0;    // sum of the forward jumps, which are not caught up
-  bool jumped_back = false;    // what was before the jump counts no more, skipped least of all
-  std::int64_t restart = 0;    // the first time after the jump
+  std::int64_t now = 0;      // 0 = there is no valid time yet
+  std::int64_t skipped = 0;  // sum of the forward jumps, which are not caught up
+  bool jumped_back = false;  // what was before the jump counts no more, skipped least of all
+  std::int64_t restart = 0;  // the first time after the jump
 };
 
 /// Tells jumps from the normal run of a clock.
 class ClockWatch {
  public:
-  /// simulated: the clock is /clock, whose every message must be observed and which goes at any speed; else it is the computer's, which
-  /// is observed at any time and compared with a clock that never jumps.
+  /// simulated: the clock is /clock, whose every message must be observed and which goes at any speed; else it is the computer's,
+  /// which is observed at any time and compared with a clock that never jumps.
   explicit ClockWatch(bool simulated) : simulated_(simulated) {}
 
   /// Returns true if the clock jumped back.

@@ -1,12 +1,14 @@
 #include "deformable_surface/model/mass_spring/curvature_bending.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/model/mass_spring/incidence.h"
 
 #include <Eigen/QR>
 
 #include <algorithm>
 #include <cmath>
+#include <cstring>
 
 namespace deformable_surface::model {
 namespace {
@@ -18,6 +20,20 @@ constexpr double kRankTolerance = 1e-3;  // smallest pivot over the largest for 
 
 // How often each of b_11, b_12, b_22 stands in the sum over a and b.
 const Vec3 kMultiplicity(1.0, 2.0, 1.0);
+
+// Sums of rows times positions: t_1, t_2, b_11, b_12, b_22 of one point. rows: (5 x count) weights; positions: padded to four.
+using Double4 = double __attribute__((vector_size(4 * sizeof(double))));
+
+DEFORMABLE_SURFACE_WIDE void sumDerivatives(Index count, const Index* neighbors, const double* rows, const double* positions,
+                                            CurvatureBending::Derivatives& result) {
+  Double4 sum[5] = {};
+  for (Index r = 0; r < count; ++r) {
+    Double4 x;
+    std::memcpy(&x, positions + 4 * neighbors[r], sizeof x);
+    for (int k = 0; k < 5; ++k) sum[k] += rows[5 * r + k] * x;
+  }
+  std::memcpy(result.value, sum, sizeof sum);
+}
 
 // The nearest kFitPoints among the first, second and, if those are too few, third ring.
 std::vector<Index> chooseFitPoints(Index i, const Points& rest, const Lists& ring) {
@@ -48,6 +64,7 @@ CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, co
   weight_.assign(n, 0.0);
   moment_.resize(n);
   std::vector<std::pair<Index, Index>> uses;
+  std::vector<Index> owner;  // the point whose fit each row belongs to
   for (Index i = 0; i < n; ++i) {
     const std::vector<Index> fit = chooseFitPoints(i, rest, ring);
     const Index k = static_cast<Index>(fit.size());
@@ -90,25 +107,32 @@ CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, co
     neighbors_.offsets.push_back(static_cast<Index>(neighbors_.items.size()));
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
       uses.emplace_back(neighbors_.items[r], r);
-      owner_.push_back(i);
+      owner.push_back(i);
     }
   }
   users_ = groupByPoint(n, uses);
+  for (Index r : users_.items) {
+    user_rows_.push_back(rows_[r]);
+    user_owner_.push_back(owner[r]);
+  }
   State at_rest{rest, {}};
   for (Index i = 0; i < n; ++i) rest_curvature_[i] = shapeAt(i, at_rest).change;
 }
 
 CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const State& state) const {
-  Vec3 t1 = Vec3::Zero(), t2 = Vec3::Zero(), b11 = Vec3::Zero(), b12 = Vec3::Zero(), b22 = Vec3::Zero();
+  Derivatives d{};
   for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
     const Vec3& x = state.positions[neighbors_.items[r]];
-    const Row& row = rows_[r];
-    t1 += row.first[0] * x;
-    t2 += row.first[1] * x;
-    b11 += row.second[0] * x;
-    b12 += row.second[1] * x;
-    b22 += row.second[2] * x;
+    const double* weight = rows_[r].first.data();
+    for (int k = 0; k < 5; ++k)
+      for (int c = 0; c < 3; ++c) d.value[k][c] += weight[k] * x[c];
   }
+  return shapeOf(i, d);
+}
+
+CurvatureBending::Shape CurvatureBending::shapeOf(Index i, const Derivatives& d) const {
+  using Map = Eigen::Map<const Vec3>;
+  const Map t1(d.value[0]), t2(d.value[1]), b11(d.value[2]), b12(d.value[3]), b22(d.value[4]);
   Shape s;
   const Vec3 cross = t1.cross(t2);
   const double area = cross.norm();
@@ -128,26 +152,36 @@ CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const State& state) c
 
 void CurvatureBending::addForces(const State& state, Points& forces) const {
   const Index n = neighbors_.size();
+  padded_.resize(4 * n);
+  for (Index i = 0; i < n; ++i)
+    for (int c = 0; c < 3; ++c) padded_[4 * i + c] = state.positions[i][c];
   // The moment of every point.
   parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Derivatives derivatives;
     for (Index i = begin; i < end; ++i) {
       if (weight_[i] == 0.0) {
-        moment_[i] = {Vec3::Zero(), Vec3::Zero(), Vec2::Zero()};
+        moment_[i] = Moment{};
         continue;
       }
-      const Shape s = shapeAt(i, state);
-      moment_[i].normal = s.normal;
-      moment_[i].second = weight_[i] * kMultiplicity.cwiseProduct(s.change);
-      moment_[i].first = s.christoffel * moment_[i].second;
+      const Index first = neighbors_.offsets[i];
+      sumDerivatives(neighbors_.count(i), &neighbors_.items[first], rows_[first].first.data(), padded_.data(), derivatives);
+      const Shape s = shapeOf(i, derivatives);
+      Eigen::Map<Vec3>(moment_[i].normal) = s.normal;
+      const Vec3 second = weight_[i] * kMultiplicity.cwiseProduct(s.change);
+      Eigen::Map<Vec3>(moment_[i].second) = second;
+      Eigen::Map<Vec2>(moment_[i].first) = s.christoffel * second;
     }
   });
   // f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), gathered by the points.
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index j = begin; j < end; ++j) {
       Vec3 sum = Vec3::Zero();
-      for (const Index* r = users_.begin(j); r != users_.end(j); ++r) {
-        const Moment& m = moment_[owner_[*r]];
-        sum -= (m.second.dot(rows_[*r].second) - m.first.dot(rows_[*r].first)) * m.normal;
+      for (Index u = users_.offsets[j]; u < users_.offsets[j + 1]; ++u) {
+        const Moment& m = moment_[user_owner_[u]];
+        const Row& row = user_rows_[u];
+        const double along = m.second[0] * row.second[0] + m.second[1] * row.second[1] + m.second[2] * row.second[2] -
+                             m.first[0] * row.first[0] - m.first[1] * row.first[1];
+        for (int c = 0; c < 3; ++c) sum[c] -= along * m.normal[c];
       }
       forces[j] += sum;
     }

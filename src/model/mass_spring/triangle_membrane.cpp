@@ -1,6 +1,7 @@
 #include "deformable_surface/model/mass_spring/triangle_membrane.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/model/mass_spring/incidence.h"
 
 #include <algorithm>
@@ -11,7 +12,7 @@ namespace {
 
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 
-constexpr Index kBlock = 1024;
+constexpr Index kBlock = 1024;  // a multiple of the batch
 
 // Rotation and invariants of F.
 struct Polar {
@@ -47,6 +48,48 @@ Polar decompose(const Mat32& F, Index element) {
   return p;
 }
 
+// Some triangles side by side, one quantity in one array.
+struct Batch {
+  static constexpr Index kSize = 64;  // fits the nearest cache, and the loop's ends do not count
+  double edge1[3][kSize], edge2[3][kSize];    // from the first corner, m
+  double force1[3][kSize], force2[3][kSize];  // on the second and third corner, N
+  double determinant[kSize];                  // 0 = collapsed: the forces are not valid
+};
+
+// The forces of a batch. inverse: (4 x kSize) for the batch, rows i00, i01, i10, i11. Returns true if any triangle is collapsed.
+DEFORMABLE_SURFACE_WIDE bool computeForces(Index size, double two_mu, double lambda, const double* inverse, const double* area,
+                                           Batch& batch) {
+  const double *i00 = inverse, *i01 = inverse + Batch::kSize, *i10 = inverse + 2 * Batch::kSize, *i11 = inverse + 3 * Batch::kSize;
+#pragma GCC ivdep
+  for (Index l = 0; l < size; ++l) {
+    // F = [edge1 edge2] inverse.
+    const double a = i00[l], b = i01[l], c = i10[l], d = i11[l];
+    const double f1x = batch.edge1[0][l] * a + batch.edge2[0][l] * c, f2x = batch.edge1[0][l] * b + batch.edge2[0][l] * d;
+    const double f1y = batch.edge1[1][l] * a + batch.edge2[1][l] * c, f2y = batch.edge1[1][l] * b + batch.edge2[1][l] * d;
+    const double f1z = batch.edge1[2][l] * a + batch.edge2[2][l] * c, f2z = batch.edge1[2][l] * b + batch.edge2[2][l] * d;
+    // J, T, n.
+    const double cx = f1y * f2z - f1z * f2y, cy = f1z * f2x - f1x * f2z, cz = f1x * f2y - f1y * f2x;
+    const double J = std::sqrt(cx * cx + cy * cy + cz * cz);
+    const double T = std::sqrt(f1x * f1x + f1y * f1y + f1z * f1z + f2x * f2x + f2y * f2y + f2z * f2z + 2.0 * J);
+    batch.determinant[l] = J;
+    const double nx = cx / J, ny = cy / J, nz = cz / J;
+    // P = 2 mu F + (lambda (T - 2) - 2 mu) R, R = (F + cof F) / T.
+    const double s = (lambda * (T - 2.0) - two_mu) / T;
+    const double p1x = two_mu * f1x + s * (f1x + f2y * nz - f2z * ny), p2x = two_mu * f2x + s * (f2x + ny * f1z - nz * f1y);
+    const double p1y = two_mu * f1y + s * (f1y + f2z * nx - f2x * nz), p2y = two_mu * f2y + s * (f2y + nz * f1x - nx * f1z);
+    const double p1z = two_mu * f1z + s * (f1z + f2x * ny - f2y * nx), p2z = two_mu * f2z + s * (f2z + nx * f1y - ny * f1x);
+    // -A P inverse^T.
+    const double w = -area[l];
+    batch.force1[0][l] = w * (p1x * a + p2x * b);
+    batch.force1[1][l] = w * (p1y * a + p2y * b);
+    batch.force1[2][l] = w * (p1z * a + p2z * b);
+    batch.force2[0][l] = w * (p1x * c + p2x * d);
+    batch.force2[1][l] = w * (p1y * c + p2y * d);
+    batch.force2[2][l] = w * (p1z * c + p2z * d);
+  }
+  return std::find(batch.determinant, batch.determinant + size, 0.0) != batch.determinant + size;
+}
+
 }  // namespace
 
 TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
@@ -69,6 +112,15 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
   }
   incidence_ = groupByPoint(static_cast<Index>(rest.size()), corners);
   corner_force_.resize(3 * elements_.size());
+  // The same constants once more as arrays, batch by batch.
+  const std::size_t padded = (elements_.size() + Batch::kSize - 1) / Batch::kSize * Batch::kSize;
+  inverse_.assign(4 * padded, 0.0);
+  area_.assign(padded, 0.0);
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const std::size_t batch = 4 * (t - t % Batch::kSize), lane = t % Batch::kSize;
+    for (int r = 0; r < 4; ++r) inverse_[batch + r * Batch::kSize + lane] = elements_[t].inverse(r / 2, r % 2);
+    area_[t] = elements_[t].area;
+  }
 }
 
 Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
@@ -78,18 +130,36 @@ Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
   return edges * e.inverse;
 }
 
+// Per block: the edges are collected from all over the surface into arrays, the forces come from them in one loop that the
+// compiler turns into vector instructions, and the few collapsed triangles are done again one by one.
 void TriangleMembrane::addForces(const State& state, Points& forces) const {
-  // The corner forces of every triangle: minus the first Piola-Kirchhoff stress times the gradients of the shape functions.
-  parallelFor(static_cast<Index>(elements_.size()), kBlock, [&](Index begin, Index end) {
-    for (Index t = begin; t < end; ++t) {
-      const Element& e = elements_[t];
-      const Mat32 F = gradient(e, state);
-      const Polar p = decompose(F, t);
-      const Mat32 stress = 2.0 * mu_ * (F - p.rotation) + lambda_ * (p.trace - 2.0) * p.rotation;
-      const Mat32 corner = -e.area * stress * e.inverse.transpose();
-      corner_force_[3 * t + 1] = corner.col(0);
-      corner_force_[3 * t + 2] = corner.col(1);
-      corner_force_[3 * t] = -corner.col(0) - corner.col(1);
+  const Index n = static_cast<Index>(elements_.size());
+  parallelFor(n, kBlock, [&](Index block_begin, Index block_end) {
+    Batch batch;
+    for (Index begin = block_begin; begin < block_end; begin += Batch::kSize) {
+      const Index size = std::min(Batch::kSize, block_end - begin);
+      for (Index l = 0; l < size; ++l) {
+        const Element& e = elements_[begin + l];
+        const Vec3& origin = state.positions[e.corner[0]];
+        const Vec3 e1 = state.positions[e.corner[1]] - origin, e2 = state.positions[e.corner[2]] - origin;
+        for (int c = 0; c < 3; ++c) {
+          batch.edge1[c][l] = e1[c];
+          batch.edge2[c][l] = e2[c];
+        }
+      }
+      const bool collapsed = computeForces(size, 2.0 * mu_, lambda_, &inverse_[4 * begin], &area_[begin], batch);
+      for (Index l = 0; l < size; ++l) {
+        Vec3 force1(batch.force1[0][l], batch.force1[1][l], batch.force1[2][l]);
+        Vec3 force2(batch.force2[0][l], batch.force2[1][l], batch.force2[2][l]);
+        if (collapsed && batch.determinant[l] == 0.0) {
+          const Mat32 corner = cornerForces(begin + l, state);
+          force1 = corner.col(0);
+          force2 = corner.col(1);
+        }
+        corner_force_[3 * (begin + l) + 1] = force1;
+        corner_force_[3 * (begin + l) + 2] = force2;
+        corner_force_[3 * (begin + l)] = -force1 - force2;
+      }
     }
   });
   // Gathered by the points.
@@ -100,6 +170,15 @@ void TriangleMembrane::addForces(const State& state, Points& forces) const {
       forces[i] += sum;
     }
   });
+}
+
+// Minus the first Piola-Kirchhoff stress times the gradients of the shape functions: forces on the second and third corner.
+Mat32 TriangleMembrane::cornerForces(Index t, const State& state) const {
+  const Element& e = elements_[t];
+  const Mat32 F = gradient(e, state);
+  const Polar p = decompose(F, t);
+  const Mat32 stress = 2.0 * mu_ * (F - p.rotation) + lambda_ * (p.trace - 2.0) * p.rotation;
+  return -e.area * stress * e.inverse.transpose();
 }
 
 double TriangleMembrane::energy(const State& state) const {

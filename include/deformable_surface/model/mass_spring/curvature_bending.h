@@ -27,12 +27,18 @@ class CurvatureBending {
 
   Index numWithoutFit() const { return num_without_fit_; }
 
- private:
-  // The rows of the fit for one neighbour.
-  struct Row {
-    Vec2 first;    // g^1, g^2, 1/m
-    Vec3 second;   // c^11, c^12, c^22, 1/m^2
+  /// t_1, t_2, b_11, b_12, b_22 of a point, each padded to four numbers.
+  struct Derivatives {
+    double value[5][4];
   };
+
+ private:
+  // The rows of the fit for one neighbour: five numbers side by side.
+  struct Row {
+    Eigen::Matrix<double, 2, 1, Eigen::DontAlign> first;  // g^1, g^2, 1/m
+    Vec3 second;                                          // c^11, c^12, c^22, 1/m^2
+  };
+  static_assert(sizeof(Row) == 5 * sizeof(double), "the force loop reads rows as plain numbers");
   // The deformed shape at a point.
   struct Shape {
     Vec3 normal;
@@ -40,6 +46,7 @@ class CurvatureBending {
     Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab
   };
   Shape shapeAt(Index i, const State& state) const;
+  Shape shapeOf(Index i, const Derivatives& derivatives) const;
 
   // Constants. The point itself is the first of its own list.
   Lists neighbors_;
@@ -47,14 +54,15 @@ class CurvatureBending {
   std::vector<Vec3> rest_curvature_;
   std::vector<double> weight_;      // D * A_i; 0 where there is no fit
   Lists users_;                     // per point j: positions in rows_ whose neighbour is j
-  std::vector<Index> owner_;        // per row: the point i whose fit it belongs to
+  std::vector<Row> user_rows_;      // those rows, in the order of users_.items
+  std::vector<Index> user_owner_;   // and the point i whose fit each belongs to
   Index num_without_fit_ = 0;
   // Scratch, per point i: n and the weights of the second and first derivative rows in the force.
   struct Moment {
-    Vec3 normal, second;
-    Vec2 first;
+    double normal[3], second[3], first[2];
   };
   mutable std::vector<Moment> moment_;
+  mutable std::vector<double> padded_;  // (n x 4) positions
 };
 
 }  // namespace deformable_surface::model

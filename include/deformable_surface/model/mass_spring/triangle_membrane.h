@@ -33,9 +33,11 @@ class TriangleMembrane {
     double area;   // weight * area at rest, m^2
   };
   static Mat32 gradient(const Element& e, const State& state);
+  Mat32 cornerForces(Index t, const State& state) const;
 
   // Constants.
   std::vector<Element> elements_;
+  std::vector<double> inverse_, area_;  // Element's, one array a quantity, in batches for the force loop
   Lists incidence_;  // per point: 3 * element + corner
   double mu_ = 0.0, lambda_ = 0.0;
   // Scratch: (3 per element) forces on the corners.
