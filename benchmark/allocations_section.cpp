@@ -69,12 +69,15 @@ void runAllocationsSection(const Options&, Report& report) {
     simulation::SceneParams scene;
     scene.simplification.target_points = 300;
     Simulation sheet(scene, makeWavySheet(20000, PointOrder::kScan));
-    countCalls("surface", sheet, [&] { sheet.step(); }, [&] { sheet.surface(false); });
-    countCalls("surface with normals", sheet, [&] { sheet.step(); }, [&] { sheet.surface(true); });
-    countCalls("statistics", sheet, [&] { sheet.step(); }, [&] { sheet.statistics(); });
+    countCalls(
+        "surface", sheet, [&] { sheet.step(); }, [&] { sheet.surface(false); });
+    countCalls(
+        "surface with normals", sheet, [&] { sheet.step(); }, [&] { sheet.surface(true); });
+    countCalls(
+        "statistics", sheet, [&] { sheet.step(); }, [&] { sheet.statistics(); });
   }
   report.end();
-  report.note("target: no allocation; a step that measures its stable sub-step anew, or whose matrix has a new pattern, asks for memory");
+  report.note("target: none; a step that measures its stable sub-step anew, or whose matrix has a new pattern, asks for memory");
   report.note("counted at malloc, so what Eigen and the standard library take is in it");
 }
 

@@ -18,9 +18,12 @@ struct Part {
   const char* name;
   void (*run)(const Options&, Report&);
 };
-constexpr Part kParts[] = {{"setup", runSetupSection},           {"table_1", runTable1Section},
-                           {"transfer", runTransferSection},     {"integrators", runIntegratorsSection},
-                           {"allocations", runAllocationsSection}, {"memory", runMemorySection}};
+constexpr Part kParts[] = {{"setup", runSetupSection},
+                           {"table_1", runTable1Section},
+                           {"transfer", runTransferSection},
+                           {"integrators", runIntegratorsSection},
+                           {"allocations", runAllocationsSection},
+                           {"memory", runMemorySection}};
 
 std::string findProcessor() {
   std::ifstream file("/proc/cpuinfo");
@@ -35,8 +38,10 @@ void printHeader(const std::string& commit) {
   std::printf("machine   %s, %d cores, load %.1f %.1f %.1f\n", findProcessor().c_str(), numThreads(), load[0], load[1], load[2]);
   std::printf("compiler  g++ %s, %s\n", __VERSION__, DEFORMABLE_SURFACE_FLAGS);
   std::printf("commit    %s\n", commit.c_str());
-  std::printf("wall: median of the runs after a warm-up; spread: interquartile range over median; cpu: least processor time of all\n"
-              "threads, which other work on the machine disturbs least; cores: cpu over wall, how many the machine gave\n");
+  std::printf(
+      "wall: median of the runs after a warm-up; spread: interquartile range over median\n"
+      "cpu: least processor time of all threads, which other work on the machine disturbs least\n"
+      "cores: cpu over wall, how many the machine gave\n");
 }
 
 int fail(const std::string& problem) {

@@ -13,8 +13,8 @@ using simulation::Simulation;
 using solve::IntegratorType;
 
 constexpr Index kPoints = 324;
-constexpr double kDuration = 0.4;     // s: the sheet has swung by most of its length and has not yet buckled
-constexpr double kUnstable = 1.0;     // m, rms: the sheet's own size
+constexpr double kDuration = 0.4;  // s: the sheet has swung by most of its length and has not yet buckled
+constexpr double kUnstable = 1.0;  // m, rms: the sheet's own size
 
 double totalEnergy(const Simulation& sheet) {
   const simulation::Statistics s = sheet.statistics();
@@ -49,9 +49,10 @@ Points extrapolate(const Points& coarse, const Points& fine) {
 }  // namespace
 
 void runIntegratorsSection(const Options& options, Report& report) {
-  report.begin("integrators", "4. Integrators on the swinging sheet (1 m, pinned on one edge, 0.2 kg/m^2, E h = 1000 N/m), one thread",
-               {"integrator", "time_step_ms", "substeps", "cpu_s_per_simulated_s", "wall_s_per_simulated_s", "spread_%", "rms_error_m",
-                "energy_error_%", "state", "runs", "hash"});
+  report.begin("integrators",
+               "4. Integrators on the swinging sheet (1 m, pinned on one edge, 0.2 kg/m^2, E h = 1000 N/m), one thread",
+               {"integrator", "time_step_ms", "substeps", "cpu_s_per_simulated_s", "wall_s_per_simulated_s", "spread_%",
+                "rms_error_m", "energy_error_%", "state", "runs", "hash"});
   setNumThreads(1);
 
   // One step of the whole duration tells into how many stability cuts it.
@@ -101,8 +102,8 @@ void runIntegratorsSection(const Options& options, Report& report) {
                 std::to_string(timing.repetitions), showHash(sheet.stateHash())});
   }
   report.end();
-  report.note("error: rms of the positions at " + show(kDuration) + " s; the reference itself is uncertain by " + show(uncertainty) +
-              " m; energy error: of the potential energy given up");
+  report.note("error: rms of the positions at " + show(kDuration) + " s; the reference itself is uncertain by " +
+              show(uncertainty) + " m; energy error: of the potential energy given up");
   report.note("explicit_euler is the published scheme; without damping it is unstable at any step, only later at smaller ones");
 }
 

@@ -1,5 +1,5 @@
-// How a time is taken: warm-up, repetitions, median and spread of wall time, least processor time; and the hash that shows whether
-// a change of speed changed a result.
+// How a time is taken: warm-up, repetitions, median and spread of wall time, least processor time; and the hash that shows
+// whether a change of speed changed a result.
 #pragma once
 
 #include "deformable_surface/base/types.h"

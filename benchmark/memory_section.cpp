@@ -35,7 +35,8 @@ void runMemorySection(const Options& options, Report& report) {
     count("first surface with normals", [&] { built->surface(true); });
   }
   report.end();
-  report.note("kept and peak are counted at malloc; resident is what the system sees, in pages, after the heap returned what is free");
+  report.note(
+      "kept and peak are counted at malloc; resident is what the system sees, in pages, after the heap gave back the rest");
 }
 
 }  // namespace deformable_surface::benchmark

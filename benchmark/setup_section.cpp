@@ -14,9 +14,10 @@ void measureStages(Index n, PointOrder order, int threads, const Options& option
   const double per_point = 1.0 / p.cloud.size();
   const auto addRow = [&](const std::string& name, const Timing& t, double error, const std::string& error_name,
                           std::uint64_t hash) {
-    report.add({name, std::to_string(p.cloud.size()), order == PointOrder::kScan ? "scan" : "shuffled", std::to_string(numThreads()),
-                showMilliseconds(t.wall), showPercent(t.spread), showMilliseconds(t.cpu), show(t.cpu / t.wall), show(1e9 * t.cpu * per_point),
-                std::to_string(t.repetitions), show(error), error_name, showHash(hash)});
+    report.add({name, std::to_string(p.cloud.size()), order == PointOrder::kScan ? "scan" : "shuffled",
+                std::to_string(numThreads()), showMilliseconds(t.wall), showPercent(t.spread), showMilliseconds(t.cpu),
+                show(t.cpu / t.wall), show(1e9 * t.cpu * per_point), std::to_string(t.repetitions), show(error), error_name,
+                showHash(hash)});
   };
   for (const Stage& stage : listStages()) {
     const Timing timing = measure([&] { stage.run(p); }, options.budget, 2);

@@ -43,8 +43,8 @@ double measureTriad(double bytes, double budget) {
 
 void runTransferSection(const Options& options, Report& report) {
   report.begin("transfer", "3. Transfer with normals against the memory's bandwidth (triad on as many bytes, same run)",
-               {"points", "threads", "wall_ms", "spread_%", "cpu_ms", "cores", "million_points_per_s", "bytes_per_point", "GB_per_s",
-                "triad_GB_per_s", "ratio", "rotation_error_m", "normal_error_deg", "runs", "hash"});
+               {"points", "threads", "wall_ms", "spread_%", "cpu_ms", "cores", "million_points_per_s", "bytes_per_point",
+                "GB_per_s", "triad_GB_per_s", "ratio", "rotation_error_m", "normal_error_deg", "runs", "hash"});
   const cloud::PointCloud coarse = makeWavySheet(kSimulationPoints, PointOrder::kScan);
   const Mat3 rotation = Eigen::AngleAxisd(1.1, Vec3(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
   Points turned;
@@ -55,7 +55,8 @@ void runTransferSection(const Options& options, Report& report) {
     const cloud::PointCloud dense = makeWavySheet(n, PointOrder::kScan);
     Points normals;
     for (const Vec3& p : dense.positions) normals.push_back(findWavyNormal(p));
-    const transfer::Transfer transfer(dense.positions, normals, coarse.positions, std::vector<char>(coarse.positions.size(), 1), {});
+    const transfer::Transfer transfer(dense.positions, normals, coarse.positions, std::vector<char>(coarse.positions.size(), 1),
+                                      {});
     for (int threads : {1, 2}) {
       setNumThreads(threads);
       Points now;
@@ -68,10 +69,11 @@ void runTransferSection(const Options& options, Report& report) {
       }
       const double bandwidth = movedBytes(transfer) * dense.size() / timing.wall;
       const double triad = measureTriad(movedBytes(transfer) * dense.size(), options.budget);
-      report.add({std::to_string(dense.size()), std::to_string(threads), showMilliseconds(timing.wall), showPercent(timing.spread),
-                  showMilliseconds(timing.cpu), show(timing.cpu / timing.wall), show(1e-6 * dense.size() / timing.wall), show(movedBytes(transfer)),
-                  show(1e-9 * bandwidth), show(1e-9 * triad), show(bandwidth / triad), show(error),
-                  show(normal_error * 180.0 / std::acos(-1.0)), std::to_string(timing.repetitions), showHash(hashValues(now))});
+      report.add({std::to_string(dense.size()), std::to_string(threads), showMilliseconds(timing.wall),
+                  showPercent(timing.spread), showMilliseconds(timing.cpu), show(timing.cpu / timing.wall),
+                  show(1e-6 * dense.size() / timing.wall), show(movedBytes(transfer)), show(1e-9 * bandwidth), show(1e-9 * triad),
+                  show(bandwidth / triad), show(error), show(normal_error * 180.0 / std::acos(-1.0)),
+                  std::to_string(timing.repetitions), showHash(hashValues(now))});
     }
   }
   report.end();

@@ -17,11 +17,11 @@ namespace {
 const double kPi = std::acos(-1.0);
 constexpr double kAmplitude = 0.05;  // m: slopes up to about a third, as on scans of folded cloth
 const double kWaveNumber = 2.0 * kPi;
-constexpr double kJitter = 0.3;      // irregular, and yet no two points coincide
-constexpr Index kNeighbors = 16;     // the default of scenes
+constexpr double kJitter = 0.3;   // irregular, and yet no two points coincide
+constexpr Index kNeighbors = 16;  // the default of scenes
 constexpr Index kKeptShare = 50;
-constexpr Index kSamples = 100;      // of neighbour lists checked against all pairs
-constexpr double kBend = 0.05;       // m, amplitude of the displacement that the transfer is asked to reproduce
+constexpr Index kSamples = 100;  // of neighbour lists checked against all pairs
+constexpr double kBend = 0.05;   // m, amplitude of the displacement that the transfer is asked to reproduce
 
 double wavyHeight(double x, double y) { return kAmplitude * std::sin(kWaveNumber * x) * std::cos(kWaveNumber * y); }
 
@@ -171,8 +171,7 @@ std::vector<Stage> listStages() {
          }
          p.rings = cloud::buildRings(p.points, p.point_normals, cloud::nearestNeighbors(p.points, kNeighbors));
        },
-       [](const Preparation& p) { return areaError(p.rings); },
-       [](const Preparation& p) { return hashValues(p.rings.area); }},
+       [](const Preparation& p) { return areaError(p.rings); }, [](const Preparation& p) { return hashValues(p.rings.area); }},
       {"model", "relative error of mass",
        [](Preparation& p) {
          p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, sumOf(p.dense_rings.area), false,

@@ -1,7 +1,7 @@
 # The package as catkin builds it: the core, point files through PCL, the ROS border, the executables and all tests.
 find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-             rosbag roscpp roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros
-             visualization_msgs xmlrpcpp)
+             rosbag roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs
+             tf2_ros visualization_msgs xmlrpcpp)
 find_package(PCL REQUIRED COMPONENTS common io)
 
 add_message_files(FILES PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
@@ -12,8 +12,8 @@ set(libraries deformable_surface_core deformable_surface_io deformable_surface_r
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${libraries}
-  CATKIN_DEPENDS diagnostic_msgs diagnostic_updater geometry_msgs message_runtime nodelet pluginlib rosbag roscpp roslib
-                 sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros visualization_msgs
+  CATKIN_DEPENDS diagnostic_msgs diagnostic_updater geometry_msgs message_runtime nodelet pluginlib rosbag roscpp
+                 rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros visualization_msgs
                  xmlrpcpp
   DEPENDS EIGEN3)
 
@@ -109,7 +109,7 @@ if(CATKIN_ENABLE_TESTING)
     get_filename_component(name ${launch} NAME_WE)
     add_rostest_gtest(${name}_rostest ${launch} test/ros/${name}_rostest.cpp)
     if(TARGET ${name}_rostest)
-      add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet)
+      add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet simulate)
       target_link_libraries(${name}_rostest deformable_surface_ros)
     endif()
   endforeach()

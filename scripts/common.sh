@@ -14,19 +14,20 @@ fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
 
 debian_packages=(
   catkin cmake make g++ python3-minimal
-  libroscpp-dev libroslib-dev libxmlrpcpp-dev libtf2-ros-dev libtf2-geometry-msgs-dev libtf2-msgs-dev ros-tf2-msgs tf2-tools
+  libroscpp-dev libroslib-dev libxmlrpcpp-dev libtf2-ros-dev libtf2-geometry-msgs-dev libtf2-msgs-dev tf2-tools
   libstd-msgs-dev ros-std-msgs libstd-srvs-dev ros-std-srvs
   libgeometry-msgs-dev ros-geometry-msgs libsensor-msgs-dev ros-sensor-msgs libshape-msgs-dev ros-shape-msgs
   libvisualization-msgs-dev ros-visualization-msgs libdiagnostic-msgs-dev ros-diagnostic-msgs ros-message-generation
   libdiagnostic-updater-dev libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev
   librosbag-dev python3-rosbag python3-roslaunch python3-rostopic rosbash
-  python3-rospy python3-std-msgs python3-geometry-msgs python3-sensor-msgs
+  python3-rospy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-shape-msgs
+  libros-rosgraph-msgs-dev
   librostest-dev python3-rostest libgtest-dev libgmock-dev
   libeigen3-dev libyaml-cpp-dev libpcl-dev
   python3-matplotlib python3-numpy
 )
 noetic_packages=(
-  build-essential ros-noetic-ros-base ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
+  build-essential ros-noetic-ros-base ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-rosgraph-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
   ros-noetic-diagnostic-updater ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
   libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev
   python3-matplotlib python3-numpy

@@ -7,9 +7,9 @@
 namespace deformable_surface::solve {
 namespace {
 
-// Of the stable step, which holds for small motions: a sheet that crumples without damping gained energy and blew up within seconds
-// at nine tenths, and keeps it to a hundredth of what gravity exchanges at this share (test/simulation/stress_test.cpp).
-constexpr double kSafety = 0.6;
+// Of the stable step, which holds for small motions. A sheet that crumples without damping (twelve of them, twelve seconds) gained up
+// to 2 percent of what gravity exchanges at 0.6 and blew up at 0.9; at 0.5 it keeps its energy to 0.3 percent.
+constexpr double kSafety = 0.5;
 
 bool allFinite(const State& state) {
   // A sum is finite only if every term is, up to overflow, which is no sound state either.
