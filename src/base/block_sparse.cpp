@@ -67,7 +67,7 @@ void BlockSparse::buildPattern() {
       values_[entry.slot] += pending_[k].transpose();
     }
   }
-  pending_.clear();
+  std::vector<Mat3>().swap(pending_);  // the largest array of all, needed once
 
   // The scalar matrix, and where each scalar of each block stands in it.
   std::vector<Eigen::Triplet<double, int>> triplets;

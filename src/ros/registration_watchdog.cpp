@@ -2,6 +2,7 @@
 
 #include <ros/connection_manager.h>
 #include <ros/console.h>
+#include <ros/init.h>
 #include <ros/master.h>
 #include <ros/network.h>
 #include <ros/this_node.h>
@@ -21,7 +22,9 @@ namespace {
 using XmlRpc::XmlRpcValue;
 
 // Restarts are rare and asking costs less than a millisecond.
-constexpr std::chrono::seconds kPeriod(1);
+constexpr std::chrono::milliseconds kPeriod(1000);
+// A node that is shutting down takes itself out of the master's books before it says so: being missing counts when it lasts.
+constexpr std::chrono::milliseconds kGrace(200);
 
 template <class... Values>
 XmlRpcValue makeArguments(const Values&... values) {
@@ -42,10 +45,10 @@ bool askMaster(const std::string& method, XmlRpcValue& answer, const Values&... 
 /// The slave API of this very process, which knows its topics with their types.
 class Self {
  public:
-  Self() {
+  explicit Self(const std::string& uri) {
     std::string host;
     std::uint32_t port = 0;
-    ros::network::splitURI(ros::XMLRPCManager::instance()->getServerURI(), host, port);
+    ros::network::splitURI(uri, host, port);
     client_ = std::make_unique<XmlRpc::XmlRpcClient>(host.c_str(), static_cast<int>(port), "/");
   }
   template <class... Values>
@@ -64,9 +67,8 @@ class Self {
 int count(const XmlRpcValue& list) { return list.getType() == XmlRpcValue::TypeArray ? list.size() : 0; }
 
 /// Connections that live are left alone; only the master's books are written again.
-void registerAll(const std::vector<std::string>& services) {
-  const std::string uri = ros::XMLRPCManager::instance()->getServerURI();
-  Self self;
+void registerAll(const std::vector<std::string>& services, const std::string& uri, const std::string& service_uri) {
+  Self self(uri);
   XmlRpcValue answer;
 
   XmlRpcValue topics = self.ask("getPublications");
@@ -81,8 +83,6 @@ void registerAll(const std::vector<std::string>& services) {
       self.ask("publisherUpdate", topic, answer);
   }
 
-  const std::string service_uri =
-      "rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort());
   for (const std::string& service : services) askMaster("registerService", answer, service, service_uri, uri);
   for (const char* service : {"/get_loggers", "/set_logger_level"})
     askMaster("registerService", answer, ros::this_node::getName() + service, service_uri, uri);
@@ -90,8 +90,12 @@ void registerAll(const std::vector<std::string>& services) {
 
 }  // namespace
 
+// The addresses are read here and not when they are needed: while roscpp shuts down it can no longer tell them.
 RegistrationWatchdog::RegistrationWatchdog(std::vector<std::string> services)
-    : services_(std::move(services)), thread_([this] { run(); }) {}
+    : services_(std::move(services)),
+      uri_(ros::XMLRPCManager::instance()->getServerURI()),
+      service_uri_("rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort())),
+      thread_([this] { run(); }) {}
 
 RegistrationWatchdog::~RegistrationWatchdog() {
   {
@@ -102,22 +106,28 @@ RegistrationWatchdog::~RegistrationWatchdog() {
   thread_.join();
 }
 
-void RegistrationWatchdog::run() {
+bool RegistrationWatchdog::waitOrEnd(std::chrono::milliseconds time) {
   std::unique_lock<std::mutex> lock(mutex_);
-  while (!ended_.wait_for(lock, kPeriod, [this] { return is_ended_; })) {
-    lock.unlock();
+  return ended_.wait_for(lock, time, [this] { return is_ended_; }) || !ros::ok() || ros::isShuttingDown();
+}
+
+void RegistrationWatchdog::run() {
+  const auto isMissing = [] {
+    XmlRpcValue answer;
+    return !askMaster("lookupNode", answer, ros::this_node::getName()) && ros::master::check();
+  };
+  while (!waitOrEnd(kPeriod)) {
     try {
-      XmlRpcValue answer;
-      if (!askMaster("lookupNode", answer, ros::this_node::getName()) && ros::master::check()) {
-        registerAll(services_);
-        ROS_WARN("the roscore was restarted; %s registered itself again", ros::this_node::getName().c_str());
-      }
+      if (!isMissing()) continue;
+      if (waitOrEnd(kGrace)) return;
+      if (!isMissing()) continue;
+      registerAll(services_, uri_, service_uri_);
+      ROS_WARN("the roscore was restarted; %s registered itself again", ros::this_node::getName().c_str());
     } catch (const XmlRpc::XmlRpcException& error) {
       ROS_ERROR("registering again after a restart of the roscore failed: %s", error.getMessage().c_str());
     } catch (const std::exception& error) {
       ROS_ERROR("registering again after a restart of the roscore failed: %s", error.what());
     }
-    lock.lock();
   }
 }
 

@@ -2,6 +2,7 @@
 // new could find it, while old connections live on.
 #pragma once
 
+#include <chrono>
 #include <condition_variable>
 #include <mutex>
 #include <string>
@@ -21,8 +22,11 @@ class RegistrationWatchdog {
 
  private:
   void run();
+  /// True if the process ends meanwhile.
+  bool waitOrEnd(std::chrono::milliseconds time);
 
   const std::vector<std::string> services_;
+  const std::string uri_, service_uri_;
   std::mutex mutex_;
   std::condition_variable ended_;
   bool is_ended_ = false;
