@@ -20,9 +20,6 @@ namespace {
 // Fewer points span no surface, so no part is thinned further.
 constexpr Index kMinPartPoints = 3;
 
-// Neighbours kept in store beyond the 2k that the boundary needs: lists are refilled less often, yet stay short to scan.
-constexpr Index kSpareNeighbors = 8;
-
 // The neighbours of one point and the memory to evaluate its star.
 struct Scratch {
   std::vector<Index> near;  // alive, of the same part, nearest first, at most k
@@ -33,9 +30,9 @@ struct Scratch {
 
 class Thinning {
  public:
-  Thinning(const Points& positions, const Points& normals, Index k)
-      : positions_(positions), normals_(normals), k_(k), tree_(positions),
-        lists_(nearestNeighbors(positions, 2 * k + kSpareNeighbors)), rule_(positions, normals, lists_),
+  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors)
+      : positions_(positions), normals_(normals), k_(k), tree_(positions), lists_(std::move(neighbors)),
+        rule_(positions, normals, lists_),
         alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
         part_(labelParts()), stored_(positions.size()) {
     const Index n = num_alive_;
@@ -52,11 +49,10 @@ class Thinning {
     for (Index p = 0; p < num_parts_; ++p) num_in_part_[p] = members_.count(p);
   }
 
-  Simplification run(Index min_points, const std::vector<Index>& protected_points) {
+  Simplification run(Index min_points, std::vector<char> stays, const std::vector<Index>& protected_points) {
     const Index n = num_alive_;
     Simplification result;
     result.num_points = n;
-    std::vector<char> stays = findBoundary(positions_, normals_, lists_, k_).is_corner;
     for (Index i : protected_points) stays[i] = 1;
 
     // Keys of all points, in the order in which the tree holds them in memory.
@@ -218,6 +214,14 @@ std::vector<Index> Simplification::keepDiameter(double threshold) const {
 
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points) {
+  Lists neighbors = nearestNeighbors(positions, 2 * std::max(k, Index{3}));
+  std::vector<char> is_corner;
+  if (positions.size() == normals.size() && k >= 3) is_corner = findBoundary(positions, normals, neighbors, k).is_corner;
+  return simplify(positions, normals, k, min_points, protected_points, std::move(neighbors), is_corner);
+}
+
+Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
+                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner) {
   const Index n = static_cast<Index>(positions.size());
   std::vector<std::string> problems;
   if (positions.size() != normals.size()) {
@@ -232,7 +236,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
     break;
   }
   if (!problems.empty()) throw InputError(std::move(problems));
-  return Thinning(positions, normals, k).run(min_points, protected_points);
+  return Thinning(positions, normals, k, std::move(neighbors)).run(min_points, is_corner, protected_points);
 }
 
 }  // namespace deformable_surface::cloud

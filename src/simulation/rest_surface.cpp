@@ -18,11 +18,11 @@ constexpr int kMaxPrunings = 5;      // passes that drop points which belong to 
 
 std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
 
-// Normals of the dense points: those given, estimated where none is given, all on one consistent side.
-void completeNormals(const cloud::PointCloud& input, RestSurface& s) {
+// Normals of the dense points: those given, estimated where none is given, all on one consistent side. Returns the corners.
+std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   Points normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
-  const cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, s.dense_neighbors.count(0) / 2);
+  cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
   s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
   const cloud::OrientationRule rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary,
                                                            s.dense.normals, input.viewpoint, normals);
@@ -33,6 +33,7 @@ void completeNormals(const cloud::PointCloud& input, RestSurface& s) {
   s.dense.normals = std::move(normals);
   static const char* const kRules[] = {"the input's normals", "outward (closed surface)", "towards the viewpoint", "+z"};
   s.notes.push_back(std::string("normals point by ") + kRules[static_cast<int>(rule)]);
+  return std::move(boundary.is_corner);
 }
 
 // Points that no simplification may take: of every pinned region three that are far from each other.
@@ -65,7 +66,8 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
   return chosen;
 }
 
-std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points, RestSurface& s) {
+std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
+                                          const std::vector<char>& is_corner, const RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   std::vector<Index> all(n);
   std::iota(all.begin(), all.end(), 0);
@@ -75,7 +77,7 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
   const Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
   if (!by_threshold && target >= n) return all;
   const cloud::Simplification order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k,
-                                                      by_threshold ? Index{3} : target, protected_points);
+                                                      by_threshold ? Index{3} : target, protected_points, s.dense_neighbors, is_corner);
   return by_threshold ? order.keepDiameter(how.threshold.value) : order.keepCount(target);
 }
 
@@ -125,9 +127,9 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
 
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
-  completeNormals(input, s);
+  const std::vector<char> is_corner = completeNormals(input, params.neighbors.k, s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
-  connect(params, chooseSimulationPoints(params, pin_points, s), s);
+  connect(params, chooseSimulationPoints(params, pin_points, is_corner, s), s);
 
   // The area of the full surface; where every point is simulated it is that of the rings.
   if (static_cast<Index>(s.points.size()) == n) {

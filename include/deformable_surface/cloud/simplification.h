@@ -25,4 +25,8 @@ struct Simplification {
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points);
 
+/// The same for those who have found the neighbours (2k of every point, nearest first; used up) and the corners already.
+Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
+                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner);
+
 }  // namespace deformable_surface::cloud
