@@ -42,15 +42,14 @@ double NewtonDescent::merit(const Problem& problem, const State& state) const {
   return sum;
 }
 
-double NewtonDescent::descend(const Problem& problem, State& state) {
+bool NewtonDescent::factorize(const Problem& problem, const State& state, model::Hessian hessian) {
   const Index n = state.size();
   const System& system = problem.system;
-
-  // The matrix: stiffness and weights; held points become identity rows.
   stiffness_.begin(n);
-  system.addStiffness(problem.time, state, problem.step, stiffness_);
+  system.addStiffness(problem.time, state, problem.step, hessian, stiffness_);
   for (Index i = 0; i < n; ++i) stiffness_.add(i, i, problem.weight[i] * Mat3::Identity());
   matrix_ = stiffness_.finish();
+  // Held points become identity rows.
   double largest = 0.0;
   for (Eigen::Index c = 0; c < matrix_.cols(); ++c)
     for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, c); it; ++it) {
@@ -59,14 +58,27 @@ double NewtonDescent::descend(const Problem& problem, State& state) {
       else if (it.row() == it.col()) largest = std::max(largest, it.value());
     }
   for (Eigen::Index c = 0; c < matrix_.cols(); ++c) matrix_.coeffRef(c, c) += kRegularization * largest;
+  if (stiffness_.patternChanged()) solver_.analyzePattern(matrix_);
+  solver_.factorize(matrix_);
+  return solver_.info() == Eigen::Success && solver_.vectorD().minCoeff() > 0.0;
+}
+
+double NewtonDescent::descend(const Problem& problem, State& state) {
+  const Index n = state.size();
+  const System& system = problem.system;
 
   // The direction.
   direction_.resize(3 * n);
   for (Index i = 0; i < n; ++i) direction_.segment<3>(3 * i) = -gradient_[i];
-  if (stiffness_.patternChanged()) solver_.analyzePattern(matrix_);
-  solver_.factorize(matrix_);
-  if (solver_.info() == Eigen::Success) {
-    const Eigen::VectorXd solution = solver_.solve(direction_);
+  if (factorize(problem, state, model::Hessian::kExact) || factorize(problem, state, model::Hessian::kPositive)) {
+    Eigen::VectorXd solution = solver_.solve(direction_);
+    // (K + c v v^T)^-1 by the formula of Sherman and Morrison.
+    const double c = system.rankOneStiffness(state, rank_one_);
+    if (c > 0.0) {
+      const Eigen::Map<const Eigen::VectorXd> v(rank_one_.data()->data(), 3 * n);
+      const Eigen::VectorXd response = solver_.solve(v);
+      solution -= response * (c * v.dot(solution) / (1.0 + c * v.dot(response)));
+    }
     if (solution.allFinite()) direction_ = solution;
   }
   double slope = 0.0;

@@ -24,7 +24,7 @@ class NewtonDescent {
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
-  /// After evaluate(): moves state.positions along the Newton direction, halving the step until Phi falls by Armijo's rule.
+  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, and moves state.positions along the Newton direction, halving the step until Phi falls by Armijo's rule.
   /// Returns the fraction taken; 0 if no descent was found (the state is then unchanged).
   double descend(const Problem& problem, State& state);
 
@@ -33,8 +33,10 @@ class NewtonDescent {
 
  private:
   double merit(const Problem& problem, const State& state) const;
+  /// Fills and factorises the matrix; false if it is not positive definite.
+  bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
 
-  Points gradient_, conservative_, forces_, remainder_, start_;
+  Points gradient_, conservative_, forces_, remainder_, start_, rank_one_;
   Eigen::VectorXd direction_;
   BlockSparse stiffness_;
   Eigen::SparseMatrix<double> matrix_;

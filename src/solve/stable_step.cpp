@@ -48,7 +48,7 @@ double StableStep::estimate(double time, const State& state, const System& syste
   const System::Bounds bounds = system.bounds(time, state);
   const Index n = system.size();
   stiffness_.begin(n);
-  system.addStiffness(time, state, 0.0, stiffness_);
+  system.addStiffness(time, state, 0.0, model::Hessian::kPositive, stiffness_);
   Eigen::VectorXd scale(3 * n);
   for (Index i = 0; i < n; ++i)
     scale.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));

@@ -46,9 +46,17 @@ double System::kineticEnergy(const State& state) const {
   return energy;
 }
 
-void System::addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const {
-  model_.addStiffness(state, step, stiffness);
+void System::addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const {
+  model_.addStiffness(state, step, hessian, stiffness);
   for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
+}
+
+double System::rankOneStiffness(const State& state, Points& v) const {
+  const double coefficient = model_.rankOneStiffness(state, v);
+  if (coefficient > 0.0)
+    for (std::size_t i = 0; i < v.size(); ++i)
+      if (held_[i]) v[i].setZero();
+  return coefficient;
 }
 
 double System::largestForce(double time, const State& state) const {

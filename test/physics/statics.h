@@ -37,7 +37,9 @@ class Chain : public model::DeformableModel {
   const std::vector<double>& masses() const override { return masses_; }
   void addForces(const State& s, Points& forces) const override { springs_.addForces(s, true, 0.0, forces); }
   double elasticEnergy(const State& s) const override { return springs_.energy(s); }
-  void addStiffness(const State& s, double step, BlockSparse& k) const override { springs_.addStiffness(s, true, 0.0, step, k); }
+  void addStiffness(const State& s, double step, model::Hessian hessian, BlockSparse& k) const override {
+    springs_.addStiffness(s, true, 0.0, step, hessian, k);
+  }
   void addRowBounds(const State&, std::vector<double>& k, std::vector<double>& c) const override {
     springs_.addRowBounds(true, 0.0, k, c);
   }

@@ -22,7 +22,7 @@ class Oscillators : public model::DeformableModel {
     for (std::size_t i = 0; i < stiffness_.size(); ++i) sum += 0.5 * stiffness_[i] * s.positions[i].squaredNorm();
     return sum;
   }
-  void addStiffness(const State&, double step, BlockSparse& k) const override {
+  void addStiffness(const State&, double step, model::Hessian, BlockSparse& k) const override {
     for (Index i = 0; i < static_cast<Index>(stiffness_.size()); ++i)
       k.add(i, i, (stiffness_[i] + (step > 0.0 ? viscosity_ / step : 0.0)) * Mat3::Identity());
   }

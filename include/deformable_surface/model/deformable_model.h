@@ -25,6 +25,10 @@ struct WeightedTriangle {
   double weight;    // 0 .. 1
 };
 
+/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, so that a descent direction is
+/// certain. kExact: as it is, up to terms that a model says it leaves out; it converges faster where it happens to be definite.
+enum class Hessian { kPositive, kExact };
+
 class DeformableModel {
  public:
   virtual ~DeformableModel() = default;
@@ -39,10 +43,13 @@ class DeformableModel {
   /// Elastic energy in joules; zero in the rest state.
   virtual double elasticEnergy(const State& state) const = 0;
 
-  /// Adds the Hessian of the elastic energy (N/m), each element's part projected to positive semidefinite, so that a solver that
-  /// descends the energy finds a descent direction. step: the time over which a solver differentiates velocities; the viscous
+  /// Adds the Hessian of the elastic energy, N/m. step: the time over which a solver differentiates velocities; the viscous
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
-  virtual void addStiffness(const State& state, double step, BlockSparse& stiffness) const = 0;
+  virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;
+
+  /// The part of the Hessian that couples all points, c v v^T (a volume that is kept): returns c >= 0 and, if it is not zero,
+  /// overwrites v (n x 3); c |v|^2 is in N/m.
+  virtual double rankOneStiffness(const State& /*state*/, Points& /*v*/) const { return 0.0; }
 
   /// Upper bounds, per point, of the sums of the magnitudes of stiffness (N/m) and of damping (N s/m) of its row: what
   /// Gershgorin's theorem needs. (n) each, added to.

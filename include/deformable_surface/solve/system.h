@@ -31,8 +31,11 @@ class System {
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
 
-  /// The derivative -dF/dx - dF/dv / step, each part positive semidefinite, on all points (also held ones).
-  void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const;
+  /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
+  void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
+
+  /// See DeformableModel; zero on held points.
+  double rankOneStiffness(const State& state, Points& v) const;
 
   /// The size of the forces that have to balance, N: the largest internal force or load on any point, held ones included.
   double largestForce(double time, const State& state) const;

@@ -137,16 +137,15 @@ CurvatureBending::Shape CurvatureBending::shapeOf(Index i, const Derivatives& d)
   const Vec3 cross = t1.cross(t2);
   const double area = cross.norm();
   if (!(area > 0.0)) {  // tangents collapsed: no normal, hence no force
-    s.normal.setZero();
-    s.christoffel.setZero();
-    s.change = -rest_curvature_[i];
+    s = {Vec3::Zero(), -rest_curvature_[i], Vec3::Zero(), {Vec3::Zero(), Vec3::Zero()}, Eigen::Matrix<double, 2, 3>::Zero()};
     return s;
   }
   s.normal = cross / area;
-  s.change = Vec3(s.normal.dot(b11), s.normal.dot(b12), s.normal.dot(b22)) - rest_curvature_[i];
-  // The dual basis: t^1 . t_1 = 1, t^1 . t_2 = 0 and so on.
-  const Vec3 dual1 = t2.cross(s.normal) / area, dual2 = s.normal.cross(t1) / area;
-  s.christoffel << dual1.dot(b11), dual1.dot(b12), dual1.dot(b22), dual2.dot(b11), dual2.dot(b12), dual2.dot(b22);
+  s.curvature = Vec3(s.normal.dot(b11), s.normal.dot(b12), s.normal.dot(b22));
+  s.change = s.curvature - rest_curvature_[i];
+  s.dual[0] = t2.cross(s.normal) / area;
+  s.dual[1] = s.normal.cross(t1) / area;
+  for (int c = 0; c < 2; ++c) s.christoffel.row(c) << s.dual[c].dot(b11), s.dual[c].dot(b12), s.dual[c].dot(b22);
   return s;
 }
 
@@ -200,20 +199,42 @@ double CurvatureBending::energy(const State& state) const {
   });
 }
 
-void CurvatureBending::addStiffness(const State& state, BlockSparse& stiffness) const {
-  std::vector<Vec3> s;
+// With k_ab = n . b_ab - II0_ab and M = D A k (each component as often as it stands in the sum), the Hessian is the sum of
+//   D A dk_ab dk_ab,           dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
+//   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),  dp = M_ab (db_ab - Gamma^d_ab dt_d).
+void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
+  std::vector<Vec3> change;  // of k_ab by the normal motion of each neighbour
+  std::vector<double> along;  // dp by the motion of each neighbour
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
     const Shape shape = shapeAt(i, state);
-    const Mat3 project = weight_[i] * shape.normal * shape.normal.transpose();
-    // Derivative of n . b_ab by the normal motion of each neighbour.
+    const Vec3& n = shape.normal;
+    const Mat3 project = n * n.transpose();
+    const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(shape.change);
+    const double pull = moment.dot(shape.curvature);
+    Mat2 metric;
+    metric << shape.dual[0].squaredNorm(), shape.dual[0].dot(shape.dual[1]), shape.dual[0].dot(shape.dual[1]), shape.dual[1].squaredNorm();
     const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
-    s.clear();
-    for (Index r = begin; r < end; ++r) s.push_back(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
-    for (Index a = begin; a < end; ++a)
-      for (Index b = begin; b <= a; ++b)
-        stiffness.add(neighbors_.items[a], neighbors_.items[b],
-                      s[a - begin].dot(kMultiplicity.cwiseProduct(s[b - begin])) * project);
+    change.clear();
+    along.clear();
+    for (Index r = begin; r < end; ++r) {
+      change.push_back(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
+      along.push_back(moment.dot(change.back()));
+    }
+    for (Index j = begin; j < end; ++j)
+      for (Index k = begin; k <= j; ++k) {
+        double normal = weight_[i] * change[j - begin].dot(kMultiplicity.cwiseProduct(change[k - begin]));
+        Mat3 block = Mat3::Zero();
+        if (hessian == Hessian::kExact) {
+          const Vec2 gj = rows_[j].first, gk = rows_[k].first;
+          normal -= pull * gj.dot(metric * gk);
+          const Vec3 tj = along[k - begin] * (gj[0] * shape.dual[0] + gj[1] * shape.dual[1]);
+          const Vec3 tk = along[j - begin] * (gk[0] * shape.dual[0] + gk[1] * shape.dual[1]);
+          block = -n * tj.transpose() - tk * n.transpose();
+        }
+        block += normal * project;
+        stiffness.add(neighbors_.items[j], neighbors_.items[k], block);
+      }
   }
 }
 

@@ -156,13 +156,19 @@ double MassSpring::elasticEnergy(const State& state) const {
   return energy;
 }
 
-// The volume's part is a full matrix of rank one and is left out: the solvers still descend the whole energy, in more iterations.
-void MassSpring::addStiffness(const State& state, double step, BlockSparse& stiffness) const {
+// Of the volume's part the change of its gradient is left out: it is small beside the rank-one part while the volume is kept.
+void MassSpring::addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const {
   const bool springs = membrane_ == Membrane::kSprings;
-  if (springs || spring_damping_ > 0.0) stretching_.addStiffness(state, springs, spring_damping_, step, stiffness);
-  if (!bending_springs_.links().empty()) bending_springs_.addStiffness(state, true, spring_damping_, step, stiffness);
-  if (!springs) membrane_triangles_.addStiffness(state, stiffness);
-  bending_.addStiffness(state, stiffness);
+  if (springs || spring_damping_ > 0.0) stretching_.addStiffness(state, springs, spring_damping_, step, hessian, stiffness);
+  if (!bending_springs_.links().empty()) bending_springs_.addStiffness(state, true, spring_damping_, step, hessian, stiffness);
+  if (!springs) membrane_triangles_.addStiffness(state, hessian, stiffness);
+  bending_.addStiffness(state, hessian, stiffness);
+}
+
+double MassSpring::rankOneStiffness(const State& state, Points& v) const {
+  if (!(volume_stiffness_ > 0.0)) return 0.0;
+  computeVolumeGradient(state, v);
+  return volume_stiffness_ / rest_volume_;
 }
 
 void MassSpring::addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const {

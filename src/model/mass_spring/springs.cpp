@@ -74,13 +74,15 @@ double Springs::energy(const State& state) const {
   });
 }
 
-void Springs::addStiffness(const State& state, bool elastic, double beta, double step, BlockSparse& stiffness) const {
+void Springs::addStiffness(const State& state, bool elastic, double beta, double step, Hessian hessian,
+                           BlockSparse& stiffness) const {
   for (std::size_t s = 0; s < links_.size(); ++s) {
     const auto [i, j] = links_[s];
     double length;
     const Vec3 d = direction(s, state, length);
     const double along = (elastic ? 1.0 : 0.0) + (step > 0.0 ? beta / step : 0.0);
-    const double across = elastic && length > rest_length_[s] ? 1.0 - rest_length_[s] / length : 0.0;
+    const bool keeps_across = elastic && length > 0.0 && (hessian == Hessian::kExact || length > rest_length_[s]);
+    const double across = keeps_across ? 1.0 - rest_length_[s] / length : 0.0;
     const Mat3 block = stiffness_[s] * ((along - across) * d * d.transpose() + across * Mat3::Identity());
     stiffness.add(i, i, block);
     stiffness.add(j, j, block);

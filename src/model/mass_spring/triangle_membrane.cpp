@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace deformable_surface::model {
 namespace {
@@ -194,7 +195,8 @@ double TriangleMembrane::energy(const State& state) const {
   });
 }
 
-void TriangleMembrane::addStiffness(const State& state, BlockSparse& stiffness) const {
+void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
+  const double lowest = hessian == Hessian::kPositive ? 0.0 : -std::numeric_limits<double>::infinity();
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     const Element& e = elements_[t];
     const Mat32 F = gradient(e, state);
@@ -212,13 +214,13 @@ void TriangleMembrane::addStiffness(const State& state, BlockSparse& stiffness) 
     // d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains: R / sqrt 2 (dilation), R
     // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is what the rotation's change takes away.
     const double c = 2.0 * mu_ - lambda_ * (p.trace - 2.0);
-    const double spin = std::max(0.0, 2.0 * mu_ - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu_;
+    const double spin = std::max(lowest, 2.0 * mu_ - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu_;
     Mat2 turn;
     turn << 0.0, -1.0, 1.0, 0.0;
     const Mat32 spin_mode = p.rotation * turn / std::sqrt(2.0), dilation_mode = p.rotation / std::sqrt(2.0);
     double tilt[2];
     for (int k = 0; k < 2; ++k)
-      tilt[k] = std::max(0.0, 2.0 * mu_ - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu_;
+      tilt[k] = std::max(lowest, 2.0 * mu_ - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu_;
 
     // Shape function gradients of the corners in the plane at rest.
     Vec2 g[3];

@@ -21,8 +21,8 @@ class CurvatureBending {
 
   void addForces(const State& state, Points& forces) const;
   double energy(const State& state) const;
-  /// The Gauss-Newton part, which is positive semidefinite.
-  void addStiffness(const State& state, BlockSparse& stiffness) const;
+  /// kPositive: the Gauss-Newton part alone, which is positive semidefinite.
+  void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
 
   Index numWithoutFit() const { return num_without_fit_; }
@@ -43,7 +43,9 @@ class CurvatureBending {
   struct Shape {
     Vec3 normal;
     Vec3 change;       // n . b_ab - II0_ab for ab = 11, 12, 22; 1/m
-    Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab
+    Vec3 curvature;            // n . b_ab
+    Vec3 dual[2];              // t^c: t^c . t_d = 1 if c = d, else 0
+    Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab = t^c . b_ab
   };
   Shape shapeAt(Index i, const State& state) const;
   Shape shapeOf(Index i, const Derivatives& derivatives) const;

@@ -30,7 +30,8 @@ class MassSpring : public DeformableModel {
   const std::vector<double>& masses() const override { return masses_; }
   void addForces(const State& state, Points& forces) const override;
   double elasticEnergy(const State& state) const override;
-  void addStiffness(const State& state, double step, BlockSparse& stiffness) const override;
+  void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
+  double rankOneStiffness(const State& state, Points& v) const override;
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
   bool isClosed() const override { return closed_; }

@@ -21,8 +21,9 @@ class Springs {
   /// sum of k/2 (|I| - l0)^2, J.
   double energy(const State& state) const;
 
-  /// Adds k [d d^T + max(0, 1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T.
-  void addStiffness(const State& state, bool elastic, double beta, double step, BlockSparse& stiffness) const;
+  /// Adds k [d d^T + (1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T; kPositive leaves out the second term of springs
+  /// under compression, where it is negative.
+  void addStiffness(const State& state, bool elastic, double beta, double step, Hessian hessian, BlockSparse& stiffness) const;
 
   /// See DeformableModel::addRowBounds.
   void addRowBounds(bool elastic, double beta, std::vector<double>& stiffness, std::vector<double>& damping) const;

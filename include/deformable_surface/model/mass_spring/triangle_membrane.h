@@ -21,8 +21,8 @@ class TriangleMembrane {
 
   void addForces(const State& state, Points& forces) const;
   double energy(const State& state) const;
-  /// The exact Hessian with its eigenvalues below zero raised to zero: they are known in closed form from the stretches.
-  void addStiffness(const State& state, BlockSparse& stiffness) const;
+  /// Its eigenvalues are known in closed form from the stretches; kPositive raises those below zero to zero.
+  void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
 
  private:
