@@ -54,7 +54,7 @@ install(TARGETS ${libraries} deformable_surface_node simulate parameters_page
         LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
-install(DIRECTORY data launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
+install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # The three lie beside each other: the client draws with the second and reads with the third.
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/point_files.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -14,25 +14,29 @@ double GravityLoad::potential(double, const State& state) const {
   return sum;
 }
 
-void AirLoad::addForces(double, const State& state, Points& forces) const {
-  model_.computeAreaVectors(state, area_);
-  if (drag_ > 0.0)
-    for (std::size_t i = 0; i < forces.size(); ++i) {
-      const double area = area_[i].norm();
-      if (area > 0.0) forces[i] -= drag_ * state.velocities[i].dot(area_[i]) / area * area_[i];
-    }
-  if (pressure_ == 0.0) return;
-  // On a closed surface the pressure pushes along the gradient of the volume: no net force, and a potential.
-  if (model_.isClosed()) model_.computeVolumeGradient(state, area_);
+void PressureLoad::addForces(double, const State& state, Points& forces) const {
+  if (model_.isClosed()) {
+    model_.computeVolumeGradient(state, area_);
+  } else {
+    model_.computeAreaVectors(state, area_);
+  }
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += pressure_ * area_[i];
 }
 
-double AirLoad::potential(double, const State& state) const { return isConservative() ? -pressure_ * model_.enclosedVolume(state) : 0.0; }
+double PressureLoad::potential(double, const State& state) const {
+  return model_.isClosed() ? -pressure_ * model_.enclosedVolume(state) : 0.0;
+}
 
-bool AirLoad::isConservative() const { return model_.isClosed() && drag_ == 0.0; }
+void DragLoad::addForces(double, const State& state, Points& forces) const {
+  model_.computeAreaVectors(state, area_);
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    const double area = area_[i].norm();
+    if (area > 0.0) forces[i] -= drag_ * state.velocities[i].dot(area_[i]) / area * area_[i];
+  }
+}
 
-void AirLoad::addStiffness(double, const State& state, double step, BlockSparse& stiffness) const {
-  if (!(drag_ > 0.0 && step > 0.0)) return;
+void DragLoad::addStiffness(double, const State& state, double step, BlockSparse& stiffness) const {
+  if (!(step > 0.0)) return;
   model_.computeAreaVectors(state, area_);
   for (Index i = 0; i < state.size(); ++i) {
     const double area = area_[i].norm();
@@ -40,7 +44,7 @@ void AirLoad::addStiffness(double, const State& state, double step, BlockSparse&
   }
 }
 
-void AirLoad::addRowBounds(double, const State& state, std::vector<double>&, std::vector<double>& damping) const {
+void DragLoad::addRowBounds(double, const State& state, std::vector<double>&, std::vector<double>& damping) const {
   model_.computeAreaVectors(state, area_);
   for (Index i = 0; i < state.size(); ++i) damping[i] += drag_ * area_[i].norm();
 }

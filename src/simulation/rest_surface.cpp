@@ -152,9 +152,17 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
 
   s.pinned.assign(s.points.size(), 0);
-  for (const PinParams& pin : params.pins)
-    for (std::size_t i = 0; i < s.points.size(); ++i)
-      if (pin.region.contains(s.points[i])) s.pinned[i] = 1;
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    bool holds_any = false;
+    for (std::size_t i = 0; i < s.points.size(); ++i) {
+      if (!params.pins[p].region.contains(s.points[i])) continue;
+      s.pinned[i] = 1;
+      holds_any = true;
+    }
+    if (!holds_any)
+      throw InputError("pins[" + std::to_string(p) + "]: the points it holds belong to no surface (they are too far from all others); "
+                       "accepted: a shape that holds a point of the surface");
+  }
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));

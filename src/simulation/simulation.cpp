@@ -51,7 +51,8 @@ struct Simulation::Impl {
   // Made once from the rest state.
   RestSurface rest;
   GravityLoad gravity;
-  AirLoad air;
+  PressureLoad pressure;
+  DragLoad drag;
   AnchorLoad anchors;
   NamedForces forces;
   std::vector<const solve::ExternalLoad*> loads;
@@ -86,7 +87,8 @@ struct Simulation::Impl {
         input(std::move(cloud)),
         rest(buildRestSurface(params, input)),
         gravity(rest.model->masses(), params.gravity),
-        air(*rest.model, params.pressure, params.viscous_drag),
+        pressure(*rest.model, params.pressure),
+        drag(*rest.model, params.viscous_drag),
         anchors(makeAnchors()),
         forces(rest.model->masses()),
         loads(chooseLoads()),
@@ -103,7 +105,8 @@ struct Simulation::Impl {
   // Only the loads that can act are evaluated.
   std::vector<const solve::ExternalLoad*> chooseLoads() const {
     std::vector<const solve::ExternalLoad*> list{&gravity, &forces};
-    if (params.pressure != 0.0 || params.viscous_drag > 0.0) list.push_back(&air);
+    if (params.pressure != 0.0) list.push_back(&pressure);
+    if (params.viscous_drag > 0.0) list.push_back(&drag);
     if (!params.anchors.empty()) list.push_back(&anchors);
     return list;
   }
@@ -131,6 +134,8 @@ struct Simulation::Impl {
     const Index room = std::max<Index>(0, params.input.max_points - static_cast<Index>(rest.dense.positions.size()));
     resampler = std::make_unique<transfer::Resampler>(rest.dense.positions, rest.dense.normals, rings, kResampleStretch, room);
     inserted_transfer = transfer::Transfer();
+    inserted_now.clear();
+    inserted_normals_now.clear();
   }
 
   // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
@@ -171,6 +176,11 @@ struct Simulation::Impl {
     double done = 0.0;
     for (;;) {
       const Index left = solve::countSubsteps(dt - done, share * max_substep);
+      if (params.integrator.type == IntegratorType::kAuto && total.substeps + left > params.integrator.max_substeps) {
+        // The surface has become too stiff within the step: the whole of it is taken implicitly.
+        state = before;
+        return solve::makeIntegrator(IntegratorType::kImplicit, params.integrator)->advance(system, now, dt, max_substep, state);
+      }
       const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
       const solve::SolveReport report = integrator->advance(system, now + done, portion, share * max_substep, state);
       total.finite = report.finite;
@@ -216,6 +226,7 @@ struct Simulation::Impl {
                        std::to_string(report.residual) + " N";
     ++steps;
     ++version;
+    if (resampler) resample();
 
     // What it was.
     statistics.substeps = static_cast<std::uint32_t>(report.substeps);
@@ -248,7 +259,8 @@ struct Simulation::Impl {
     statistics.skipped.clear();
     if (surface_version != version) statistics.skipped.push_back("transfer");
     if (surface_version != version || !surface_has_normals) statistics.skipped.push_back("normals");
-    if (params.pressure == 0.0 && !(params.viscous_drag > 0.0)) statistics.skipped.push_back("air");
+    if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
+    if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
     if (params.anchors.empty()) statistics.skipped.push_back("anchors");
     statistics.skipped.push_back("contact");
   }
@@ -276,7 +288,7 @@ struct Simulation::Impl {
       rest.transfer.apply(state.positions, dense_now);
     }
     if (with_normals && params.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
-    if (resampler) resample(with_normals);
+    if (resampler) moveInserted(with_normals);
     expand(with_normals);
     // The operator makes both in one pass; the time counts as that of what was asked for.
     (with_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
@@ -294,22 +306,25 @@ struct Simulation::Impl {
     }
   }
 
-  void resample(bool with_normals) {
-    const auto moveInserted = [&] {
-      if (resampler->insertedRest().empty()) return;
-      if (inserted_transfer.numDense() != static_cast<Index>(resampler->insertedRest().size()))
-        inserted_transfer = transfer::Transfer(resampler->insertedRest(), resampler->insertedNormals(), rest.points,
-                                               std::vector<char>(rest.points.size(), 1), params.transfer);
-      if (with_normals) {
-        inserted_transfer.apply(state.positions, inserted_now, inserted_normals_now);
-      } else {
-        inserted_transfer.apply(state.positions, inserted_now);
-      }
-    };
-    moveInserted();
+  void moveInserted(bool with_normals) {
+    if (resampler->insertedRest().empty()) return;
+    if (inserted_transfer.numDense() != static_cast<Index>(resampler->insertedRest().size()))
+      inserted_transfer = transfer::Transfer(resampler->insertedRest(), resampler->insertedNormals(), rest.points,
+                                             std::vector<char>(rest.points.size(), 1), params.transfer);
+    if (with_normals) {
+      inserted_transfer.apply(state.positions, inserted_now, inserted_normals_now);
+    } else {
+      inserted_transfer.apply(state.positions, inserted_now);
+    }
+  }
+
+  // In every step, so that what is inserted does not depend on who looks; it costs a transfer per step.
+  void resample() {
+    rest.transfer.apply(state.positions, dense_now);
+    moveInserted(false);
     Points all = dense_now;
     all.insert(all.end(), inserted_now.begin(), inserted_now.end());
-    if (resampler->update(all) > 0) moveInserted();
+    resampler->update(all);
   }
 
   // From distinct points to the rows of the input, then the inserted ones.

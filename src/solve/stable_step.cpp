@@ -11,52 +11,63 @@ namespace {
 
 constexpr int kLanczosSteps = 30;  // the largest eigenvalue of meshes is then known to about a percent, and bounded by the residual
 
-// Largest eigenvalue of D K D (D = 1 / sqrt(mass), zero on held points), plus the residual that bounds its error.
-double largestEigenvalue(const Eigen::SparseMatrix<double>& lower, const Eigen::VectorXd& scale) {
-  const Eigen::Index n = scale.size();
-  Eigen::VectorXd v(n), w(n), previous = Eigen::VectorXd::Zero(n);
-  // A start that has a part of every mode and is always the same.
-  std::uint32_t seed = 12345u;
-  for (Eigen::Index i = 0; i < n; ++i) {
-    seed = seed * 1664525u + 1013904223u;
-    v[i] = scale[i] > 0.0 ? 0.5 + static_cast<double>(seed >> 8) / (1u << 24) : 0.0;
-    if ((seed >> 5) & 1u) v[i] = -v[i];
-  }
-  const double norm = v.norm();
-  if (!(norm > 0.0)) return 0.0;
-  v /= norm;
-  std::vector<double> alpha, beta;
-  for (int k = 0; k < kLanczosSteps; ++k) {
-    w = scale.cwiseProduct(lower.selfadjointView<Eigen::Lower>() * scale.cwiseProduct(v));
-    if (k > 0) w -= beta.back() * previous;
-    alpha.push_back(w.dot(v));
-    w -= alpha.back() * v;
-    beta.push_back(w.norm());
-    if (!(beta.back() > 1e-12 * std::abs(alpha.front()))) break;
-    previous = v;
-    v = w / beta.back();
-  }
-  const int m = static_cast<int>(alpha.size());
-  Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver;
-  solver.computeFromTridiagonal(Eigen::Map<Eigen::VectorXd>(alpha.data(), m), Eigen::Map<Eigen::VectorXd>(beta.data(), std::max(0, m - 1)));
-  return solver.eigenvalues()[m - 1] + beta.back() * std::abs(solver.eigenvectors()(m - 1, m - 1));
-}
-
 }  // namespace
 
+// Largest eigenvalue of D K D (D = 1 / sqrt(mass), zero on held points), plus the residual that bounds its error.
+double StableStep::largestEigenvalue(const Eigen::SparseMatrix<double>& lower) {
+  const Eigen::Index n = scale_.size();
+  // A start that has a part of every mode and is always the same.
+  std::uint32_t seed = 12345u;
+  v_.resize(n);
+  for (Eigen::Index i = 0; i < n; ++i) {
+    seed = seed * 1664525u + 1013904223u;
+    v_[i] = scale_[i] > 0.0 ? 0.5 + static_cast<double>(seed >> 8) / (1u << 24) : 0.0;
+    if ((seed >> 5) & 1u) v_[i] = -v_[i];
+  }
+  const double norm = v_.norm();
+  if (!(norm > 0.0)) return 0.0;
+  v_ /= norm;
+  // The tridiagonal matrix, on the stack.
+  using Small = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::ColMajor, kLanczosSteps, kLanczosSteps>;
+  Small tridiagonal = Small::Zero(kLanczosSteps, kLanczosSteps);
+  double beta = 0.0;
+  int m = 0;
+  while (m < kLanczosSteps) {
+    product_ = scale_.cwiseProduct(v_);
+    w_.setZero(n);
+    w_.noalias() += lower.selfadjointView<Eigen::Lower>() * product_;
+    w_ = scale_.cwiseProduct(w_);
+    if (m > 0) {
+      w_ -= beta * previous_;
+      tridiagonal(m - 1, m) = tridiagonal(m, m - 1) = beta;
+    }
+    const double alpha = w_.dot(v_);
+    tridiagonal(m, m) = alpha;
+    ++m;
+    w_ -= alpha * v_;
+    beta = w_.norm();
+    if (!(beta > 1e-12 * std::abs(tridiagonal(0, 0)))) break;
+    previous_ = v_;
+    v_ = w_ / beta;
+  }
+  const Eigen::SelfAdjointEigenSolver<Small> solver(tridiagonal.topLeftCorner(m, m));
+  return solver.eigenvalues()[m - 1] + beta * std::abs(solver.eigenvectors()(m - 1, m - 1));
+}
+
 double StableStep::estimate(double time, const State& state, const System& system) {
-  const System::Bounds bounds = system.bounds(time, state);
   const Index n = system.size();
   stiffness_.begin(n);
   system.addStiffness(time, state, 0.0, model::Hessian::kPositive, stiffness_);
-  Eigen::VectorXd scale(3 * n);
+  scale_.resize(3 * n);
   for (Index i = 0; i < n; ++i)
-    scale.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));
-  // What the matrix leaves out (loads and parts without one) only enters Gershgorin's bound; where the matrix is empty it decides alone.
-  const double measured = std::sqrt(std::max(0.0, largestEigenvalue(stiffness_.finish(), scale)));
-  const double w = measured > 0.0 ? std::min(measured, bounds.frequency) : bounds.frequency;
-  if (!(w > 0.0)) return bounds.damping_rate > 0.0 ? 2.0 / bounds.damping_rate : std::numeric_limits<double>::infinity();
-  const double z = 0.5 * bounds.damping_rate / w;
+    scale_.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));
+  double eigenvalue = std::max(0.0, largestEigenvalue(stiffness_.finish()));
+  const double coefficient = system.rankOneStiffness(state, rank_one_);
+  if (coefficient > 0.0)
+    for (Index i = 0; i < n; ++i) eigenvalue += coefficient * rank_one_[i].squaredNorm() / system.masses()[i];
+  const double w = std::sqrt(eigenvalue), rate = system.dampingRate(time, state);
+  if (!(w > 0.0)) return rate > 0.0 ? 2.0 / rate : std::numeric_limits<double>::infinity();
+  const double z = 0.5 * rate / w;
   return 2.0 / w * (std::sqrt(1.0 + z * z) - z);
 }
 

@@ -81,19 +81,15 @@ double System::roundingForce(double time, const State& state) const {
   return std::numeric_limits<double>::epsilon() * largest;
 }
 
-System::Bounds System::bounds(double time, const State& state) const {
+double System::dampingRate(double time, const State& state) const {
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   model_.addRowBounds(state, row_stiffness_, row_damping_);
   for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
-  Bounds b;
-  for (Index i = 0; i < size(); ++i) {
-    if (held_[i]) continue;
-    b.frequency = std::max(b.frequency, row_stiffness_[i] / masses()[i]);
-    b.damping_rate = std::max(b.damping_rate, row_damping_[i] / masses()[i]);
-  }
-  b.frequency = std::sqrt(b.frequency);
-  return b;
+  double rate = 0.0;
+  for (Index i = 0; i < size(); ++i)
+    if (!held_[i]) rate = std::max(rate, row_damping_[i] / masses()[i]);
+  return rate;
 }
 
 }  // namespace deformable_surface::solve

@@ -148,17 +148,16 @@ TEST(MassSpring, SpringsOfHexagonalLatticeHaveTheClosedFormStiffness) {
   material.poisson_ratio = 1.0 / 3.0;
   const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kSprings, Bending::kNone));
   // k = (sqrt 3 / 2) E h in the interior of an equilateral lattice; the scaling to the whole patch moves it by its edges.
-  double sum = 0.0;
+  const double exact = std::sqrt(0.75) * material.young_modulus * material.thickness;
+  const model::Springs& springs = m.stretchingSprings();
   int count = 0;
-  for (const auto& [i, j] : m.stretchLinks()) {
-    (void)i, (void)j;
+  for (std::size_t e = 0; e < springs.links().size(); ++e) {
+    const Vec3 middle = 0.5 * (points[springs.links()[e].first] + points[springs.links()[e].second]);
+    if (middle.x() < 0.3 || middle.x() > 1.0 || middle.y() < 0.3 || middle.y() > 1.0) continue;
+    EXPECT_NEAR(springs.stiffness()[e], exact, 0.06 * exact);
     ++count;
   }
-  EXPECT_GT(count, 500);
-  for (const Mat2& strain : {Mat2{{1e-3, 0.0}, {0.0, 0.0}}, Mat2{{0.0, 1e-3}, {1e-3, 0.0}}}) {
-    sum = energyRatio(m, s, strain, material);
-    EXPECT_NEAR(sum, 1.0, 0.06);
-  }
+  EXPECT_GT(count, 100);
 }
 
 TEST(MassSpring, CurvatureBendingOfACylinderHasTheStatedRigidity) {

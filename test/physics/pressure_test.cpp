@@ -43,7 +43,7 @@ TEST(ClampedDisc, RisesUnderPressureAsHenckysMembrane) {
     material.young_modulus = Eh / material.thickness;
     material.poisson_ratio = 0.3;
     const MassSpring disc(s.points, s.normals, s.rings, s.area, s.isClosed(), material, membraneOnly(Membrane::kTriangles));
-    const simulation::AirLoad air(disc, q * Eh / radius, 0.0);
+    const simulation::PressureLoad air(disc, q * Eh / radius);
     // A flat membrane has no stiffness against the load: start slightly raised.
     Points start = s.points;
     for (Vec3& p : start) p.z() = 0.03 * radius * (1.0 - p.squaredNorm() / (radius * radius));
@@ -63,7 +63,7 @@ TEST(Balloon, PressureOfCorotatedTrianglesFollowsTheClosedForm) {
   material.poisson_ratio = nu;
   const MassSpring balloon(s.points, s.normals, s.rings, s.area, s.isClosed(), material, membraneOnly(Membrane::kTriangles));
   const double pressure = 2.0 * Eh * (wanted - 1.0) / ((1.0 - nu) * radius * wanted * wanted);
-  const simulation::AirLoad air(balloon, pressure, 0.0);
+  const simulation::PressureLoad air(balloon, pressure);
   const std::vector<char> held(s.points.size(), 0);
   const Points end = solveStatics(balloon, {&air}, held, s.points, 1e-7);
   double mean = 0.0;

@@ -53,28 +53,28 @@ TEST(Gravity, PullsEveryPointByItsWeight) {
   checkPotential(load, still(s.points));
 }
 
-TEST(Air, PressurePushesASheetByItsAreaAlongItsNormal) {
+TEST(Pressure, PushesASheetByItsAreaAlongItsNormal) {
   const Surface s = makeSheet(9, 8, 1.0, 0.8, 0.2);
   const MassSpring m = makeModel(s);
-  const simulation::AirLoad load(m, 3.0, 0.0);
+  const simulation::PressureLoad load(m, 3.0);
   EXPECT_LT((sum(forcesOf(load, still(s.points))) - Vec3(0.0, 0.0, 3.0 * 0.8)).norm(), 1e-10);
   EXPECT_FALSE(load.isConservative());
 }
 
-TEST(Air, PressureFollowsTheCurrentAreaAndNormal) {
+TEST(Pressure, FollowsTheCurrentAreaAndNormal) {
   const Surface s = makeSheet(9, 8, 1.0, 0.8);
   const MassSpring m = makeModel(s);
-  const simulation::AirLoad load(m, 3.0, 0.0);
+  const simulation::PressureLoad load(m, 3.0);
   const Mat3 rotation = someRotation();
   Points moved = s.points;
   for (Vec3& p : moved) p = rotation * (2.0 * p);
   EXPECT_LT((sum(forcesOf(load, still(moved))) - rotation * Vec3(0.0, 0.0, 4.0 * 3.0 * 0.8)).norm(), 1e-10);
 }
 
-TEST(Air, PressureInAClosedSurfaceHasNoNetForceAndAPotential) {
+TEST(Pressure, InAClosedSurfaceHasNoNetForceAndAPotential) {
   const Surface s = makeSphere(300, 0.4);
   const MassSpring m = makeModel(s);
-  const simulation::AirLoad load(m, 5.0, 0.0);
+  const simulation::PressureLoad load(m, 5.0);
   const Points forces = forcesOf(load, still(s.points));
   double outward = 0.0;
   for (std::size_t i = 0; i < forces.size(); ++i) outward += forces[i].dot(s.normals[i]);
@@ -83,16 +83,16 @@ TEST(Air, PressureInAClosedSurfaceHasNoNetForceAndAPotential) {
   checkPotential(load, still(s.points));
 }
 
-TEST(Air, DragBrakesTheNormalVelocityOnly) {
+TEST(Drag, BrakesTheNormalVelocityOnly) {
   const Surface s = makeSheet(9, 8, 1.0, 0.8);
   const MassSpring m = makeModel(s);
-  const simulation::AirLoad load(m, 0.0, 2.0);
+  const simulation::DragLoad load(m, 2.0);
   State state = still(s.points);
   for (Vec3& v : state.velocities) v = Vec3(7.0, -3.0, 1.5);
   EXPECT_LT((sum(forcesOf(load, state)) - Vec3(0.0, 0.0, -2.0 * 1.5 * 0.8)).norm(), 1e-10);
 }
 
-TEST(Air, DragBringsAFallingSheetToItsTerminalSpeed) {
+TEST(Drag, BringsAFallingSheetToItsTerminalSpeed) {
   // c A v = m g.
   simulation::SceneParams p;
   p.viscous_drag = 4.0;

@@ -248,6 +248,24 @@ TEST(Simulation, ResamplingAppendsPointsWhereTheSurfaceIsStretchedAndKeepsTheirI
   EXPECT_GE(static_cast<Index>(later.positions.size()), first);
   for (Index i : later.source) EXPECT_TRUE(i >= 0 && i < shown);
   for (std::size_t i = shown; i < later.positions.size(); ++i) EXPECT_TRUE(later.positions[i].allFinite());
+  const std::size_t rows = later.positions.size();
+  // Not a matter of who looks, and of the past.
+  s.reset();
+  EXPECT_EQ(s.surface(true).positions.size(), static_cast<std::size_t>(shown));
+  run(s, 40);
+  EXPECT_EQ(s.surface(true).positions.size(), rows);
+}
+
+TEST(Simulation, APinOnAPointThatBelongsToNoSurfaceIsNamed) {
+  SceneParams p;
+  cloud::PointCloud cloud = sheetCloud();
+  cloud.positions.emplace_back(50.0, 0.0, 0.0);
+  ++cloud.width;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(49.0, -1.0, -1.0);
+  pin.region.max = Vec3(51.0, 1.0, 1.0);
+  p.pins.push_back(pin);
+  EXPECT_THROW(Simulation(p, cloud), InputError);
 }
 
 }  // namespace

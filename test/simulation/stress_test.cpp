@@ -71,6 +71,28 @@ TEST(Stress, ACrumplingSheetWithoutDampingKeepsItsEnergyForManySeconds) {
   }
 }
 
+TEST(Stress, AKeptVolumeOfAnyStiffness) {
+  for (double volume_stiffness : {1e3, 1e5, 1e7, 1e9}) {
+    SCOPED_TRACE(volume_stiffness);
+    simulation::SceneParams p;
+    p.gravity.setZero();
+    p.mass_spring.volume_stiffness = volume_stiffness;
+    p.simplification.target_points = 200;
+    p.forces.push_back({"push", Vec3(0.0, 0.0, 0.5), Vec3(0.0, 0.0, -1.0), 0.2, 0.0, 1e300});
+    Simulation s(p, asCloud(makeSphere(400, 0.5).points));
+    const double volume = s.model().enclosedVolume(s.state());
+    for (int k = 0; k < 20; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      // One newton on a ball of one metre cannot give more than a few joules.
+      ASSERT_LT(totalEnergy(s), 1.0) << "step " << k;
+    }
+    if (volume_stiffness >= 1e5) {
+      EXPECT_NEAR(s.model().enclosedVolume(s.state()) / volume, 1.0, 1e-3);
+    }
+  }
+}
+
 TEST(Stress, EveryMembraneAndBending) {
   for (model::Membrane membrane : {model::Membrane::kSprings, model::Membrane::kTriangles})
     for (model::Bending bending : {model::Bending::kSprings, model::Bending::kCurvature, model::Bending::kNone}) {

@@ -51,7 +51,7 @@ class DeformableModel {
   /// overwrites v (n x 3); c |v|^2 is in N/m.
   virtual double rankOneStiffness(const State& /*state*/, Points& /*v*/) const { return 0.0; }
 
-  /// Upper bounds, per point, of the sums of the magnitudes of stiffness (N/m) and of damping (N s/m) of its row: what
+  /// Upper bounds, per point, of the sums of the magnitudes of stiffness at rest (N/m) and of damping (N s/m) of its row: what
   /// Gershgorin's theorem needs. (n) each, added to.
   virtual void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const = 0;
 

@@ -24,22 +24,32 @@ class GravityLoad : public solve::ExternalLoad {
   const std::vector<double>& masses_;
 };
 
-/// Pressure along the outward normal and viscous drag against the normal velocity, both on the current area:
-/// F = p a - c (v . n) a with the area vector a = A n.
-class AirLoad : public solve::ExternalLoad {
+/// Pressure along the outward normal on the current area: F = p a with the area vector a = A n. In a closed surface it pushes along
+/// the gradient of the volume: no net force, and a potential.
+class PressureLoad : public solve::ExternalLoad {
  public:
-  AirLoad(const model::DeformableModel& model, double pressure, double viscous_drag)
-      : model_(model), pressure_(pressure), drag_(viscous_drag) {}
+  PressureLoad(const model::DeformableModel& model, double pressure) : model_(model), pressure_(pressure) {}
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
-  bool isConservative() const override;
+  bool isConservative() const override { return model_.isClosed(); }
+
+ private:
+  const model::DeformableModel& model_;
+  double pressure_;  // Pa
+  mutable Points area_;
+};
+
+/// Viscous drag against the normal velocity on the current area: F = -c (v . n) a with the area vector a = A n.
+class DragLoad : public solve::ExternalLoad {
+ public:
+  DragLoad(const model::DeformableModel& model, double viscous_drag) : model_(model), drag_(viscous_drag) {}
+  void addForces(double time, const State& state, Points& forces) const override;
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 
  private:
   const model::DeformableModel& model_;
-  double pressure_;  // Pa
-  double drag_;      // N s/m per m^2
+  double drag_;  // N s/m per m^2
   mutable Points area_;
 };
 

@@ -9,12 +9,17 @@ namespace deformable_surface::solve {
 class StableStep {
  public:
   /// dt = (2 / w) (sqrt(1 + z^2) - z), s, with w the largest angular frequency and z = c / (2 w) the damping ratio of the
-  /// velocity-dependent forces, which the integrators take from predicted velocities. w^2 is the largest eigenvalue of M^-1 K
-  /// by Lanczos iteration with its error bound added, and never more than Gershgorin's bound. Infinite if nothing is stiff.
+  /// velocity-dependent forces, which the integrators take from predicted velocities. w^2 is the largest eigenvalue of M^-1 K by
+  /// Lanczos iteration with its error bound added, and that of the rank-one part of the stiffness (the sum bounds the eigenvalue of
+  /// the sum [Weyl]). Infinite if nothing is stiff. Allocates nothing once the stiffness has its pattern.
   double estimate(double time, const State& state, const System& system);
 
  private:
+  double largestEigenvalue(const Eigen::SparseMatrix<double>& lower);
+
   BlockSparse stiffness_;
+  Points rank_one_;
+  Eigen::VectorXd scale_, v_, w_, previous_, product_;  // (3 n)
 };
 
 }  // namespace deformable_surface::solve

@@ -42,13 +42,8 @@ class System {
   /// The force below which a balance is rounding, N: that of positions wrong by one unit in the last place.
   double roundingForce(double time, const State& state) const;
 
-  /// Upper bounds by Gershgorin's theorem of the largest angular frequency (rad/s) and of the largest rate of the damping that
-  /// depends on velocity (1/s).
-  struct Bounds {
-    double frequency = 0.0;
-    double damping_rate = 0.0;
-  };
-  Bounds bounds(double time, const State& state) const;
+  /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, 1/s.
+  double dampingRate(double time, const State& state) const;
 
  private:
   const model::DeformableModel& model_;

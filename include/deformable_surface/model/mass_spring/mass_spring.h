@@ -43,6 +43,8 @@ class MassSpring : public DeformableModel {
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return bending_springs_.links(); }
   const std::vector<WeightedTriangle>& triangles() const override { return triangles_; }
 
+  const Springs& stretchingSprings() const { return stretching_; }
+
   /// Points whose mass was raised because their ring has next to no area, and points without bending energy.
   Index numMassRaised() const { return num_mass_raised_; }
   Index numWithoutBending() const { return num_without_bending_; }
