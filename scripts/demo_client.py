@@ -66,6 +66,8 @@ def compute_pull(share, strength):
 class Demo:
     def __init__(self):
         self.path = rospy.get_param("~scan")
+        if not self.path:
+            raise ValueError("no scan is given; give one: scan:=FILE")
         self.output = rospy.get_param("~output")
         self.strength = float(rospy.get_param("~force", 2.0))
         self.radius = float(rospy.get_param("~radius", 0.02))

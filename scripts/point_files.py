@@ -1,3 +1,4 @@
+#!/usr/bin/env python3
 """Reads the points of a .ply, .pcd, .off or .xyz file into an array. It is a file of its own because the demo and the pictures
 need it and neither should depend on the other; the node and `simulate` have their own reader in C++."""
 import re
@@ -142,3 +143,7 @@ def decompress_lzf(data, size):
     if len(out) != size:
         raise ValueError("the compressed data holds %d bytes, the header says %d" % (len(out), size))
     return bytes(out)
+
+
+if __name__ == "__main__":
+    raise SystemExit("point_files.py is a module of demo_client.py and draw_cloud.py; it does nothing by itself")

@@ -122,7 +122,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   s.dense = cloud::clean(input);
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (n < 3)
-    throw InputError("cloud: found " + count(n, "finite distinct points among ") + count(input.size(), "; accepted: at least 3"));
+    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
   if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
   if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
 

@@ -7,6 +7,7 @@
 #include <Eigen/QR>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstring>
 
@@ -203,8 +204,8 @@ double CurvatureBending::energy(const State& state) const {
 //   D A dk_ab dk_ab,           dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
 //   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),  dp = M_ab (db_ab - Gamma^d_ab dt_d).
 void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
-  std::vector<Vec3> change;  // of k_ab by the normal motion of each neighbour
-  std::vector<double> along;  // dp by the motion of each neighbour
+  std::array<Vec3, kFitPoints + 1> change;   // of k_ab by the normal motion of each neighbour
+  std::array<double, kFitPoints + 1> along;  // dp by the motion of each neighbour
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
     const Shape shape = shapeAt(i, state);
@@ -215,11 +216,9 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
     Mat2 metric;
     metric << shape.dual[0].squaredNorm(), shape.dual[0].dot(shape.dual[1]), shape.dual[0].dot(shape.dual[1]), shape.dual[1].squaredNorm();
     const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
-    change.clear();
-    along.clear();
     for (Index r = begin; r < end; ++r) {
-      change.push_back(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
-      along.push_back(moment.dot(change.back()));
+      change[r - begin] = rows_[r].second - shape.christoffel.transpose() * rows_[r].first;
+      along[r - begin] = moment.dot(change[r - begin]);
     }
     for (Index j = begin; j < end; ++j)
       for (Index k = begin; k <= j; ++k) {
