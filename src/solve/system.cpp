@@ -70,11 +70,15 @@ double System::largestForce(double time, const State& state) const {
   return std::sqrt(squared);
 }
 
-double System::roundingForce(double time, const State& state) const {
+void System::computeRowBounds(double time, const State& state) const {
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   model_.addRowBounds(state, row_stiffness_, row_damping_);
   for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+}
+
+double System::roundingForce(double time, const State& state) const {
+  computeRowBounds(time, state);
   double largest = 0.0;
   for (Index i = 0; i < size(); ++i)
     largest = std::max(largest, row_stiffness_[i] * state.positions[i].lpNorm<Eigen::Infinity>());
@@ -82,10 +86,7 @@ double System::roundingForce(double time, const State& state) const {
 }
 
 double System::dampingRate(double time, const State& state) const {
-  row_stiffness_.assign(size(), 0.0);
-  row_damping_.assign(size(), 0.0);
-  model_.addRowBounds(state, row_stiffness_, row_damping_);
-  for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  computeRowBounds(time, state);
   double rate = 0.0;
   for (Index i = 0; i < size(); ++i)
     if (!held_[i]) rate = std::max(rate, row_damping_[i] / masses()[i]);

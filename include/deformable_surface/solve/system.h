@@ -46,6 +46,8 @@ class System {
   double dampingRate(double time, const State& state) const;
 
  private:
+  void computeRowBounds(double time, const State& state) const;
+
   const model::DeformableModel& model_;
   const std::vector<const ExternalLoad*>& loads_;
   const std::vector<char>& held_;
