@@ -2,13 +2,17 @@
 
 #include <ros/console.h>
 
-#include <algorithm>
+#include <cstdio>
+#include <cstring>
+#include <iterator>
 
 namespace deformable_surface::node {
 namespace {
 
 // A line every few seconds is read; one for each message of a camera is not.
 constexpr std::chrono::seconds kSilence(5);
+// More than a user's mistakes make together; names that keep changing must fill neither the memory nor the log.
+constexpr std::size_t kMaxCauses = 32;
 
 // Several problems come in several lines; the log wants one.
 std::string inOneLine(std::string text) {
@@ -16,32 +20,53 @@ std::string inOneLine(std::string text) {
   return text;
 }
 
+// What tells causes apart: names in quotes as they are, of the rest no character that a number may have.
+std::string withoutNumbers(const std::string& text) {
+  std::string result;
+  bool is_quoted = false;
+  for (const char c : text) {
+    if (c == '\'') is_quoted = !is_quoted;
+    if (is_quoted || std::strchr("0123456789.+-e", c) == nullptr) result += c;
+  }
+  return result;
+}
+
 }  // namespace
 
 void Complaints::report(Complaint complaint, const std::string& sentence) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  Kind& kind = kinds_[static_cast<int>(complaint)];
   last_ = inOneLine(sentence);
   last_time_ = Clock::now();
-  ++kind.count;
-  if (kind.count > 1 && last_time_ - kind.last_line < kSilence) {
-    ++kind.left_out;
+  ++counts_[static_cast<int>(complaint)];
+  Cause& cause = findCause(complaint, last_);
+  if (cause.was_told && last_time_ - cause.last_line < kSilence) {
+    ++cause.left_out;
     return;
   }
-  const std::string more = kind.left_out > 0 ? " (" + std::to_string(kind.left_out) + " like it left out)" : "";
+  const std::string more = cause.left_out > 0 ? " (" + std::to_string(cause.left_out) + " like it left out)" : "";
   const bool is_error = complaint == Complaint::kStep || complaint == Complaint::kInternal;
   if (is_error) {
     ROS_ERROR_STREAM(name_ << ": " << last_ << more);
   } else {
     ROS_WARN_STREAM(name_ << ": " << last_ << more);
   }
-  kind.last_line = last_time_;
-  kind.left_out = 0;
+  cause = {true, 0, last_time_};
+}
+
+/// Beyond what is kept, all sentences of a kind count as one cause.
+Complaints::Cause& Complaints::findCause(Complaint complaint, const std::string& sentence) {
+  const std::string kind = std::to_string(static_cast<int>(complaint));
+  const std::string key = kind + withoutNumbers(sentence);
+  if (causes_.size() < kMaxCauses || causes_.count(key) > 0) return causes_[key];
+  for (auto entry = causes_.begin(); entry != causes_.end();) {
+    entry = last_time_ - entry->second.last_line >= kSilence ? causes_.erase(entry) : std::next(entry);
+  }
+  return causes_[causes_.size() < kMaxCauses ? key : kind];
 }
 
 int Complaints::count(Complaint kind) const {
   const std::lock_guard<std::mutex> lock(mutex_);
-  return kinds_[static_cast<int>(kind)].count;
+  return counts_[static_cast<int>(kind)];
 }
 
 std::string Complaints::last() const {
@@ -52,6 +77,12 @@ std::string Complaints::last() const {
 bool Complaints::isRecent() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return !last_.empty() && Clock::now() - last_time_ < kSilence;
+}
+
+std::string formatShort(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.3g", value);
+  return text;
 }
 
 }  // namespace deformable_surface::node

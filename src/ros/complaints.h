@@ -4,6 +4,7 @@
 
 #include <array>
 #include <chrono>
+#include <map>
 #include <mutex>
 #include <string>
 
@@ -18,7 +19,8 @@ class Complaints {
   /// name: of the node, which begins each line.
   explicit Complaints(std::string name) : name_(std::move(name)) {}
 
-  /// Counts, and writes one line unless one of its kind was written a short while ago; the next then says how many were left out.
+  /// Counts, and writes one line unless one of the same cause was written a short while ago; the next then says how many were
+  /// left out. Sentences of a kind that differ in numbers only have the same cause.
   void report(Complaint kind, const std::string& sentence);
 
   const std::string& name() const { return name_; }
@@ -30,16 +32,23 @@ class Complaints {
 
  private:
   using Clock = std::chrono::steady_clock;
-  struct Kind {
-    int count = 0, left_out = 0;
+  struct Cause {
+    bool was_told = false;
+    int left_out = 0;  // since the last line
     Clock::time_point last_line;
   };
 
+  Cause& findCause(Complaint kind, const std::string& sentence);
+
   const std::string name_;
   mutable std::mutex mutex_;
-  std::array<Kind, kNumComplaints> kinds_;
+  std::array<int, kNumComplaints> counts_{};
+  std::map<std::string, Cause> causes_;  // by kind and sentence without numbers
   std::string last_;
   Clock::time_point last_time_;
 };
+
+/// A measured number in a sentence: no more digits than are read.
+std::string formatShort(double value);
 
 }  // namespace deformable_surface::node

@@ -31,6 +31,8 @@ void handleSignal(int) { ros::requestShutdown(); }
 }  // namespace
 
 int main(int argc, char** argv) {
+  // roslaunch and scripts redirect the output; whoever reads it must not wait for the end.
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
   ros::init(argc, argv, "deformable_surface");
   // ros::init() has taken out the arguments that are ROS's.
   for (int i = 1; i < argc; ++i) {

@@ -13,6 +13,7 @@
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/ros/commands.h"
 #include "deformable_surface/ros/surface_output.h"
+#include "deformable_surface/simulation/expectations.h"
 
 #include <ros/package.h>
 #include <unistd.h>
@@ -71,6 +72,54 @@ void checkFinalFile(const std::string& file) {
   }
 }
 
+// Where cloud.file is; empty if it cannot be told, which readPointFile() refuses in its own words.
+std::string findCloudFile(const std::string& file) {
+  const std::string scheme = "package://";
+  if (file.compare(0, scheme.size(), scheme) != 0) return file;
+  const std::size_t slash = std::min(file.find('/', scheme.size()), file.size());
+  try {
+    return findPackage(file.substr(scheme.size(), slash - scheme.size())) + file.substr(slash);
+  } catch (const InputError&) {
+    return "";
+  }
+}
+
+// One file on the disk, also through links, or one name of a file that is not there yet.
+bool areSame(const fs::path& a, const fs::path& b) {
+  std::error_code error;
+  const auto folder = [](const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); };
+  return fs::equivalent(a, b, error) || (a.filename() == b.filename() && fs::equivalent(folder(a), folder(b), error));
+}
+
+// A run must not destroy what it is made from, nor one output another.
+void checkFilesDiffer(const SimulateOptions& options, const SceneParams& params) {
+  std::vector<std::pair<std::string, std::string>> others{
+      {"the scene", options.scene}, {"--bag_in", options.bag_in}, {"cloud.file", findCloudFile(params.cloud.file)}};
+  std::vector<std::string> problems;
+  for (const auto& [name, file] : others) {
+    const fs::path frame = fs::path(options.frames_directory) / fs::path(file).filename();
+    const bool is_frame = frame.extension() == ".ply" && frame.filename().string().compare(0, 6, "frame_") == 0;
+    if (!options.frames_directory.empty() && !file.empty() && is_frame && areSame(frame, file)) {
+      problems.push_back("--frames: found " + quote(options.frames_directory) + ", the folder of " + name + ", " + quote(file) +
+                         ", which has the name of a frame; accepted: another folder");
+    }
+  }
+  const std::pair<const char*, std::string> outputs[] = {
+      {"--final", options.final_file}, {"--statistics", options.statistics_file}, {"--bag_out", options.bag_out}};
+  for (const auto& [option, output] : outputs) {
+    if (output.empty()) continue;
+    for (const auto& [name, file] : others) {
+      // It is written under the name of a partial file first.
+      if (!file.empty() && (areSame(output, file) || areSame(output + ".partial", file))) {
+        problems.push_back(std::string(option) + ": found " + quote(output) + ", which would overwrite " + name + ", " +
+                           quote(file) + "; accepted: another file");
+      }
+    }
+    others.emplace_back(option, output);
+  }
+  if (!problems.empty()) throw InputError(std::move(problems));
+}
+
 /// A bar that is drawn anew a few times a second.
 class Progress {
  public:
@@ -110,6 +159,7 @@ class Run {
       throw InputError("--frame_rate: found " + formatReal(options.frame_rate) + "; accepted: at most one frame per step, " +
                        formatReal(1.0 / dt) + " (Hz)");
     }
+    checkFilesDiffer(options, params_);
     if (!options.final_file.empty()) checkFinalFile(options.final_file);
     if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
     if (!options.frames_directory.empty()) {
@@ -122,11 +172,15 @@ class Run {
     if (options_.bag_in.empty()) {
       begin(build(loadCloud(params_), "", 0), 0);
     } else {
-      bag_.emplace(options_.bag_in, options_.topics, DecodeLimits{params_.input.max_points});
+      bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points});
       playBag();
     }
     stepUntil(end_);
-    if (status_ == kInterrupted) return kInterrupted + terminal_.stop;
+    if (status_ == kInterrupted) {
+      report("interrupted at t = " + formatReal(runTime()) + " s; nothing is written" +
+             (frames_ ? " but the frames until then" : ""));
+      return kInterrupted + terminal_.stop;
+    }
     finish();
     return status_;
   }
@@ -167,7 +221,9 @@ class Run {
     }
     // The old surface takes the steps that end before the new one is there.
     if (simulation_) stepUntil(stamp);
-    if (status_ == kDone) begin(std::move(simulation), stamp);
+    if (status_ != kDone) return;
+    begin(std::move(simulation), stamp);
+    ++clouds_;
   }
 
   // Takes effect at the first step that begins at or after the stamp.
@@ -176,9 +232,11 @@ class Run {
     try {
       if (const auto* force = std::get_if<PointForce>(&event.message)) {
         simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms()));
+        ++forces_;
       } else {
         simulation_->setForce(toForce(std::get<geometry_msgs::WrenchStamped>(event.message), simulation_->time(), frame_,
                                       bag_->transforms(), params_.force));
+        ++wrenches_;
       }
     } catch (const InputError& error) {
       reportRefusal("command", event.stamp, error);
@@ -270,6 +328,8 @@ class Run {
     if (statistics_) statistics_->finish();
     if (output_bag_) output_bag_->finish();
     if (options_.quiet) return;
+    if (bag_) noteBag();
+    if (status_ == kDone) noteExpectations();
 
     const simulation::Statistics statistics = simulation_->statistics();
     float largest = 0.0f;
@@ -282,6 +342,28 @@ class Run {
         statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
         static_cast<unsigned long long>(statistics.state_hash));
     terminal_.out << text << std::flush;
+  }
+
+  // What was taken of the bag, and what was not.
+  void noteBag() {
+    note("taken from " + options_.bag_in + ": clouds " + std::to_string(clouds_) + ", forces " + std::to_string(forces_) +
+         ", wrenches " + std::to_string(wrenches_));
+    const auto& given = options_.assignments;
+    const bool chosen =
+        std::any_of(given.begin(), given.end(), [](const std::string& text) { return text.compare(0, 9, "duration=") == 0; });
+    const std::int64_t last = bag_->entries().rbegin()->first;
+    if (status_ != kDone || chosen || last <= end_) return;
+    note("simulated the first " + formatReal(params_.duration) + " s (the scene's duration) of the " +
+         formatReal(static_cast<double>(last - run_start_) * 1e-9) + " s from the first cloud to the last message of " +
+         options_.bag_in + "; --duration S simulates more");
+  }
+
+  void noteExpectations() {
+    try {
+      for (const std::string& violation : simulation::checkExpectations(*simulation_)) note("not as expected: " + violation);
+    } catch (const InputError& error) {
+      for (const std::string& problem : error.problems()) note("not as expected: " + problem);
+    }
   }
 
   // Stamp of the state, ns, and time since the run began, s.
@@ -317,7 +399,7 @@ class Run {
   std::unique_ptr<Simulation> simulation_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
-  unsigned long long steps_ = 0;
+  unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0;  // taken; the last three from the bag
   int status_ = kDone;
   std::string last_note_;
   Timer timer_;

@@ -34,19 +34,38 @@ std::int64_t readStamp(const rosbag::MessageInstance& instance) {
   return stamp != 0 ? stamp : static_cast<std::int64_t>(instance.getTime().toNSec());
 }
 
+struct Type {
+  std::string name, md5sum;
+};
+
 template <class Message>
-bool isType(const rosbag::ConnectionInfo& connection) {
-  return connection.datatype == ros::message_traits::datatype<Message>() &&
-         connection.md5sum == ros::message_traits::md5sum<Message>();
+Type makeType() {
+  return {ros::message_traits::datatype<Message>(), ros::message_traits::md5sum<Message>()};
 }
+
+// Of the messages that are taken under a name.
+Type findType(const std::string& name) {
+  if (name == "cloud_in") return makeType<sensor_msgs::PointCloud2>();
+  if (name == "force") return makeType<PointForce>();
+  if (name == "wrench") return makeType<geometry_msgs::WrenchStamped>();
+  return makeType<ToolArray>();
+}
+
+bool isType(const rosbag::ConnectionInfo& connection, const Type& type) {
+  return connection.datatype == type.name && connection.md5sum == type.md5sum;
+}
+
+// Some recorders write the names without the slash that others begin them with.
+std::string removeSlash(const std::string& topic) { return topic[0] == '/' ? topic.substr(1) : topic; }
 
 }  // namespace
 
-InputBag::InputBag(const std::string& file, const std::map<std::string, std::string>& topics, const DecodeLimits& limits)
+InputBag::InputBag(const std::string& file, const std::map<std::string, std::string>& topics, std::set<std::string> required,
+                   const DecodeLimits& limits)
     : file_(file), limits_(limits) {
   try {
     bag_.open(file, rosbag::bagmode::Read);
-    index(topics);
+    index(topics, std::move(required));
     readTransforms();
   } catch (const rosbag::BagException& error) {
     throw InputError(file + ": cannot be read as a bag (" + error.what() + "); accepted: a complete .bag file of ROS 1");
@@ -55,52 +74,53 @@ InputBag::InputBag(const std::string& file, const std::map<std::string, std::str
   }
 }
 
-void InputBag::index(const std::map<std::string, std::string>& topics) {
-  std::map<std::string, std::string> name_of;
-  std::vector<std::string> wanted;
+void InputBag::index(const std::map<std::string, std::string>& topics, std::set<std::string> required) {
+  std::map<std::string, std::string> name_of;  // by the topic without its slash
   for (const auto& [name, topic] : topics) {
-    if (!name_of.emplace(topic, name).second) {
-      throw InputError("--topic: found " + quote(topic) + " for both " + name_of[topic] + " and " + name +
+    const auto [same, is_new] = name_of.emplace(removeSlash(topic), name);
+    if (!is_new) {
+      throw InputError("--topic: found " + quote(topic) + " for both " + same->second + " and " + name +
                        "; accepted: different topics");
     }
-    wanted.push_back(topic);
   }
-  view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(wanted));
 
-  bool has_cloud = false;
-  for (const rosbag::ConnectionInfo* connection : view_->getConnections()) {
-    const std::string& name = name_of.at(connection->topic);
+  required.insert("cloud_in");
+  std::vector<std::string> wanted;  // as the bag writes them
+  rosbag::View all(bag_);
+  for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
+    const auto found = name_of.find(removeSlash(connection->topic));
+    if (found == name_of.end()) continue;
+    const std::string& name = found->second;
     if (name == "tools") throw InputError(file_ + ": found rigid tools on " + connection->topic + ", which are not built yet");
-    const bool accepted = name == "cloud_in" ? isType<sensor_msgs::PointCloud2>(*connection)
-                          : name == "force"  ? isType<PointForce>(*connection)
-                                             : isType<geometry_msgs::WrenchStamped>(*connection);
-    if (!accepted) {
+    const Type type = findType(name);
+    if (!isType(*connection, type)) {
       throw InputError(file_ + ": found messages of type " + quote(connection->datatype) + " (md5sum " +
                        quote(connection->md5sum) + ") on " + quote(connection->topic) + "; accepted for " + name + ": " +
-                       (name == "cloud_in" ? "sensor_msgs/PointCloud2"
-                        : name == "force"  ? "deformable_surface/PointForce"
-                                           : "geometry_msgs/WrenchStamped") +
-                       " of this version");
+                       type.name + " of this version");
     }
-    has_cloud = has_cloud || name == "cloud_in";
+    wanted.push_back(connection->topic);
+    required.erase(name);
   }
-  if (!has_cloud) {
-    std::set<std::string> clouds;
-    for (const rosbag::ConnectionInfo* connection : rosbag::View(bag_).getConnections()) {
-      if (isType<sensor_msgs::PointCloud2>(*connection)) clouds.insert(quote(connection->topic));
+  if (!required.empty()) {
+    const std::string& name = *required.begin();
+    const Type type = findType(name);
+    std::set<std::string> others;
+    for (const rosbag::ConnectionInfo* connection : all.getConnections()) {
+      if (isType(*connection, type)) others.insert(quote(connection->topic));
     }
-    std::string found;
-    for (const std::string& topic : clouds) found += " " + topic;
-    throw InputError(file_ + ": found no cloud on " + quote(topics.at("cloud_in")) +
-                     "; accepted: --topic cloud_in=TOPIC with one of" +
-                     (found.empty() ? " those that have sensor_msgs/PointCloud2, of which this bag has none" : found));
+    std::string list;
+    for (const std::string& topic : others) list += " " + topic;
+    throw InputError(file_ + ": found no messages on " + quote(topics.at(name)) + "; accepted: --topic " + name +
+                     "=TOPIC with one of" +
+                     (list.empty() ? " those that have " + type.name + ", of which this bag has none" : list));
   }
 
+  view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(wanted));
   for (const rosbag::MessageInstance& instance : *view_) entries_.emplace(readStamp(instance), instance);
 }
 
 void InputBag::readTransforms() {
-  rosbag::View view(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf", "/tf_static"}));
+  rosbag::View view(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf", "tf", "/tf_static", "tf_static"}));
   // The buffer holds the whole bag, and a second more for stamps that are older than their recording.
   const ros::Duration length = view.size() == 0 ? ros::Duration(0.0) : view.getEndTime() - view.getBeginTime();
   transforms_ = std::make_unique<tf2::BufferCore>(length + ros::Duration(1.0));
@@ -108,7 +128,7 @@ void InputBag::readTransforms() {
     const tf2_msgs::TFMessage::ConstPtr message = instance.instantiate<tf2_msgs::TFMessage>();
     if (!message) continue;
     for (const geometry_msgs::TransformStamped& transform : message->transforms) {
-      transforms_->setTransform(transform, "bag", instance.getTopic() == "/tf_static");
+      transforms_->setTransform(transform, "bag", removeSlash(instance.getTopic()) == "tf_static");
     }
   }
 }

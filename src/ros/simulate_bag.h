@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <map>
 #include <memory>
+#include <set>
 #include <string>
 #include <variant>
 
@@ -19,9 +20,11 @@ namespace deformable_surface::node {
 
 class InputBag {
  public:
-  /// topics: from cloud_in, force, wrench, tools to topics. Throws InputError, naming the file and the topic, for a bag that
-  /// cannot be read, has no such clouds, or has messages of another type there.
-  InputBag(const std::string& file, const std::map<std::string, std::string>& topics, const DecodeLimits& limits);
+  /// topics: from cloud_in, force, wrench, tools to topics, with or without a leading slash here and in the bag; required: the
+  /// names whose topics must be there, as that of the clouds always must. Throws InputError, naming the file and the topic, for
+  /// a bag that cannot be read, lacks a topic that it must have, or has messages of another type there.
+  InputBag(const std::string& file, const std::map<std::string, std::string>& topics, std::set<std::string> required,
+           const DecodeLimits& limits);
 
   struct Event {
     std::int64_t stamp = 0;  // ns; that of the message, or when it was recorded if its own is zero
@@ -36,7 +39,7 @@ class InputBag {
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
  private:
-  void index(const std::map<std::string, std::string>& topics);
+  void index(const std::map<std::string, std::string>& topics, std::set<std::string> required);
   void readTransforms();
 
   std::string file_;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -15,6 +16,7 @@ struct SimulateOptions {
   std::string final_file, frames_directory, statistics_file, bag_in, bag_out;  // empty = not wanted
   double frame_rate = 0.0;                                                     // Hz; 0 = output.publish_rate
   std::map<std::string, std::string> topics;  // of bag_in: cloud_in, force, wrench, tools -> topic
+  std::set<std::string> given_topics;         // those of the names that --topic gave
 };
 
 /// Throws InputError with all problems at once.

@@ -11,6 +11,13 @@
 #include <filesystem>
 
 namespace deformable_surface::node {
+namespace {
+
+[[noreturn]] void refuseFile(const std::string& file) {
+  throw InputError(file + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
+}
+
+}  // namespace
 
 PendingFile::PendingFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".partial") {
   std::error_code error;
@@ -71,8 +78,7 @@ void StatisticsFile::finish() {
 }
 
 void StatisticsFile::check() const {
-  if (!stream_)
-    throw InputError(name_ + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
+  if (!stream_) refuseFile(name_);
 }
 
 FrameFiles::FrameFiles(const std::string& directory, double rate, double time_step)
@@ -93,11 +99,20 @@ void FrameFiles::add(double time, simulation::Simulation& simulation) {
                      surface.displacement);
 }
 
-OutputBag::OutputBag(const std::string& file, double rate, double time_step) : file_(file), pace_(rate, time_step) {
+OutputBag::OutputBag(const std::string& file, double rate, double time_step)
+    : name_(file), file_(file), bag_(new rosbag::Bag), pace_(rate, time_step) {
   try {
-    bag_.open(file_.temporary(), rosbag::bagmode::Write);
+    bag_->open(file_.temporary(), rosbag::bagmode::Write);
   } catch (const rosbag::BagException&) {
-    throw InputError(file + ": cannot be written; accepted: a file in a folder that can be written");
+    refuseFile(file);
+  }
+}
+
+void OutputBag::CloseOrLeave::operator()(rosbag::Bag* bag) const noexcept {
+  try {
+    bag->close();
+    delete bag;
+  } catch (const rosbag::BagException&) {
   }
 }
 
@@ -114,7 +129,11 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
   header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
   const ros::Time recorded = std::max(header.stamp, ros::TIME_MIN);  // a bag knows no time zero
   const auto write = [&](const char* name, const auto& message) {
-    bag_.write(std::string("/deformable_surface/") + name, recorded, message);
+    try {
+      bag_->write(std::string("/deformable_surface/") + name, recorded, message);
+    } catch (const rosbag::BagException&) {
+      refuseFile(name_);
+    }
   };
 
   sensor_msgs::PointCloud2 cloud;
@@ -151,7 +170,12 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
 }
 
 void OutputBag::finish() {
-  bag_.close();
+  try {
+    bag_->close();
+  } catch (const rosbag::BagException&) {
+    (void)bag_.release();  // to close it a second time would close its file twice
+    refuseFile(name_);
+  }
   file_.keep();
 }
 

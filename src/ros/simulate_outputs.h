@@ -83,8 +83,14 @@ class OutputBag {
   void finish();
 
  private:
+  // A bag that cannot be written ends the program from its own destructor; such a one is not destroyed.
+  struct CloseOrLeave {
+    void operator()(rosbag::Bag* bag) const noexcept;
+  };
+
+  std::string name_;
   PendingFile file_;
-  rosbag::Bag bag_;
+  std::unique_ptr<rosbag::Bag, CloseOrLeave> bag_;
   Pace pace_;
   std::string frame_id_;
   std::unique_ptr<SurfaceEncoder> encoder_;

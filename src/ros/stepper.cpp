@@ -95,7 +95,7 @@ void Stepper::handleClock(const ClockNews& clock) {
     schedule_.skip(clock.skipped);
     if (clock.skipped > 0 && simulation_) {
       complaints_.report(Complaint::kClock,
-                         "the clock jumped forward by " + formatReal(toSeconds(clock.skipped)) + " s, which is not caught up");
+                         "the clock jumped forward by " + formatShort(toSeconds(clock.skipped)) + " s, which is not caught up");
     }
     return;
   }
@@ -127,9 +127,9 @@ void Stepper::letGoOfLag() {
   schedule_.skip(lag);
   counts_.time_let_go += toSeconds(lag);
   if (simulation_->stepCount() > 0) {
-    complaints_.report(Complaint::kBehind, "slower than real time: the last step took " + formatReal(step_seconds_) + " s for " +
+    complaints_.report(Complaint::kBehind, "slower than real time: the last step took " + formatShort(step_seconds_) + " s for " +
                                                formatReal(params_.integrator.time_step) + " s, the last frame " +
-                                               formatReal(frame_seconds_) + " s; " + formatReal(toSeconds(lag)) +
+                                               formatShort(frame_seconds_) + " s; " + formatShort(toSeconds(lag)) +
                                                " s are not caught up");
   }
 }

@@ -21,6 +21,7 @@
 #include <rosgraph_msgs/Clock.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <atomic>
 #include <filesystem>
 #include <optional>
 #include <thread>
@@ -34,6 +35,8 @@ constexpr std::uint32_t kCloudQueue = 2;
 constexpr std::uint32_t kCommandQueue = 1000;
 // Every message of the clock counts, since the steps between two jumps depend on it.
 constexpr std::uint32_t kClockQueue = 10000;
+// Drivers and players of bags have started by then; a remapping that is wrong would otherwise stay silent.
+constexpr std::chrono::seconds kCloudPatience(10);
 
 }  // namespace
 
@@ -62,7 +65,9 @@ struct SurfaceNode::Impl {
   Stepper stepper;
   std::optional<NodeDiagnostics> diagnostics;
   Services services;
+  ros::Subscriber cloud_subscriber;
   std::vector<ros::Subscriber> subscribers;
+  std::atomic<bool> has_cloud_come{false};
   RegistrationWatchdog watchdog;
   ros::AsyncSpinner input_spinner, service_spinner;
   std::thread simulation_thread;
@@ -110,14 +115,16 @@ struct SurfaceNode::Impl {
     }
     DecodeLimits limits;
     limits.max_points = params.input.max_points;
-    subscribers.push_back(subscribeCloud(private_node, "cloud_in", kCloudQueue, limits, [this](DecodedCloud&& cloud) {
+    cloud_subscriber = subscribeCloud(private_node, "cloud_in", kCloudQueue, limits, [this](DecodedCloud&& cloud) {
+      has_cloud_come = true;
       if (cloud.ok()) {
         inbox.put(std::move(cloud));
       } else {
         complaints.report(Complaint::kCloudRefused, "cloud refused: " + cloud.refusal);
         inbox.wake();
       }
-    }));
+    });
+    ROS_INFO_STREAM(complaints.name() << ": waiting for a cloud on " << cloud_subscriber.getTopic());
     subscribers.push_back(
         private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
     subscribers.push_back(private_node.subscribe<geometry_msgs::WrenchStamped>(
@@ -130,7 +137,16 @@ struct SurfaceNode::Impl {
 
   // Nothing that a message can do may end the thread.
   void run() {
+    const auto start = std::chrono::steady_clock::now();
+    bool was_reminded = false;
     for (bool goes_on = true; goes_on;) {
+      if (!was_reminded && !has_cloud_come && std::chrono::steady_clock::now() - start > kCloudPatience) {
+        was_reminded = true;
+        ROS_WARN_STREAM(complaints.name() << ": no cloud came on " << cloud_subscriber.getTopic() << " in "
+                                          << kCloudPatience.count() << " s (publishers there: "
+                                          << cloud_subscriber.getNumPublishers()
+                                          << "); remap ~cloud_in to the topic of the clouds");
+      }
       try {
         goes_on =
             stepper.turn(diagnostics ? diagnostics->nextTime() : std::chrono::steady_clock::now() + std::chrono::seconds(1));

@@ -11,10 +11,12 @@
 #include <rosbag/view.h>
 #include <sensor_msgs/PointCloud2.h>
 #include <sensor_msgs/point_cloud2_iterator.h>
+#include <sys/resource.h>
 #include <tf2_msgs/TFMessage.h>
 #include <unistd.h>
 
 #include <algorithm>
+#include <csignal>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
@@ -217,6 +219,70 @@ TEST_F(Simulate, LeavesNothingBehindWhenItIsInterrupted) {
   stop_ = SIGTERM;
   EXPECT_EQ(run({"--final", path("out.ply"), "--statistics", path("out.csv"), "--bag_out", path("out.bag")}), 128 + SIGTERM);
   EXPECT_EQ(countFiles(".ply") + countFiles(".csv") + countFiles(".bag") + countFiles(".partial"), 0);
+  EXPECT_EQ(err_, "simulate: interrupted at t = 0.0 s; nothing is written\n");
+  EXPECT_EQ(run({"--frames", path("frames")}), 128 + SIGTERM);
+  EXPECT_NE(err_.find("but the frames until then"), std::string::npos) << err_;
+  EXPECT_EQ(countFiles("frame_000000.ply"), 1);
+}
+
+TEST_F(Simulate, RefusesToOverwriteWhatItReads) {
+  writeBag("in.bag", [](rosbag::Bag&) {});
+  EXPECT_EQ(run({"--final", path("frame_000000.ply")}), 0) << err_;
+  fs::copy_file(path("in.bag"), path("late.bag.partial"));
+  fs::create_symlink(path("in.bag"), path("soft.bag"));
+  fs::create_hard_link(path("in.bag"), path("hard.bag"));
+  fs::create_directory_symlink(folder_, path("again"));
+  const std::string bag = readFile(path("in.bag")), cloud = readFile(path("frame_000000.ply"));
+  const std::string from_file = "cloud={file: " + path("frame_000000.ply") + "}";
+  const std::vector<std::vector<std::string>> cases{
+      {"--bag_in", path("in.bag"), "--bag_out", path("in.bag")},
+      {"--bag_in", path("in.bag"), "--bag_out", path("soft.bag")},
+      {"--bag_in", path("soft.bag"), "--bag_out", path("hard.bag")},
+      {"--bag_in", path("in.bag"), "--statistics", path("again/in.bag")},
+      {"--bag_in", path("late.bag.partial"), "--bag_out", path("late.bag")},
+      {"--set", from_file, "--final", path("again/frame_000000.ply")},
+      {"--set", from_file, "--frames", path("again")},
+      {"--statistics", path("scene.yaml")},
+      {"--bag_out", path("new"), "--statistics", path("again/new")}};
+  for (const std::vector<std::string>& arguments : cases) {
+    EXPECT_EQ(run(arguments), 2) << arguments.back();
+    EXPECT_EQ(countLines(err_), 1u) << arguments.back() << ":\n" << err_;
+    EXPECT_NE(err_.find("accepted: another f"), std::string::npos) << err_;
+  }
+  EXPECT_EQ(readFile(path("in.bag")), bag);
+  EXPECT_EQ(readFile(path("late.bag.partial")), bag);
+  EXPECT_EQ(readFile(path("frame_000000.ply")), cloud);
+  EXPECT_EQ(readFile(path("scene.yaml")), kScene);
+  // Beside each other they are welcome.
+  EXPECT_EQ(run({"--set", from_file, "--final", path("other.ply"), "--frames", path("frames")}), 0) << err_;
+}
+
+TEST_F(Simulate, EndsInOneLineWhenTheDiskIsFull) {
+  const std::vector<std::string> arguments{"--bag_out", path("out.bag")};
+  ASSERT_EQ(run(arguments), 0);
+  const auto size = static_cast<rlim_t>(fs::file_size(path("out.bag")));
+  fs::remove(path("out.bag"));
+  // A limit on the size of files stands for the disk: at the start of the bag, within it and at its end.
+  rlimit before{};
+  ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
+  const auto on_limit = std::signal(SIGXFSZ, SIG_IGN);
+  for (const rlim_t limit : {rlim_t{100}, size / 2, size - 100}) {
+    const rlimit full{limit, before.rlim_max};
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &full), 0);
+    const int status = run(arguments);
+    ASSERT_EQ(setrlimit(RLIMIT_FSIZE, &before), 0);
+    EXPECT_EQ(status, 2) << limit;
+    EXPECT_EQ(err_, "simulate: " + path("out.bag") +
+                        ": cannot be written; accepted: a file in a folder that can be written, with room on the disk\n");
+    EXPECT_EQ(countFiles(".bag") + countFiles(".partial"), 0) << limit;
+  }
+  std::signal(SIGXFSZ, on_limit);
+}
+
+TEST_F(Simulate, NotesWhatIsNotAsExpected) {
+  EXPECT_EQ(run({"--set", "expect={max_displacement: [1, 2], max_x: [0, 2]}"}), 0) << err_;
+  EXPECT_NE(out_.find("note: not as expected: expect.max_displacement"), std::string::npos) << out_;
+  EXPECT_EQ(out_.find("expect.max_x"), std::string::npos) << out_;
 }
 
 TEST_F(Simulate, GivesTheSameFilesForEveryNumberOfThreads) {
@@ -267,6 +333,36 @@ TEST_F(Simulate, TakesCloudsAndForcesFromABagInTheOrderOfTheirStamps) {
       EXPECT_EQ(deformed->header.frame_id, "sheet");
     }
   }
+}
+
+TEST_F(Simulate, TakesTopicsWithAndWithoutALeadingSlash) {
+  {
+    rosbag::Bag bag(path("in.bag"), rosbag::bagmode::Write);
+    bag.write("deformable_surface/cloud_in", ros::Time(kStart), makeCloud(ros::Time(kStart)));
+    bag.write("/pushes", ros::Time(kStart), makeForce(kStart, 1.0));
+  }
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "force=pushes"}), 0) << err_;
+  EXPECT_NE(out_.find("clouds 1, forces 1, wrenches 0"), std::string::npos) << out_;
+}
+
+TEST_F(Simulate, RefusesATopicThatTheBagDoesNotHave) {
+  writeBag("in.bag", [](rosbag::Bag& bag) { bag.write("/pushes", ros::Time(kStart), makeForce(kStart, 1.0)); });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "force=/pulls"}), 2);
+  EXPECT_NE(err_.find("'/pulls'"), std::string::npos) << err_;
+  EXPECT_NE(err_.find("one of '/pushes'"), std::string::npos) << err_;
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "wrench=/wrench"}), 2);
+  EXPECT_NE(err_.find("this bag has none"), std::string::npos) << err_;
+}
+
+TEST_F(Simulate, NotesHowMuchOfALongerBagItSimulated) {
+  writeBag("in.bag", [](rosbag::Bag& bag) {
+    bag.write("/deformable_surface/force", ros::Time(kStart + 2.5), makeForce(kStart + 2.5, 1.0));
+  });
+  EXPECT_EQ(run({"--bag_in", path("in.bag")}), 0) << err_;
+  EXPECT_NE(out_.find("note: simulated the first 0.1 s (the scene's duration) of the 2.5 s"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("clouds 1, forces 0, wrenches 0"), std::string::npos) << out_;
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--duration", "0.2"}), 0) << err_;
+  EXPECT_EQ(out_.find("simulated the first"), std::string::npos) << out_;
 }
 
 TEST_F(Simulate, EndsAForceAfterItsDuration) {

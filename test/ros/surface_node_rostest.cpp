@@ -38,6 +38,12 @@ sensor_msgs::PointCloud2 makeSurface(const ros::Time& stamp) {
   return cloud;
 }
 
+std::size_t countOf(const std::string& part, const std::string& text) {
+  std::size_t count = 0;
+  for (std::size_t at = text.find(part); at != std::string::npos; at = text.find(part, at + 1)) ++count;
+  return count;
+}
+
 class SurfaceNodeTest : public ::testing::Test {
  protected:
   SurfaceNodeTest()
@@ -289,6 +295,46 @@ TEST_F(SurfaceNodeTest, RefusesCommandsThatMeanNothing) {
   tools.publish(ToolArray());
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", wrong.size() + 1.0));
   EXPECT_NE(client_->diagnosticText("last complaint").find("not built yet"), std::string::npos);
+}
+
+TEST_F(SurfaceNodeTest, SaysOnWhichTopicItWaits) {
+  // The node still runs, and its output is a file: nothing may be held back.
+  EXPECT_TRUE(waitUntil([&] { return countOf("waiting for a cloud on /surface/cloud_in", process_->output()) == 1; }))
+      << process_->output();
+}
+
+TEST_F(SurfaceNodeTest, TellsOfEveryCauseButNotOfEveryMessage) {
+  ASSERT_TRUE(startPaused());
+  client_->publish(makeForce("a", Vec3(0, std::numeric_limits<double>::quiet_NaN(), 0), Vec3::UnitZ()));
+  for (const double radius : {-1.0, -0.5, -12.0, -1e-7}) client_->publish(makeForce("a", Vec3::Zero(), Vec3::UnitZ(), radius));
+  client_->publish(makeForce("b", Vec3::Zero(), Vec3::UnitZ(), 0.0, -1.0));
+  ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 6));
+  ASSERT_TRUE(client_->step(1).success);
+  const std::string output = process_->output();
+  EXPECT_EQ(countOf("force 'a' point: found", output), 1u) << output;
+  EXPECT_EQ(countOf("force 'a' radius: found", output), 1u) << output;
+  EXPECT_EQ(countOf("force 'b' duration: found", output), 1u) << output;
+}
+
+TEST_F(SurfaceNodeTest, TellsOnceOfAForceThatActsFarAwayOrOnPinnedPointsOnly) {
+  ASSERT_TRUE(startPaused());
+  const auto pull = [&](double height) {
+    client_->publish(makeForce("far1", Vec3(0.4, 0.1, height), 1e-3 * Vec3::UnitZ(), 0.05));
+    client_->publish(makeForce("far2", Vec3(0.4, 0.1, -height), 1e-3 * Vec3::UnitZ(), 0.05));
+    client_->publish(makeForce("held", Vec3(0.0, 0.1, 0.0), 1e-3 * Vec3::UnitZ(), 0.021));
+    client_->publish(makeForce("good", Vec3(0.2, 0.1, 0.0), 1e-3 * Vec3::UnitZ(), 0.05));
+    EXPECT_TRUE(client_->waitForDiagnostic("commands waiting", 4));
+    EXPECT_TRUE(client_->step(1).success);
+    EXPECT_TRUE(client_->waitForDiagnostic("commands waiting", 0));
+  };
+  pull(1.0);
+  pull(2.0);
+  const std::string output = process_->output();
+  const std::string far_away = ": no simulation point lies within its radius of 0.05 m; it acts on the nearest one, 1 m from";
+  EXPECT_EQ(countOf("force 'far1'" + far_away, output), 1u) << output;
+  EXPECT_EQ(countOf("force 'far2'" + far_away, output), 1u) << output;
+  EXPECT_EQ(countOf("force 'held': all", output), 1u) << output;
+  EXPECT_EQ(countOf("force 'good'", output), 0u) << output;
 }
 
 TEST_F(SurfaceNodeTest, EndsCleanlyOnSigterm) {
