@@ -136,4 +136,15 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
   message.is_dense = true;
 }
 
+void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msgs::PointCloud2& message) {
+  Points normals;
+  simulation.computeSimulationNormals(normals);
+  std::vector<double> strain;
+  simulation.model().computePointStrain(simulation.state(), strain);
+  std::vector<char> awake = simulation.pinned();
+  for (char& flag : awake) flag = !flag;
+  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
+                         message);
+}
+
 }  // namespace deformable_surface::node

@@ -19,14 +19,7 @@ boost::shared_ptr<Message> makeMessage(const std_msgs::Header& header) {
 boost::shared_ptr<sensor_msgs::PointCloud2> makeSimulationPoints(const std_msgs::Header& header,
                                                                  const simulation::Simulation& simulation) {
   auto message = makeMessage<sensor_msgs::PointCloud2>(header);
-  Points normals;
-  simulation.computeSimulationNormals(normals);
-  std::vector<double> strain;
-  simulation.model().computePointStrain(simulation.state(), strain);
-  std::vector<char> awake = simulation.pinned();
-  for (char& flag : awake) flag = !flag;
-  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
-                         *message);
+  encodeSimulationPoints(simulation, *message);
   return message;
 }
 

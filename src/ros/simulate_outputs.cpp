@@ -141,15 +141,7 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
   cloud.header = header;
   write("deformed", cloud);
 
-  Points normals;
-  simulation.computeSimulationNormals(normals);
-  std::vector<double> strain;
-  simulation.model().computePointStrain(simulation.state(), strain);
-  // Nothing sleeps yet: all that is not pinned is awake.
-  std::vector<char> awake(simulation.pinned().size());
-  std::transform(simulation.pinned().begin(), simulation.pinned().end(), awake.begin(), [](char pinned) { return pinned == 0; });
-  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
-                         cloud);
+  encodeSimulationPoints(simulation, cloud);
   cloud.header = header;
   write("simulation_points", cloud);
 

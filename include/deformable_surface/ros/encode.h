@@ -42,5 +42,7 @@ struct SimulationPoints {
 
 /// Fills all but the header: x y z normal_x normal_y normal_z mass strain as float32, awake and pinned as uint8.
 void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCloud2& message);
+/// The same of a simulation now. Nothing sleeps yet: all that is not pinned is awake.
+void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msgs::PointCloud2& message);
 
 }  // namespace deformable_surface::node
