@@ -156,6 +156,7 @@ TEST(ReadScene, RefusesTheOutsideOfEveryRange) {
                                             "simplification: {threshold: X}",
                                             "mass_spring: {volume_stiffness: X}",
                                             "mass_spring: {bending_spring_ratio: X}",
+                                            "mass_spring: {membrane: springs, stiffness: uniform, spring_constant: X}",
                                             "integrator: {time_step: X}",
                                             "integrator: {max_substeps: X}",
                                             "integrator: {tolerance: X}",
@@ -215,6 +216,14 @@ TEST(ReadScene, SaysWhatIsNotBuiltYet) {
 TEST(ReadScene, HoldsRulesAmongFields) {
   EXPECT_EQ(problemOf("mass_spring: {membrane: springs}\nmaterial: {poisson_ratio: 0.333}"), "accepted");
   EXPECT_TRUE(contains(problemOf("mass_spring: {membrane: springs}\nmaterial: {poisson_ratio: 0.3}"), "by construction"));
+  EXPECT_EQ(problemOf("mass_spring: {membrane: springs, stiffness: uniform, spring_constant: 100}"), "accepted");
+  EXPECT_TRUE(contains(problemOf("mass_spring: {stiffness: uniform, spring_constant: 100}"), "mass_spring.stiffness: found uniform"));
+  EXPECT_EQ(problemOf("mass_spring: {membrane: springs, stiffness: uniform}"),
+            "mass_spring.spring_constant: found 0 with stiffness: uniform; accepted: a constant above 0 (N/m)");
+  EXPECT_EQ(problemOf("mass_spring: {membrane: springs, spring_constant: 100}"),
+            "mass_spring.spring_constant: found 100.0 with stiffness: material; accepted: 0, or stiffness: uniform");
+  EXPECT_EQ(problemOf("mass_spring: {damping: relative_velocity}\nmaterial: {spring_damping: 1e-4}"), "accepted");
+  EXPECT_TRUE(contains(problemOf("mass_spring: {damping: relative_velocity}"), "which damps nothing; accepted: along_spring"));
   EXPECT_EQ(problemOf("pins: [{}]"), "pins[0]: found neither of box and sphere; accepted: one");
   EXPECT_EQ(problemOf("pins: [{box: {min: [0, 0, 0], max: [0, 0, 0]}, sphere: {center: [0, 0, 0], radius: 1}}]"),
             "pins[0]: found both of box and sphere; accepted: one");

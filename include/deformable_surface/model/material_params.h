@@ -13,7 +13,7 @@ struct MaterialParams {
   OrAuto<double> bending_rigidity;  // N m, >= 0; auto = E h^3 / (12 (1 - nu^2))
   double density = 1000.0;          // kg/m^3, > 0
   double damping = 0.0;             // 1/s, >= 0: force = -damping * mass * velocity
-  double spring_damping = 0.0;      // s, >= 0: tension along a link = spring_damping * k * dl/dt
+  double spring_damping = 0.0;      // s, >= 0: damping constant of a link over its stiffness k
 
   /// D, N m.
   double bendingRigidity() const {
@@ -38,7 +38,7 @@ inline void visit(Fields& fields, MaterialParams& p) {
                 "mass density; the areal density is this times the thickness");
   fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "force = -damping * mass * velocity");
   fields.number("spring_damping", p.spring_damping, "s", between(0.0, 1e3),
-                "tension along a link = spring_damping * k * dl/dt, so rotation is not damped");
+                "damping constant of a link over its stiffness; what it acts on: mass_spring.damping");
 }
 
 }  // namespace deformable_surface::model

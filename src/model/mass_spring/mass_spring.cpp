@@ -67,7 +67,8 @@ double sumOfSquares(const std::vector<Link>& links, const std::vector<double>& k
 MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
                        const MaterialParams& material, const MassSpringParams& params)
     : membrane_(params.membrane == Membrane::kAuto ? Membrane::kTriangles : params.membrane),
-      spring_damping_(material.spring_damping),
+      along_damping_(params.damping == Damping::kAlongSpring ? material.spring_damping : 0.0),
+      relative_damping_(params.damping == Damping::kRelativeVelocity ? material.spring_damping : 0.0),
       closed_(closed),
       volume_stiffness_(params.volume_stiffness) {
   const Index n = static_cast<Index>(rest.size());
@@ -114,6 +115,10 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   const double scale = affine > 0.0 ? 3.0 * ring_area * membrane_stiffness / affine : 0.0;
   for (double& stiffness : k) stiffness *= scale;
   for (double& stiffness : k_across) stiffness *= scale;
+  if (params.stiffness == Stiffness::kUniform) {
+    k.assign(k.size(), params.spring_constant);
+    k_across.assign(k_across.size(), params.bending_spring_ratio * params.spring_constant);
+  }
   stretching_ = Springs(stretching, rest, std::move(k));
   bending_springs_ = Springs(across, rest, std::move(k_across));
 
@@ -135,8 +140,12 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
 
 void MassSpring::addForces(const State& state, Points& forces) const {
   const bool springs = membrane_ == Membrane::kSprings;
-  if (springs || spring_damping_ > 0.0) stretching_.addForces(state, springs, spring_damping_, forces);
-  if (!bending_springs_.links().empty()) bending_springs_.addForces(state, true, spring_damping_, forces);
+  if (springs || along_damping_ > 0.0) stretching_.addForces(state, springs, along_damping_, forces);
+  if (!bending_springs_.links().empty()) bending_springs_.addForces(state, true, along_damping_, forces);
+  if (relative_damping_ > 0.0) {
+    stretching_.addRelativeDamping(state, relative_damping_, forces);
+    bending_springs_.addRelativeDamping(state, relative_damping_, forces);
+  }
   if (!springs) membrane_triangles_.addForces(state, forces);
   bending_.addForces(state, forces);
   if (volume_stiffness_ > 0.0) {
@@ -159,8 +168,12 @@ double MassSpring::elasticEnergy(const State& state) const {
 // Of the volume's part the change of its gradient is left out: it is small beside the rank-one part while the volume is kept.
 void MassSpring::addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const {
   const bool springs = membrane_ == Membrane::kSprings;
-  if (springs || spring_damping_ > 0.0) stretching_.addStiffness(state, springs, spring_damping_, step, hessian, stiffness);
-  if (!bending_springs_.links().empty()) bending_springs_.addStiffness(state, true, spring_damping_, step, hessian, stiffness);
+  if (springs || along_damping_ > 0.0) stretching_.addStiffness(state, springs, along_damping_, step, hessian, stiffness);
+  if (!bending_springs_.links().empty()) bending_springs_.addStiffness(state, true, along_damping_, step, hessian, stiffness);
+  if (relative_damping_ > 0.0 && step > 0.0) {
+    stretching_.addRelativeDampingMatrix(relative_damping_, step, stiffness);
+    bending_springs_.addRelativeDampingMatrix(relative_damping_, step, stiffness);
+  }
   if (!springs) membrane_triangles_.addStiffness(state, hessian, stiffness);
   bending_.addStiffness(state, hessian, stiffness);
 }
@@ -173,8 +186,8 @@ double MassSpring::rankOneStiffness(const State& state, Points& v) const {
 
 void MassSpring::addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const {
   const bool springs = membrane_ == Membrane::kSprings;
-  stretching_.addRowBounds(springs, spring_damping_, stiffness, damping);
-  bending_springs_.addRowBounds(true, spring_damping_, stiffness, damping);
+  stretching_.addRowBounds(springs, along_damping_ + relative_damping_, stiffness, damping);
+  bending_springs_.addRowBounds(true, along_damping_ + relative_damping_, stiffness, damping);
   if (!springs) membrane_triangles_.addRowBounds(stiffness);
   bending_.addRowBounds(stiffness);
   if (volume_stiffness_ > 0.0) {

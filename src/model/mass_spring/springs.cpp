@@ -63,6 +63,19 @@ void Springs::addForces(const State& state, bool elastic, double beta, Points& f
   });
 }
 
+void Springs::addRelativeDamping(const State& state, double beta, Points& forces) const {
+  parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
+    for (Index p = begin; p < end; ++p) {
+      Vec3 sum = Vec3::Zero();
+      for (const Index* e = incidence_.begin(p); e != incidence_.end(p); ++e) {
+        const Index s = *e >= 0 ? *e : ~*e, other = *e >= 0 ? links_[s].second : links_[s].first;
+        sum += stiffness_[s] * (state.velocities[other] - state.velocities[p]);
+      }
+      forces[p] += beta * sum;
+    }
+  });
+}
+
 double Springs::energy(const State& state) const {
   return parallelSum(static_cast<Index>(links_.size()), kBlock, [&](Index begin, Index end) {
     double sum = 0.0;
@@ -84,6 +97,16 @@ void Springs::addStiffness(const State& state, bool elastic, double beta, double
     const bool keeps_across = elastic && length > 0.0 && (hessian == Hessian::kExact || length > rest_length_[s]);
     const double across = keeps_across ? 1.0 - rest_length_[s] / length : 0.0;
     const Mat3 block = stiffness_[s] * ((along - across) * d * d.transpose() + across * Mat3::Identity());
+    stiffness.add(i, i, block);
+    stiffness.add(j, j, block);
+    stiffness.add(i, j, -block);
+  }
+}
+
+void Springs::addRelativeDampingMatrix(double beta, double step, BlockSparse& stiffness) const {
+  for (std::size_t s = 0; s < links_.size(); ++s) {
+    const auto [i, j] = links_[s];
+    const Mat3 block = beta * stiffness_[s] / step * Mat3::Identity();
     stiffness.add(i, i, block);
     stiffness.add(j, j, block);
     stiffness.add(i, j, -block);

@@ -24,6 +24,7 @@ class MassSpring : public DeformableModel {
   /// stiffness is k = E h sum A_T / l^2 over the triangles at the spring, bending springs get bending_spring_ratio of the mean,
   /// and all are scaled so that an affine strain of the network costs what the material's would (isotropic estimate
   /// E h = sum k l^2 / (3 A)); on irregular rings the network is then 10 to 25 percent soft, with Poisson's ratio about 1/3.
+  /// With uniform stiffness, spring_constant and bending_spring_ratio of it, as they are.
   MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
              const MaterialParams& material, const MassSpringParams& params);
 
@@ -55,7 +56,7 @@ class MassSpring : public DeformableModel {
   std::vector<WeightedTriangle> triangles_;
   Lists triangle_corners_;       // per point: 3 * triangle + corner
   Membrane membrane_;
-  double spring_damping_;
+  double along_damping_, relative_damping_;  // s; spring_damping, one of the two is 0
   Springs stretching_;           // elastic if membrane_ is kSprings; carries the damping and the display in any case
   Springs bending_springs_;
   TriangleMembrane membrane_triangles_;

@@ -1,5 +1,5 @@
-// A network of springs: Hooke's law and damping along the spring. It carries the published membrane and bending, and the damping
-// of the other membrane.
+// A network of springs: Hooke's law, and damping along the spring or as published. It carries the published membrane and
+// bending, and the damping of the other membrane.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -14,9 +14,12 @@ class Springs {
   Springs(std::vector<std::pair<Index, Index>> links, const Points& rest, std::vector<double> stiffness);
 
   /// Adds f_i = k (|I| - l0) I/|I| [Su 2007, eq. 2, the sign that pulls i towards j], if elastic, and the damping tension
-  /// beta k (v_j - v_i).I/|I| along I/|I|: eq. 3 would damp rotations too and break angular momentum. I = s_j - s_i.
+  /// beta k (v_j - v_i).I/|I| along I/|I|. I = s_j - s_i.
   /// Coincident ends are pushed apart in a direction fixed by their indices, so that an exact collapse can recover.
   void addForces(const State& state, bool elastic, double beta, Points& forces) const;
+
+  /// Adds f_i = beta k (v_j - v_i) [Su 2007, eq. 3]: damps rotations too and does not keep angular momentum.
+  void addRelativeDamping(const State& state, double beta, Points& forces) const;
 
   /// sum of k/2 (|I| - l0)^2, J.
   double energy(const State& state) const;
@@ -25,7 +28,10 @@ class Springs {
   /// under compression, where it is negative.
   void addStiffness(const State& state, bool elastic, double beta, double step, Hessian hessian, BlockSparse& stiffness) const;
 
-  /// See DeformableModel::addRowBounds.
+  /// Adds beta k / step in every direction: the damping matrix of addRelativeDamping() over the step.
+  void addRelativeDampingMatrix(double beta, double step, BlockSparse& stiffness) const;
+
+  /// See DeformableModel::addRowBounds; the same for both kinds of damping.
   void addRowBounds(bool elastic, double beta, std::vector<double>& stiffness, std::vector<double>& damping) const;
 
   /// Largest | |I| / l0 - 1 |.
