@@ -21,59 +21,10 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
-}  // namespace
-
-SolveReport ImplicitEuler::advance(const System& system, double time, double step, double, State& state) {
-  SolveReport report;
-  report.substeps = 1;
-  const Index n = state.size();
-  // Damping by mass adds c m (x - x_n) / h to the balance: a heavier weight about a target nearer to x_n.
-  before_ = state.positions;
-  target_.resize(n);
-  weight_.resize(n);
-  const double factor = 1.0 + system.damping() * step;
-  for (Index i = 0; i < n; ++i) {
-    target_[i] = before_[i] + step / factor * state.velocities[i];
-    weight_[i] = factor * system.masses()[i] / (step * step);
-  }
-  const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
-  const NewtonDescent::Problem problem{system, time + step, step, before_, target_, weight_};
-  startFromLower(system, time + step, energy, state);
-  // The forces to balance: what the material and the loads do, and the momentum brought along.
-  double scale = system.largestForce(time, state);
-  for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - before_[i]).norm());
-  const double enough = std::max(params_.tolerance * scale, system.roundingForce(time, state));
-  report.converged = false;
-  for (;;) {
-    const Timer timer;
-    report.residual = newton_.evaluate(problem, state);
-    report.time_forces += timer.seconds();
-    if (report.residual <= enough) {
-      report.converged = true;
-      break;
-    }
-    if (report.iterations == params_.max_iterations || newton_.descend(problem, state) == 0.0) break;
-    ++report.iterations;
-  }
-  for (Index i = 0; i < n; ++i)
-    state.velocities[i] = system.isHeld(i) ? Vec3::Zero().eval() : ((state.positions[i] - before_[i]) / step).eval();
-  const double allowed = energy + std::max(0.0, newton_.remainderWork(problem, state));
-  limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
-  report.finite = allFinite(state.positions);
-  return report;
-}
-
-// The inertial guess where it is no worse than staying: from there every descent ends below the energy before the step.
-void ImplicitEuler::startFromLower(const System& system, double time, double energy, State& state) const {
-  for (Index i = 0; i < state.size(); ++i)
-    if (!system.isHeld(i)) state.positions[i] = target_[i];
-  if (system.potentialEnergy(time, state) > energy) state.positions = before_;
-}
-
-void ImplicitEuler::limitKineticEnergy(const System& system, double limit, State& state) const {
+// Takes from the motion relative to the mean what exceeds the limit, J. A free body keeps its momentum; a held one has none to keep.
+void limitKineticEnergy(const System& system, double limit, State& state) {
   const double kinetic = system.kineticEnergy(state);
   if (!(kinetic > limit)) return;
-  // A free body keeps its momentum; a held one has none to keep.
   Vec3 mean = Vec3::Zero();
   double mass = 0.0;
   bool any_held = false;
@@ -87,6 +38,96 @@ void ImplicitEuler::limitKineticEnergy(const System& system, double limit, State
   const double scale = std::sqrt(std::max(0.0, limit - of_mean) / std::max(kinetic - of_mean, std::numeric_limits<double>::min()));
   for (Index i = 0; i < state.size(); ++i)
     if (!system.isHeld(i)) state.velocities[i] = mean + std::min(1.0, scale) * (state.velocities[i] - mean);
+}
+
+}  // namespace
+
+void ImplicitStage::solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy,
+                          State& state, SolveReport& report) {
+  const Index n = state.size();
+  from_ = from;
+  // Damping by mass adds c m (x - from) / h to the balance: a heavier weight about a target nearer to `from`.
+  target_.resize(n);
+  weight_.resize(n);
+  const double factor = 1.0 + system.damping() * step;
+  for (Index i = 0; i < n; ++i) {
+    target_[i] = from[i] + step / factor * velocity[i];
+    weight_[i] = factor * system.masses()[i] / (step * step);
+  }
+  const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_};
+  // The forces to balance: what the material and the loads do, and the momentum brought along.
+  double scale = system.largestForce(time, state);
+  for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
+  const double enough = std::max(params_.tolerance * scale, system.roundingForce(time, state));
+  // Where the search begins.
+  guess_ = state.positions;
+  for (Index i = 0; i < n; ++i)
+    if (!system.isHeld(i)) state.positions[i] = target_[i];
+  if (system.potentialEnergy(time, state) > energy) state.positions = guess_;
+
+  const Index last = report.iterations + params_.max_iterations;
+  for (;;) {
+    const Timer timer;
+    report.residual = newton_.evaluate(problem, state);
+    report.time_forces += timer.seconds();
+    if (report.residual <= enough) break;
+    if (report.iterations == last || newton_.descend(problem, state) == 0.0) {
+      report.converged = false;
+      break;
+    }
+    ++report.iterations;
+  }
+  for (Index i = 0; i < n; ++i)
+    state.velocities[i] = system.isHeld(i) ? Vec3::Zero().eval() : ((state.positions[i] - from_[i]) / step).eval();
+}
+
+SolveReport ImplicitEuler::advance(const System& system, double time, double step, double, State& state) {
+  SolveReport report;
+  report.substeps = 1;
+  before_ = state;
+  const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
+  stage_.solve(system, time + step, step, before_.positions, before_.velocities, energy, state, report);
+  const double allowed = energy + std::max(0.0, stage_.remainderWork(state));
+  limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
+  report.finite = allFinite(state.positions);
+  return report;
+}
+
+SolveReport ImplicitSecondOrder::advance(const System& system, double time, double step, double max_substep, State& state) {
+  // gamma and the rows of the tableau: (gamma, 0), (1 - gamma, gamma); the last row is the end of the step.
+  static const double gamma = 1.0 - std::sqrt(0.5);
+  const double part = gamma * step, rest = step - part;
+  SolveReport report;
+  report.substeps = 1;
+  before_ = state;
+  const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
+  const Index n = state.size();
+
+  stage_.solve(system, time + part, part, before_.positions, before_.velocities, energy, state, report);
+  double work = rest / part * stage_.remainderWork(state);
+  // What the second stage departs from: the first one's velocity and acceleration over the rest of the step.
+  from_ = before_.positions;
+  velocity_ = before_.velocities;
+  for (Index i = 0; i < n; ++i) {
+    if (system.isHeld(i)) continue;
+    from_[i] += rest * state.velocities[i];
+    velocity_[i] += rest / part * (state.velocities[i] - before_.velocities[i]);
+  }
+  stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
+  work += stage_.remainderWork(state);
+
+  const double allowed = energy + std::max(0.0, work);
+  const double potential = system.potentialEnergy(time + step, state);
+  report.finite = allFinite(state.positions);
+  if (report.finite && potential <= allowed) {
+    limitKineticEnergy(system, allowed - potential, state);
+    return report;
+  }
+  state = before_;
+  const Index iterations = report.iterations;
+  report = euler_.advance(system, time, step, max_substep, state);
+  report.iterations += iterations;
+  return report;
 }
 
 SolveReport StaticSolver::advance(const System& system, double time, double step, double, State& state) {

@@ -6,24 +6,55 @@
 
 namespace deformable_surface::solve {
 
-/// x = argmin 1/(2 h^2) |x - y|_M^2 + E(x) + U(x), y = x_n + h v_n: implicit Euler as a minimum, reached by projected Newton
-/// steps with line search. A single Newton step would not be stable: it can raise the energy a hundredfold. First order,
-/// stable at every step, and it damps: a mode of frequency w loses the factor (1 + (w h)^2)^(-1/2) per step.
+/// One implicit stage: finds x and v = (x - from) / step with  m (v - velocity) / step = F(time, x, v) - c m v  on the free points, as
+/// the minimum of  w/2 |x - y|^2 + E(x) + U(x),  by Newton steps with line search. A single Newton step would not be stable: it can
+/// raise the energy a hundredfold.
+class ImplicitStage {
+ public:
+  explicit ImplicitStage(const IntegratorParams& params) : params_(params) {}
+
+  /// from (n x 3) m and velocity (n x 3) m/s: what the stage departs from. The search begins at the inertial guess where its potential is
+  /// at most `energy`, else at state.positions: from there every descent ends below. Overwrites state, adds to report.
+  void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy, State& state,
+             SolveReport& report);
+
+  /// Work of the forces without a potential from the last solve's `from` to its end, J.
+  double remainderWork(const State& state) const { return newton_.remainderWork(from_, state); }
+
+ private:
+  IntegratorParams params_;
+  NewtonDescent newton_;
+  Points from_, target_, guess_;
+  std::vector<double> weight_;
+};
+
+/// Implicit Euler. First order, stable at every step, and it damps: a mode of frequency w loses the factor (1 + (w h)^2)^(-1/2) per step.
 /// Where the energy is not convex between two states (collapse, buckling) the minimum alone could still gain kinetic energy; what
 /// exceeds the energy there was before, plus the work of forces without a potential, is taken from the motion relative to the mean.
 class ImplicitEuler : public Integrator {
  public:
-  explicit ImplicitEuler(const IntegratorParams& params) : params_(params) {}
+  explicit ImplicitEuler(const IntegratorParams& params) : stage_(params) {}
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
 
  private:
-  void startFromLower(const System& system, double time, double energy, State& state) const;
-  void limitKineticEnergy(const System& system, double limit, State& state) const;
+  ImplicitStage stage_;
+  State before_;
+};
 
-  IntegratorParams params_;
-  NewtonDescent newton_;
-  Points before_, target_;
-  std::vector<double> weight_;
+/// Two implicit stages of the same length, the second of which is the end of the step: second order, exact in free fall, stable at
+/// every step, and fast modes still die out [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above what it was plus the
+/// work of forces without a potential: a small excess is taken from the motion as in ImplicitEuler, and where the potential alone
+/// exceeds it the step is taken by ImplicitEuler.
+class ImplicitSecondOrder : public Integrator {
+ public:
+  explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params), euler_(params) {}
+  SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+
+ private:
+  ImplicitStage stage_;
+  ImplicitEuler euler_;
+  State before_;
+  Points from_, velocity_;
 };
 
 /// Each step is the equilibrium under the loads at its end; velocities are zero. Newton steps in the energy with a proximal weight

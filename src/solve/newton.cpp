@@ -100,9 +100,9 @@ double NewtonDescent::descend(const Problem& problem, State& state) {
   return 0.0;
 }
 
-double NewtonDescent::remainderWork(const Problem& problem, const State& state) const {
+double NewtonDescent::remainderWork(const Points& before, const State& state) const {
   double work = 0.0;
-  for (Index i = 0; i < state.size(); ++i) work += remainder_[i].dot(state.positions[i] - problem.before[i]);
+  for (Index i = 0; i < state.size(); ++i) work += remainder_[i].dot(state.positions[i] - before[i]);
   return work;
 }
 

@@ -28,8 +28,8 @@ class NewtonDescent {
   /// Returns the fraction taken; 0 if no descent was found (the state is then unchanged).
   double descend(const Problem& problem, State& state);
 
-  /// Work of the forces without a potential, as evaluate() last saw them, from problem.before to state, J.
-  double remainderWork(const Problem& problem, const State& state) const;
+  /// Work of the forces without a potential, as evaluate() last saw them, from `before` (n x 3) to state, J.
+  double remainderWork(const Points& before, const State& state) const;
 
  private:
   double merit(const Problem& problem, const State& state) const;
