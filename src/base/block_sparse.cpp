@@ -1,109 +1,91 @@
 #include "deformable_surface/base/block_sparse.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace deformable_surface {
 
 void BlockSparse::begin(Index n) {
-  if (n != n_) {
-    n_ = n;
-    entries_.clear();
+  if (n != pattern_.size()) {
+    pattern_.offsets.assign(n + 1, 0);
+    pattern_.items.clear();
+    values_.clear();
+    order_.clear();
   }
   next_ = 0;
-  replay_ = !entries_.empty();
   pending_.clear();
   for (Mat3& value : values_) value.setZero();
 }
 
+Index BlockSparse::find(Index i, Index j) const {
+  const Index column = std::min(i, j), row = std::max(i, j);
+  const Index* place = std::lower_bound(pattern_.begin(column), pattern_.end(column), row);
+  return place != pattern_.end(column) && *place == row ? static_cast<Index>(place - pattern_.items.data()) : -1;
+}
+
 void BlockSparse::add(Index i, Index j, const Mat3& block) {
-  if (replay_) {
-    if (next_ < entries_.size() && entries_[next_].i == i && entries_[next_].j == j) {
-      const Index slot = entries_[next_++].slot;
-      if (i >= j) {
-        values_[slot] += block;
-      } else {
-        values_[slot] += block.transpose();
-      }
-      return;
-    }
-    // Another order than last time: keep what was summed so far as one block per slot, and collect the rest.
-    std::vector<Entry> summed;
-    std::vector<char> seen(values_.size(), 0);
-    for (std::size_t k = 0; k < next_; ++k) {
-      Entry entry = entries_[k];
-      if (seen[entry.slot]) continue;
-      seen[entry.slot] = 1;
-      pending_.push_back(values_[entry.slot]);
-      if (entry.i < entry.j) std::swap(entry.i, entry.j);
-      summed.push_back(entry);
-    }
-    entries_ = std::move(summed);
-    replay_ = false;
-  } else if (next_ == 0) {
-    entries_.clear();
+  if (next_ == order_.size()) order_.push_back({-1, -1, -1});
+  Entry& entry = order_[next_++];
+  if (entry.i != i || entry.j != j || entry.slot < 0) entry = {i, j, find(i, j)};
+  if (entry.slot < 0) {
+    pending_.push_back({std::max(i, j), std::min(i, j), i >= j ? block : Mat3(block.transpose())});
+  } else if (i >= j) {
+    values_[entry.slot] += block;
+  } else {
+    values_[entry.slot] += block.transpose();
   }
-  entries_.push_back({i, j, 0});
-  pending_.push_back(block);
-  next_ = entries_.size();
 }
 
+bool BlockSparse::finish() {
+  // A matrix that was never filled lacks its diagonal.
+  if (pending_.empty() && static_cast<Index>(pattern_.items.size()) >= pattern_.size()) return false;
+  buildPattern();
+  return true;
+}
+
+// The blocks there were, those that wait and the diagonal, by column and row.
 void BlockSparse::buildPattern() {
-  // Number the distinct blocks of the lower triangle by (column, row).
-  const auto key = [this](const Entry& e) {
-    return static_cast<std::int64_t>(std::min(e.i, e.j)) * n_ + std::max(e.i, e.j);
-  };
-  std::vector<std::int64_t> keys;
-  keys.reserve(entries_.size());
-  for (const Entry& entry : entries_) keys.push_back(key(entry));
-  std::sort(keys.begin(), keys.end());
-  keys.erase(std::unique(keys.begin(), keys.end()), keys.end());
-  values_.assign(keys.size(), Mat3::Zero());
-  for (std::size_t k = 0; k < entries_.size(); ++k) {
-    Entry& entry = entries_[k];
-    entry.slot = static_cast<Index>(std::lower_bound(keys.begin(), keys.end(), key(entry)) - keys.begin());
-    if (entry.i >= entry.j) {
-      values_[entry.slot] += pending_[k];
-    } else {
-      values_[entry.slot] += pending_[k].transpose();
-    }
+  const Index n = pattern_.size();
+  std::vector<std::pair<Index, Index>> places;  // column, row
+  places.reserve(n + values_.size() + pending_.size());
+  for (Index column = 0; column < n; ++column) {
+    places.emplace_back(column, column);
+    for (const Index* row = pattern_.begin(column); row != pattern_.end(column); ++row) places.emplace_back(column, *row);
   }
-  std::vector<Mat3>().swap(pending_);  // the largest array of all, needed once
+  for (const Pending& p : pending_) places.emplace_back(p.column, p.row);
+  std::sort(places.begin(), places.end());
+  places.erase(std::unique(places.begin(), places.end()), places.end());
 
-  // The scalar matrix, and where each scalar of each block stands in it.
-  std::vector<Eigen::Triplet<double, int>> triplets;
-  triplets.reserve(9 * keys.size());
-  for (std::int64_t k : keys) {
-    const int column = static_cast<int>(3 * (k / n_)), row = static_cast<int>(3 * (k % n_));
-    for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < 3; ++r)
-        if (row + r >= column + c) triplets.emplace_back(row + r, column + c, 0.0);
+  const Lists before = std::exchange(pattern_, Lists());
+  const std::vector<Mat3> values_before = std::exchange(values_, std::vector<Mat3>(places.size(), Mat3::Zero()));
+  pattern_.offsets.assign(n + 1, 0);
+  for (const auto& [column, row] : places) {
+    ++pattern_.offsets[column + 1];
+    pattern_.items.push_back(row);
   }
-  matrix_.resize(3 * n_, 3 * n_);
-  matrix_.setFromTriplets(triplets.begin(), triplets.end());
-  value_position_.assign(9 * keys.size(), -1);
-  for (std::size_t s = 0; s < keys.size(); ++s) {
-    const int column = static_cast<int>(3 * (keys[s] / n_)), row = static_cast<int>(3 * (keys[s] % n_));
-    for (int c = 0; c < 3; ++c) {
-      const int* first = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + c];
-      const int* last = matrix_.innerIndexPtr() + matrix_.outerIndexPtr()[column + c + 1];
-      for (int r = 0; r < 3; ++r)
-        if (row + r >= column + c)
-          value_position_[9 * s + 3 * c + r] =
-              static_cast<Index>(std::lower_bound(first, last, row + r) - matrix_.innerIndexPtr());
-    }
-  }
+  for (Index column = 0; column < n; ++column) pattern_.offsets[column + 1] += pattern_.offsets[column];
+
+  for (Index column = 0; column < n; ++column)
+    for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k)
+      values_[find(before.items[k], column)] = values_before[k];
+  for (const Pending& p : pending_) values_[find(p.row, p.column)] += p.block;
+  for (Entry& entry : order_) entry.slot = find(entry.i, entry.j);
+  std::vector<Pending>().swap(pending_);  // the largest array of all, seldom needed again
 }
 
-const Eigen::SparseMatrix<double>& BlockSparse::finish() {
-  pattern_changed_ = !replay_;  // a pass with fewer blocks than last time keeps the pattern, with zeros in it
-  if (!replay_) buildPattern();
-  for (std::size_t s = 0; s < values_.size(); ++s)
-    for (int c = 0; c < 3; ++c)
-      for (int r = 0; r < 3; ++r) {
-        const Index position = value_position_[9 * s + 3 * c + r];
-        if (position >= 0) matrix_.valuePtr()[position] = values_[s](r, c);
-      }
-  return matrix_;
+void BlockSparse::multiply(const Eigen::VectorXd& x, Eigen::VectorXd& product) const {
+  product.setZero(x.size());
+  for (Index column = 0; column < pattern_.size(); ++column) {
+    Index k = pattern_.offsets[column];
+    const Vec3 at_column = x.segment<3>(3 * column);
+    Vec3 sum = values_[k++] * at_column;
+    for (; k < pattern_.offsets[column + 1]; ++k) {
+      const Index row = pattern_.items[k];
+      product.segment<3>(3 * row) += values_[k] * at_column;
+      sum += values_[k].transpose() * x.segment<3>(3 * row);
+    }
+    product.segment<3>(3 * column) += sum;
+  }
 }
 
 }  // namespace deformable_surface

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
+#include <map>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -64,7 +65,7 @@ struct Simulation::Impl {
   std::uint64_t steps = 0;
 
   // Solver and its memory.
-  std::unique_ptr<solve::Integrator> integrator;
+  std::map<IntegratorType, std::unique_ptr<solve::Integrator>> integrators;  // those used so far: each keeps its memory
   IntegratorType integrator_type = IntegratorType::kAuto;
   solve::StableStep stable_step;
   double max_substep = 0.0;
@@ -122,7 +123,7 @@ struct Simulation::Impl {
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
     estimate_needed = true;
-    integrator.reset();
+    integrators.clear();
     if (params.output.resample) makeResampler();
     statistics = Statistics{};
     measure();
@@ -151,11 +152,14 @@ struct Simulation::Impl {
       else if (wanted != integrator_type && integrator_type == IntegratorType::kImplicit)
         notice = "integrator.type auto: sub-steps fit again; verlet is used";
     }
-    if (!integrator || wanted != integrator_type) {
-      integrator = solve::makeIntegrator(wanted, params.integrator);
-      integrator_type = wanted;
-    }
+    integrator_type = wanted;
     return notice;
+  }
+
+  solve::Integrator& integrator(IntegratorType type) {
+    std::unique_ptr<solve::Integrator>& kept = integrators[type];
+    if (!kept) kept = solve::makeIntegrator(type, params.integrator);
+    return *kept;
   }
 
   // Estimates the stable step anew when the surface is no longer what it was measured on.
@@ -171,7 +175,8 @@ struct Simulation::Impl {
   // the stable step is looked at again: within a long step the surface can become another.
   solve::SolveReport advance(double now, double share) {
     const double dt = params.integrator.time_step;
-    if (integrator_type != IntegratorType::kVerlet) return integrator->advance(system, now, dt, share * max_substep, state);
+    if (integrator_type != IntegratorType::kVerlet)
+      return integrator(integrator_type).advance(system, now, dt, share * max_substep, state);
     solve::SolveReport total;
     double done = 0.0;
     for (;;) {
@@ -179,10 +184,10 @@ struct Simulation::Impl {
       if (params.integrator.type == IntegratorType::kAuto && total.substeps + left > params.integrator.max_substeps) {
         // The surface has become too stiff within the step: the whole of it is taken implicitly.
         state = before;
-        return solve::makeIntegrator(IntegratorType::kImplicit, params.integrator)->advance(system, now, dt, max_substep, state);
+        return integrator(IntegratorType::kImplicit).advance(system, now, dt, max_substep, state);
       }
       const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
-      const solve::SolveReport report = integrator->advance(system, now + done, portion, share * max_substep, state);
+      const solve::SolveReport report = integrator(IntegratorType::kVerlet).advance(system, now + done, portion, share * max_substep, state);
       total.finite = report.finite;
       total.substeps += report.substeps;
       total.time_forces += report.time_forces;

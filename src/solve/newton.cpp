@@ -47,20 +47,22 @@ bool NewtonDescent::factorize(const Problem& problem, const State& state, model:
   const System& system = problem.system;
   stiffness_.begin(n);
   system.addStiffness(problem.time, state, problem.step, hessian, stiffness_);
-  for (Index i = 0; i < n; ++i) stiffness_.add(i, i, problem.weight[i] * Mat3::Identity());
-  matrix_ = stiffness_.finish();
-  // Held points become identity rows.
+  if (stiffness_.finish()) factor_.analyze(stiffness_.pattern());
+  const Lists& pattern = stiffness_.pattern();
   double largest = 0.0;
-  for (Eigen::Index c = 0; c < matrix_.cols(); ++c)
-    for (Eigen::SparseMatrix<double>::InnerIterator it(matrix_, c); it; ++it) {
-      const bool held = system.isHeld(static_cast<Index>(it.row() / 3)) || system.isHeld(static_cast<Index>(it.col() / 3));
-      if (held) it.valueRef() = it.row() == it.col() ? 1.0 : 0.0;
-      else if (it.row() == it.col()) largest = std::max(largest, it.value());
-    }
-  for (Eigen::Index c = 0; c < matrix_.cols(); ++c) matrix_.coeffRef(c, c) += kRegularization * largest;
-  if (stiffness_.patternChanged()) solver_.analyzePattern(matrix_);
-  solver_.factorize(matrix_);
-  return solver_.info() == Eigen::Success && solver_.vectorD().minCoeff() > 0.0;
+  for (Index j = 0; j < n; ++j) {
+    Mat3& diagonal = stiffness_.values()[pattern.offsets[j]];
+    diagonal.diagonal().array() += problem.weight[j];
+    if (!system.isHeld(j)) largest = std::max(largest, diagonal.diagonal().maxCoeff());
+  }
+  // Held points become identity rows.
+  for (Index j = 0; j < n; ++j) {
+    const Index first = pattern.offsets[j];
+    for (Index k = first; k < pattern.offsets[j + 1]; ++k)
+      if (system.isHeld(j) || system.isHeld(pattern.items[k])) stiffness_.values()[k].setZero();
+    stiffness_.values()[first].diagonal().array() += system.isHeld(j) ? 1.0 : kRegularization * largest;
+  }
+  return factor_.factorize(stiffness_.values());
 }
 
 double NewtonDescent::descend(const Problem& problem, State& state) {
@@ -71,15 +73,17 @@ double NewtonDescent::descend(const Problem& problem, State& state) {
   direction_.resize(3 * n);
   for (Index i = 0; i < n; ++i) direction_.segment<3>(3 * i) = -gradient_[i];
   if (factorize(problem, state, model::Hessian::kExact) || factorize(problem, state, model::Hessian::kPositive)) {
-    Eigen::VectorXd solution = solver_.solve(direction_);
+    solution_ = direction_;
+    factor_.solveInPlace(solution_);
     // (K + c v v^T)^-1 by the formula of Sherman and Morrison.
     const double c = system.rankOneStiffness(state, rank_one_);
     if (c > 0.0) {
       const Eigen::Map<const Eigen::VectorXd> v(rank_one_.data()->data(), 3 * n);
-      const Eigen::VectorXd response = solver_.solve(v);
-      solution -= response * (c * v.dot(solution) / (1.0 + c * v.dot(response)));
+      response_ = v;
+      factor_.solveInPlace(response_);
+      solution_ -= response_ * (c * v.dot(solution_) / (1.0 + c * v.dot(response_)));
     }
-    if (solution.allFinite()) direction_ = solution;
+    if (solution_.allFinite()) direction_ = solution_;
   }
   double slope = 0.0;
   for (Index i = 0; i < n; ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));

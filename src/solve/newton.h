@@ -1,9 +1,8 @@
 // One projected Newton iteration with line search, shared by the implicit step and the static solution.
 #pragma once
 
+#include "deformable_surface/base/block_cholesky.h"
 #include "deformable_surface/solve/system.h"
-
-#include <Eigen/SparseCholesky>
 
 namespace deformable_surface::solve {
 
@@ -24,7 +23,8 @@ class NewtonDescent {
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
-  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, and moves state.positions along the Newton direction, halving the step until Phi falls by Armijo's rule.
+  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, and moves state.positions
+  /// along the Newton direction, halving the step until Phi falls by Armijo's rule.
   /// Returns the fraction taken; 0 if no descent was found (the state is then unchanged).
   double descend(const Problem& problem, State& state);
 
@@ -37,10 +37,9 @@ class NewtonDescent {
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
 
   Points gradient_, conservative_, forces_, remainder_, start_, rank_one_;
-  Eigen::VectorXd direction_;
+  Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;
-  Eigen::SparseMatrix<double> matrix_;
-  Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver_;
+  BlockCholesky factor_;
 };
 
 }  // namespace deformable_surface::solve

@@ -14,7 +14,7 @@ constexpr int kLanczosSteps = 30;  // the largest eigenvalue of meshes is then k
 }  // namespace
 
 // Largest eigenvalue of D K D (D = 1 / sqrt(mass), zero on held points), plus the residual that bounds its error.
-double StableStep::largestEigenvalue(const Eigen::SparseMatrix<double>& lower) {
+double StableStep::largestEigenvalue() {
   const Eigen::Index n = scale_.size();
   // A start that has a part of every mode and is always the same.
   std::uint32_t seed = 12345u;
@@ -34,8 +34,7 @@ double StableStep::largestEigenvalue(const Eigen::SparseMatrix<double>& lower) {
   int m = 0;
   while (m < kLanczosSteps) {
     product_ = scale_.cwiseProduct(v_);
-    w_.setZero(n);
-    w_.noalias() += lower.selfadjointView<Eigen::Lower>() * product_;
+    stiffness_.multiply(product_, w_);
     w_ = scale_.cwiseProduct(w_);
     if (m > 0) {
       w_ -= beta * previous_;
@@ -61,7 +60,8 @@ double StableStep::estimate(double time, const State& state, const System& syste
   scale_.resize(3 * n);
   for (Index i = 0; i < n; ++i)
     scale_.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));
-  double eigenvalue = std::max(0.0, largestEigenvalue(stiffness_.finish()));
+  stiffness_.finish();
+  double eigenvalue = std::max(0.0, largestEigenvalue());
   const double coefficient = system.rankOneStiffness(state, rank_one_);
   if (coefficient > 0.0)
     for (Index i = 0; i < n; ++i) eigenvalue += coefficient * rank_one_[i].squaredNorm() / system.masses()[i];

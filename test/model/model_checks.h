@@ -2,6 +2,7 @@
 // gradient of its energy, and know its stiffness.
 #pragma once
 
+#include "../support/dense.h"
 #include "../support/surfaces.h"
 #include "deformable_surface/model/deformable_model.h"
 
@@ -103,7 +104,7 @@ inline void checkStiffnessIsTheDerivative(const DeformableModel& model, const Po
   BlockSparse stiffness;
   stiffness.begin(n);
   model.addStiffness(stateAt(rest), 0.0, model::Hessian::kExact, stiffness);
-  const Eigen::SparseMatrix<double> lower = stiffness.finish();
+  stiffness.finish();
   std::mt19937 generator(5);
   const double h = 1e-6 * length_scale;
   Eigen::VectorXd direction(3 * n);
@@ -114,7 +115,8 @@ inline void checkStiffnessIsTheDerivative(const DeformableModel& model, const Po
     behind[i] -= h * direction.segment<3>(3 * i);
   }
   const Points forces_ahead = forcesAt(model, stateAt(ahead)), forces_behind = forcesAt(model, stateAt(behind));
-  Eigen::VectorXd product = lower.selfadjointView<Eigen::Lower>() * direction;
+  Eigen::VectorXd product;
+  stiffness.multiply(direction, product);
   Points rank_one;
   const double coefficient = model.rankOneStiffness(stateAt(rest), rank_one);
   if (coefficient > 0.0) {
@@ -132,15 +134,15 @@ inline void checkStiffnessIsTheDerivative(const DeformableModel& model, const Po
 /// The model's damping matrix: what a step's stiffness has more than that of statics, times the step.
 inline Eigen::MatrixXd dampingMatrix(const DeformableModel& model, const Points& positions) {
   const double step = 0.01;
-  Eigen::MatrixXd lower[2];
+  Eigen::MatrixXd matrix[2];
   for (int with_step = 0; with_step < 2; ++with_step) {
     BlockSparse stiffness;
     stiffness.begin(static_cast<Index>(positions.size()));
     model.addStiffness(stateAt(positions), with_step * step, model::Hessian::kPositive, stiffness);
-    lower[with_step] = stiffness.finish();
+    stiffness.finish();
+    matrix[with_step] = makeDense(stiffness);
   }
-  const Eigen::MatrixXd difference = step * (lower[1] - lower[0]);
-  return difference.selfadjointView<Eigen::Lower>();
+  return step * (matrix[1] - matrix[0]);
 }
 
 /// Viscous forces are linear in the velocities: the damping matrix gives them to rounding, for any velocities.
@@ -163,9 +165,8 @@ inline void checkStiffnessIsPositive(const DeformableModel& model, const Points&
   BlockSparse stiffness;
   stiffness.begin(n);
   model.addStiffness(stateAt(deformed), 0.0, model::Hessian::kPositive, stiffness);
-  const Eigen::MatrixXd lower = stiffness.finish();
-  const Eigen::MatrixXd full = lower.selfadjointView<Eigen::Lower>();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(full, Eigen::EigenvaluesOnly);
+  stiffness.finish();
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(makeDense(stiffness), Eigen::EigenvaluesOnly);
   EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-9 * solver.eigenvalues().maxCoeff());
 }
 
@@ -175,7 +176,7 @@ inline void checkRowBoundsHold(const DeformableModel& model, const Points& rest)
   BlockSparse stiffness;
   stiffness.begin(n);
   model.addStiffness(stateAt(rest), 0.0, model::Hessian::kPositive, stiffness);
-  const Eigen::MatrixXd lower = stiffness.finish();
+  stiffness.finish();
   std::vector<double> rows(n, 0.0), damping(n, 0.0);
   model.addRowBounds(stateAt(rest), rows, damping);
   const auto checkBound = [&](Eigen::MatrixXd matrix, const std::vector<double>& bounds) {
@@ -188,7 +189,7 @@ inline void checkRowBoundsHold(const DeformableModel& model, const Points& rest)
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(matrix, Eigen::EigenvaluesOnly);
     EXPECT_LE(solver.eigenvalues().maxCoeff(), bound * (1.0 + 1e-9));
   };
-  checkBound(lower.selfadjointView<Eigen::Lower>(), rows);
+  checkBound(makeDense(stiffness), rows);
   checkBound(dampingMatrix(model, rest), damping);
 }
 

@@ -3,7 +3,7 @@
 
 #include "deformable_surface/base/types.h"
 
-#include <vector>
+#include <algorithm>
 
 namespace deformable_surface {
 
@@ -39,10 +39,16 @@ template <class Body>
 double parallelSum(Index n, Index block, const Body& body) {
   if (n <= block) return n > 0 ? body(Index{0}, n) : 0.0;
   const Index num_blocks = (n - 1) / block + 1;
-  std::vector<double> part(num_blocks);
-  internal::runBlocks(num_blocks, [&](Index b) { part[b] = body(b * block, b + 1 == num_blocks ? n : (b + 1) * block); });
-  double sum = 0.0;
-  for (double value : part) sum += value;
+  constexpr Index kAtOnce = 256;  // blocks whose sums stand on the stack
+  double part[kAtOnce], sum = 0.0;
+  for (Index first = 0; first < num_blocks; first += kAtOnce) {
+    const Index count = std::min(kAtOnce, num_blocks - first);
+    internal::runBlocks(count, [&](Index k) {
+      const Index b = first + k;
+      part[k] = body(b * block, b + 1 == num_blocks ? n : (b + 1) * block);
+    });
+    for (Index k = 0; k < count; ++k) sum += part[k];
+  }
   return sum;
 }
 

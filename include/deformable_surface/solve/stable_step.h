@@ -15,7 +15,7 @@ class StableStep {
   double estimate(double time, const State& state, const System& system);
 
  private:
-  double largestEigenvalue(const Eigen::SparseMatrix<double>& lower);
+  double largestEigenvalue();
 
   BlockSparse stiffness_;
   Points rank_one_;
