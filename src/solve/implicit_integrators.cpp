@@ -81,19 +81,23 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     state.velocities[i] = system.isHeld(i) ? Vec3::Zero().eval() : ((state.positions[i] - from_[i]) / step).eval();
 }
 
-SolveReport ImplicitEuler::advance(const System& system, double time, double step, double, State& state) {
+SolveReport ImplicitStage::takeEulerStep(const System& system, double time, double step, const State& before, State& state) {
   SolveReport report;
   report.substeps = 1;
-  before_ = state;
   const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
-  stage_.solve(system, time + step, step, before_.positions, before_.velocities, energy, state, report);
-  const double allowed = energy + std::max(0.0, stage_.remainderWork(state));
+  solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
+  const double allowed = energy + std::max(0.0, remainderWork(state));
   limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
   report.finite = allFinite(state.positions);
   return report;
 }
 
-SolveReport ImplicitSecondOrder::advance(const System& system, double time, double step, double max_substep, State& state) {
+SolveReport ImplicitEuler::advance(const System& system, double time, double step, double, State& state) {
+  before_ = state;
+  return stage_.takeEulerStep(system, time, step, before_, state);
+}
+
+SolveReport ImplicitSecondOrder::advance(const System& system, double time, double step, double, State& state) {
   // gamma and the rows of the tableau: (gamma, 0), (1 - gamma, gamma); the last row is the end of the step.
   static const double gamma = 1.0 - std::sqrt(0.5);
   const double part = gamma * step, rest = step - part;
@@ -125,7 +129,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   }
   state = before_;
   const Index iterations = report.iterations;
-  report = euler_.advance(system, time, step, max_substep, state);
+  report = stage_.takeEulerStep(system, time, step, before_, state);
   report.iterations += iterations;
   return report;
 }

@@ -18,6 +18,9 @@ class ImplicitStage {
   void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy, State& state,
              SolveReport& report);
 
+  /// One step of implicit Euler from `before`, which state is; see ImplicitEuler.
+  SolveReport takeEulerStep(const System& system, double time, double step, const State& before, State& state);
+
   /// Work of the forces without a potential from the last solve's `from` to its end, J.
   double remainderWork(const State& state) const { return newton_.remainderWork(from_, state); }
 
@@ -47,12 +50,11 @@ class ImplicitEuler : public Integrator {
 /// exceeds it the step is taken by ImplicitEuler.
 class ImplicitSecondOrder : public Integrator {
  public:
-  explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params), euler_(params) {}
+  explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
 
  private:
   ImplicitStage stage_;
-  ImplicitEuler euler_;
   State before_;
   Points from_, velocity_;
 };
