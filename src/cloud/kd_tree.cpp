@@ -14,6 +14,8 @@ namespace {
 
 // Fewer points per leaf mean more nodes to visit, more points mean more distances to compute; the fastest of those tried.
 constexpr Index kLeafSize = 16;
+// In place of a slot.
+constexpr Index kRemoved = -1;
 // A balanced tree of 2^31 points is not deeper than this, and a search keeps at most one pending node per level.
 constexpr int kMaxDepth = 40;
 // Queries per block of a parallel loop: about a millisecond of work.
@@ -79,16 +81,18 @@ KdTree::KdTree(const Points& points) {
     }
     slots_[i] = {points[i].x(), points[i].y(), points[i].z(), i};
   }
-  if (n > 0) {
-    nodes_.reserve(static_cast<std::size_t>(4 * (n / kLeafSize) + 1));
-    build(0, n);
-  }
-  order_.resize(n);
   slot_of_.resize(n);
-  for (Index s = 0; s < n; ++s) {
-    order_[s] = slots_[s].point;
-    slot_of_[slots_[s].point] = s;
-  }
+  rebuild();
+  order_.resize(n);
+  for (Index s = 0; s < n; ++s) order_[s] = slots_[s].point;
+}
+
+void KdTree::rebuild() {
+  num_alive_ = static_cast<Index>(slots_.size());
+  nodes_.clear();
+  nodes_.reserve(static_cast<std::size_t>(4 * (num_alive_ / kLeafSize) + 1));
+  if (num_alive_ > 0) build(0, num_alive_);
+  for (Index s = 0; s < num_alive_; ++s) slot_of_[slots_[s].point] = s;
 }
 
 Index KdTree::build(Index begin, Index end) {
@@ -96,7 +100,6 @@ Index KdTree::build(Index begin, Index end) {
   Node node{};
   node.begin = begin;
   node.end = end;
-  node.alive = end - begin;
 
   // The tight box.
   const double* first = &slots_[begin].x;
@@ -150,7 +153,7 @@ void KdTree::search(const Vec3& query, Results& results) const {
     if (!(top.squared_distance <= results.bound())) continue;
     Index at = top.node;
     // Down to the nearest leaf; the farther sibling waits.
-    while (nodes_[at].right != 0 && nodes_[at].alive > 0) {
+    while (nodes_[at].right != 0) {
       const Node& left = nodes_[at + 1];
       const Node& right = nodes_[nodes_[at].right];
       Pending near{squaredDistanceToBox(left.lo, left.hi, q), at + 1};
@@ -160,9 +163,7 @@ void KdTree::search(const Vec3& query, Results& results) const {
       at = near.node;
     }
     const Node& leaf = nodes_[at];
-    if (leaf.alive == 0) continue;
-    const Slot* const end = slots_.data() + leaf.begin + leaf.alive;
-    for (const Slot* s = end - leaf.alive; s != end; ++s) {
+    for (const Slot *s = slots_.data() + leaf.begin, *end = slots_.data() + leaf.end; s != end; ++s) {
       const double squared_distance = squaredLength(s->x - q[0], s->y - q[1], s->z - q[2]);
       if (squared_distance <= results.bound()) results.add(squared_distance, s->point);
     }
@@ -186,24 +187,19 @@ void KdTree::remove(Index point) {
   if (point < 0 || point >= size()) {
     throw InputError("kd-tree: there is no point " + std::to_string(point) + " among " + std::to_string(size()));
   }
-  // Find the leaf of the slot.
-  const Index slot = slot_of_[point];
-  Index leaf = 0;
-  while (nodes_[leaf].right != 0) leaf = slot < nodes_[nodes_[leaf].right].begin ? leaf + 1 : nodes_[leaf].right;
-  const Index last_alive = nodes_[leaf].begin + nodes_[leaf].alive - 1;
-  if (slot > last_alive) throw InputError("kd-tree: point " + std::to_string(point) + " was removed before");
-
-  // Move it behind the alive ones, and count it out on the way down.
-  std::swap(slots_[slot], slots_[last_alive]);
-  slot_of_[slots_[slot].point] = slot;
-  slot_of_[point] = last_alive;
-  for (Index at = 0; at != leaf; at = slot < nodes_[nodes_[at].right].begin ? at + 1 : nodes_[at].right) --nodes_[at].alive;
-  --nodes_[leaf].alive;
+  if (slot_of_[point] == kRemoved) throw InputError("kd-tree: point " + std::to_string(point) + " was removed before");
+  // No bound admits a distance that is not a number.
+  slots_[slot_of_[point]].x = std::numeric_limits<double>::quiet_NaN();
+  slot_of_[point] = kRemoved;
+  if (2 * --num_alive_ > static_cast<Index>(slots_.size())) return;
+  // Half of the points are gone: a new tree for the others costs less than searching through the gaps.
+  slots_.erase(std::remove_if(slots_.begin(), slots_.end(), [](const Slot& slot) { return std::isnan(slot.x); }), slots_.end());
+  rebuild();
 }
 
 const std::vector<Index>& KdTree::order() const { return order_; }
 
-Index KdTree::size() const { return static_cast<Index>(slots_.size()); }
+Index KdTree::size() const { return static_cast<Index>(slot_of_.size()); }
 
 Lists nearestNeighbors(const Points& points, Index k) {
   if (k < 0) throw InputError("nearest neighbours: k is " + std::to_string(k) + "; it must be 0 or more");

@@ -28,7 +28,7 @@ class KdTree {
   /// All alive points within radius (closed ball), nearest first.
   void withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const;
 
-  /// Takes a point out of all later answers. O(log n).
+  /// Takes a point out of all later answers. O(log n) on average: the tree is built anew whenever half of its points are gone.
   void remove(Index point);
 
   /// The points in the order of the tree: near in the list means near in space. Loops over queries run in this order.
@@ -41,21 +41,22 @@ class KdTree {
     double lo[3], hi[3];  // the tight box of all points below, removed ones included
     Index begin, end;     // slots
     Index right;          // the second child; the first follows its parent; 0 = leaf
-    Index alive;          // points below that are not removed; in a leaf they are the first of its slots
   };
   struct Slot {
-    double x, y, z;
+    double x, y, z;  // m; of a removed point x is not a number
     Index point;
   };
 
+  void rebuild();
   Index build(Index begin, Index end);
   template <class Results>
   void search(const Vec3& query, Results& results) const;
 
-  std::vector<Node> nodes_;       // depth first
-  std::vector<Slot> slots_;       // (n) in tree order; removal permutes them within their leaf
-  std::vector<Index> slot_of_;    // (n) by point
-  std::vector<Index> order_;      // (n)
+  std::vector<Node> nodes_;     // depth first
+  std::vector<Slot> slots_;     // in tree order, at least half of them alive
+  std::vector<Index> slot_of_;  // (n) by point
+  std::vector<Index> order_;    // (n)
+  Index num_alive_ = 0;
 };
 
 /// The k nearest other points of every point (fewer if there are not as many), nearest first. Parallel. O(n (log n + k log k)).
