@@ -15,10 +15,6 @@ constexpr double kMaxLinkRatio = 4.0;
 // The spacing is the distance of the neighbour that completes a hexagon: unlike the nearest one it is not moved by a close pair.
 constexpr Index kSpacingNeighbor = 6;
 
-// Sine of the steepest slope of a link against a tangent plane, 60 degrees: a right-angled crease has links of 45 degrees, and a
-// steeper link projects to less than half its length, so close to the point that it would push true neighbours out of the ring.
-constexpr double kMaxSlope = 0.8660254;
-
 }  // namespace
 
 TangentPlane::TangentPlane(const Vec3& origin, const Vec3& normal) : origin_(origin) {
@@ -36,18 +32,6 @@ LinkRule::LinkRule(const Points& positions, const Points& normals, const Lists& 
     const double squared_spacing = (positions[neighbors.begin(i)[count - 1]] - positions[i]).squaredNorm();
     max_squared_length_[i] = kMaxLinkRatio * kMaxLinkRatio * squared_spacing;
   }
-}
-
-bool LinkRule::isFlat(Index i, Index j) const {
-  const Vec3 link = positions_[j] - positions_[i];
-  const double limit = kMaxSlope * kMaxSlope * link.squaredNorm();
-  const double height_i = link.dot(normals_[i]), height_j = link.dot(normals_[j]);
-  return height_i * height_i <= limit && height_j * height_j <= limit;
-}
-
-bool LinkRule::accepts(Index i, Index j) const {
-  const double squared_length = (positions_[j] - positions_[i]).squaredNorm();
-  return squared_length <= std::min(max_squared_length_[i], max_squared_length_[j]) && isFlat(i, j);
 }
 
 std::vector<Index> labelComponents(const Lists& links, Index& num_components) {

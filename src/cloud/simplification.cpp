@@ -20,6 +20,11 @@ namespace {
 // Fewer points span no surface, so no part is thinned further.
 constexpr Index kMinPartPoints = 3;
 
+// What a neighbour is asked for, in one cache line.
+struct alignas(64) Sample {
+  Vec3 position, normal;
+};
+
 // The neighbours of one point and the memory to evaluate its star.
 struct Scratch {
   std::vector<Index> near;  // alive, of the same part, nearest first, at most k
@@ -31,12 +36,16 @@ struct Scratch {
 class Thinning {
  public:
   Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors)
-      : positions_(positions), normals_(normals), k_(k), tree_(positions), lists_(std::move(neighbors)),
-        rule_(positions, normals, lists_),
+      : k_(k), samples_(positions.size()), tree_(positions), lists_(std::move(neighbors)),
         alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
-        part_(labelParts()), stored_(positions.size()) {
+        part_(labelParts(positions, normals)), stored_(positions.size()) {
     const Index n = num_alive_;
-    for (Index i = 0; i < n; ++i) stored_[i] = lists_.count(i);
+    for (Index i = 0; i < n; ++i) {
+      samples_[i] = {positions[i], normals[i]};
+      Index* const begin = lists_.items.data() + lists_.offsets[i];
+      const auto isOther = [&](Index j) { return part_[j] != part_[i]; };
+      stored_[i] = static_cast<Index>(std::remove_if(begin, begin + lists_.count(i), isOther) - begin);
+    }
 
     // The points of each part, for parts too small to ask the tree.
     members_.offsets.assign(num_parts_ + 1, 0);
@@ -75,6 +84,7 @@ class Thinning {
     while (num_alive_ > min_points && !queue.empty()) {
       const Index i = queue.top().second;
       queue.pop();
+      if (!queue.empty()) prefetch(queue.top().second);
       if (num_in_part_[part_[i]] <= kMinPartPoints) continue;
       const Entry fresh(evaluateKey(i, scratch), i);
       if (!queue.empty() && queue.top() < fresh) {
@@ -90,11 +100,12 @@ class Thinning {
   }
 
  private:
-  std::vector<Index> labelParts() {
+  std::vector<Index> labelParts(const Points& positions, const Points& normals) {
+    const LinkRule rule(positions, normals, lists_);
     Lists links;
     for (Index i = 0; i < num_alive_; ++i) {
       for (Index s = 0; s < std::min(k_, lists_.count(i)); ++s) {
-        if (rule_.accepts(i, lists_.begin(i)[s])) links.items.push_back(lists_.begin(i)[s]);
+        if (rule.accepts(i, lists_.begin(i)[s])) links.items.push_back(lists_.begin(i)[s]);
       }
       links.offsets.push_back(static_cast<Index>(links.items.size()));
     }
@@ -105,11 +116,14 @@ class Thinning {
   double evaluateKey(Index i, Scratch& scratch) {
     findNear(i, scratch);
     if (scratch.near.empty()) return 0.0;
-    const double nearest = (positions_[scratch.near[0]] - positions_[i]).norm();
-    const TangentPlane plane(positions_[i], normals_[i]);
+    for (Index j : scratch.near) __builtin_prefetch(&samples_[j]);
+    const Sample& own = samples_[i];
+    const double nearest = (samples_[scratch.near[0]].position - own.position).norm();
+    const TangentPlane plane(own.position, own.normal);
     scratch.projected.clear();
     for (Index j : scratch.near) {
-      if (rule_.isFlat(i, j)) scratch.projected.push_back(plane.project(positions_[j]));
+      const Sample& other = samples_[j];
+      if (isFlat(other.position - own.position, own.normal, other.normal)) scratch.projected.push_back(plane.project(other.position));
     }
     const std::vector<Index>& ring = scratch.builder.build(scratch.projected).ring;
     double squared_diameter = 0.0;
@@ -123,6 +137,13 @@ class Thinning {
     return ring.empty() ? 2.0 * nearest : 0.5 * std::sqrt(squared_diameter) + nearest;
   }
 
+  // Starts to fetch what the evaluation of a key reads first: points come in no order that the processor could foresee.
+  void prefetch(Index i) const {
+    __builtin_prefetch(lists_.begin(i));
+    __builtin_prefetch(lists_.begin(i) + 16);
+    __builtin_prefetch(&samples_[i]);
+  }
+
   void findNear(Index i, Scratch& scratch) {
     const Index wanted = std::min(k_, num_in_part_[part_[i]] - 1);
     takeStored(i, wanted, scratch.near);
@@ -131,12 +152,16 @@ class Thinning {
     takeStored(i, wanted, scratch.near);
   }
 
+  // Every entry is written and only the alive ones are counted: a branch for each would be mispredicted.
   void takeStored(Index i, Index wanted, std::vector<Index>& near) const {
-    near.clear();
+    near.resize(wanted);
+    Index count = 0;
     const Index* end = lists_.begin(i) + stored_[i];
-    for (const Index* j = lists_.begin(i); j != end && static_cast<Index>(near.size()) < wanted; ++j) {
-      if (alive_[*j] && part_[*j] == part_[i]) near.push_back(*j);
+    for (const Index* j = lists_.begin(i); j != end && count < wanted; ++j) {
+      near[count] = *j;
+      count += alive_[*j];
     }
+    near.resize(count);
   }
 
   // Stores the nearest alive points of the same part: from the part's own list if it is small, else from the tree, asking for
@@ -148,13 +173,13 @@ class Thinning {
       found.clear();
       const Index* begin = members_.begin(part);
       for (const Index* j = begin; j != begin + num_in_part_[part]; ++j) {
-        found.push_back({(positions_[*j] - positions_[i]).squaredNorm(), *j});
+        found.push_back({(samples_[*j].position - samples_[i].position).squaredNorm(), *j});
       }
       std::sort(found.begin(), found.end());
       found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
     } else {
       for (Index asked = lists_.count(i) + 1;; asked = std::min(2 * asked, num_alive_)) {
-        tree_.nearest(positions_[i], asked, found);
+        tree_.nearest(samples_[i].position, asked, found);
         found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
         if (static_cast<Index>(found.size()) >= wanted || asked >= num_alive_) break;
       }
@@ -175,12 +200,10 @@ class Thinning {
     std::stable_partition(begin, end, [&](Index j) { return alive_[j] != 0; });
   }
 
-  const Points& positions_;
-  const Points& normals_;
   const Index k_;
+  std::vector<Sample> samples_;     // (n)
   KdTree tree_;                     // of the alive points
-  Lists lists_;                     // nearest neighbours; some dead or of another part
-  const LinkRule rule_;
+  Lists lists_;                     // nearest neighbours of the same part; some dead
   std::vector<char> alive_;         // (n)
   Index num_alive_;
   Index num_parts_ = 0;

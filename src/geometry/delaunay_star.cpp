@@ -15,11 +15,12 @@ constexpr double kSameDirection = 1e-12;
 
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
-// Grows with the angle of v from 0 to 4 over a full turn, and by 2 over every half turn; needs no trigonometry.
+// Grows with the angle of v from 0 to 4 over a full turn, and by 2 over every half turn; needs no trigonometry, and selects
+// rather than branches, because the quadrants of neighbours are beyond prediction.
 double directionOf(const Vec2& v) {
-  const double sum = std::abs(v.x()) + std::abs(v.y());
-  if (v.y() >= 0.0) return v.x() >= 0.0 ? v.y() / sum : 1.0 - v.x() / sum;
-  return v.x() < 0.0 ? 2.0 - v.y() / sum : 3.0 + v.x() / sum;
+  const double x = std::abs(v.x()), y = std::abs(v.y());
+  const bool left = v.x() < 0.0, below = v.y() < 0.0;
+  return (below ? (left ? 2.0 : 3.0) : (left ? 1.0 : 0.0)) + (left == below ? y : x) / (x + y);
 }
 
 // True if the angles at a and c of the quadrilateral a b c d (counter-clockwise) sum to at least a straight angle less tie: the
@@ -41,19 +42,26 @@ bool spansTriangle(const Vec2& a, const Vec2& b, double max_gap_cosine) {
 }  // namespace
 
 void DelaunayStarBuilder::sortByDirection(const std::vector<Vec2>& points) {
-  directions_.clear();
-  double nearest = std::numeric_limits<double>::max();
+  unsorted_.clear();
+  angle_.clear();
   for (Index i = 0; i < static_cast<Index>(points.size()); ++i) {
     const double squared_distance = points[i].squaredNorm();
     using Limits = std::numeric_limits<double>;
     if (!(squared_distance >= Limits::min() && squared_distance <= Limits::max())) continue;
-    directions_.push_back({directionOf(points[i]), squared_distance, i});
-    nearest = std::min(nearest, squared_distance);
+    angle_.push_back(directionOf(points[i]));
+    unsorted_.push_back({angle_.back(), squared_distance, i});
   }
-  std::sort(directions_.begin(), directions_.end(), [](const Direction& a, const Direction& b) {
-    if (a.angle != b.angle) return a.angle < b.angle;
-    return a.squared_distance != b.squared_distance ? a.squared_distance < b.squared_distance : a.neighbor < b.neighbor;
-  });
+  // The place of each is the number of those before it: for a few dozen, counting in vector instructions beats a sort, whose
+  // branches are beyond prediction.
+  const Index m = static_cast<Index>(unsorted_.size());
+  place_.assign(m, 0);
+  for (Index b = 0; b < m; ++b) {
+    const double angle = angle_[b];
+    for (Index a = 0; a < b; ++a) place_[a] += angle < angle_[a];
+    for (Index a = b + 1; a < m; ++a) place_[a] += angle <= angle_[a];
+  }
+  directions_.resize(m);
+  for (Index a = 0; a < m; ++a) directions_[place_[a]] = unsorted_[a];
   // Of several in one direction the nearest stays; the first and the last may be in one direction too.
   std::size_t kept = 0;
   for (const Direction& d : directions_) {
@@ -68,12 +76,9 @@ void DelaunayStarBuilder::sortByDirection(const std::vector<Vec2>& points) {
     const bool last_is_nearer = directions_.back().squared_distance < directions_.front().squared_distance;
     directions_.erase(last_is_nearer ? directions_.begin() : directions_.end() - 1);
   }
-  // The radius of the inversion is the nearest distance, so that no image overflows.
-  image_.clear();
-  for (const Direction& d : directions_) image_.push_back(points[d.neighbor] * (nearest / d.squared_distance));
 }
 
-void DelaunayStarBuilder::findHull() {
+void DelaunayStarBuilder::findHull(const std::vector<Vec2>& points) {
   const Index m = static_cast<Index>(directions_.size());
   hull_.clear();
   if (m == 0) return;
@@ -81,23 +86,28 @@ void DelaunayStarBuilder::findHull() {
   // A gap of half a turn or more makes the origin a hull vertex: the scan starts after it and does not close. Otherwise it starts
   // at the longest image, which is on the hull, and comes back to it.
   bool closed = true;
-  hull_start_ = 0;
-  for (Index s = 0; s < m; ++s) {
-    const double next = s + 1 < m ? directions_[s + 1].angle : directions_[0].angle + 4.0;
-    const double gap = next - directions_[s].angle;
-    if (gap >= 2.0 - kSameDirection) {
+  Index start = 0;
+  double nearest = directions_[0].squared_distance;
+  for (Index d = 0; d < m; ++d) {
+    nearest = std::min(nearest, directions_[d].squared_distance);
+    const double next = d + 1 < m ? directions_[d + 1].angle : directions_[0].angle + 4.0;
+    if (!closed) continue;
+    if (next - directions_[d].angle >= 2.0 - kSameDirection) {
       closed = false;
-      hull_start_ = (s + 1) % m;
-      break;
+      start = d + 1 < m ? d + 1 : 0;
+    } else if (directions_[d].squared_distance < directions_[start].squared_distance) {
+      start = d;
     }
-    if (directions_[s].squared_distance < directions_[hull_start_].squared_distance) hull_start_ = s;
   }
+  std::rotate(directions_.begin(), directions_.begin() + start, directions_.end());
 
-  const auto imageAt = [&](Index step) -> const Vec2& { return image_[(hull_start_ + step) % m]; };
+  // The radius of the inversion is the nearest distance, so that no image overflows.
+  image_.clear();
+  for (const Direction& d : directions_) image_.push_back(points[d.neighbor] * (nearest / d.squared_distance));
   for (Index step = 0; step < m + (closed ? 1 : 0); ++step) {
-    const Vec2& y = imageAt(step);
+    const Vec2& y = image_[step < m ? step : 0];
     while (hull_.size() >= 2) {
-      const Vec2 &last = imageAt(hull_.back()), &before = imageAt(hull_[hull_.size() - 2]);
+      const Vec2 &last = image_[hull_.back()], &before = image_[hull_[hull_.size() - 2]];
       if (cross(last - before, y - last) > 0.0) break;
       hull_.pop_back();
     }
@@ -106,19 +116,18 @@ void DelaunayStarBuilder::findHull() {
 }
 
 void DelaunayStarBuilder::fillRing(const std::vector<Vec2>& points, double tie, double max_gap_cosine) {
-  const Index m = static_cast<Index>(directions_.size());
-  const auto neighborAt = [&](Index step) { return directions_[(hull_start_ + step) % m].neighbor; };
   star_.ring.clear();
   for (std::size_t h = 0; h < hull_.size(); ++h) {
     // Between the two corners of a hull edge, seen from the origin, those cocircular with it belong to the same cell.
     const bool last = h + 1 == hull_.size();
-    const Index from = hull_[h], to = last ? m : hull_[h + 1];
-    const Vec2 &a = points[neighborAt(from)], &c = points[neighborAt(last ? hull_[0] : to)];
-    star_.ring.push_back(neighborAt(from));
+    const Index from = hull_[h], to = last ? static_cast<Index>(directions_.size()) : hull_[h + 1];
+    const Index first_member = directions_[from].neighbor;
+    const Vec2 &a = points[first_member], &c = points[directions_[last ? hull_[0] : to].neighbor];
+    star_.ring.push_back(first_member);
     if (to - from == 1 || !spansTriangle(a, c, max_gap_cosine)) continue;
     for (Index step = from + 1; step < to; ++step) {
-      const Vec2& d = points[neighborAt(step)];
-      if (isCocircular(Vec2::Zero(), a, d, c, tie)) star_.ring.push_back(neighborAt(step));
+      const Index between = directions_[step].neighbor;
+      if (isCocircular(Vec2::Zero(), a, points[between], c, tie)) star_.ring.push_back(between);
     }
   }
 }
@@ -130,14 +139,14 @@ void DelaunayStarBuilder::openRing(const std::vector<Vec2>& points, double max_g
   double widest = 0.0;
   std::size_t start = 0;
   for (std::size_t r = 0; r < m; ++r) {
-    const Vec2 &a = points[star_.ring[r]], &b = points[star_.ring[(r + 1) % m]];
+    const Vec2 &a = points[star_.ring[r]], &b = points[star_.ring[r + 1 < m ? r + 1 : 0]];
     if (m > 1 && spansTriangle(a, b, max_gap_cosine)) continue;
     star_.cell_size[r] = 0;
     double gap = std::atan2(cross(a, b), a.dot(b));
     if (gap <= 0.0) gap += 2.0 * 3.14159265358979323846;
     if (gap > widest) {
       widest = gap;
-      start = (r + 1) % m;
+      start = r + 1 < m ? r + 1 : 0;
     }
   }
   star_.open = m == 0 || widest > 0.0;
@@ -173,9 +182,9 @@ void DelaunayStarBuilder::trimRing(const std::vector<Vec2>& points, double max_g
 void DelaunayStarBuilder::measureCells(const std::vector<Vec2>& points, double tie) {
   const std::size_t m = star_.ring.size();
   const auto isInsideCell = [&](std::size_t r) {
-    const std::size_t before = (r + m - 1) % m;
+    const std::size_t before = r > 0 ? r - 1 : m - 1;
     return star_.cell_size[before] > 0 && star_.cell_size[r] > 0 &&
-           isCocircular(points[star_.ring[before]], points[star_.ring[r]], points[star_.ring[(r + 1) % m]], Vec2::Zero(), tie);
+           isCocircular(points[star_.ring[before]], points[star_.ring[r]], points[star_.ring[r + 1 < m ? r + 1 : 0]], Vec2::Zero(), tie);
   };
   // A closed ring may start anywhere: start it where a cell does.
   if (!star_.open) {
@@ -187,7 +196,7 @@ void DelaunayStarBuilder::measureCells(const std::vector<Vec2>& points, double t
   for (std::size_t begin = 0, end = 0; begin < m; begin = end) {
     double area = 0.0;
     do {
-      if (star_.cell_size[end] > 0) area += 0.5 * cross(points[star_.ring[end]], points[star_.ring[(end + 1) % m]]);
+      if (star_.cell_size[end] > 0) area += 0.5 * cross(points[star_.ring[end]], points[star_.ring[end + 1 < m ? end + 1 : 0]]);
       ++end;
     } while (end < m && isInsideCell(end));
     if (star_.cell_size[begin] == 0) continue;
@@ -201,7 +210,7 @@ void DelaunayStarBuilder::measureCells(const std::vector<Vec2>& points, double t
 const DelaunayStar& DelaunayStarBuilder::build(const std::vector<Vec2>& points, double tie, double max_gap) {
   const double max_gap_cosine = std::cos(max_gap);
   sortByDirection(points);
-  findHull();
+  findHull(points);
   fillRing(points, tie, max_gap_cosine);
   openRing(points, max_gap_cosine);
   trimRing(points, max_gap_cosine);

@@ -4,6 +4,8 @@
 
 #include "deformable_surface/base/types.h"
 
+#include <algorithm>
+
 namespace deformable_surface::cloud {
 
 /// Right-handed axes of the tangent plane: e1 x e2 is the normal. [Duff et al. 2017]
@@ -21,17 +23,28 @@ class TangentPlane {
   Vec3 origin_, e1_, e2_;
 };
 
+/// Sine of the steepest slope of a link against a tangent plane, 60 degrees: a right-angled crease has links of 45 degrees, and a
+/// steeper link projects to less than half its length, so close to the point that it would push true neighbours out of the ring.
+constexpr double kMaxSlope = 0.8660254;
+
+/// False if the link is too steep for the tangent plane of either end. normal_i, normal_j: unit.
+inline bool isFlat(const Vec3& link, const Vec3& normal_i, const Vec3& normal_j) {
+  const double limit = kMaxSlope * kMaxSlope * link.squaredNorm();
+  const double height_i = link.dot(normal_i), height_j = link.dot(normal_j);
+  return height_i * height_i <= limit && height_j * height_j <= limit;
+}
+
 /// Tells links over the surface from mere closeness in space. Symmetric in the two points. Keeps references to its arguments.
 class LinkRule {
  public:
   /// neighbors: nearest first.
   LinkRule(const Points& positions, const Points& normals, const Lists& neighbors);
 
-  /// False if the link is far longer than the local spacing at either end, or too steep for the tangent plane of either end.
-  bool accepts(Index i, Index j) const;
-
-  /// As accepts, without the length: for sets that have been thinned since the spacing was taken.
-  bool isFlat(Index i, Index j) const;
+  /// False if the link is far longer than the local spacing at either end, or not flat.
+  bool accepts(Index i, Index j) const {
+    const Vec3 link = positions_[j] - positions_[i];
+    return link.squaredNorm() <= std::min(max_squared_length_[i], max_squared_length_[j]) && isFlat(link, normals_[i], normals_[j]);
+  }
 
  private:
   const Points& positions_;

@@ -44,17 +44,19 @@ class DelaunayStarBuilder {
   };
 
   void sortByDirection(const std::vector<Vec2>& points);
-  void findHull();
+  void findHull(const std::vector<Vec2>& points);
   void fillRing(const std::vector<Vec2>& points, double tie, double max_gap_cosine);
   void openRing(const std::vector<Vec2>& points, double max_gap_cosine);
   void trimRing(const std::vector<Vec2>& points, double max_gap_cosine);
   void measureCells(const std::vector<Vec2>& points, double tie);
 
   DelaunayStar star_;
-  std::vector<Direction> directions_;
-  std::vector<Vec2> image_;    // of directions_
-  std::vector<Index> hull_;    // steps from hull_start_ through directions_, ascending
-  Index hull_start_ = 0;
+  std::vector<Direction> unsorted_;
+  std::vector<double> angle_;        // of unsorted_
+  std::vector<std::int64_t> place_;  // of unsorted_ in directions_; as wide as the angles, so that comparisons are summed as they are
+  std::vector<Direction> directions_;  // counter-clockwise; where the hull is found they start at one of its corners
+  std::vector<Vec2> image_;            // of directions_
+  std::vector<Index> hull_;            // positions in directions_, ascending
 };
 
 }  // namespace deformable_surface::geometry
