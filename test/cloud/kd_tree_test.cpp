@@ -134,6 +134,10 @@ TEST(KdTree, RefusesWhatItCannotAnswer) {
   EXPECT_THROW(tree.remove(-1), InputError);
   tree.remove(4);
   EXPECT_THROW(tree.remove(4), InputError);
+  for (Index i = 10; i < 30; ++i) tree.remove(i);
+  EXPECT_THROW(tree.remove(4), InputError);
+  EXPECT_THROW(tree.remove(12), InputError);
+  EXPECT_EQ(30, tree.size());
 }
 
 TEST(NearestNeighbors, ListTheOthersNearestFirst) {

@@ -4,6 +4,8 @@
 
 #include "deformable_surface/base/types.h"
 
+#include <cstdint>
+
 namespace deformable_surface::geometry {
 
 /// Angle (rad) by which opposite angles of a quadrilateral may miss the straight angle for its corners to count as cocircular:
@@ -52,9 +54,9 @@ class DelaunayStarBuilder {
 
   DelaunayStar star_;
   std::vector<Direction> unsorted_;
-  std::vector<double> angle_;        // of unsorted_
-  std::vector<std::int64_t> place_;  // of unsorted_ in directions_; as wide as the angles, so that comparisons are summed as they are
-  std::vector<Direction> directions_;  // counter-clockwise; where the hull is found they start at one of its corners
+  std::vector<double> angle_;          // of unsorted_
+  std::vector<std::int64_t> place_;    // of unsorted_ in the sorted ones; as wide as an angle, so that vectors of both match
+  std::vector<Direction> directions_;  // counter-clockwise; from findHull on they start at a corner of the hull
   std::vector<Vec2> image_;            // of directions_
   std::vector<Index> hull_;            // positions in directions_, ascending
 };
