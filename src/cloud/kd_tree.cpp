@@ -14,6 +14,8 @@ namespace {
 
 // Fewer points per leaf mean more nodes to visit, more points mean more distances to compute; the fastest of those tried.
 constexpr Index kLeafSize = 16;
+// Slots in a cache line of today's processors.
+constexpr Index kSlotsPerLine = 2;
 // In place of a slot.
 constexpr Index kRemoved = -1;
 // A balanced tree of 2^31 points is not deeper than this, and a search keeps at most one pending node per level.
@@ -158,6 +160,10 @@ void KdTree::search(const Vec3& query, Results& results) const {
       const Node& right = nodes_[nodes_[at].right];
       Pending near{squaredDistanceToBox(left.lo, left.hi, q), at + 1};
       Pending far{squaredDistanceToBox(right.lo, right.hi, q), nodes_[at].right};
+      // Leaves are on the way from memory while the boxes are compared.
+      if (left.right == 0) {
+        for (Index s = left.begin; s < right.end; s += kSlotsPerLine) __builtin_prefetch(&slots_[s]);
+      }
       if (far.squared_distance < near.squared_distance) std::swap(near, far);
       if (far.squared_distance <= results.bound()) stack[depth++] = far;
       at = near.node;

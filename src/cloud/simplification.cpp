@@ -140,7 +140,7 @@ class Thinning {
   // Starts to fetch what the evaluation of a key reads first: points come in no order that the processor could foresee.
   void prefetch(Index i) const {
     __builtin_prefetch(lists_.begin(i));
-    __builtin_prefetch(lists_.begin(i) + 16);
+    __builtin_prefetch(lists_.end(i));
     __builtin_prefetch(&samples_[i]);
   }
 
