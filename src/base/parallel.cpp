@@ -4,21 +4,17 @@
 #include <atomic>
 #include <condition_variable>
 #include <exception>
-#include <memory>
 #include <mutex>
 #include <thread>
 #include <utility>
+#include <vector>
 
 namespace deformable_surface {
 namespace {
 
-// Threads that wait for a job and take its blocks one by one from a shared counter.
+// Threads that wait for a job and take its blocks one by one from a shared counter. There are as many as the largest job needed.
 class Pool {
  public:
-  explicit Pool(int num_workers) {
-    for (int i = 0; i < num_workers; ++i) workers_.emplace_back([this] { work(); });
-  }
-
   ~Pool() {
     {
       std::lock_guard<std::mutex> lock(mutex_);
@@ -28,7 +24,10 @@ class Pool {
     for (std::thread& worker : workers_) worker.join();
   }
 
-  void run(Index num_blocks, void (*block)(const void*, Index), const void* context) {
+  void run(int num_helpers, Index num_blocks, void (*block)(const void*, Index), const void* context) {
+    while (static_cast<int>(workers_.size()) < num_helpers) {
+      workers_.emplace_back([this, rank = static_cast<int>(workers_.size()), seen = job_] { work(rank, seen); });
+    }
     {
       std::lock_guard<std::mutex> lock(mutex_);
       block_ = block;
@@ -36,7 +35,7 @@ class Pool {
       num_blocks_ = num_blocks;
       next_ = 0;
       failed_block_ = num_blocks;
-      busy_ = static_cast<int>(workers_.size());
+      helpers_ = busy_ = num_helpers;
       ++job_;
     }
     wake_.notify_all();
@@ -47,12 +46,12 @@ class Pool {
   }
 
  private:
-  void work() {
-    long seen = 0;
+  void work(int rank, long seen) {
     for (;;) {
       {
         std::unique_lock<std::mutex> lock(mutex_);
-        wake_.wait(lock, [&] { return stop_ || job_ != seen; });
+        // A job ends only when all its helpers are done, so that none of them can miss it.
+        wake_.wait(lock, [&] { return stop_ || (job_ != seen && rank < helpers_); });
         if (stop_) return;
         seen = job_;
       }
@@ -74,6 +73,7 @@ class Pool {
   const void* context_ = nullptr;
   Index num_blocks_ = 0;
   std::atomic<Index> next_{0};
+  int helpers_ = 0;  // of the job: the first so many workers
   int busy_ = 0;
   long job_ = 0;
   bool stop_ = false;
@@ -99,35 +99,25 @@ void Pool::takeBlocks() {
   inside_block = false;
 }
 
-std::mutex pool_mutex;  // one job at a time; guards the two below
-std::unique_ptr<Pool> pool;
-int num_threads = 0;
-
-int coresUsed() {
-  return num_threads > 0 ? num_threads : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-}
+std::mutex pool_mutex;  // one job at a time
+Pool pool;
+thread_local int num_threads = 0;
 
 }  // namespace
 
-void setNumThreads(int n) {
-  std::lock_guard<std::mutex> lock(pool_mutex);
-  num_threads = std::max(0, n);
-  pool.reset();
-}
+void setNumThreads(int n) { num_threads = std::max(0, n); }
 
 int numThreads() {
-  std::lock_guard<std::mutex> lock(pool_mutex);
-  return coresUsed();
+  static const int num_cores = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  return num_threads > 0 ? num_threads : num_cores;
 }
 
 void internal::runBlocks(Index num_blocks, void (*run)(const void* context, Index block), const void* context) {
-  if (!inside_block) {
+  const int num_helpers = inside_block ? 0 : numThreads() - 1;
+  if (num_helpers > 0) {
     std::lock_guard<std::mutex> lock(pool_mutex);
-    if (coresUsed() > 1) {
-      if (!pool) pool = std::make_unique<Pool>(coresUsed() - 1);
-      pool->run(num_blocks, run, context);
-      return;
-    }
+    pool.run(num_helpers, num_blocks, run, context);
+    return;
   }
   for (Index b = 0; b < num_blocks; ++b) run(context, b);
 }

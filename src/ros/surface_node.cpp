@@ -91,10 +91,12 @@ struct SurfaceNode::Impl {
         // One thread each: input keeps its order, and a service that waits does not hold it up.
         input_spinner(1, &input_queue),
         service_spinner(1, &service_queue) {
-    setNumThreads(params.threads);
     if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
     subscribe(params);
-    simulation_thread = std::thread([this] { run(); });
+    simulation_thread = std::thread([this, num_threads = params.threads] {
+      setNumThreads(num_threads);
+      run();
+    });
     service_spinner.start();
     input_spinner.start();
   }

@@ -4,6 +4,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <chrono>
+#include <mutex>
+#include <set>
 #include <stdexcept>
 #include <thread>
 
@@ -68,6 +71,40 @@ TEST_P(Parallel, SeveralCallersAtOnceDoNotMixTheirWork) {
     });
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(total, 4L * 50 * 1000);
+}
+
+// The threads that take part in a loop of many blocks.
+std::set<std::thread::id> findThreads() {
+  std::mutex mutex;
+  std::set<std::thread::id> ids;
+  parallelFor(200, 1, [&](Index, Index) {
+    {
+      const std::lock_guard<std::mutex> lock(mutex);
+      ids.insert(std::this_thread::get_id());
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(100));  // others get their turn
+  });
+  return ids;
+}
+
+TEST(NumThreads, IsThatOfTheThreadThatBeginsTheLoop) {
+  setNumThreads(3);
+  std::thread([] {
+    setNumThreads(1);
+    EXPECT_EQ(numThreads(), 1);
+    EXPECT_EQ(findThreads(), std::set<std::thread::id>{std::this_thread::get_id()});
+  }).join();
+  EXPECT_EQ(numThreads(), 3);
+  EXPECT_EQ(findThreads().count(std::this_thread::get_id()), 1u);
+  setNumThreads(0);
+}
+
+TEST(NumThreads, HoldsAlsoAfterALoopWithMore) {
+  setNumThreads(8);
+  findThreads();
+  setNumThreads(2);
+  EXPECT_LE(findThreads().size(), 2u);
+  setNumThreads(0);
 }
 
 INSTANTIATE_TEST_SUITE_P(Threads, Parallel, testing::Values(1, 2, 3, 8));

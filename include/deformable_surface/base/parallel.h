@@ -7,7 +7,8 @@
 
 namespace deformable_surface {
 
-/// Number of threads used by all loops of this process; 0 = all cores.
+/// Number of threads used by the loops that the calling thread begins; 0 = all cores, as before the first call. It is a matter of
+/// the thread, so that two surfaces in one process, each stepped by its own, keep what each was given.
 void setNumThreads(int num_threads);
 int numThreads();
 

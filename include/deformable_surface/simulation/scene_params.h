@@ -272,7 +272,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("force", p.force, "The force that comes as `~wrench`.");
   fields.notBuilt("tools", "rigid tools");
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
-  fields.integer("threads", p.threads, "", between(0, 1024), "0 = all cores; the result is the same for every number");
+  fields.integer("threads", p.threads, "", between(0, 1024),
+                 "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");
   fields.section("output", p.output, "What is computed and published.");
   fields.section("input", p.input, "What clouds are taken.");
   fields.text("save_directory", p.save_directory, "where `~save` writes; empty = `~save` is off");
