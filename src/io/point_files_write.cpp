@@ -4,9 +4,9 @@
 #include "point_files_common.h"
 
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/io/pending_file.h"
 
 #include <cerrno>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <limits>
@@ -136,18 +136,14 @@ void writePointFile(const std::string& file, const cloud::PointCloud& cloud, con
     offset += size;
   }
 
-  // Under another name first, so that nobody meets half a file.
-  const std::string partial = file + ".partial";
+  PendingFile pending(file);
   errno = 0;
-  std::ofstream stream(partial, std::ios::binary | std::ios::trunc);
+  std::ofstream stream(pending.temporary(), std::ios::binary | std::ios::trunc);
   stream << makeHeader(cloud, columns, is_ply);
   stream.write(rows.data(), static_cast<std::streamsize>(rows.size()));
   stream.close();
-  if (!stream || std::rename(partial.c_str(), file.c_str()) != 0) {
-    const std::string reason = std::strerror(errno);
-    std::remove(partial.c_str());
-    refuse(file, "cannot be written: " + reason);
-  }
+  if (!stream) refuse(file, std::string("cannot be written: ") + std::strerror(errno));
+  pending.keep();
 }
 
 }  // namespace deformable_surface::io

@@ -5,6 +5,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/geometry/region.h"
+#include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/ros/surface_output.h"
 
@@ -179,10 +180,12 @@ bool Services::save(const std::string& name, SaveCloudResponse& response) {
   return perform(response, [&] {
     if (save_directory_.empty()) throw InputError("~save is off, since the parameter save_directory is not set");
     checkSaveName(name);
+    const std::string file = save_directory_ + "/" + name;
+    if (io::followLinks(file) != file)
+      throw InputError("name: found " + quote(name) + ", a symbolic link; accepted: a new file, or one to be replaced");
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     const simulation::Surface& surface = stepper_.simulation()->surface(true);
-    io::writePointFile(save_directory_ + "/" + name, makeOutputCloud(surface, stepper_.simulation()->input()),
-                       surface.displacement);
+    io::writePointFile(file, makeOutputCloud(surface, stepper_.simulation()->input()), surface.displacement);
     return "wrote " + name;
   });
 }

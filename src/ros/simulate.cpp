@@ -8,6 +8,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
@@ -62,11 +63,14 @@ cloud::PointCloud loadCloud(const SceneParams& params) {
   return io::readPointFile(params.cloud.file, params.cloud.scale, params.input.max_points, findPackage);
 }
 
+fs::path folderOf(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
+
 // What is written at the end of a long run is looked at before it.
 void checkFinalFile(const std::string& file) {
   io::checkPointFileName(file);
-  const fs::path folder = fs::path(file).has_parent_path() ? fs::path(file).parent_path() : fs::path(".");
-  if (access(folder.c_str(), W_OK) != 0 || fs::is_directory(file)) {
+  const fs::path target = io::followLinks(file);
+  std::error_code error;
+  if (access(folderOf(target).c_str(), W_OK) != 0 || fs::is_directory(target, error)) {
     throw InputError("--final: found " + quote(file) +
                      ", which cannot be written; accepted: a file in a folder that can be written");
   }
@@ -74,11 +78,8 @@ void checkFinalFile(const std::string& file) {
 
 // Where cloud.file is; empty if it cannot be told, which readPointFile() refuses in its own words.
 std::string findCloudFile(const std::string& file) {
-  const std::string scheme = "package://";
-  if (file.compare(0, scheme.size(), scheme) != 0) return file;
-  const std::size_t slash = std::min(file.find('/', scheme.size()), file.size());
   try {
-    return findPackage(file.substr(scheme.size(), slash - scheme.size())) + file.substr(slash);
+    return io::findPointFile(file, findPackage);
   } catch (const InputError&) {
     return "";
   }
@@ -87,8 +88,7 @@ std::string findCloudFile(const std::string& file) {
 // One file on the disk, also through links, or one name of a file that is not there yet.
 bool areSame(const fs::path& a, const fs::path& b) {
   std::error_code error;
-  const auto folder = [](const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); };
-  return fs::equivalent(a, b, error) || (a.filename() == b.filename() && fs::equivalent(folder(a), folder(b), error));
+  return fs::equivalent(a, b, error) || (a.filename() == b.filename() && fs::equivalent(folderOf(a), folderOf(b), error));
 }
 
 // A run must not destroy what it is made from, nor one output another.
@@ -96,26 +96,23 @@ void checkFilesDiffer(const SimulateOptions& options, const SceneParams& params)
   std::vector<std::pair<std::string, std::string>> others{
       {"the scene", options.scene}, {"--bag_in", options.bag_in}, {"cloud.file", findCloudFile(params.cloud.file)}};
   std::vector<std::string> problems;
-  for (const auto& [name, file] : others) {
-    const fs::path frame = fs::path(options.frames_directory) / fs::path(file).filename();
-    const bool is_frame = frame.extension() == ".ply" && frame.filename().string().compare(0, 6, "frame_") == 0;
-    if (!options.frames_directory.empty() && !file.empty() && is_frame && areSame(frame, file)) {
-      problems.push_back("--frames: found " + quote(options.frames_directory) + ", the folder of " + name + ", " + quote(file) +
-                         ", which has the name of a frame; accepted: another folder");
-    }
-  }
   const std::pair<const char*, std::string> outputs[] = {
       {"--final", options.final_file}, {"--statistics", options.statistics_file}, {"--bag_out", options.bag_out}};
   for (const auto& [option, output] : outputs) {
     if (output.empty()) continue;
-    for (const auto& [name, file] : others) {
+    const auto refuse = [&, name = option, found = output](const std::string& why) {
+      problems.push_back(std::string(name) + ": found " + quote(found) + ", which " + why + "; accepted: another file");
+    };
+    const std::string file = io::followLinks(output);
+    for (const auto& [name, other] : others) {
       // It is written under the name of a partial file first.
-      if (!file.empty() && (areSame(output, file) || areSame(output + ".partial", file))) {
-        problems.push_back(std::string(option) + ": found " + quote(output) + ", which would overwrite " + name + ", " +
-                           quote(file) + "; accepted: another file");
-      }
+      if (!other.empty() && (areSame(file, other) || areSame(file + ".partial", other)))
+        refuse("would overwrite " + name + ", " + quote(other));
     }
-    others.emplace_back(option, output);
+    const fs::path frame = fs::path(options.frames_directory) / fs::path(file).filename();
+    if (!options.frames_directory.empty() && isFrameName(frame.filename().string()) && areSame(frame, file))
+      refuse("has the name of a frame in " + quote(options.frames_directory));
+    others.emplace_back(option, file);
   }
   if (!problems.empty()) throw InputError(std::move(problems));
 }

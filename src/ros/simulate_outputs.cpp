@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cstdio>
 #include <filesystem>
+#include <regex>
 
 namespace deformable_surface::node {
 namespace {
@@ -18,25 +19,6 @@ namespace {
 }
 
 }  // namespace
-
-PendingFile::PendingFile(std::string file) : file_(std::move(file)), temporary_(file_ + ".partial") {
-  std::error_code error;
-  if (std::filesystem::exists(file_, error) && !std::filesystem::is_regular_file(file_, error)) {
-    throw InputError(file_ + ": found something that is no file there; accepted: a new file, or one to be replaced");
-  }
-}
-
-PendingFile::~PendingFile() {
-  if (!kept_) std::remove(temporary_.c_str());
-}
-
-void PendingFile::keep() {
-  if (std::rename(temporary_.c_str(), file_.c_str()) != 0) {
-    throw InputError(file_ +
-                     ": the finished file cannot be put there; accepted: the name of a file in a folder that can be written");
-  }
-  kept_ = true;
-}
 
 bool Pace::isDue(double time) {
   if (time + tolerance_ < static_cast<double>(count_) / rate_) return false;
@@ -81,12 +63,23 @@ void StatisticsFile::check() const {
   if (!stream_) refuseFile(name_);
 }
 
+bool isFrameName(const std::string& name) {
+  static const std::regex kFrameName("frame_[0-9]{6,10}\\.ply");
+  return std::regex_match(name, kFrameName);
+}
+
 FrameFiles::FrameFiles(const std::string& directory, double rate, double time_step)
     : directory_(directory), pace_(rate, time_step) {
   std::error_code error;
   std::filesystem::create_directories(directory, error);
   if (!std::filesystem::is_directory(directory, error)) {
     throw InputError(directory + ": no folder, and none can be made; accepted: a folder for --frames");
+  }
+  for (const auto& entry : std::filesystem::directory_iterator(directory, error)) {
+    if (isFrameName(entry.path().filename().string())) {
+      throw InputError("--frames: found frames of an earlier run in " + quote(directory) +
+                       "; accepted: another folder, or this one without files frame_NUMBER.ply");
+    }
   }
 }
 

@@ -2,6 +2,7 @@
 // when it is complete.
 #pragma once
 
+#include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/ros/encode.h"
 #include "deformable_surface/ros/markers.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -14,24 +15,6 @@
 #include <string>
 
 namespace deformable_surface::node {
-
-/// A name that a finished file gets; what was written before under the temporary name is removed if it never does.
-class PendingFile {
- public:
-  /// Throws InputError if the name is that of a folder or device.
-  explicit PendingFile(std::string file);
-  ~PendingFile();
-  PendingFile(const PendingFile&) = delete;
-  PendingFile& operator=(const PendingFile&) = delete;
-
-  const std::string& temporary() const { return temporary_; }
-  /// Gives the file its name. Throws InputError.
-  void keep();
-
- private:
-  std::string file_, temporary_;
-  bool kept_ = false;
-};
 
 /// When the next output of a rate is due: at the first step at or after each multiple of its period, and at most once per step.
 class Pace {
@@ -56,13 +39,16 @@ class StatisticsFile {
   void check() const;
 
   std::string name_;
-  PendingFile file_;
+  io::PendingFile file_;
   std::ofstream stream_;
 };
 
 /// frame_000000.ply, frame_000001.ply, ...
+bool isFrameName(const std::string& name);
 class FrameFiles {
  public:
+  /// Makes the folder if there is none. Throws InputError if it cannot, or if the folder holds frames: the frames of two runs
+  /// would look like those of one.
   FrameFiles(const std::string& directory, double rate, double time_step);
   void add(double time, simulation::Simulation& simulation);
 
@@ -89,7 +75,7 @@ class OutputBag {
   };
 
   std::string name_;
-  PendingFile file_;
+  io::PendingFile file_;
   std::unique_ptr<rosbag::Bag, CloseOrLeave> bag_;
   Pace pace_;
   std::string frame_id_;

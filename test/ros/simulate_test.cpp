@@ -3,6 +3,8 @@
 
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/Statistics.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/io/point_files.h"
 
 #include <geometry_msgs/WrenchStamped.h>
@@ -255,6 +257,60 @@ TEST_F(Simulate, RefusesToOverwriteWhatItReads) {
   EXPECT_EQ(readFile(path("scene.yaml")), kScene);
   // Beside each other they are welcome.
   EXPECT_EQ(run({"--set", from_file, "--final", path("other.ply"), "--frames", path("frames")}), 0) << err_;
+}
+
+TEST_F(Simulate, RefusesAFolderThatHoldsFramesAlready) {
+  const std::vector<std::string> arguments{"--frames", path("frames"), "--final", path("out.ply")};
+  ASSERT_EQ(run(arguments), 0) << err_;
+  std::ofstream(path("frames/notes.txt")) << "kept";
+  const int num_frames = countFiles(".ply") - 1;
+  fs::remove(path("out.ply"));
+  EXPECT_EQ(run(arguments), 2);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  EXPECT_NE(err_.find("frames of an earlier run in " + quote(path("frames"))), std::string::npos) << err_;
+  EXPECT_EQ(countFiles(".ply"), num_frames);
+  // What is no frame may be there.
+  for (int i = 0; i < num_frames; ++i) fs::remove(path("frames/frame_00000" + std::to_string(i) + ".ply"));
+  std::ofstream(path("frames/frame_of_the_film.ply"));
+  EXPECT_EQ(run(arguments), 0) << err_;
+}
+
+TEST_F(Simulate, RefusesAnOutputWithTheNameOfAFrame) {
+  fs::create_directory(path("frames"));
+  EXPECT_EQ(run({"--frames", path("frames"), "--final", path("frames/frame_000000.ply")}), 2);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  EXPECT_NE(err_.find("--final"), std::string::npos) << err_;
+  EXPECT_EQ(countFiles(".ply"), 0);
+}
+
+TEST_F(Simulate, WritesThroughSymbolicLinks) {
+  fs::create_directory(path("shelf"));
+  std::ofstream(path("shelf/old.csv")) << "old";
+  const std::vector<std::pair<std::string, std::string>> links{
+      {"out.csv", "shelf/old.csv"}, {"out.ply", "shelf/new.ply"}, {"out.bag", "shelf/new.bag"}};
+  for (const auto& [link, target] : links) fs::create_symlink(target, path(link));  // relative to the folder of the link
+  fs::create_symlink("out.ply", path("again.ply"));
+  EXPECT_EQ(run({"--statistics", path("out.csv"), "--final", path("again.ply"), "--bag_out", path("out.bag")}), 0) << err_;
+  for (const auto& [link, target] : links) {
+    EXPECT_EQ(fs::read_symlink(path(link)), target);
+    EXPECT_TRUE(fs::is_regular_file(fs::symlink_status(path(target)))) << target;
+  }
+  EXPECT_TRUE(fs::is_symlink(path("again.ply")));
+  EXPECT_EQ(countLines(readFile(path("shelf/old.csv"))), 11u);
+  EXPECT_EQ(io::readPointFile(path("shelf/new.ply"), 1.0, 1000).size(), 100);
+  EXPECT_EQ(countFiles(".partial"), 0);
+
+  // Two links to one file that is not there yet, and links that lead nowhere.
+  fs::remove(path("shelf/new.bag"));
+  fs::create_symlink("shelf/new.bag", path("rows.csv"));
+  EXPECT_EQ(run({"--bag_out", path("out.bag"), "--statistics", path("rows.csv")}), 2);
+  EXPECT_NE(err_.find("accepted: another file"), std::string::npos) << err_;
+  fs::create_symlink("round.ply", path("round.ply"));
+  EXPECT_EQ(run({"--final", path("round.ply")}), 2);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  fs::create_symlink("missing/new.ply", path("nowhere.ply"));
+  EXPECT_EQ(run({"--final", path("nowhere.ply")}), 2);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
 }
 
 TEST_F(Simulate, EndsInOneLineWhenTheDiskIsFull) {

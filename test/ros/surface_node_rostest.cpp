@@ -206,6 +206,11 @@ TEST_F(SurfaceNodeTest, SavesUnderBareNamesOnly) {
     EXPECT_FALSE(client_->save(name).success) << name.substr(0, 20);
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), std::filesystem::directory_iterator()), 2);
+  // Nor does a link lead out of the directory.
+  const std::filesystem::path outside = directory_.string() + "_outside.ply";
+  std::filesystem::create_symlink(outside, directory_ / "link.ply");
+  EXPECT_FALSE(client_->save("link.ply").success);
+  EXPECT_FALSE(std::filesystem::exists(outside));
 }
 
 TEST_F(SurfaceNodeTest, AppliesAWrenchUntilItsTimeout) {

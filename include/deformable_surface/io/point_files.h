@@ -13,6 +13,9 @@ namespace deformable_surface::io {
 /// Gives the folder of a ROS package; throws InputError if there is none.
 using FindPackage = std::function<std::string(const std::string& package)>;
 
+/// The path of a file whose name may begin with package://NAME/. Throws InputError if the package is not there.
+std::string findPointFile(const std::string& file, const FindPackage& find_package);
+
 /// Reads a cloud: .pcd (ascii, binary, binary_compressed), .ply (ascii or binary; faces are left out) or .xyz (lines of x y z or
 /// of x y z nx ny nz and more). file may begin with package://NAME/. Positions are multiplied by scale (m per file unit). Rows
 /// that are not finite stay. Fields beyond position and normal become extra fields; a PLY's colours become one packed field, rgb
@@ -21,8 +24,8 @@ using FindPackage = std::function<std::string(const std::string& package)>;
 cloud::PointCloud readPointFile(const std::string& file, double scale, Index max_points, const FindPackage& find_package = {});
 
 /// Writes x y z, the normals and the displacement (n, or empty) as float32, and the extra fields, to a binary .ply or .pcd, under
-/// a temporary name that is renamed at the end. Width and height are kept in a .pcd. An extra field called displacement gives way
-/// to the displacement. Throws InputError if the name or the place is not accepted.
+/// a temporary name that is renamed at the end (pending_file.h). Width and height are kept in a .pcd. An extra field called
+/// displacement gives way to the displacement. Throws InputError if the name or the place is not accepted.
 void writePointFile(const std::string& file, const cloud::PointCloud& cloud, const std::vector<float>& displacement = {});
 
 /// Throws InputError unless writePointFile() knows the extension; for options that are used at the end of a long run.

@@ -1,0 +1,114 @@
+// Reading PLY files: the header is checked here for what PCL takes on trust, and PCL parses the rest.
+#include "point_files_read.h"
+
+#include "deformable_surface/base/value.h"
+
+#include <pcl/console/print.h>
+#include <pcl/io/ply_io.h>
+
+#include <algorithm>
+#include <exception>
+
+namespace deformable_surface::io {
+
+namespace {
+
+using cloud::ScalarType;
+
+std::uint64_t sizeOfPlyType(const std::string& file, const std::string& type) {
+  if (type == "char" || type == "uchar" || type == "int8" || type == "uint8") return 1;
+  if (type == "short" || type == "ushort" || type == "int16" || type == "uint16") return 2;
+  if (type == "int" || type == "uint" || type == "float" || type == "int32" || type == "uint32" || type == "float32") return 4;
+  if (type == "double" || type == "float64") return 8;
+  refuse(file, "found the property type " + quote(type) + "; accepted: char, uchar, short, ushort, int, uint, float, double");
+}
+
+/// Checks the header of a PLY file for all that PCL takes on trust. Returns the number of points.
+std::uint64_t checkPly(const std::string& file, Index max_points) {
+  const Head head = readHead(file, "end_header");
+  if (head.lines[0] != std::vector<std::string>{"ply"}) refuse(file, "found another first line than 'ply'; accepted: a PLY file");
+  std::string format;
+  std::vector<std::string> properties;  // of the vertices
+  std::uint64_t points = 0, step = 0;
+  int elements = 0;
+  for (const std::vector<std::string>& words : head.lines) {
+    if (words.empty()) continue;
+    if (words[0] == "format" && words.size() == 3) format = words[1];
+    if (words[0] == "obj_info" && words.size() > 1 && (words[1] == "num_cols" || words[1] == "num_rows")) {
+      refuse(file, "found a range grid; accepted: a plain list of vertices");
+    }
+    if (words[0] == "element" && words.size() == 3) {
+      const std::uint64_t count = toCount(file, words[2]);
+      if (count > head.file_bytes)
+        refuse(file, "found more elements " + quote(words[1]) + " than bytes; accepted: a complete file");
+      if ((++elements == 1) != (words[1] == "vertex")) refuse(file, "accepted: one element 'vertex', before all others");
+      if (words[1] == "range_grid") refuse(file, "found a range grid; accepted: a plain list of vertices");
+      if (elements == 1) points = count;
+    }
+    if (words[0] != "property" || elements != 1) continue;
+    if (words.size() != 3) refuse(file, "found a list among the properties of the vertices; accepted: single numbers");
+    const std::string &type = words[1], &name = words[2];
+    step += sizeOfPlyType(file, type);
+    if (std::count(properties.begin(), properties.end(), name))
+      refuse(file, "found the property " + quote(name) + " twice; accepted: once");
+    // Byte colours are packed by PCL as they come.
+    const std::string before = properties.empty() ? "" : properties.back();
+    if (type == "uchar" || type == "uint8") {
+      for (const std::string prefix : {"", "diffuse_"}) {
+        if ((name == prefix + "green" && before != prefix + "red") || (name == prefix + "blue" && before != prefix + "green") ||
+            (name == "alpha" && before != "blue" && before != "diffuse_blue")) {
+          refuse(file, "found the colour " + quote(name) + " out of its place; accepted: red, green, blue and then alpha");
+        }
+      }
+    }
+    if ((before == "red" && name != "green") || (before == "green" && name != "blue")) {
+      refuse(file, "found an incomplete colour; accepted: red, green and blue together");
+    }
+    properties.push_back(name);
+  }
+  const std::uint64_t body = head.file_bytes - head.header_bytes;
+  if (properties.size() > kMaxScalars)
+    refuse(file, "found too many properties; accepted: at most " + std::to_string(kMaxScalars));
+  if (format == "ascii") {
+    checkCounts(file, points, body + 1, points * properties.size() * kMinTextBytes, max_points);
+  } else if (format == "binary_little_endian" || format == "binary_big_endian") {
+    checkCounts(file, points, body, points * step, max_points);
+  } else {
+    refuse(file, "found the format " + quote(format) + "; accepted: ascii, binary_little_endian, binary_big_endian");
+  }
+  return points;
+}
+
+}  // namespace
+
+Table readPly(const std::string& file, Index max_points) {
+  Table table;
+  table.points = checkPly(file, max_points);
+  // PCL writes its complaints to the console; ours are exceptions.
+  pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
+  Eigen::Vector4f origin = Eigen::Vector4f::Zero();
+  Eigen::Quaternionf orientation = Eigen::Quaternionf::Identity();
+  int version = 0, failed = 0;
+  try {
+    failed = pcl::PLYReader().read(file, table.data, origin, orientation, version);
+  } catch (const std::exception& error) {
+    refuse(file, std::string("cannot be read: ") + error.what());
+  }
+  // A camera may have changed width and height, so the bytes tell what there is.
+  if (failed < 0 || table.data.point_step == 0 || table.data.data.size() != table.points * table.data.point_step) {
+    refuse(file, "found broken or missing rows; accepted: as many rows as the header says, each complete");
+  }
+  for (const pcl::PCLPointField& field : table.data.fields) {
+    const auto type = static_cast<std::uint8_t>(field.datatype);
+    if (type < static_cast<std::uint8_t>(ScalarType::kInt8) || type > static_cast<std::uint8_t>(ScalarType::kFloat64) ||
+        field.offset + std::uint64_t{field.count} * cloud::sizeOf(static_cast<ScalarType>(type)) > table.data.point_step) {
+      refuse(file, "found the field " + quote(field.name) + " of an unknown type; accepted: integers to 32 bits, floats");
+    }
+  }
+  table.data.width = static_cast<std::uint32_t>(table.points);
+  table.data.height = 1;
+  table.viewpoint = origin.head<3>().cast<double>();
+  return table;
+}
+
+}  // namespace deformable_surface::io
