@@ -2,7 +2,6 @@
 
 #include <ros/console.h>
 
-#include <cstdio>
 #include <cstring>
 #include <iterator>
 
@@ -77,12 +76,6 @@ std::string Complaints::last() const {
 bool Complaints::isRecent() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return !last_.empty() && Clock::now() - last_time_ < kSilence;
-}
-
-std::string formatShort(double value) {
-  char text[32];
-  std::snprintf(text, sizeof text, "%.3g", value);
-  return text;
 }
 
 }  // namespace deformable_surface::node

@@ -48,7 +48,4 @@ class Complaints {
   Clock::time_point last_time_;
 };
 
-/// A measured number in a sentence: no more digits than are read.
-std::string formatShort(double value);
-
 }  // namespace deformable_surface::node

@@ -11,7 +11,6 @@
 
 #include <deque>
 #include <map>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -28,10 +27,7 @@ class PendingCommands {
   void dropBefore(std::int64_t stamp);
   void clear() { commands_.clear(); }
   /// The surface is another or at rest again: the forces of before are gone.
-  void forgetForces() {
-    forces_.clear();
-    futile_.clear();
-  }
+  void forgetForces() { forces_.clear(); }
 
   /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival.
   void apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame);
@@ -41,15 +37,13 @@ class PendingCommands {
   std::uint64_t numApplied() const { return num_applied_; }
 
  private:
-  simulation::ForceParams apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
-  void checkPlace(const simulation::ForceParams& force, const simulation::Simulation& simulation);
+  void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
 
   const simulation::WrenchParams wrench_;
   const tf2::BufferCore& transforms_;
   Complaints& complaints_;
   std::deque<Command> commands_;          // in the order of arrival
   std::map<std::string, double> forces_;  // when they end, s of simulation time
-  std::set<std::string> futile_;          // forces told to be where they do not do what was meant
   int num_dropped_ = 0;
   std::uint64_t num_applied_ = 0;
 };

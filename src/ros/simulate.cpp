@@ -15,6 +15,7 @@
 #include "deformable_surface/ros/commands.h"
 #include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/expectations.h"
+#include "deformable_surface/simulation/loads.h"
 
 #include <ros/package.h>
 #include <unistd.h>
@@ -166,6 +167,7 @@ class Run {
   }
 
   int run() {
+    noteIdleForces();
     if (options_.bag_in.empty()) {
       begin(build(loadCloud(params_), "", 0), 0);
     } else {
@@ -339,6 +341,15 @@ class Run {
         statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
         static_cast<unsigned long long>(statistics.state_hash));
     terminal_.out << text << std::flush;
+  }
+
+  void noteIdleForces() {
+    for (const simulation::ForceParams& force : params_.forces) {
+      if (simulation::actsInAStep(force, params_.integrator.time_step, params_.duration)) continue;
+      note("force " + quote(force.id) + " acts in no step: its time begins at " + formatReal(force.start) + " s and ends at " +
+           formatReal(force.end) + " s, the run has steps of " + formatReal(params_.integrator.time_step) + " s from 0 s to " +
+           formatReal(params_.duration) + " s");
+    }
   }
 
   // What was taken of the bag, and what was not.

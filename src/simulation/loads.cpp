@@ -1,8 +1,17 @@
 #include "deformable_surface/simulation/loads.h"
 
+#include "deformable_surface/base/value.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::simulation {
+namespace {
+
+// Far more forces than a scene uses; names that keep changing must not fill the memory.
+constexpr std::size_t kMaxTold = 1000;
+
+}  // namespace
 
 void GravityLoad::addForces(double, const State&, Points& forces) const {
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += masses_[i] * gravity;
@@ -67,6 +76,13 @@ void AnchorLoad::addRowBounds(double, const State&, std::vector<double>& stiffne
   for (const Anchor& a : anchors_) stiffness[a.point] += a.stiffness;
 }
 
+bool actsInAStep(const ForceParams& force, double time_step, double duration) {
+  // The last digits of decimal fractions must not lose a step, as in Simulation::step().
+  const double rounding = 1e-6 * time_step;
+  const double first = std::max(0.0, std::ceil((force.start - rounding) / time_step)) * time_step;
+  return first + rounding < duration && first + rounding < force.end;
+}
+
 void NamedForces::set(const ForceParams& force) {
   remove(force.id);
   if (force.force.isZero(0.0)) return;
@@ -81,9 +97,10 @@ void NamedForces::remove(const std::string& id) {
   forces_.erase(std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return f.params.id == id; }), forces_.end());
 }
 
-void NamedForces::update(double time, const State& state) {
+std::string NamedForces::update(double time, const State& state, const std::vector<char>& pinned) {
   forces_.erase(std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return !(time < f.params.end); }),
                 forces_.end());
+  std::string notice;
   for (Named& f : forces_) {
     if (f.started || time < f.params.start) continue;
     f.started = true;
@@ -98,7 +115,31 @@ void NamedForces::update(double time, const State& state) {
     double total = 0.0;
     for (Index i : f.points) total += masses_[i];
     for (Index i : f.points) f.shares.push_back(masses_[i] / total);
+
+    const std::string problem = findMisplacement(f, state, pinned);
+    if (problem.empty()) {
+      told_.erase(f.params.id);
+      continue;
+    }
+    if (told_.size() >= kMaxTold) told_.clear();
+    if (!told_.insert(f.params.id).second) continue;
+    notice += (notice.empty() ? "force " : "; force ") + quote(f.params.id) + ": " + problem;
   }
+  return notice;
+}
+
+std::string NamedForces::findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned) {
+  const bool is_held = std::all_of(force.points.begin(), force.points.end(), [&](Index i) { return pinned[i] != 0; });
+  const double distance = (state.positions[force.points[0]] - force.params.point).norm();
+  if (force.params.radius > 0.0 && distance > force.params.radius) {
+    return "no simulation point lies within its radius of " + formatReal(force.params.radius) +
+           " m; it acts on the nearest one, " + formatShort(distance) + " m from its point" +
+           (is_held ? ", which is pinned" : "");
+  }
+  if (!is_held) return "";
+  return force.points.size() > 1
+             ? "all " + std::to_string(force.points.size()) + " simulation points that it acts on are pinned; it moves nothing"
+             : "the simulation point that it acts on is pinned; it moves nothing";
 }
 
 void NamedForces::addForces(double, const State&, Points& forces) const {

@@ -206,19 +206,24 @@ struct Simulation::Impl {
     StepOutcome outcome;
 
     // Commands. Rounding of the time must not lose a step to the one before.
-    forces.update(now + 1e-6 * dt, state);
+    outcome.notice = forces.update(now + 1e-6 * dt, state, pinned);
+    const auto addNotice = [&](const std::string& notice) {
+      if (!notice.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + notice;
+    };
     before = state;
 
     if (isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto) refreshStableStep(now);
-    outcome.notice = chooseIntegrator();
+    addNotice(chooseIntegrator());
 
     // Sub-steps; a step that went wrong is taken again with finer ones.
     solve::SolveReport report = advance(now, 1.0);
+    std::string retries;
     for (double share = 0.5; !report.finite && integrator_type == IntegratorType::kVerlet && share >= kSmallestShare; share *= 0.5) {
       state = before;
       report = advance(now, share);
-      outcome.notice = "a step was not finite and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+      retries = "a step was not finite and was taken again with " + std::to_string(report.substeps) + " sub-steps";
     }
+    addNotice(retries);
     if (!report.finite) {
       state = before;
       outcome.ok = false;
@@ -227,8 +232,8 @@ struct Simulation::Impl {
       return outcome;
     }
     if (!report.converged)
-      outcome.notice = "the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
-                       std::to_string(report.residual) + " N";
+      addNotice("the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
+                std::to_string(report.residual) + " N");
     ++steps;
     ++version;
     if (resampler) resample();
@@ -388,12 +393,10 @@ const cloud::PointCloud& Simulation::input() const { return impl_->input; }
 void Simulation::reset() { impl_->reset(); }
 
 void Simulation::setForce(const ForceParams& force) {
-  requireFinite(force.point, "force '" + force.id + "' point");
-  requireFinite(force.force, "force '" + force.id + "' force");
-  if (!(force.radius >= 0.0) || !std::isfinite(force.radius))
-    throw InputError("force '" + force.id + "' radius: found " + std::to_string(force.radius) + "; accepted: >= 0 m");
-  if (!(force.end >= force.start))
-    throw InputError("force '" + force.id + "' duration: its end is before its start; accepted: >= 0 s");
+  // The same checks as for the forces of a scene.
+  std::vector<std::string> problems = checkParams(force);
+  for (std::string& problem : problems) problem = "force " + quote(force.id) + " " + problem;
+  if (!problems.empty()) throw InputError(std::move(problems));
   impl_->forces.set(force);
 }
 

@@ -231,6 +231,7 @@ TEST(ReadScene, HoldsRulesAmongFields) {
             "pins[0].box: found min above max; accepted: min <= max in x, y and z");
   EXPECT_TRUE(contains(problemOf("pins: [{box: {min: [0, 0, 0]}}]"), "pins[0].box.max: missing"));
   EXPECT_TRUE(contains(problemOf("forces: [{id: a, point: [0, 0, 0], force: [0, 0, 0], start: 2, end: 1}]"), "forces[0].end"));
+  EXPECT_TRUE(contains(problemOf("forces: [{id: a, point: [0, 0, 0], force: [0, 0, 0], start: 2, end: 2}]"), "forces[0].end"));
   EXPECT_TRUE(contains(problemOf("forces: [{id: '', point: [0, 0, 0], force: [0, 0, 0]}]"), "forces[0].id"));
   EXPECT_TRUE(
       contains(problemOf("forces: [{id: a, point: [0, 0, 0], force: [0, 0, 0]}, {id: a, point: [0, 0, 0], force: [0, 0, 0]}]"),

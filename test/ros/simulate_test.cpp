@@ -335,6 +335,19 @@ TEST_F(Simulate, EndsInOneLineWhenTheDiskIsFull) {
   std::signal(SIGXFSZ, on_limit);
 }
 
+TEST_F(Simulate, NotesForcesOfTheSceneThatCannotDoWhatWasMeant) {
+  EXPECT_EQ(run({"--set", "pins=[{box: {min: [-1, -1, -1], max: [-0.4, 1, 1]}}]", "--set",
+                 "forces=[{id: late, point: [0, 0, 0], force: [0, 0, 1], start: 0.1},"
+                 "{id: far, point: [0, 0, 9], force: [0, 0, 1], radius: 0.1},"
+                 "{id: held, point: [-0.5, 0, 0], force: [0, 0, 1]}, {id: good, point: [0, 0, 0], force: [0, 0, 1]}]"}),
+            0)
+      << err_;
+  EXPECT_NE(out_.find("note: force 'late' acts in no step: its time begins at 0.1 s"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("force 'far': no simulation point lies within its radius of 0.1 m"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("force 'held': the simulation point that it acts on is pinned"), std::string::npos) << out_;
+  EXPECT_EQ(out_.find("'good'"), std::string::npos) << out_;
+}
+
 TEST_F(Simulate, NotesWhatIsNotAsExpected) {
   EXPECT_EQ(run({"--set", "expect={max_displacement: [1, 2], max_x: [0, 2]}"}), 0) << err_;
   EXPECT_NE(out_.find("note: not as expected: expect.max_displacement"), std::string::npos) << out_;

@@ -132,10 +132,11 @@ TEST(Anchors, HoldASurfaceWhereTheSpringsBalanceItsWeight) {
 
 TEST(NamedForces, AreSharedByMassAmongThePointsInTheirRadius) {
   const std::vector<double> masses{1.0, 2.0, 3.0, 4.0};
+  const std::vector<char> none(4, 0);
   simulation::NamedForces forces(masses);
   State state = still({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0), Vec3(9, 0, 0)});
   forces.set({"a", Vec3(1, 0, 0), Vec3(0, 0, 12), 1.0, 0.0, 1e300});
-  forces.update(0.0, state);
+  forces.update(0.0, state, none);
   const Points found = forcesOf(forces, state);
   EXPECT_DOUBLE_EQ(found[0].z(), 2.0);
   EXPECT_DOUBLE_EQ(found[1].z(), 4.0);
@@ -144,17 +145,61 @@ TEST(NamedForces, AreSharedByMassAmongThePointsInTheirRadius) {
   checkPotential(forces, state);
   // The points are kept although they move away.
   state.positions[0].x() = -100.0;
-  forces.update(1.0, state);
+  forces.update(1.0, state, none);
   EXPECT_DOUBLE_EQ(forcesOf(forces, state)[0].z(), 2.0);
 }
 
 TEST(NamedForces, TakeTheNearestPointWhereTheRadiusHoldsNone) {
   const std::vector<double> masses{1.0, 2.0};
+  const std::vector<char> none(2, 0);
   simulation::NamedForces forces(masses);
   const State state = still({Vec3(0, 0, 0), Vec3(1, 0, 0)});
   forces.set({"a", Vec3(0.6, 5, 0), Vec3(0, 0, 3), 0.1, 0.0, 1e300});
-  forces.update(0.0, state);
+  forces.update(0.0, state, none);
   EXPECT_DOUBLE_EQ(forcesOf(forces, state)[1].z(), 3.0);
+}
+
+TEST(NamedForces, TellOnceOfAForceThatActsFarAwayOrOnPinnedPointsOnly) {
+  const std::vector<double> masses{1.0, 2.0, 3.0};
+  const std::vector<char> pinned{1, 1, 0};
+  simulation::NamedForces forces(masses);
+  const State state = still({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)});
+  const auto put = [&](const Vec3& point, double radius) {
+    forces.set({"a", point, Vec3::UnitZ(), radius, 0.0, 1e300});
+    return forces.update(0.0, state, pinned);
+  };
+  const auto putAnew = [&](const Vec3& point, double radius) {
+    forces.clear();
+    return put(point, radius);
+  };
+  EXPECT_EQ(put(Vec3(2, 0, 0), 0.1), "");
+  EXPECT_EQ(put(Vec3(1, 0, 0), 1.0), "");  // one of its points is free
+  EXPECT_EQ(put(Vec3(2, 5, 0), 0.0), "");  // without a radius the nearest one is meant
+  EXPECT_EQ(put(Vec3(2, 5, 0), 0.1),
+            "force 'a': no simulation point lies within its radius of 0.1 m; it acts on the nearest one, 5 m from its point");
+  EXPECT_EQ(put(Vec3(2, 6, 0), 0.1), "");  // told
+  EXPECT_EQ(forces.update(0.0, state, pinned), "");
+  EXPECT_EQ(put(Vec3(2, 0, 0), 0.1), "");
+  EXPECT_NE(put(Vec3(2, 6, 0), 0.1), "");  // it was well meanwhile
+  EXPECT_NE(putAnew(Vec3(2, 6, 0), 0.1), "");
+  EXPECT_NE(putAnew(Vec3(-5, 0, 0), 0.1).find("5 m from its point, which is pinned"), std::string::npos);
+  EXPECT_EQ(putAnew(Vec3(0.9, 0, 0), 0.0), "force 'a': the simulation point that it acts on is pinned; it moves nothing");
+  EXPECT_EQ(putAnew(Vec3(0.5, 0, 0), 0.5), "force 'a': all 2 simulation points that it acts on are pinned; it moves nothing");
+}
+
+TEST(NamedForces, ActInTheStepsThatBeginInTheirWindow) {
+  const auto acts = [](double start, double end) {
+    return simulation::actsInAStep({"a", Vec3::Zero(), Vec3::UnitZ(), 0.0, start, end}, 0.1, 1.0);
+  };
+  EXPECT_TRUE(acts(0.0, 1e300));
+  EXPECT_TRUE(acts(-1e300, 0.05));
+  EXPECT_TRUE(acts(0.9, 1.0));
+  EXPECT_TRUE(acts(3 * 0.1, 0.35));  // rounded up
+  EXPECT_FALSE(acts(0.95, 1e300));   // the last step begins before
+  EXPECT_FALSE(acts(1.0, 2.0));
+  EXPECT_FALSE(acts(-1.0, 0.0));
+  EXPECT_FALSE(acts(0.22, 0.28));  // between two steps
+  EXPECT_FALSE(acts(1e300, 1e301));
 }
 
 }  // namespace

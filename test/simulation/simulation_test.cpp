@@ -143,6 +143,10 @@ TEST(Simulation, CommandsThatAreNotFiniteAreRefusedAndChangeNothing) {
   EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3::UnitX(), -1.0, 0.0, 1.0}), InputError);
   EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3::UnitX(), nan, 0.0, 1.0}), InputError);
   EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3::UnitX(), 0.0, 1.0, 0.0}), InputError);
+  // As in a scene.
+  EXPECT_THROW(s.setForce({"f", Vec3::Zero(), Vec3(1e300, 0, 0), 0.0, 0.0, 1.0}), InputError);
+  EXPECT_THROW(s.setForce({"f", Vec3(1e300, 0, 0), Vec3::UnitX(), 0.0, 0.0, 1.0}), InputError);
+  EXPECT_THROW(s.setForce({"", Vec3::Zero(), Vec3::UnitX(), 0.0, 0.0, 1.0}), InputError);
   EXPECT_THROW(s.setGravity(Vec3(0, 0, nan)), InputError);
   EXPECT_EQ(s.stateHash(), before);
   EXPECT_TRUE(s.activeForces().empty());

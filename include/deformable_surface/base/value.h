@@ -61,6 +61,9 @@ Value parseScalar(const std::string& text);
 /// The shortest decimal form that reads back as the same double.
 std::string formatReal(double value);
 
+/// A measured number in a sentence: no more digits than are read.
+std::string formatShort(double value);
+
 /// Text in quotes for a sentence: control characters are replaced, and long text is cut.
 std::string quote(const std::string& text);
 

@@ -4,6 +4,8 @@
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/solve/external_load.h"
 
+#include <set>
+#include <string>
 #include <utility>
 
 namespace deformable_surface::simulation {
@@ -72,6 +74,9 @@ class AnchorLoad : public solve::ExternalLoad {
   std::vector<Anchor> anchors_;
 };
 
+/// Whether the window of a force holds the beginning of a step of a run from 0 to duration (s).
+bool actsInAStep(const ForceParams& force, double time_step, double duration);
+
 /// Named forces: each keeps the points that it took when it started, shared in proportion to mass.
 class NamedForces : public solve::ExternalLoad {
  public:
@@ -80,10 +85,15 @@ class NamedForces : public solve::ExternalLoad {
   /// Adds the force or replaces the one of the same id; a zero force removes it.
   void set(const ForceParams& force);
   void remove(const std::string& id);
-  void clear() { forces_.clear(); }
+  void clear() {
+    forces_.clear();
+    told_.clear();
+  }
 
-  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave.
-  void update(double time, const State& state);
+  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. Returns
+  /// what a user should know of those that begin, else "": a force that takes its points far from where it was put, or pinned ones
+  /// only, is told of once, until one of its id is placed well.
+  std::string update(double time, const State& state, const std::vector<char>& pinned);
 
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
@@ -100,7 +110,10 @@ class NamedForces : public solve::ExternalLoad {
     std::vector<double> shares;  // sum to one
   };
   const std::vector<double>& masses_;
+  static std::string findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned);
+
   std::vector<Named> forces_;  // ascending id
+  std::set<std::string> told_;
 };
 
 }  // namespace deformable_surface::simulation

@@ -210,7 +210,7 @@ inline void visit(Fields& fields, ForceParams& p) {
   fields.number("radius", p.radius, "m", between(0.0, kMaxLength), "0 = the nearest simulation point");
   fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
   fields.number("end", p.end, "s", anyFinite(), "the default never ends");
-  fields.require(p.start <= p.end, "end", "found an end before the start; accepted: start <= end");
+  fields.require(p.start < p.end, "end", "found an end that is not after the start; accepted: start < end");
 }
 
 inline void visit(Fields& fields, WrenchParams& p) {

@@ -20,7 +20,8 @@ namespace deformable_surface::simulation {
 struct StepOutcome {
   bool ok = true;
   std::string problem;  // one sentence: which quantity, at which point, at which time
-  std::string notice;   // what a user should know though all is well (e.g. the integrator that auto fell back to); else empty
+  std::string notice;   // what a user should know though all is well (the integrator that auto fell back to, a force that begins
+                        // where it cannot do what was meant); else empty
 };
 
 /// The deformed surface: one row per input point in the input's order, then the inserted ones.
