@@ -13,7 +13,6 @@
 #include <chrono>
 #include <cstdint>
 #include <exception>
-#include <memory>
 #include <utility>
 
 namespace deformable_surface::node {
@@ -21,72 +20,28 @@ namespace {
 
 using XmlRpc::XmlRpcValue;
 
+// The first part of an answer of the master or slave API.
+constexpr int kSuccess = 1;
+
 // Restarts are rare and asking costs less than a millisecond.
 constexpr std::chrono::milliseconds kPeriod(1000);
 // A node that is shutting down takes itself out of the master's books before it says so: being missing counts when it lasts.
 constexpr std::chrono::milliseconds kGrace(200);
 
-template <class... Values>
-XmlRpcValue makeArguments(const Values&... values) {
-  XmlRpcValue arguments;
-  int i = 0;
-  arguments[i++] = ros::this_node::getName();
-  ((arguments[i++] = values), ...);
-  return arguments;
-}
+// A master answers within milliseconds; one that takes longer than this hangs.
+constexpr std::chrono::seconds kPatience(5);
+// How soon an end is noticed while an answer is awaited, s.
+constexpr double kLook = 0.05;
 
-/// Asks the master; false if it cannot be reached or refuses.
-template <class... Values>
-bool askMaster(const std::string& method, XmlRpcValue& answer, const Values&... values) {
-  XmlRpcValue response;
-  return ros::master::execute(method, makeArguments(values...), response, answer, false);
-}
-
-/// The slave API of this very process, which knows its topics with their types.
-class Self {
+/// Tells whether an answer may still come.
+class Client : public XmlRpc::XmlRpcClient {
  public:
-  explicit Self(const std::string& uri) {
-    std::string host;
-    std::uint32_t port = 0;
-    ros::network::splitURI(uri, host, port);
-    client_ = std::make_unique<XmlRpc::XmlRpcClient>(host.c_str(), static_cast<int>(port), "/");
-  }
-  template <class... Values>
-  XmlRpcValue ask(const char* method, const Values&... values) {
-    XmlRpcValue answer;
-    if (!client_->execute(method, makeArguments(values...), answer) || answer.getType() != XmlRpcValue::TypeArray ||
-        answer.size() < 3)
-      return XmlRpcValue();
-    return answer[2];
-  }
-
- private:
-  std::unique_ptr<XmlRpc::XmlRpcClient> client_;
+  using XmlRpcClient::XmlRpcClient;
+  bool isConnected() const { return _connectionState != NO_CONNECTION; }
+  void waitForEvents() { _disp.work(kLook); }
 };
 
 int count(const XmlRpcValue& list) { return list.getType() == XmlRpcValue::TypeArray ? list.size() : 0; }
-
-/// Connections that live are left alone; only the master's books are written again.
-void registerAll(const std::vector<std::string>& services, const std::string& uri, const std::string& service_uri) {
-  Self self(uri);
-  XmlRpcValue answer;
-
-  XmlRpcValue topics = self.ask("getPublications");
-  for (int i = 0; i < count(topics); ++i)
-    askMaster("registerPublisher", answer, std::string(topics[i][0]), std::string(topics[i][1]), uri);
-
-  topics = self.ask("getSubscriptions");
-  for (int i = 0; i < count(topics); ++i) {
-    const std::string topic = topics[i][0];
-    // Publishers that were faster than this node are told to nobody else.
-    if (askMaster("registerSubscriber", answer, topic, std::string(topics[i][1]), uri))
-      self.ask("publisherUpdate", topic, answer);
-  }
-
-  for (const std::string& service : services) askMaster("registerService", answer, service, service_uri, uri);
-  for (const char* service : {"/get_loggers", "/set_logger_level"})
-    askMaster("registerService", answer, ros::this_node::getName() + service, service_uri, uri);
-}
 
 }  // namespace
 
@@ -111,17 +66,64 @@ bool RegistrationWatchdog::waitOrEnd(std::chrono::milliseconds time) {
   return ended_.wait_for(lock, time, [this] { return is_ended_; }) || !ros::ok() || ros::isShuttingDown();
 }
 
+// Not by roscpp's own calls: they wait for ever, and their clients are deleted under them when roscpp shuts down.
+template <class... Values>
+std::optional<XmlRpcValue> RegistrationWatchdog::ask(const std::string& uri, const char* method, const Values&... values) {
+  XmlRpcValue arguments, answer;
+  int i = 0;
+  arguments[i++] = ros::this_node::getName();
+  ((arguments[i++] = values), ...);
+
+  std::string host;
+  std::uint32_t port = 0;
+  if (!ros::network::splitURI(uri, host, port)) return std::nullopt;
+  Client client(host.c_str(), static_cast<int>(port), "/");
+  const auto give_up = std::chrono::steady_clock::now() + kPatience;
+  if (!client.executeNonBlock(method, arguments)) return std::nullopt;
+  while (!client.executeCheckDone(answer)) {
+    if (!client.isConnected() || waitOrEnd(std::chrono::milliseconds(0)) || std::chrono::steady_clock::now() > give_up)
+      return std::nullopt;
+    client.waitForEvents();
+  }
+  if (client.isFault() || count(answer) < 3) return std::nullopt;
+  return answer;
+}
+
+bool RegistrationWatchdog::isMissing() {
+  std::optional<XmlRpcValue> answer = ask(ros::master::getURI(), "lookupNode", ros::this_node::getName());
+  return answer && static_cast<int>((*answer)[0]) != kSuccess;
+}
+
+void RegistrationWatchdog::registerAll() {
+  const std::string master = ros::master::getURI();
+
+  if (std::optional<XmlRpcValue> topics = ask(uri_, "getPublications")) {
+    for (int i = 0; i < count((*topics)[2]); ++i)
+      ask(master, "registerPublisher", std::string((*topics)[2][i][0]), std::string((*topics)[2][i][1]), uri_);
+  }
+
+  if (std::optional<XmlRpcValue> topics = ask(uri_, "getSubscriptions")) {
+    for (int i = 0; i < count((*topics)[2]); ++i) {
+      const std::string topic = (*topics)[2][i][0];
+      std::optional<XmlRpcValue> publishers = ask(master, "registerSubscriber", topic, std::string((*topics)[2][i][1]), uri_);
+      // Publishers that were faster than this node are told to nobody else.
+      if (publishers && static_cast<int>((*publishers)[0]) == kSuccess) ask(uri_, "publisherUpdate", topic, (*publishers)[2]);
+    }
+  }
+
+  for (const std::string& service : services_) ask(master, "registerService", service, service_uri_, uri_);
+  for (const char* service : {"/get_loggers", "/set_logger_level"})
+    ask(master, "registerService", ros::this_node::getName() + service, service_uri_, uri_);
+}
+
 void RegistrationWatchdog::run() {
-  const auto isMissing = [] {
-    XmlRpcValue answer;
-    return !askMaster("lookupNode", answer, ros::this_node::getName()) && ros::master::check();
-  };
   while (!waitOrEnd(kPeriod)) {
     try {
       if (!isMissing()) continue;
       if (waitOrEnd(kGrace)) return;
       if (!isMissing()) continue;
-      registerAll(services_, uri_, service_uri_);
+      registerAll();
+      if (waitOrEnd(std::chrono::milliseconds(0))) return;
       ROS_WARN("the roscore was restarted; %s registered itself again", ros::this_node::getName().c_str());
     } catch (const XmlRpc::XmlRpcException& error) {
       ROS_ERROR("registering again after a restart of the roscore failed: %s", error.getMessage().c_str());

@@ -2,9 +2,12 @@
 // new could find it, while old connections live on.
 #pragma once
 
+#include <xmlrpcpp/XmlRpcValue.h>
+
 #include <chrono>
 #include <condition_variable>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -22,6 +25,14 @@ class RegistrationWatchdog {
 
  private:
   void run();
+  /// True if a master that can be reached does not know this process.
+  bool isMissing();
+  /// Connections that live are left alone; only the master's books are written again.
+  void registerAll();
+  /// Asks a master or a slave API, of which this process has one that knows its topics with their types: the name of the node and
+  /// the values in, code, text and value out. Nothing if no answer comes, or the process ends meanwhile.
+  template <class... Values>
+  std::optional<XmlRpc::XmlRpcValue> ask(const std::string& uri, const char* method, const Values&... values);
   /// True if the process ends meanwhile.
   bool waitOrEnd(std::chrono::milliseconds time);
 
