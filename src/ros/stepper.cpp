@@ -78,7 +78,7 @@ bool Stepper::turn(Inbox::SteadyTime until) {
 Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   const auto now = steady_clock::now();
   if (waiting_cloud_ || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
-  if (!simulation_ || is_paused_ || !is_gravity_known_) return until;
+  if (!simulation_ || isPaused() || !is_gravity_known_) return until;
   if (isDue()) return now;
   // A simulated clock wakes the inbox itself.
   if (is_clock_simulated_) return until;
@@ -121,7 +121,7 @@ void Stepper::restart(std::int64_t now) {
 }
 
 void Stepper::letGoOfLag() {
-  if (!simulation_ || is_paused_ || !is_gravity_known_ || is_clock_simulated_) return;
+  if (!simulation_ || isPaused() || !is_gravity_known_ || is_clock_simulated_) return;
   const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
   if (!(lag > kMaxLag)) return;
   schedule_.skip(lag);
@@ -206,11 +206,11 @@ std::string Stepper::obstacle() {
 }
 
 bool Stepper::isDue() const {
-  return simulation_ && !is_paused_ && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
+  return simulation_ && !isPaused() && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
 }
 
 void Stepper::setPaused(bool paused) {
-  if (is_paused_ && !paused && simulation_) schedule_.skipTo(now_, simulation_->stepCount());
+  if (isPaused() && !paused && simulation_) schedule_.skipTo(now_, simulation_->stepCount());
   if (!paused) is_failed_ = false;
   is_paused_ = paused;
 }
@@ -238,7 +238,7 @@ bool Stepper::takeStep() {
   step_seconds_ = timer.seconds();
   if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
   if (!outcome.ok) {
-    is_failed_ = is_paused_ = true;
+    is_failed_ = true;
     complaints_.report(Complaint::kStep,
                        outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
     return false;

@@ -44,7 +44,8 @@ class Stepper {
   /// Null while there is no surface.
   simulation::Simulation* simulation() { return simulation_.get(); }
   const std::string& frame() const { return frame_; }
-  bool isPaused() const { return is_paused_; }
+  /// By ~pause, or after a failed step until ~pause false, a reset or a new cloud.
+  bool isPaused() const { return is_paused_ || is_failed_; }
   void setPaused(bool paused);
   void reset();
   /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
@@ -87,7 +88,8 @@ class Stepper {
   std::int64_t now_ = 0;  // ns of the ROS clock; 0 = there is no valid time yet
   std::unique_ptr<WaitingCloud> waiting_cloud_;
   PendingCommands commands_;
-  bool is_paused_ = false, is_failed_ = false, is_gravity_known_ = false;
+  bool is_paused_ = false;  // asked for
+  bool is_failed_ = false, is_gravity_known_ = false;
   // s of wall time: the commands of the last step, all of the last step, the last frame.
   double time_input_ = 0.0, step_seconds_ = 0.0, frame_seconds_ = 0.0;
 
