@@ -22,6 +22,9 @@ file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
 file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/*nodelet.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet)\\.cpp$")
 
+# Installed programs find the libraries beside them without a ROS environment.
+set(CMAKE_INSTALL_RPATH "$ORIGIN/..;$ORIGIN")
+
 # The core sees neither catkin's include directories nor PCL's.
 add_library(deformable_surface_core ${core_sources})
 target_include_directories(deformable_surface_core PUBLIC include)
