@@ -127,7 +127,7 @@ std::string describeOptions() {
          "  --set KEY=VALUE       override one scene value by its dotted path, e.g. integrator.time_step=0.002; repeatable\n"
          "  --duration S          simulated seconds, a multiple of the time step (else the scene's duration)\n"
          "  --final FILE          the full cloud after the last step, with normals; .ply or .pcd\n"
-         "  --frames DIR          the full cloud as numbered files, the state at time 0 first; a folder without any\n"
+         "  --frames DIR          the full cloud as numbered files from time 0 on; a folder that holds no frames yet\n"
          "  --frame_rate HZ       of --frames and at most one per step (else the scene's output.publish_rate)\n"
          "  --bag_in IN.bag       take clouds, forces and wrenches from a bag, in stamp order, instead of the scene's cloud\n"
          "  --topic NAME=TOPIC    where in the bag: cloud_in, force or wrench (else /deformable_surface/NAME); repeatable\n"

@@ -108,7 +108,7 @@ enum class Answer { kBeforeTheWatchdogEnds, kNever };
 
 class RegistrationWatchdogDeathTest : public testing::Test {
  protected:
-  void SetUp() override { GTEST_FLAG_SET(death_test_style, "threadsafe"); }
+  void SetUp() override { testing::GTEST_FLAG(death_test_style) = "threadsafe"; }
 };
 
 TEST_F(RegistrationWatchdogDeathTest, LivesThroughAShutdownBetweenQuestionAndAnswer) {
