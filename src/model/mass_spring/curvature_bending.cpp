@@ -150,22 +150,31 @@ CurvatureBending::Shape CurvatureBending::shapeOf(Index i, const Derivatives& d)
   return s;
 }
 
-void CurvatureBending::addForces(const State& state, Points& forces) const {
+void CurvatureBending::pad(const State& state) const {
   const Index n = neighbors_.size();
   padded_.resize(4 * n);
   for (Index i = 0; i < n; ++i)
     for (int c = 0; c < 3; ++c) padded_[4 * i + c] = state.positions[i][c];
+}
+
+CurvatureBending::Shape CurvatureBending::shapeOfPadded(Index i) const {
+  Derivatives derivatives;
+  const Index first = neighbors_.offsets[i];
+  sumDerivatives(neighbors_.count(i), &neighbors_.items[first], rows_[first].first.data(), padded_.data(), derivatives);
+  return shapeOf(i, derivatives);
+}
+
+void CurvatureBending::addForces(const State& state, Points& forces) const {
+  const Index n = neighbors_.size();
+  pad(state);
   // The moment of every point.
   parallelFor(n, kBlock, [&](Index begin, Index end) {
-    Derivatives derivatives;
     for (Index i = begin; i < end; ++i) {
       if (weight_[i] == 0.0) {
         moment_[i] = Moment{};
         continue;
       }
-      const Index first = neighbors_.offsets[i];
-      sumDerivatives(neighbors_.count(i), &neighbors_.items[first], rows_[first].first.data(), padded_.data(), derivatives);
-      const Shape s = shapeOf(i, derivatives);
+      const Shape s = shapeOfPadded(i);
       Eigen::Map<Vec3>(moment_[i].normal) = s.normal;
       const Vec3 second = weight_[i] * kMultiplicity.cwiseProduct(s.change);
       Eigen::Map<Vec3>(moment_[i].second) = second;
@@ -189,11 +198,12 @@ void CurvatureBending::addForces(const State& state, Points& forces) const {
 }
 
 double CurvatureBending::energy(const State& state) const {
+  pad(state);
   return parallelSum(neighbors_.size(), kBlock, [&](Index begin, Index end) {
     double sum = 0.0;
     for (Index i = begin; i < end; ++i) {
       if (weight_[i] == 0.0) continue;
-      const Vec3 change = shapeAt(i, state).change;
+      const Vec3 change = shapeOfPadded(i).change;
       sum += 0.5 * weight_[i] * change.dot(kMultiplicity.cwiseProduct(change));
     }
     return sum;

@@ -55,6 +55,14 @@ struct Batch {
   double edge1[3][kSize], edge2[3][kSize];    // from the first corner, m
   double force1[3][kSize], force2[3][kSize];  // on the second and third corner, N
   double determinant[kSize];                  // 0 = collapsed: the forces are not valid
+  double energy[kSize];                       // J
+
+  void collect(Index lane, const Vec3& origin, const Vec3& second, const Vec3& third) {
+    for (int c = 0; c < 3; ++c) {
+      edge1[c][lane] = second[c] - origin[c];
+      edge2[c][lane] = third[c] - origin[c];
+    }
+  }
 };
 
 // The forces of a batch. inverse: (4 x kSize) for the batch, rows i00, i01, i10, i11. Returns true if any triangle is collapsed.
@@ -89,6 +97,29 @@ DEFORMABLE_SURFACE_WIDE bool computeForces(Index size, double two_mu, double lam
     batch.force2[2][l] = w * (p1z * c + p2z * d);
   }
   return std::find(batch.determinant, batch.determinant + size, 0.0) != batch.determinant + size;
+}
+
+// The energies of a batch. With the stretches s1, s2: mu (|F - R|^2) = mu/2 ((T - 2)^2 + (s1 - s2)^2), and s1 - s2 is the length of
+// n x f1 - f2, in which nothing large cancels; a collapsed triangle has s1 - s2 = |F|.
+DEFORMABLE_SURFACE_WIDE void computeEnergies(Index size, double mu, double lambda, const double* inverse, const double* area,
+                                             Batch& batch) {
+  const double *i00 = inverse, *i01 = inverse + Batch::kSize, *i10 = inverse + 2 * Batch::kSize, *i11 = inverse + 3 * Batch::kSize;
+#pragma GCC ivdep
+  for (Index l = 0; l < size; ++l) {
+    const double a = i00[l], b = i01[l], c = i10[l], d = i11[l];
+    const double f1x = batch.edge1[0][l] * a + batch.edge2[0][l] * c, f2x = batch.edge1[0][l] * b + batch.edge2[0][l] * d;
+    const double f1y = batch.edge1[1][l] * a + batch.edge2[1][l] * c, f2y = batch.edge1[1][l] * b + batch.edge2[1][l] * d;
+    const double f1z = batch.edge1[2][l] * a + batch.edge2[2][l] * c, f2z = batch.edge1[2][l] * b + batch.edge2[2][l] * d;
+    const double cx = f1y * f2z - f1z * f2y, cy = f1z * f2x - f1x * f2z, cz = f1x * f2y - f1y * f2x;
+    const double J = std::sqrt(cx * cx + cy * cy + cz * cz);
+    const double squares = f1x * f1x + f1y * f1y + f1z * f1z + f2x * f2x + f2y * f2y + f2z * f2z;
+    const double dilation = std::sqrt(squares + 2.0 * J) - 2.0;
+    const double safe = J > 0.0 ? J : 1.0;
+    const double nx = cx / safe, ny = cy / safe, nz = cz / safe;
+    const double dx = ny * f1z - nz * f1y - f2x, dy = nz * f1x - nx * f1z - f2y, dz = nx * f1y - ny * f1x - f2z;
+    const double difference = J > 0.0 ? dx * dx + dy * dy + dz * dz : squares;
+    batch.energy[l] = 0.5 * area[l] * (mu * (dilation * dilation + difference) + lambda * dilation * dilation);
+  }
 }
 
 }  // namespace
@@ -141,12 +172,7 @@ void TriangleMembrane::addForces(const State& state, Points& forces) const {
       const Index size = std::min(Batch::kSize, block_end - begin);
       for (Index l = 0; l < size; ++l) {
         const Element& e = elements_[begin + l];
-        const Vec3& origin = state.positions[e.corner[0]];
-        const Vec3 e1 = state.positions[e.corner[1]] - origin, e2 = state.positions[e.corner[2]] - origin;
-        for (int c = 0; c < 3; ++c) {
-          batch.edge1[c][l] = e1[c];
-          batch.edge2[c][l] = e2[c];
-        }
+        batch.collect(l, state.positions[e.corner[0]], state.positions[e.corner[1]], state.positions[e.corner[2]]);
       }
       const bool collapsed = computeForces(size, 2.0 * mu_, lambda_, &inverse_[4 * begin], &area_[begin], batch);
       for (Index l = 0; l < size; ++l) {
@@ -183,13 +209,17 @@ Mat32 TriangleMembrane::cornerForces(Index t, const State& state) const {
 }
 
 double TriangleMembrane::energy(const State& state) const {
-  return parallelSum(static_cast<Index>(elements_.size()), kBlock, [&](Index begin, Index end) {
+  return parallelSum(static_cast<Index>(elements_.size()), kBlock, [&](Index block_begin, Index block_end) {
+    Batch batch;
     double sum = 0.0;
-    for (Index t = begin; t < end; ++t) {
-      const Element& e = elements_[t];
-      const Mat32 F = gradient(e, state);
-      const Polar p = decompose(F, t);
-      sum += e.area * (mu_ * (F - p.rotation).squaredNorm() + 0.5 * lambda_ * (p.trace - 2.0) * (p.trace - 2.0));
+    for (Index begin = block_begin; begin < block_end; begin += Batch::kSize) {
+      const Index size = std::min(Batch::kSize, block_end - begin);
+      for (Index l = 0; l < size; ++l) {
+        const Element& e = elements_[begin + l];
+        batch.collect(l, state.positions[e.corner[0]], state.positions[e.corner[1]], state.positions[e.corner[2]]);
+      }
+      computeEnergies(size, mu_, lambda_, &inverse_[4 * begin], &area_[begin], batch);
+      for (Index l = 0; l < size; ++l) sum += batch.energy[l];
     }
     return sum;
   });

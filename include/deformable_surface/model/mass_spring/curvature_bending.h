@@ -49,6 +49,9 @@ class CurvatureBending {
   };
   Shape shapeAt(Index i, const State& state) const;
   Shape shapeOf(Index i, const Derivatives& derivatives) const;
+  // Copies the positions to padded_, and the shape from there: the fast way where all points are wanted.
+  void pad(const State& state) const;
+  Shape shapeOfPadded(Index i) const;
 
   // Constants. The point itself is the first of its own list.
   Lists neighbors_;
