@@ -36,6 +36,21 @@ double PressureLoad::potential(double, const State& state) const {
   return model_.isClosed() ? -pressure_ * model_.enclosedVolume(state) : 0.0;
 }
 
+double PressureLoad::estimateWork(double, const State& before, const State& after) const {
+  if (model_.isClosed()) return 0.0;
+  const Index n = before.size();
+  between_.positions.resize(n);
+  for (Index i = 0; i < n; ++i) between_.positions[i] = 0.5 * (before.positions[i] + after.positions[i]);
+  double largest = 0.0;
+  for (const State* state : {&before, static_cast<const State*>(&between_), &after}) {
+    model_.computeAreaVectors(*state, area_);
+    double work = 0.0;
+    for (Index i = 0; i < n; ++i) work += pressure_ * area_[i].dot(after.positions[i] - before.positions[i]);
+    largest = std::max(largest, work);
+  }
+  return largest;
+}
+
 void DragLoad::addForces(double, const State& state, Points& forces) const {
   model_.computeAreaVectors(state, area_);
   for (std::size_t i = 0; i < forces.size(); ++i) {
@@ -97,13 +112,14 @@ void NamedForces::remove(const std::string& id) {
   forces_.erase(std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return f.params.id == id; }), forces_.end());
 }
 
-std::string NamedForces::update(double time, const State& state, const std::vector<char>& pinned) {
-  forces_.erase(std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return !(time < f.params.end); }),
-                forces_.end());
-  std::string notice;
+NamedForces::Update NamedForces::update(double time, const State& state, const std::vector<char>& pinned) {
+  const auto over = std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return !(time < f.params.end); });
+  Update update;
+  update.changed = over != forces_.end();
+  forces_.erase(over, forces_.end());
   for (Named& f : forces_) {
     if (f.started || time < f.params.start) continue;
-    f.started = true;
+    f.started = update.changed = true;
     // The points within the radius, else the nearest one.
     Index nearest = 0;
     for (Index i = 0; i < state.size(); ++i) {
@@ -123,9 +139,9 @@ std::string NamedForces::update(double time, const State& state, const std::vect
     }
     if (told_.size() >= kMaxTold) told_.clear();
     if (!told_.insert(f.params.id).second) continue;
-    notice += (notice.empty() ? "force " : "; force ") + quote(f.params.id) + ": " + problem;
+    update.notice += (update.notice.empty() ? "force " : "; force ") + quote(f.params.id) + ": " + problem;
   }
-  return notice;
+  return update;
 }
 
 std::string NamedForces::findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned) {

@@ -5,6 +5,7 @@
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/solve/energy_guard.h"
 #include "deformable_surface/solve/integrator.h"
 #include "deformable_surface/solve/stable_step.h"
 #include "deformable_surface/transfer/resample.h"
@@ -21,9 +22,10 @@ namespace {
 using solve::IntegratorType;
 
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
-constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry of a step that was not finite
+constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry of a step that was not sound
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
 constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
+constexpr double kMaxSpeed = 1e8;        // m/s that a given state may have: a third of that of light is no surface's
 constexpr Index kBlock = 4096;
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -35,6 +37,19 @@ void requireFinite(const Vec3& v, const std::string& what) {
   if (!v.allFinite()) throw InputError(what + ": found a value that is not finite; accepted: finite numbers");
 }
 
+bool isWithin(const Vec3& v, double largest) { return (v.array().abs() <= largest).all(); }
+
+// FNV-1a over the 64-bit words.
+std::uint64_t hashPoints(const Points& points, std::uint64_t h = 14695981039346656037ull) {
+  for (const Vec3& p : points)
+    for (int c = 0; c < 3; ++c) {
+      std::uint64_t bits;
+      std::memcpy(&bits, &p[c], sizeof bits);
+      h = (h ^ bits) * 1099511628211ull;
+    }
+  return h;
+}
+
 Index nearestPoint(const Points& points, const Vec3& to) {
   Index nearest = 0;
   for (Index i = 1; i < static_cast<Index>(points.size()); ++i)
@@ -43,6 +58,21 @@ Index nearestPoint(const Points& points, const Vec3& to) {
 }
 
 }  // namespace
+
+struct Snapshot::Contents {
+  std::uint64_t scene;  // see Simulation::Impl::identify()
+  State state;
+  std::uint64_t steps;
+  std::vector<char> pinned;
+  Vec3 gravity;
+  std::vector<NamedForces::Named> forces;
+  IntegratorType integrator_type;
+  double max_substep, stretch_at_estimate;
+  bool estimate_needed;
+  solve::EnergyGuard::Memory energy;
+  std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
+  Statistics statistics;
+};
 
 struct Simulation::Impl {
   // Given.
@@ -71,9 +101,11 @@ struct Simulation::Impl {
   double max_substep = 0.0;
   double stretch_at_estimate = 0.0;
   bool estimate_needed = true;
+  solve::EnergyGuard guard;
 
   // Results and scratch.
-  State before;
+  State before, portion_start;
+  double work = 0.0;  // J, put in during the step by loads without a potential
   Statistics statistics;
   std::unique_ptr<transfer::Resampler> resampler;
   transfer::Transfer inserted_transfer;
@@ -124,19 +156,63 @@ struct Simulation::Impl {
     for (const ForceParams& force : params.forces) forces.set(force);
     estimate_needed = true;
     integrators.clear();
+    guard.restart();
     if (params.output.resample) makeResampler();
     statistics = Statistics{};
     measure();
     ++version;
   }
 
+  // Of what stays the same from step to step: the points at rest and the scene but for what a step or its caller does not read. FNV-1a.
+  std::uint64_t identify() const {
+    SceneParams scene = params;
+    scene.cloud = CloudParams();
+    scene.duration = SceneParams().duration;
+    scene.threads = 0;
+    scene.save_directory.clear();
+    scene.expect.clear();
+    std::uint64_t h = 14695981039346656037ull;
+    for (unsigned char c : toYaml(printParams(scene))) h = (h ^ c) * 1099511628211ull;
+    h = hashPoints(rest.points, h);
+    return hashPoints(rest.dense.positions, h);
+  }
+
+  std::shared_ptr<const Snapshot::Contents> save() const {
+    return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
+        identify(), state, steps, pinned, gravity.gravity, forces.all(), integrator_type, max_substep, stretch_at_estimate,
+        estimate_needed, guard.memory(), resampler ? std::make_shared<const transfer::Resampler>(*resampler) : nullptr, statistics});
+  }
+
+  void restore(const Snapshot::Contents& saved) {
+    state = saved.state;
+    steps = saved.steps;
+    pinned = saved.pinned;
+    gravity.gravity = saved.gravity;
+    forces.restore(saved.forces);
+    // Integrators remember nothing between steps but the pattern of their matrix, which is that of the surface.
+    integrators.clear();
+    integrator_type = saved.integrator_type;
+    max_substep = saved.max_substep;
+    stretch_at_estimate = saved.stretch_at_estimate;
+    estimate_needed = saved.estimate_needed;
+    guard.setMemory(saved.energy);
+    if (saved.resampler) resampler = std::make_unique<transfer::Resampler>(*saved.resampler);
+    forgetInserted();
+    statistics = saved.statistics;
+    ++version;
+  }
+
+  void forgetInserted() {
+    inserted_transfer = transfer::Transfer();
+    inserted_now.clear();
+    inserted_normals_now.clear();
+  }
+
   void makeResampler() {
     const cloud::Rings rings = cloud::buildRings(rest.dense.positions, rest.dense.normals, rest.dense_neighbors);
     const Index room = std::max<Index>(0, params.input.max_points - static_cast<Index>(rest.dense.positions.size()));
     resampler = std::make_unique<transfer::Resampler>(rest.dense.positions, rest.dense.normals, rings, kResampleStretch, room);
-    inserted_transfer = transfer::Transfer();
-    inserted_now.clear();
-    inserted_normals_now.clear();
+    forgetInserted();
   }
 
   // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
@@ -175,19 +251,23 @@ struct Simulation::Impl {
   // the stable step is looked at again: within a long step the surface can become another.
   solve::SolveReport advance(double now, double share) {
     const double dt = params.integrator.time_step;
-    if (integrator_type != IntegratorType::kVerlet)
-      return integrator(integrator_type).advance(system, now, dt, share * max_substep, state);
+    work = 0.0;
+    if (integrator_type != IntegratorType::kVerlet) {
+      const solve::SolveReport report = integrator(integrator_type).advance(system, now, dt, share * max_substep, state);
+      work = system.estimateWork(now + dt, before, state);
+      return report;
+    }
     solve::SolveReport total;
     double done = 0.0;
     for (;;) {
       const Index left = solve::countSubsteps(dt - done, share * max_substep);
-      if (params.integrator.type == IntegratorType::kAuto && total.substeps + left > params.integrator.max_substeps) {
-        // The surface has become too stiff within the step: the whole of it is taken implicitly.
-        state = before;
-        return integrator(IntegratorType::kImplicit).advance(system, now, dt, max_substep, state);
-      }
+      // The surface has become too stiff within the step: the whole of it is taken implicitly.
+      if (params.integrator.type == IntegratorType::kAuto && total.substeps + left > params.integrator.max_substeps)
+        return advanceImplicitly(now);
       const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
+      portion_start = state;
       const solve::SolveReport report = integrator(IntegratorType::kVerlet).advance(system, now + done, portion, share * max_substep, state);
+      work += system.estimateWork(now + done + portion, portion_start, state);
       total.finite = report.finite;
       total.substeps += report.substeps;
       total.time_forces += report.time_forces;
@@ -195,6 +275,41 @@ struct Simulation::Impl {
       done += portion;
       refreshStableStep(now + done);
     }
+  }
+
+  solve::SolveReport advanceImplicitly(double now) {
+    const double dt = params.integrator.time_step;
+    state = before;
+    const solve::SolveReport report = integrator(IntegratorType::kImplicit).advance(system, now, dt, max_substep, state);
+    work = system.estimateWork(now + dt, before, state);
+    return report;
+  }
+
+  // To the state before the step. What was measured on the way of a step that went wrong is worth nothing.
+  void goBack(double now) {
+    state = before;
+    if (!estimatesStableStep()) return;
+    estimate_needed = true;
+    refreshStableStep(now);
+  }
+
+  bool estimatesStableStep() const {
+    return isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto;
+  }
+
+  bool isSound(double now, const solve::SolveReport& report) {
+    if (!report.finite) return false;
+    const double dt = params.integrator.time_step;
+    const bool published = integrator_type == IntegratorType::kExplicitEuler;
+    return guard.accepts(system, now + dt, state, dt / report.substeps, work,
+                         published ? solve::EnergyGuard::kFadeOfPublished : solve::EnergyGuard::kFade);
+  }
+
+  // What was wrong with the step, as the end of "a step ...".
+  std::string describeFailure(const solve::SolveReport& report) const {
+    if (!report.finite) return "gave values that are not finite";
+    return "raised the energy from " + formatReal(guard.energyBefore()) + " to " + formatReal(guard.energyAfter()) +
+           " J, and by " + formatReal(guard.excess()) + " J in all beyond what was put in,";
   }
 
   // One step, in this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer,
@@ -206,31 +321,45 @@ struct Simulation::Impl {
     StepOutcome outcome;
 
     // Commands. Rounding of the time must not lose a step to the one before.
-    outcome.notice = forces.update(now + 1e-6 * dt, state, pinned);
+    NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
+    if (update.changed) guard.loadsChanged();
+    outcome.notice = std::move(update.notice);
     const auto addNotice = [&](const std::string& notice) {
       if (!notice.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + notice;
     };
     before = state;
+    guard.beginStep(system, now, state);
 
-    if (isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto) refreshStableStep(now);
+    if (estimatesStableStep()) refreshStableStep(now);
     addNotice(chooseIntegrator());
 
-    // Sub-steps; a step that went wrong is taken again with finer ones.
+    // Sub-steps; a step that went wrong is taken again with finer ones, and by auto implicitly in the end.
     solve::SolveReport report = advance(now, 1.0);
+    bool sound = isSound(now, report);
+    const bool has_substeps = integrator_type == IntegratorType::kVerlet || integrator_type == IntegratorType::kSymplecticEuler;
     std::string retries;
-    for (double share = 0.5; !report.finite && integrator_type == IntegratorType::kVerlet && share >= kSmallestShare; share *= 0.5) {
-      state = before;
+    for (double share = 0.5; !sound && has_substeps && share >= kSmallestShare; share *= 0.5) {
+      const std::string failure = describeFailure(report);
+      goBack(now);
       report = advance(now, share);
-      retries = "a step was not finite and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+      sound = isSound(now, report);
+      retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+    }
+    if (!sound && params.integrator.type == IntegratorType::kAuto && integrator_type == IntegratorType::kVerlet) {
+      retries = "a step " + describeFailure(report) + " however fine its sub-steps and was taken with the implicit method, which damps";
+      goBack(now);
+      report = advanceImplicitly(now);
+      sound = isSound(now, report);
     }
     addNotice(retries);
-    if (!report.finite) {
-      state = before;
+    if (!sound) {
       outcome.ok = false;
-      outcome.problem = "step " + std::to_string(steps + 1) + " at " + std::to_string(now) +
-                        " s gave values that are not finite; the state before it is kept";
+      outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + describeFailure(report) +
+                        "; the state before it is kept";
+      goBack(now);
       return outcome;
     }
+    guard.commit();
     if (!report.converged)
       addNotice("the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
                 std::to_string(report.residual) + " N");
@@ -275,18 +404,7 @@ struct Simulation::Impl {
     statistics.skipped.push_back("contact");
   }
 
-  // FNV-1a over the 64-bit words of positions and velocities.
-  std::uint64_t hash() const {
-    std::uint64_t h = 14695981039346656037ull;
-    for (const Points* points : {&state.positions, &state.velocities})
-      for (const Vec3& p : *points)
-        for (int c = 0; c < 3; ++c) {
-          std::uint64_t bits;
-          std::memcpy(&bits, &p[c], sizeof bits);
-          h = (h ^ bits) * 1099511628211ull;
-        }
-    return h;
-  }
+  std::uint64_t hash() const { return hashPoints(state.velocities, hashPoints(state.positions)); }
 
   const Surface& makeSurface(bool with_normals) {
     with_normals = with_normals && params.output.normals;
@@ -392,15 +510,52 @@ const SceneParams& Simulation::params() const { return impl_->params; }
 const cloud::PointCloud& Simulation::input() const { return impl_->input; }
 void Simulation::reset() { impl_->reset(); }
 
+Snapshot Simulation::snapshot() const {
+  Snapshot snapshot;
+  snapshot.contents_ = impl_->save();
+  return snapshot;
+}
+
+void Simulation::restore(const Snapshot& snapshot) {
+  if (!snapshot.contents_) throw InputError("snapshot: found one of nothing; accepted: one that this surface gave");
+  if (snapshot.contents_->scene != impl_->identify())
+    throw InputError("snapshot: found one of another surface or scene; accepted: those of this cloud with these parameters");
+  impl_->restore(*snapshot.contents_);
+}
+
+void Simulation::setState(const model::State& state) {
+  const std::size_t n = impl_->rest.points.size();
+  if (state.positions.size() != n || state.velocities.size() != n)
+    throw InputError("state: found " + std::to_string(state.positions.size()) + " positions and " +
+                     std::to_string(state.velocities.size()) + " velocities; accepted: " + std::to_string(n) + " of each");
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::string point = "state of simulation point " + std::to_string(i) + ": ";
+    if (!isWithin(state.positions[i], kMaxLength))
+      throw InputError(point + "found a coordinate that is not finite or too large; accepted: up to " + formatReal(kMaxLength) + " m");
+    if (!isWithin(state.velocities[i], kMaxSpeed))
+      throw InputError(point + "found a velocity that is not finite or too large; accepted: up to " + formatReal(kMaxSpeed) + " m/s");
+    if (impl_->pinned[i] && !state.velocities[i].isZero(0.0))
+      throw InputError(point + "found a velocity though it is pinned; accepted: zero");
+  }
+  impl_->state = state;
+  impl_->estimate_needed = true;
+  impl_->guard.restart();
+  ++impl_->version;
+}
+
 void Simulation::setForce(const ForceParams& force) {
   // The same checks as for the forces of a scene.
   std::vector<std::string> problems = checkParams(force);
   for (std::string& problem : problems) problem = "force " + quote(force.id) + " " + problem;
   if (!problems.empty()) throw InputError(std::move(problems));
   impl_->forces.set(force);
+  impl_->guard.loadsChanged();
 }
 
-void Simulation::removeForce(const std::string& id) { impl_->forces.remove(id); }
+void Simulation::removeForce(const std::string& id) {
+  impl_->forces.remove(id);
+  impl_->guard.loadsChanged();
+}
 
 Index Simulation::pin(const geometry::Region& region) {
   Index changed = 0;
@@ -426,7 +581,9 @@ Index Simulation::unpin(const geometry::Region& region) {
 
 void Simulation::setGravity(const Vec3& gravity) {
   requireFinite(gravity, "gravity");
+  if (impl_->gravity.gravity == gravity) return;
   impl_->gravity.gravity = gravity;
+  impl_->guard.loadsChanged();
 }
 
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }

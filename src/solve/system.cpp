@@ -36,6 +36,19 @@ double System::loadPotential(double time, const State& state) const {
   return energy;
 }
 
+double System::estimateWork(double time, const State& before, const State& after) const {
+  double work = 0.0;
+  for (const ExternalLoad* load : loads_) work += load->estimateWork(time, before, after);
+  return work;
+}
+
+void System::computeLoads(double time, const State& state, Points& forces) const {
+  forces.assign(state.positions.size(), Vec3::Zero());
+  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    if (held_[i]) forces[i].setZero();
+}
+
 double System::potentialEnergy(double time, const State& state) const {
   return model_.elasticEnergy(state) + loadPotential(time, state);
 }

@@ -34,11 +34,14 @@ class PressureLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return model_.isClosed(); }
+  /// The largest of the works of its forces before, halfway and after.
+  double estimateWork(double time, const State& before, const State& after) const override;
 
  private:
   const model::DeformableModel& model_;
   double pressure_;  // Pa
   mutable Points area_;
+  mutable State between_;
 };
 
 /// Viscous drag against the normal velocity on the current area: F = -c (v . n) a with the area vector a = A n.
@@ -48,6 +51,7 @@ class DragLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+  double estimateWork(double, const State&, const State&) const override { return 0.0; }
 
  private:
   const model::DeformableModel& model_;
@@ -80,6 +84,13 @@ bool actsInAStep(const ForceParams& force, double time_step, double duration);
 /// Named forces: each keeps the points that it took when it started, shared in proportion to mass.
 class NamedForces : public solve::ExternalLoad {
  public:
+  struct Named {
+    ForceParams params;
+    bool started = false;
+    std::vector<Index> points;   // ascending
+    std::vector<double> shares;  // sum to one
+  };
+
   explicit NamedForces(const std::vector<double>& masses) : masses_(masses) {}
 
   /// Adds the force or replaces the one of the same id; a zero force removes it.
@@ -90,10 +101,18 @@ class NamedForces : public solve::ExternalLoad {
     told_.clear();
   }
 
-  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. Returns
-  /// what a user should know of those that begin, else "": a force that takes its points far from where it was put, or pinned ones
+  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. The notice is
+  /// what a user should know of those that begin: a force that takes its points far from where it was put, or pinned ones
   /// only, is told of once, until one of its id is placed well.
-  std::string update(double time, const State& state, const std::vector<char>& pinned);
+  struct Update {
+    bool changed = false;  // any began or left
+    std::string notice;
+  };
+  Update update(double time, const State& state, const std::vector<char>& pinned);
+
+  /// All there are, by ascending id: what a snapshot holds.
+  const std::vector<Named>& all() const { return forces_; }
+  void restore(const std::vector<Named>& forces) { forces_ = forces; }
 
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
@@ -103,12 +122,6 @@ class NamedForces : public solve::ExternalLoad {
   std::vector<std::pair<Vec3, Vec3>> active(const State& state) const;
 
  private:
-  struct Named {
-    ForceParams params;
-    bool started = false;
-    std::vector<Index> points;   // ascending
-    std::vector<double> shares;  // sum to one
-  };
   const std::vector<double>& masses_;
   static std::string findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned);
 

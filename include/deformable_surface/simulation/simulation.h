@@ -33,6 +33,18 @@ struct Surface {
   Index num_input = 0;
 };
 
+/// Everything that a simulation needs to go on from where it was, bit for bit: positions, velocities, steps, pins, gravity, forces with
+/// the points they took, what the integrator and the energy account remember, inserted points. Copies share it.
+class Snapshot {
+ public:
+  Snapshot() = default;  // of nothing
+
+ private:
+  friend class Simulation;
+  struct Contents;
+  std::shared_ptr<const Contents> contents_;
+};
+
 class Simulation {
  public:
   /// Builds the surface. Throws InputError naming each problem: fewer than three distinct points, a pin that holds no point, a
@@ -51,6 +63,16 @@ class Simulation {
 
   /// Back to rest at time 0; scene pins and forces stay, those added since go.
   void reset();
+
+  Snapshot snapshot() const;
+  /// Back to the snapshot's moment. Throws InputError, and changes nothing, if it is not of this surface in this scene (another
+  /// cloud, material or way to step; a simulation made anew from the same cloud and scene is the same).
+  void restore(const Snapshot& snapshot);
+
+  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. What the energy was before is
+  /// forgotten. Throws InputError, and changes nothing, on another number of points, on values that are not finite or beyond
+  /// any surface's (more than kMaxLength, a third of the speed of light), and on a velocity of a pinned point.
+  void setState(const model::State& state);
 
   // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
   void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it

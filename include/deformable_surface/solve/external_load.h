@@ -4,6 +4,8 @@
 
 #include "deformable_surface/model/deformable_model.h"
 
+#include <limits>
+
 namespace deformable_surface::solve {
 
 class ExternalLoad {
@@ -16,6 +18,12 @@ class ExternalLoad {
   /// Potential of the load in joules where it has one (its forces are minus the gradient). Meaningless if !isConservative().
   virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
   virtual bool isConservative() const { return false; }
+
+  /// Work of a load without a potential while the points move straight from one state to another, J: an upper estimate; 0 if it
+  /// only ever takes energy. Infinite, the default, if it cannot be said: no step is then refused for its energy.
+  virtual double estimateWork(double /*time*/, const model::State& /*before*/, const model::State& /*after*/) const {
+    return isConservative() ? 0.0 : std::numeric_limits<double>::infinity();
+  }
 
   /// Adds a positive semidefinite approximation of minus the derivative of the forces: with respect to position, and divided by
   /// step with respect to velocity (step = 0: none).

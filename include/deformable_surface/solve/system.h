@@ -28,8 +28,13 @@ class System {
   double potentialEnergy(double time, const State& state) const;
   /// J.
   double kineticEnergy(const State& state) const;
+  double elasticEnergy(const State& state) const { return model_.elasticEnergy(state); }
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
+  /// The work of the others while the points move straight from one state to another, J: an upper estimate.
+  double estimateWork(double time, const State& before, const State& after) const;
+  /// The forces of all loads, N; zero on held points. (n x 3), overwritten.
+  void computeLoads(double time, const State& state, Points& forces) const;
 
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;

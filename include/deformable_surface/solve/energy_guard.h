@@ -1,0 +1,60 @@
+// Whether a step made energy out of nothing: a blow-up that stays finite passes every other check. Apart from the integrators, which
+// it judges all alike.
+#pragma once
+
+#include "deformable_surface/solve/system.h"
+
+namespace deformable_surface::solve {
+
+/// Keeps an account of the energy E (kinetic, elastic, potential of the loads). What commands between steps change is no gain; the
+/// work of loads without a potential is put in. The excess is what E has gained beyond that since it was lowest. A step is sound if
+///   excess <= tolerance * (largest kinetic + elastic energy of late) + (kinetic energy that the loads give in a sub-step from rest).
+/// The first term is the oscillation of a symplectic method's energy about what it really conserves, the second the error of the
+/// first step of a first-order one. The excess fades slowly, so that drift over very many steps is not held to be a blow-up. Kinetic and elastic energy together therefore stay below 1 / (1 - tolerance) of what was there or put in: this bounds every
+/// speed and every stretch, and nothing else about a single point has to be watched.
+class EnergyGuard {
+ public:
+  /// What a snapshot must hold.
+  struct Memory {
+    double excess = 0.0;     // J
+    double vibration = 0.0;  // J, the largest kinetic + elastic energy of late
+    double kick = 0.0;       // J/s^2, see loadsChanged()
+    bool kick_needed = true;
+  };
+
+  /// Forgets everything: the next state is where the account begins.
+  void restart() { *this = EnergyGuard(); }
+  /// The loads are not those of the last step: how hard they push from rest is to be found anew.
+  void loadsChanged() { memory_.kick_needed = true; }
+  const Memory& memory() const { return memory_; }
+  void setMemory(const Memory& memory) {
+    restart();
+    memory_ = memory;
+  }
+
+  /// At the start of a step, after its commands.
+  void beginStep(const System& system, double time, const State& state);
+  /// At its end: false if the energy is not finite or has grown beyond the tolerance. substep, s, is that of the integrator; work, J,
+  /// that of loads without a potential in this step; fade: share of the excess that a step forgives. Changes no memory.
+  bool accepts(const System& system, double time, const State& state, double substep, double work, double fade);
+  /// Takes what accepts() saw last as the state that the next step begins with.
+  void commit();
+
+  double energyBefore() const { return before_; }  // J, at beginStep()
+  double energyAfter() const { return after_; }    // J, as accepts() saw it last
+
+  /// J, gained since the energy was lowest, as accepts() saw it last.
+  double excess() const { return excess_; }
+
+  // Growth below about half of these per step is drift: far more than any sound method has, and what explicit Euler has by nature.
+  static constexpr double kFade = 1e-5;
+  static constexpr double kFadeOfPublished = 1e-3;
+
+ private:
+  Memory memory_, next_;
+  bool elastic_known_ = false;
+  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, excess_ = 0.0;
+  Points forces_;
+};
+
+}  // namespace deformable_surface::solve
