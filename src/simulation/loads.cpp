@@ -36,7 +36,7 @@ double PressureLoad::potential(double, const State& state) const {
   return model_.isClosed() ? -pressure_ * model_.enclosedVolume(state) : 0.0;
 }
 
-double PressureLoad::estimateWork(double, const State& before, const State& after) const {
+double PressureLoad::estimateWork(double, double, const State& before, const State& after) const {
   if (model_.isClosed()) return 0.0;
   const Index n = before.size();
   between_.positions.resize(n);

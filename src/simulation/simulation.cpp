@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/solve/energy_guard.h"
@@ -26,6 +27,7 @@ constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
 constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
 constexpr double kMaxSpeed = 1e8;        // m/s that a given state may have: a third of that of light is no surface's
+constexpr double kContactRate = 0.45;    // of the highest frequency at rest: its square then grows by a fifth at most
 constexpr Index kBlock = 4096;
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
@@ -86,6 +88,7 @@ struct Simulation::Impl {
   DragLoad drag;
   AnchorLoad anchors;
   NamedForces forces;
+  ContactLoad contact;
   std::vector<const solve::ExternalLoad*> loads;
   std::vector<char> pinned;
   solve::System system;
@@ -124,6 +127,7 @@ struct Simulation::Impl {
         drag(*rest.model, params.viscous_drag),
         anchors(makeAnchors()),
         forces(rest.model->masses()),
+        contact(rest.model->masses(), params.tools),
         loads(chooseLoads()),
         system(*rest.model, loads, pinned, params.material.damping) {
     reset();
@@ -141,6 +145,7 @@ struct Simulation::Impl {
     if (params.pressure != 0.0) list.push_back(&pressure);
     if (params.viscous_drag > 0.0) list.push_back(&drag);
     if (!params.anchors.empty()) list.push_back(&anchors);
+    if (!params.tools.empty()) list.push_back(&contact);
     return list;
   }
 
@@ -154,6 +159,7 @@ struct Simulation::Impl {
     gravity.gravity = params.gravity;
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
+    setContactRate();
     estimate_needed = true;
     integrators.clear();
     guard.restart();
@@ -208,6 +214,14 @@ struct Simulation::Impl {
     inserted_normals_now.clear();
   }
 
+  // Contact as stiff as the surface's own stiffest motion bears: the stable step stays nearly what it is without.
+  void setContactRate() {
+    if (params.tools.empty()) return;
+    contact.setRate(0.0);
+    const double stable = std::min(stable_step.estimate(0.0, state, system), params.integrator.time_step);
+    contact.setRate(kContactRate * 2.0 / stable);
+  }
+
   void makeResampler() {
     const cloud::Rings rings = cloud::buildRings(rest.dense.positions, rest.dense.normals, rest.dense_neighbors);
     const Index room = std::max<Index>(0, params.input.max_points - static_cast<Index>(rest.dense.positions.size()));
@@ -254,7 +268,7 @@ struct Simulation::Impl {
     work = 0.0;
     if (integrator_type != IntegratorType::kVerlet) {
       const solve::SolveReport report = integrator(integrator_type).advance(system, now, dt, share * max_substep, state);
-      work = system.estimateWork(now + dt, before, state);
+      work = system.estimateWork(now, now + dt, before, state);
       return report;
     }
     solve::SolveReport total;
@@ -267,7 +281,7 @@ struct Simulation::Impl {
       const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
       portion_start = state;
       const solve::SolveReport report = integrator(IntegratorType::kVerlet).advance(system, now + done, portion, share * max_substep, state);
-      work += system.estimateWork(now + done + portion, portion_start, state);
+      work += system.estimateWork(now + done, now + done + portion, portion_start, state);
       total.finite = report.finite;
       total.substeps += report.substeps;
       total.time_forces += report.time_forces;
@@ -281,7 +295,7 @@ struct Simulation::Impl {
     const double dt = params.integrator.time_step;
     state = before;
     const solve::SolveReport report = integrator(IntegratorType::kImplicit).advance(system, now, dt, max_substep, state);
-    work = system.estimateWork(now + dt, before, state);
+    work = system.estimateWork(now, now + dt, before, state);
     return report;
   }
 
@@ -401,7 +415,7 @@ struct Simulation::Impl {
     if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
     if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
     if (params.anchors.empty()) statistics.skipped.push_back("anchors");
-    statistics.skipped.push_back("contact");
+    if (params.tools.empty()) statistics.skipped.push_back("contact");
   }
 
   std::uint64_t hash() const { return hashPoints(state.velocities, hashPoints(state.positions)); }

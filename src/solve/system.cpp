@@ -36,9 +36,9 @@ double System::loadPotential(double time, const State& state) const {
   return energy;
 }
 
-double System::estimateWork(double time, const State& before, const State& after) const {
+double System::estimateWork(double from, double to, const State& before, const State& after) const {
   double work = 0.0;
-  for (const ExternalLoad* load : loads_) work += load->estimateWork(time, before, after);
+  for (const ExternalLoad* load : loads_) work += load->estimateWork(from, to, before, after);
   return work;
 }
 

@@ -64,7 +64,8 @@ anchors: [{point: [1, 0, 0], target: [2, 0, 0], stiffness: 5}]
 forces: [{id: pull, point: [1, 0, 0], force: [0, 0, 2], radius: 0.05, start: 0.0, end: 1.0},
          {id: push, point: [1, 0, 0], force: [0, 0, 2]}]
 force: {radius: 0.02, timeout: 1.0}
-tools: []
+tools: [{id: ball, mode: solid, shape: {sphere: {radius: 0.1}}, friction: 0.0, path: [{time: 0.0, position: [0, 0, 1], orientation: [0, 0, 0, 1]}]},
+        {id: floor, shape: {plane: {}}, path: [{position: [0, 0, -1]}]}]
 duration: 1.0
 threads: 2
 output: {normals: false, resample: true, publish_rate: 10}
@@ -204,7 +205,7 @@ TEST(ReadScene, RefusesWrongKinds) {
 }
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
-  for (const char* text : {"oriented_particles: {spin: 1.0}", "elastic_solid: {fill: true}", "tools: [{id: ball}]",
+  for (const char* text : {"oriented_particles: {spin: 1.0}", "elastic_solid: {fill: true}",
                            "neighbors: {geodesicness: 2}", "neighbors: {radius: 0.1}", "accuracy: {position_error: 0.1}",
                            "accuracy: {step_budget: 0.1}", "input: {policy: track}"}) {
     EXPECT_TRUE(contains(problemOf(text), "not built yet; accepted: ")) << text << ": " << problemOf(text);

@@ -72,6 +72,9 @@ class Fields {
   void vector(const char* name, Vec3& value, const char* unit, const Range& range, const char* meaning) {
     onVector(take(name, meaning, unit, range), value.data(), 3);
   }
+  void vector(const char* name, Vec4& value, const char* unit, const Range& range, const char* meaning) {
+    onVector(take(name, meaning, unit, range), value.data(), 4);
+  }
   /// One of several names. planned: names that are known but not built yet.
   template <class Enum>
   void choice(const char* name, Enum& value, std::initializer_list<std::pair<const char*, Enum>> names, const char* meaning,

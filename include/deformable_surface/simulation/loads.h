@@ -35,7 +35,7 @@ class PressureLoad : public solve::ExternalLoad {
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return model_.isClosed(); }
   /// The largest of the works of its forces before, halfway and after.
-  double estimateWork(double time, const State& before, const State& after) const override;
+  double estimateWork(double from, double to, const State& before, const State& after) const override;
 
  private:
   const model::DeformableModel& model_;
@@ -51,7 +51,7 @@ class DragLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
-  double estimateWork(double, const State&, const State&) const override { return 0.0; }
+  double estimateWork(double, double, const State&, const State&) const override { return 0.0; }
 
  private:
   const model::DeformableModel& model_;

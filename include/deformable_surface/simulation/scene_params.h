@@ -10,6 +10,7 @@
 #include "deformable_surface/model/material_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
+#include "deformable_surface/tool/tool_params.h"
 #include "deformable_surface/transfer/transfer_params.h"
 
 #include <cmath>
@@ -108,6 +109,7 @@ struct SceneParams {
   std::vector<PinParams> pins;
   std::vector<AnchorParams> anchors;
   std::vector<ForceParams> forces;
+  std::vector<tool::ToolParams> tools;
   WrenchParams force;     // for ~wrench
   double duration = 2.0;  // s, > 0
   Index threads = 0;      // 0 = all cores
@@ -270,7 +272,13 @@ inline void visit(Fields& fields, SceneParams& p) {
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
   fields.section("force", p.force, "The force that comes as `~wrench`.");
-  fields.notBuilt("tools", "rigid tools");
+  fields.list("tools", p.tools, "Rigid tools.");
+  ids.clear();
+  for (std::size_t i = 0; i < p.tools.size(); ++i) {
+    const std::string& id = p.tools[i].id;
+    fields.require(id.empty() || ids.insert(id).second, "tools[" + std::to_string(i) + "].id",
+                   "found " + quote(id) + " a second time; accepted: a name of its own");
+  }
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");

@@ -19,9 +19,10 @@ class ExternalLoad {
   virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
   virtual bool isConservative() const { return false; }
 
-  /// Work of a load without a potential while the points move straight from one state to another, J: an upper estimate; 0 if it
-  /// only ever takes energy. Infinite, the default, if it cannot be said: no step is then refused for its energy.
-  virtual double estimateWork(double /*time*/, const model::State& /*before*/, const model::State& /*after*/) const {
+  /// Energy that the load puts in between two times (s) while the points move straight from one state to another, J: an upper estimate
+  /// of the work of forces without a potential, and of what a potential gains by changing in time; 0 if it only ever takes
+  /// energy. Infinite, the default without a potential, if it cannot be said: no step is then refused for its energy.
+  virtual double estimateWork(double /*from*/, double /*to*/, const model::State& /*before*/, const model::State& /*after*/) const {
     return isConservative() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 

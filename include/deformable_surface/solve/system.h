@@ -32,7 +32,7 @@ class System {
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
   /// The work of the others while the points move straight from one state to another, J: an upper estimate.
-  double estimateWork(double time, const State& before, const State& after) const;
+  double estimateWork(double from, double to, const State& before, const State& after) const;
   /// The forces of all loads, N; zero on held points. (n x 3), overwritten.
   void computeLoads(double time, const State& state, Points& forces) const;
 

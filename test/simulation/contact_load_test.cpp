@@ -1,0 +1,105 @@
+#include "deformable_surface/simulation/contact_load.h"
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace deformable_surface::test {
+namespace {
+
+tool::ToolParams ball(double radius, const Vec3& from, const Vec3& to) {
+  tool::ToolParams tool;
+  tool.id = "ball";
+  tool.shape.radius = radius;
+  tool.path = {{0.0, from, Vec4(0.0, 0.0, 0.0, 1.0)}, {1.0, to, Vec4(0.0, 0.0, 0.0, 1.0)}};
+  return tool;
+}
+
+TEST(ContactLoad, PushesAlongMinusTheGradientOfItsPotential) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> u(-0.6, 0.6);
+  model::State state;
+  for (int i = 0; i < 40; ++i) state.positions.emplace_back(u(random), u(random), u(random));
+  state.velocities.assign(40, Vec3::Zero());
+  const std::vector<double> masses(40, 0.3);
+  for (geometry::Solid::Kind kind : {geometry::Solid::Kind::kSphere, geometry::Solid::Kind::kBox, geometry::Solid::Kind::kCone}) {
+    tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
+    tool.shape.kind = kind;
+    tool.shape.size = Vec3(0.7, 0.8, 0.9);
+    tool.shape.height = 0.9;
+    tool.path[1].orientation = Vec4(0.6, 0.0, 0.0, 0.8);
+    simulation::ContactLoad load(masses, {tool});
+    load.setRate(100.0);
+    Points forces(40, Vec3::Zero());
+    load.addForces(0.7, state, forces);
+    int touched = 0;
+    const double step = 1e-6;
+    for (int i = 0; i < 40; ++i) {
+      if (!forces[i].isZero()) ++touched;
+      for (int c = 0; c < 3; ++c) {
+        model::State moved = state;
+        moved.positions[i][c] += step;
+        const double above = load.potential(0.7, moved);
+        moved.positions[i][c] -= 2.0 * step;
+        EXPECT_NEAR(forces[i][c], -(above - load.potential(0.7, moved)) / (2.0 * step), 1e-5 * 0.3 * 1e4);
+      }
+    }
+    EXPECT_GT(touched, 3);
+  }
+}
+
+TEST(ContactLoad, AFreeSheetRestsOnAPlaneAndNoPointSinksByMoreThanThePenaltyGives) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.integrator.type = solve::IntegratorType::kStatic;
+  tool::ToolParams floor = ball(0.1, Vec3(0.0, 0.0, -0.02), Vec3(0.0, 0.0, -0.02));
+  floor.shape.kind = geometry::Solid::Kind::kPlane;
+  floor.path.resize(1);
+  p.tools = {floor};
+  p.material.young_modulus = 1e7;
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 1);
+  double low = 0.0, high = -1.0;
+  for (const Vec3& x : s.state().positions) {
+    low = std::min(low, x.z());
+    high = std::max(high, x.z());
+  }
+  // Each point carries its own weight: they are all equally deep, g / r^2, micrometres with so stiff a sheet.
+  EXPECT_NEAR(low, high, 1e-8);
+  EXPECT_LT(low, -0.02);
+  EXPECT_GT(low, -0.02 - 1e-5);
+}
+
+TEST(ContactLoad, ASheetThatFallsOnABallDrapesOverIt) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.material.damping = 2.0;
+  p.material.young_modulus = 1e7;
+  p.tools = {ball(0.25, Vec3(0.5, 0.0, -0.3), Vec3(0.5, 0.0, -0.3))};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 40);
+  double nearest = 1.0, lowest = 0.0;
+  for (const Vec3& x : s.state().positions) {
+    nearest = std::min(nearest, (x - Vec3(0.5, 0.0, -0.3)).norm() - 0.25);
+    lowest = std::min(lowest, x.z());
+  }
+  EXPECT_LT(nearest, 0.0);
+  EXPECT_GT(nearest, -1e-3);
+  EXPECT_LT(lowest, -0.3);  // without the ball it would have fallen flat by 0.6 m
+}
+
+TEST(ContactLoad, AToolFarAwayChangesTheStepsLittleAndTheMotionNotAtAll) {
+  simulation::SceneParams p = hangingSheet();
+  p.integrator.type = solve::IntegratorType::kSymplecticEuler;
+  p.integrator.time_step = 1e-4;  // one sub-step with and without
+  simulation::Simulation without(p, sheetCloud());
+  p.tools = {ball(0.25, Vec3(5.0, 5.0, 0.0), Vec3(5.0, 5.0, 0.0))};
+  simulation::Simulation with(p, sheetCloud());
+  run(without, 20);
+  run(with, 20);
+  EXPECT_EQ(with.stateHash(), without.stateHash());
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
