@@ -123,7 +123,8 @@ class Thinning {
     scratch.projected.clear();
     for (Index j : scratch.near) {
       const Sample& other = samples_[j];
-      if (isFlat(other.position - own.position, own.normal, other.normal)) scratch.projected.push_back(plane.project(other.position));
+      if (!isFlat(other.position - own.position, own.normal, other.normal)) continue;
+      scratch.projected.push_back(plane.project(other.position));
     }
     const std::vector<Index>& ring = scratch.builder.build(scratch.projected).ring;
     double squared_diameter = 0.0;

@@ -182,9 +182,9 @@ void DelaunayStarBuilder::trimRing(const std::vector<Vec2>& points, double max_g
 void DelaunayStarBuilder::measureCells(const std::vector<Vec2>& points, double tie) {
   const std::size_t m = star_.ring.size();
   const auto isInsideCell = [&](std::size_t r) {
-    const std::size_t before = r > 0 ? r - 1 : m - 1;
+    const std::size_t before = r > 0 ? r - 1 : m - 1, after = r + 1 < m ? r + 1 : 0;
     return star_.cell_size[before] > 0 && star_.cell_size[r] > 0 &&
-           isCocircular(points[star_.ring[before]], points[star_.ring[r]], points[star_.ring[r + 1 < m ? r + 1 : 0]], Vec2::Zero(), tie);
+           isCocircular(points[star_.ring[before]], points[star_.ring[r]], points[star_.ring[after]], Vec2::Zero(), tie);
   };
   // A closed ring may start anywhere: start it where a cell does.
   if (!star_.open) {

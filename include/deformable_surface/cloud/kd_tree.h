@@ -31,7 +31,8 @@ class KdTree {
   /// Takes a point out of all later answers. O(log n) on average: the tree is built anew whenever half of its points are gone.
   void remove(Index point);
 
-  /// All points, removed ones included, in the order of the tree at first: near in the list means near in space. Loops over queries run in this order.
+  /// All points, removed ones included, in the order of the tree at first: near in the list means near in space. Loops over
+  /// queries run in this order.
   const std::vector<Index>& order() const;
 
   Index size() const;

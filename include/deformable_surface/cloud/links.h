@@ -43,7 +43,8 @@ class LinkRule {
   /// False if the link is far longer than the local spacing at either end, or not flat.
   bool accepts(Index i, Index j) const {
     const Vec3 link = positions_[j] - positions_[i];
-    return link.squaredNorm() <= std::min(max_squared_length_[i], max_squared_length_[j]) && isFlat(link, normals_[i], normals_[j]);
+    const double max_squared_length = std::min(max_squared_length_[i], max_squared_length_[j]);
+    return link.squaredNorm() <= max_squared_length && isFlat(link, normals_[i], normals_[j]);
   }
 
  private:
