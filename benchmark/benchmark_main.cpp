@@ -23,7 +23,8 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"transfer", runTransferSection},
                            {"integrators", runIntegratorsSection},
                            {"allocations", runAllocationsSection},
-                           {"memory", runMemorySection}};
+                           {"memory", runMemorySection},
+                           {"factorization", runFactorizationSection}};
 
 std::string findProcessor() {
   std::ifstream file("/proc/cpuinfo");
@@ -70,7 +71,7 @@ int run(int argc, char** argv) {
   }
   for (const std::string& name : wanted)
     if (std::none_of(std::begin(kParts), std::end(kParts), [&](const Part& part) { return name == part.name; }))
-      return fail("--only: found '" + name + "'; accepted: setup, table_1, transfer, integrators, allocations, memory");
+      return fail("--only: found '" + name + "'; accepted: setup, table_1, transfer, integrators, allocations, memory, factorization");
 
   printHeader(commit);
   const Timer timer;

@@ -16,5 +16,6 @@ void runTransferSection(const Options& options, Report& report);
 void runIntegratorsSection(const Options& options, Report& report);
 void runAllocationsSection(const Options& options, Report& report);
 void runMemorySection(const Options& options, Report& report);
+void runFactorizationSection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark
