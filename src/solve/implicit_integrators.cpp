@@ -14,6 +14,7 @@ constexpr double kShrink = 0.1;        // after a step that had to be cut or fai
 constexpr double kFirstStep = 1.0;     // of the caller's step
 constexpr double kLongestStep = 1e8;   // of the caller's step: the weight is then rounding beside any stiffness
 constexpr double kShortestStep = 1e-6; // of the caller's step: shorter ones do not lead anywhere
+constexpr Index kTrial = 4;            // iterations of a trial: the first stretches what turns, the next take most of it back
 
 bool allFinite(const Points& points) {
   double sum = 0.0;
@@ -71,7 +72,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
     if (report.residual <= enough) break;
-    if (report.iterations == last || newton_.descend(problem, state) == 0.0) {
+    if (report.iterations == last || newton_.descend(problem, state).fraction == 0.0) {
       report.converged = false;
       break;
     }
@@ -139,28 +140,50 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   report.substeps = 1;
   const Index n = state.size();
   weight_.resize(n);
-  anchor_ = state.positions;
   double pseudo_step = kFirstStep * step;
   const double rounding = system.roundingForce(time, state);
-  double scale = 0.0;
+  double scale = 0.0, safe_energy = 0.0;
+  Index trial = 0;       // iterations since safe_, as long as none has come below its energy
+  bool careful = false;  // the last trial led nowhere
   report.converged = false;
   for (;;) {
     // The residual without the proximal term: the anchor is where we are.
     anchor_ = state.positions;
+    if (trial == 0) {
+      safe_ = state.positions;
+      safe_energy = system.potentialEnergy(time + step, state);
+    }
     for (Index i = 0; i < n; ++i) weight_[i] = system.masses()[i] / (pseudo_step * pseudo_step);
-    const NewtonDescent::Problem problem{system, time + step, 0.0, anchor_, anchor_, weight_};
+    const NewtonDescent::Problem problem{system, time + step, 0.0, safe_, anchor_, weight_};
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
-    scale = std::max(scale, system.largestForce(time + step, state));
-    if (report.residual <= std::max(params_.tolerance * scale, rounding)) {
-      report.converged = true;
-      break;
+    if (trial == 0) {
+      scale = std::max(scale, system.largestForce(time + step, state));
+      if (report.residual <= std::max(params_.tolerance * scale, rounding)) {
+        report.converged = true;
+        break;
+      }
+      if (report.iterations == params_.max_iterations || pseudo_step < kShortestStep * step) break;
     }
-    if (report.iterations == params_.max_iterations || pseudo_step < kShortestStep * step) break;
-    const double fraction = newton_.descend(problem, state);
+    if (report.iterations == params_.max_iterations) {  // the trial comes to no end
+      state.positions = safe_;
+      trial = 0;
+      continue;
+    }
+    const NewtonDescent::Step taken = newton_.descend(problem, state, trial == 0 && !careful);
     ++report.iterations;
-    pseudo_step *= fraction == 1.0 ? kGrowth : kShrink;
+    if (trial == 0 && !taken.raised) {
+      pseudo_step *= taken.fraction == 1.0 ? kGrowth : kShrink;
+      careful = false;
+    } else if (system.potentialEnergy(time + step, state) - newton_.remainderWork(problem, state) < safe_energy) {
+      pseudo_step *= kGrowth;
+      trial = 0;
+    } else if (++trial > kTrial || taken.fraction == 0.0) {
+      state.positions = safe_;
+      trial = 0;
+      careful = true;
+    }
     pseudo_step = std::min(pseudo_step, kLongestStep * step);
   }
   state.velocities.assign(n, Vec3::Zero());

@@ -61,7 +61,9 @@ class ImplicitSecondOrder : public Integrator {
 
 /// Each step is the equilibrium under the loads at its end; velocities are zero. Newton steps in the energy with a proximal weight
 /// M / h^2 that is lowered while they succeed (pseudo-transient continuation), so that a flat sheet without stiffness against
-/// its load is led to the equilibrium instead of thrown.
+/// its load is led to the equilibrium instead of thrown. Where a whole step would raise the energy it is taken on trial, as what
+/// turns far stretches at first and the next steps take that back; if these do not end lower than before the trial, it is undone
+/// and the step is cut (the watchdog technique [Chamberlain et al. 1982]).
 class StaticSolver : public Integrator {
  public:
   explicit StaticSolver(const IntegratorParams& params) : params_(params) {}
@@ -70,7 +72,7 @@ class StaticSolver : public Integrator {
  private:
   IntegratorParams params_;
   NewtonDescent newton_;
-  Points anchor_;
+  Points anchor_, safe_;  // safe_: the last state whose energy is the lowest so far
   std::vector<double> weight_;
 };
 

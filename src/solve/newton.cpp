@@ -65,7 +65,7 @@ bool NewtonDescent::factorize(const Problem& problem, const State& state, model:
   return factor_.factorize(stiffness_.values());
 }
 
-double NewtonDescent::descend(const Problem& problem, State& state) {
+NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state, bool tentative) {
   const Index n = state.size();
   const System& system = problem.system;
 
@@ -87,7 +87,7 @@ double NewtonDescent::descend(const Problem& problem, State& state) {
   }
   double slope = 0.0;
   for (Index i = 0; i < n; ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));
-  if (!(slope < 0.0)) return 0.0;
+  if (!(slope < 0.0)) return {0.0, false};
 
   // The line search. Rounding of the energy must not hide the last decrease: within it the step counts as descending.
   start_ = state.positions;
@@ -98,10 +98,11 @@ double NewtonDescent::descend(const Problem& problem, State& state) {
     for (Index i = 0; i < n; ++i)
       if (!system.isHeld(i)) state.positions[i] = start_[i] + fraction * direction_.segment<3>(3 * i);
     const double after = merit(problem, state);
-    if (after <= before + kArmijo * fraction * slope + rounding) return fraction;
+    if (after <= before + kArmijo * fraction * slope + rounding) return {fraction, false};
+    if (tentative && halving == 0 && std::isfinite(after)) return {fraction, true};
   }
   state.positions = start_;
-  return 0.0;
+  return {0.0, false};
 }
 
 double NewtonDescent::remainderWork(const Points& before, const State& state) const {

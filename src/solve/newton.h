@@ -25,8 +25,12 @@ class NewtonDescent {
 
   /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, and moves state.positions
   /// along the Newton direction, halving the step until Phi falls by Armijo's rule.
-  /// Returns the fraction taken; 0 if no descent was found (the state is then unchanged).
-  double descend(const Problem& problem, State& state);
+  /// tentative: the whole step is taken even if Phi rises, as long as it stays finite.
+  struct Step {
+    double fraction;  // of the direction; 0 if no descent was found (the state is then unchanged)
+    bool raised;      // Phi did not fall by the rule
+  };
+  Step descend(const Problem& problem, State& state, bool tentative = false);
 
   /// Work of the forces without a potential, as evaluate() last saw them, from `before` (n x 3) to state, J.
   double remainderWork(const Points& before, const State& state) const;

@@ -84,14 +84,14 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
     p.mass_spring.volume_stiffness = 1e5;
     p.pressure = 5.0;
     p.viscous_drag = 0.5;
-    p.simplification.target_points = 600;  // more than fit in one block of a sum
+    p.simplification.target_points = 520;  // more than fit in one block of a sum
     simulation::PinParams pin;
     pin.region.min = Vec3(-1.0, -1.0, -1.0);
     pin.region.max = Vec3(1.0, 1.0, -0.08);
     p.pins.push_back(pin);
     simulation::Simulation s(p, asCloud(makeSphere(1200, 0.1).points));
     run(s, 1);
-    s.setGravity(Vec3(1.0, 0.0, -9.81));  // another equilibrium to look for
+    s.setGravity(Vec3(0.1, 0.0, -9.81));  // another equilibrium to look for
     EXPECT_EQ(countAllocations(s, 2), 0) << static_cast<int>(type);
   }
 }
