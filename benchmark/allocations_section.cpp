@@ -77,7 +77,7 @@ void runAllocationsSection(const Options&, Report& report) {
         "statistics", sheet, [&] { sheet.step(); }, [&] { sheet.statistics(); });
   }
   report.end();
-  report.note("target: none; a step whose matrix has blocks it never had before (another load that couples points) asks for memory");
+  report.note("target: none; a step whose matrix has blocks it never had before asks for memory");
   report.note("counted at malloc, so what Eigen and the standard library take is in it");
 }
 

@@ -71,7 +71,8 @@ int run(int argc, char** argv) {
   }
   for (const std::string& name : wanted)
     if (std::none_of(std::begin(kParts), std::end(kParts), [&](const Part& part) { return name == part.name; }))
-      return fail("--only: found '" + name + "'; accepted: setup, table_1, transfer, integrators, allocations, memory, factorization");
+      return fail("--only: found '" + name +
+                  "'; accepted: setup, table_1, transfer, integrators, allocations, memory, factorization");
 
   printHeader(commit);
   const Timer timer;

@@ -1,5 +1,5 @@
-// Part 7: the linear systems of implicit and static steps. The package's own factorisation beside Eigen's, on the same matrices in
-// the same run, with the residual of each.
+// Part 7: the linear systems of implicit and static steps. The package's own factorisation beside Eigen's, on the same matrices
+// in the same run, with the residual of each.
 #include "deformable_surface/base/block_cholesky.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
@@ -54,8 +54,8 @@ Sparse makeScalar(const BlockSparse& matrix) {
 
 void runFactorizationSection(const Options& options, Report& report) {
   report.begin("factorization", "7. Linear systems of implicit steps, cpu ms, one thread",
-               {"surface", "points", "blocks_per_row", "numbers_in_factor", "analyze", "factorize", "eigen_factorize", "ratio", "solve",
-                "eigen_solve", "residual", "eigen_residual", "hash"});
+               {"surface", "points", "blocks_per_row", "numbers_in_factor", "analyze", "factorize", "eigen_factorize", "ratio",
+                "solve", "eigen_solve", "residual", "eigen_residual", "hash"});
   setNumThreads(1);
   struct Row {
     const char* name;
@@ -90,9 +90,10 @@ void runFactorizationSection(const Options& options, Report& report) {
       matrix.multiply(solution, product);
       return (product - b).norm() / b.norm();
     };
-    report.add({row.name, std::to_string(n), show(2.0 * matrix.pattern().items.size() / n - 1.0), std::to_string(ours.factorSize()),
-                showMilliseconds(analyze.cpu), showMilliseconds(factorize.cpu), showMilliseconds(eigen_factorize.cpu),
-                show(eigen_factorize.cpu / factorize.cpu), showMilliseconds(solve.cpu), showMilliseconds(eigen_solve.cpu),
+    report.add({row.name, std::to_string(n), show(2.0 * matrix.pattern().items.size() / n - 1.0),
+                std::to_string(ours.factorSize()), showMilliseconds(analyze.cpu), showMilliseconds(factorize.cpu),
+                showMilliseconds(eigen_factorize.cpu), show(eigen_factorize.cpu / factorize.cpu), showMilliseconds(solve.cpu),
+                showMilliseconds(eigen_solve.cpu),
                 ok ? show(findResidual(x)) : "NOT DEFINITE", show(findResidual(x_eigen)),
                 showHash(hashBytes(x.data(), x.size() * sizeof(double)))});
   }

@@ -26,7 +26,8 @@ using Double4 = double __attribute__((vector_size(4 * sizeof(double))));
 
 // tile (4 V x 3) = sum over p of a(:, p) b(:, p)^T, of a the first 4 V rows and of b the first 3.
 template <int V>
-inline __attribute__((always_inline)) void multiplyTile(Index depth, const double* a, const double* b, Index stride, double* tile) {
+inline __attribute__((always_inline)) void multiplyTile(Index depth, const double* a, const double* b, Index stride,
+                                                        double* tile) {
   Double4 sum[3][V] = {};
   for (Index p = 0; p < depth; ++p, a += stride, b += stride)
     for (int v = 0; v < V; ++v) {
@@ -62,8 +63,8 @@ DEFORMABLE_SURFACE_WIDE void subtractProduct(Index depth, const double* a, Index
   }
 }
 
-// Three columns of a panel from their diagonal block on, all products subtracted: Cholesky's factor of the 3 x 3 block and what is
-// below it divided by that. False if a pivot is not positive.
+// Three columns of a panel from their diagonal block on, all products subtracted: Cholesky's factor of the 3 x 3 block and what
+// is below it divided by that. False if a pivot is not positive.
 DEFORMABLE_SURFACE_WIDE bool divideColumns(Index size, double* first, Index stride) {
   double *x = first, *y = first + stride, *z = first + 2 * stride;
   if (!(x[0] > 0.0)) return false;
@@ -287,7 +288,8 @@ void BlockCholesky::placeBlocks(const Lists& pattern) {
       const Node& node = nodes_[node_of_column_[c]];
       const Index* first = &rows_[node.rows];
       const std::size_t at = std::lower_bound(first, first + node.num_rows, r) - first;
-      places_.push_back({node.panel + 3 * static_cast<std::size_t>(c - node.first) * node.stride + 3 * at, node.stride, transposed});
+      const std::size_t left = 3 * static_cast<std::size_t>(c - node.first) * node.stride;
+      places_.push_back({node.panel + left + 3 * at, node.stride, transposed});
     }
 }
 

@@ -56,6 +56,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     weight_[i] = factor * system.masses()[i] / (step * step);
   }
   const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_};
+  newton_.begin();
   // The forces to balance: what the material and the loads do, and the momentum brought along.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
@@ -145,6 +146,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   double scale = 0.0, safe_energy = 0.0;
   Index trial = 0;       // iterations since safe_, as long as none has come below its energy
   bool careful = false;  // the last trial led nowhere
+  newton_.begin();
   report.converged = false;
   for (;;) {
     // The residual without the proximal term: the anchor is where we are.

@@ -8,6 +8,10 @@ namespace {
 
 constexpr double kArmijo = 1e-4;       // share of the predicted decrease that must be reached
 constexpr int kMaxHalvings = 30;       // beyond it the direction is rounding
+constexpr int kPatience = 2;           // projected matrices in a row after which the state is taken to be near a saddle
+constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
+constexpr double kRaise = 10.0;        // of a shift that was not enough
+constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
 }  // namespace
@@ -65,6 +69,18 @@ bool NewtonDescent::factorize(const Problem& problem, const State& state, model:
   return factor_.factorize(stiffness_.values());
 }
 
+bool NewtonDescent::factorizeShifted(const System& system) {
+  const auto diagonal = [this](Index j) { return stiffness_.values()[stiffness_.pattern().offsets[j]].diagonal().array(); };
+  if (shift_ == 0.0)
+    for (Index j = 0; j < system.size(); ++j)
+      if (!system.isHeld(j)) shift_ = std::max(shift_, kFirstShift * diagonal(j).maxCoeff() / system.masses()[j]);
+  for (Index j = 0; j < system.size(); ++j)
+    if (!system.isHeld(j)) diagonal(j) += shift_ * system.masses()[j];
+  const bool definite = factor_.factorize(stiffness_.values());
+  shift_ *= definite ? kLower : kRaise;
+  return definite;
+}
+
 NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state, bool tentative) {
   const Index n = state.size();
   const System& system = problem.system;
@@ -72,7 +88,10 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
   // The direction.
   direction_.resize(3 * n);
   for (Index i = 0; i < n; ++i) direction_.segment<3>(3 * i) = -gradient_[i];
-  if (factorize(problem, state, model::Hessian::kExact) || factorize(problem, state, model::Hessian::kPositive)) {
+  const bool exact = factorize(problem, state, model::Hessian::kExact);
+  projected_in_a_row_ = exact || !tentative ? 0 : projected_in_a_row_ + 1;
+  if (exact || (projected_in_a_row_ > kPatience && factorizeShifted(system)) ||
+      factorize(problem, state, model::Hessian::kPositive)) {
     solution_ = direction_;
     factor_.solveInPlace(solution_);
     // (K + c v v^T)^-1 by the formula of Sherman and Morrison.

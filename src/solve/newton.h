@@ -20,12 +20,19 @@ class NewtonDescent {
     const std::vector<double>& weight;    // w, (n) N/m
   };
 
+  /// Before the first iteration of a solution: forgets what the iterations before have found out.
+  void begin() {
+    projected_in_a_row_ = 0;
+    shift_ = 0.0;
+  }
+
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
   /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, and moves state.positions
   /// along the Newton direction, halving the step until Phi falls by Armijo's rule.
-  /// tentative: the whole step is taken even if Phi rises, as long as it stays finite.
+  /// tentative: the whole step is taken even if Phi rises, as long as it stays finite; and where several such steps in a row had
+  /// no definite matrix, a multiple of the masses is added to the exact one, as the projected one hardly leaves a saddle.
   struct Step {
     double fraction;  // of the direction; 0 if no descent was found (the state is then unchanged)
     bool raised;      // Phi did not fall by the rule
@@ -39,11 +46,15 @@ class NewtonDescent {
   double merit(const Problem& problem, const State& state) const;
   /// Fills and factorises the matrix; false if it is not positive definite.
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
+  /// The exact matrix, which was not definite, with shift_ times the masses added; false if that is not enough.
+  bool factorizeShifted(const System& system);
 
   Points gradient_, conservative_, forces_, remainder_, start_, rank_one_;
   Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;
   BlockCholesky factor_;
+  int projected_in_a_row_ = 0;  // tentative steps without the exact matrix
+  double shift_ = 0.0;          // 1/s^2; 0 = none was needed yet
 };
 
 }  // namespace deformable_surface::solve

@@ -28,7 +28,8 @@ BlockSparse fill(Index n, const Pairs& pairs, double dominance, std::mt19937& ge
     Mat3 block;
     for (int k = 0; k < 9; ++k) block(k / 3, k % 3) = uniform(generator);
     matrix.add(i, j, block);
-    for (Index p : {i, j}) weight[p] += std::max(block.cwiseAbs().rowwise().sum().maxCoeff(), block.cwiseAbs().colwise().sum().maxCoeff());
+    const Mat3 size = block.cwiseAbs();
+    for (Index p : {i, j}) weight[p] += std::max(size.rowwise().sum().maxCoeff(), size.colwise().sum().maxCoeff());
   }
   for (Index i = 0; i < n; ++i) matrix.add(i, i, dominance * weight[i] * Mat3::Identity());
   matrix.finish();

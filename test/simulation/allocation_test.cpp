@@ -50,7 +50,8 @@ simulation::SceneParams loadedSheet(solve::IntegratorType type) {
 }
 
 TEST(Allocation, NoExplicitStepAllocatesAfterTheFirst) {
-  for (solve::IntegratorType type : {solve::IntegratorType::kAuto, solve::IntegratorType::kVerlet, solve::IntegratorType::kSymplecticEuler}) {
+  using Type = solve::IntegratorType;
+  for (Type type : {Type::kAuto, Type::kVerlet, Type::kSymplecticEuler}) {
     simulation::Simulation s(loadedSheet(type), sheetCloud());
     EXPECT_EQ(countAllocations(s, 60), 0) << static_cast<int>(type);
     // The scene has stretched far enough for several new measurements of the stable step.
@@ -73,7 +74,8 @@ TEST(Allocation, NoImplicitOrStaticStepAllocatesAfterTheFirst) {
 }
 
 TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
-  for (solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kImplicit, solve::IntegratorType::kStatic}) {
+  using Type = solve::IntegratorType;
+  for (Type type : {Type::kVerlet, Type::kImplicit, Type::kStatic}) {
     simulation::SceneParams p;
     p.integrator.type = type;
     p.integrator.time_step = 1e-3;

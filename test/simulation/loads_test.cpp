@@ -166,7 +166,7 @@ TEST(NamedForces, TellOnceOfAForceThatActsFarAwayOrOnPinnedPointsOnly) {
   const State state = still({Vec3(0, 0, 0), Vec3(1, 0, 0), Vec3(2, 0, 0)});
   const auto put = [&](const Vec3& point, double radius) {
     forces.set({"a", point, Vec3::UnitZ(), radius, 0.0, 1e300});
-    return forces.update(0.0, state, pinned);
+    return forces.update(0.0, state, pinned).notice;
   };
   const auto putAnew = [&](const Vec3& point, double radius) {
     forces.clear();
@@ -178,7 +178,7 @@ TEST(NamedForces, TellOnceOfAForceThatActsFarAwayOrOnPinnedPointsOnly) {
   EXPECT_EQ(put(Vec3(2, 5, 0), 0.1),
             "force 'a': no simulation point lies within its radius of 0.1 m; it acts on the nearest one, 5 m from its point");
   EXPECT_EQ(put(Vec3(2, 6, 0), 0.1), "");  // told
-  EXPECT_EQ(forces.update(0.0, state, pinned), "");
+  EXPECT_EQ(forces.update(0.0, state, pinned).notice, "");
   EXPECT_EQ(put(Vec3(2, 0, 0), 0.1), "");
   EXPECT_NE(put(Vec3(2, 6, 0), 0.1), "");  // it was well meanwhile
   EXPECT_NE(putAnew(Vec3(2, 6, 0), 0.1), "");

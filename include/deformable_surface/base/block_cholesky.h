@@ -7,9 +7,9 @@
 namespace deformable_surface {
 
 /// P A P^T = L L^T with P a fill-reducing permutation of the blocks [Amestoy et al. 1996]. Columns of L with the same rows below
-/// them form a supernode and are stored as one dense panel; a panel gathers the products of the panels before it that have rows in
-/// it and is then factorised in place (left-looking) [Ng and Peyton 1993]. The bits of the result depend on nothing but pattern and
-/// values.
+/// them form a supernode and are stored as one dense panel; a panel gathers the products of the panels before it that have rows
+/// in it and is then factorised in place (left-looking) [Ng and Peyton 1993]. The bits of the result depend on nothing but
+/// pattern and values.
 class BlockCholesky {
  public:
   /// pattern: as of BlockSparse, rows >= column, ascending, the diagonal first. Allocates all memory.
