@@ -84,6 +84,7 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
     p.material.damping = 1.0;
     p.material.spring_damping = 1e-4;
     p.mass_spring.volume_stiffness = 1e5;
+    p.gravity = Vec3(0.0, 0.0, -1.0);
     p.pressure = 5.0;
     p.viscous_drag = 0.5;
     p.simplification.target_points = 520;  // more than fit in one block of a sum
@@ -93,7 +94,7 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
     p.pins.push_back(pin);
     simulation::Simulation s(p, asCloud(makeSphere(1200, 0.1).points));
     run(s, 1);
-    s.setGravity(Vec3(0.1, 0.0, -9.81));  // another equilibrium to look for
+    s.setGravity(Vec3(0.1, 0.0, -1.0));  // another equilibrium to look for
     EXPECT_EQ(countAllocations(s, 2), 0) << static_cast<int>(type);
   }
 }
