@@ -25,6 +25,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"allocations", runAllocationsSection},
                            {"memory", runMemorySection},
                            {"factorization", runFactorizationSection}};
+constexpr Part kStability = {"stability", runStabilitySection};  // takes minutes: only if asked for
 
 std::string findProcessor() {
   std::ifstream file("/proc/cpuinfo");
@@ -54,19 +55,22 @@ int run(int argc, char** argv) {
   Options options;
   std::string folder = ".", commit = "unknown";
   std::vector<std::string> wanted;
+  bool stability = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--large") {
       options.large = true;
     } else if (argument == "--quick") {
       options.large = false;
+    } else if (argument == "--stability") {
+      stability = true;
     } else if ((argument == "--output" || argument == "--commit" || argument == "--only") && i + 1 < argc) {
       const std::string value = argv[++i];
       if (argument == "--output") folder = value;
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --only PART, --output FOLDER, --commit TEXT");
+      return fail("found '" + argument + "'; accepted: --quick, --large, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)
@@ -77,8 +81,9 @@ int run(int argc, char** argv) {
   printHeader(commit);
   const Timer timer;
   Report report(folder);
+  if (stability) kStability.run(options, report);
   for (const Part& part : kParts)
-    if (wanted.empty() || std::find(wanted.begin(), wanted.end(), part.name) != wanted.end()) part.run(options, report);
+    if ((wanted.empty() && !stability) || std::find(wanted.begin(), wanted.end(), part.name) != wanted.end()) part.run(options, report);
   std::printf("\n%.0f s\n", timer.seconds());
   return 0;
 }

@@ -17,5 +17,6 @@ void runIntegratorsSection(const Options& options, Report& report);
 void runAllocationsSection(const Options& options, Report& report);
 void runMemorySection(const Options& options, Report& report);
 void runFactorizationSection(const Options& options, Report& report);
+void runStabilitySection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark

@@ -41,14 +41,13 @@ double PressureLoad::estimateWork(double, double, const State& before, const Sta
   const Index n = before.size();
   between_.positions.resize(n);
   for (Index i = 0; i < n; ++i) between_.positions[i] = 0.5 * (before.positions[i] + after.positions[i]);
-  double largest = 0.0;
-  for (const State* state : {&before, static_cast<const State*>(&between_), &after}) {
+  const std::pair<const State*, double> places[] = {{&before, 1.0 / 6.0}, {&between_, 4.0 / 6.0}, {&after, 1.0 / 6.0}};
+  double work = 0.0;
+  for (const auto& [state, weight] : places) {
     model_.computeAreaVectors(*state, area_);
-    double work = 0.0;
-    for (Index i = 0; i < n; ++i) work += pressure_ * area_[i].dot(after.positions[i] - before.positions[i]);
-    largest = std::max(largest, work);
+    for (Index i = 0; i < n; ++i) work += weight * pressure_ * area_[i].dot(after.positions[i] - before.positions[i]);
   }
-  return largest;
+  return work;
 }
 
 void DragLoad::addForces(double, const State& state, Points& forces) const {

@@ -25,6 +25,7 @@ using solve::IntegratorType;
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
 constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry of a step that was not sound
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
+constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
 constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
 constexpr double kMaxSpeed = 1e8;        // m/s that a given state may have: a third of that of light is no surface's
 constexpr double kContactRate = 0.45;    // of the highest frequency at rest: its square then grows by a fifth at most
@@ -108,6 +109,7 @@ struct Simulation::Impl {
 
   // Results and scratch.
   State before, portion_start;
+  Index substeps_needed = 0;  // if there are too many of them to be taken
   double work = 0.0;  // J, put in during the step by loads without a potential
   Statistics statistics;
   std::unique_ptr<transfer::Resampler> resampler;
@@ -265,7 +267,13 @@ struct Simulation::Impl {
   // the stable step is looked at again: within a long step the surface can become another.
   solve::SolveReport advance(double now, double share) {
     const double dt = params.integrator.time_step;
+    if (integrator_type == IntegratorType::kImplicit) return advanceImplicitly(now, static_cast<Index>(std::lround(1.0 / share)));
     work = 0.0;
+    substeps_needed = 0;
+    if (integrator_type == IntegratorType::kSymplecticEuler && solve::countSubsteps(dt, share * max_substep) > kHopeless) {
+      substeps_needed = solve::countSubsteps(dt, share * max_substep);
+      return {};
+    }
     if (integrator_type != IntegratorType::kVerlet) {
       const solve::SolveReport report = integrator(integrator_type).advance(system, now, dt, share * max_substep, state);
       work = system.estimateWork(now, now + dt, before, state);
@@ -277,7 +285,11 @@ struct Simulation::Impl {
       const Index left = solve::countSubsteps(dt - done, share * max_substep);
       // The surface has become too stiff within the step: the whole of it is taken implicitly.
       if (params.integrator.type == IntegratorType::kAuto && total.substeps + left > params.integrator.max_substeps)
-        return advanceImplicitly(now);
+        return advanceImplicitly(now, 1);
+      if (left > kHopeless) {
+        substeps_needed = left;
+        return total;
+      }
       const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
       portion_start = state;
       const solve::SolveReport report = integrator(IntegratorType::kVerlet).advance(system, now + done, portion, share * max_substep, state);
@@ -291,12 +303,26 @@ struct Simulation::Impl {
     }
   }
 
-  solve::SolveReport advanceImplicitly(double now) {
-    const double dt = params.integrator.time_step;
+  // The whole step from its beginning with the implicit method, in equal parts.
+  solve::SolveReport advanceImplicitly(double now, Index parts) {
+    const double part = params.integrator.time_step / parts;
     state = before;
-    const solve::SolveReport report = integrator(IntegratorType::kImplicit).advance(system, now, dt, max_substep, state);
-    work = system.estimateWork(now, now + dt, before, state);
-    return report;
+    work = 0.0;
+    substeps_needed = 0;
+    solve::SolveReport total;
+    for (Index k = 0; k < parts && total.finite; ++k) {
+      const double from = now + k * part;
+      portion_start = state;
+      const solve::SolveReport report = integrator(IntegratorType::kImplicit).advance(system, from, part, 0.0, state);
+      work += system.estimateWork(from, from + part, portion_start, state);
+      total.finite = report.finite;
+      total.converged = total.converged && report.converged;
+      total.substeps += report.substeps;
+      total.iterations += report.iterations;
+      total.residual = std::max(total.residual, report.residual);
+      total.time_forces += report.time_forces;
+    }
+    return total;
   }
 
   // To the state before the step. What was measured on the way of a step that went wrong is worth nothing.
@@ -312,16 +338,27 @@ struct Simulation::Impl {
   }
 
   bool isSound(double now, const solve::SolveReport& report) {
-    if (!report.finite) return false;
+    if (!report.finite || substeps_needed > 0 || !isInSpace()) return false;
     const double dt = params.integrator.time_step;
-    const bool published = integrator_type == IntegratorType::kExplicitEuler;
-    return guard.accepts(system, now + dt, state, dt / report.substeps, work,
-                         published ? solve::EnergyGuard::kFadeOfPublished : solve::EnergyGuard::kFade);
+    return guard.accepts(system, now + dt, state, dt / report.substeps, work, allowance());
+  }
+
+  solve::EnergyGuard::Allowance allowance() const {
+    if (integrator_type == IntegratorType::kExplicitEuler) return solve::EnergyGuard::kPublished;
+    return isExplicit(integrator_type) ? solve::EnergyGuard::kSymplectic : solve::EnergyGuard::kDescending;
+  }
+
+  bool isInSpace() const {
+    return std::all_of(state.positions.begin(), state.positions.end(), [](const Vec3& x) { return isWithin(x, kMaxLength); });
   }
 
   // What was wrong with the step, as the end of "a step ...".
   std::string describeFailure(const solve::SolveReport& report) const {
+    if (substeps_needed > 0)
+      return "needs " + std::to_string(substeps_needed) + " sub-steps, more than the " + std::to_string(kHopeless) +
+             " that can be waited for (the implicit method needs none),";
     if (!report.finite) return "gave values that are not finite";
+    if (!isInSpace()) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
     return "raised the energy from " + formatReal(guard.energyBefore()) + " to " + formatReal(guard.energyAfter()) +
            " J, and by " + formatReal(guard.excess()) + " J in all beyond what was put in,";
   }
@@ -350,19 +387,20 @@ struct Simulation::Impl {
     // Sub-steps; a step that went wrong is taken again with finer ones, and by auto implicitly in the end.
     solve::SolveReport report = advance(now, 1.0);
     bool sound = isSound(now, report);
-    const bool has_substeps = integrator_type == IntegratorType::kVerlet || integrator_type == IntegratorType::kSymplecticEuler;
+    const bool has_substeps = integrator_type != IntegratorType::kExplicitEuler && integrator_type != IntegratorType::kStatic;
     std::string retries;
-    for (double share = 0.5; !sound && has_substeps && share >= kSmallestShare; share *= 0.5) {
+    for (double share = 0.5; !sound && has_substeps && substeps_needed == 0 && share >= kSmallestShare; share *= 0.5) {
       const std::string failure = describeFailure(report);
       goBack(now);
       report = advance(now, share);
       sound = isSound(now, report);
       retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
     }
-    if (!sound && params.integrator.type == IntegratorType::kAuto && integrator_type == IntegratorType::kVerlet) {
-      retries = "a step " + describeFailure(report) + " however fine its sub-steps and was taken with the implicit method, which damps";
+    const bool may_change = params.integrator.type == IntegratorType::kAuto && integrator_type == IntegratorType::kVerlet;
+    for (Index parts = 1; !sound && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
+      retries = "a step " + describeFailure(report) + " and was taken with the implicit method, which damps";
       goBack(now);
-      report = advanceImplicitly(now);
+      report = advanceImplicitly(now, parts);
       sound = isSound(now, report);
     }
     addNotice(retries);

@@ -10,7 +10,7 @@ namespace {
 // Verlet at half the stable step gains up to a quarter of the energy of its highest mode when that turns from motion into stretch:
 // what it conserves is less than the energy by (w h / 2)^2 of the elastic part. The rest is room for crumpling, where modes stiffen;
 // measured in docs/stability.md.
-constexpr double kTolerance = 0.4;
+constexpr double kSwing = 0.4;
 constexpr double kMemory = 1e-3;    // by which the largest energy of late fades per step: a swing takes some hundred
 constexpr double kRounding = 16.0;  // units in the last place per point that sums of energies may be wrong by
 
@@ -21,30 +21,35 @@ void EnergyGuard::beginStep(const System& system, double time, const State& stat
   elastic_known_ = true;
   const double kinetic = system.kineticEnergy(state);
   before_ = elastic_ + kinetic + system.loadPotential(time, state);
-  memory_.vibration = std::max(memory_.vibration, elastic_ + kinetic);
+  memory_.vibration = std::max(memory_.vibration, elastic_ + kinetic + system.storedEnergy(state));
   if (!memory_.kick_needed) return;
   memory_.kick_needed = false;
   memory_.kick = 0.0;
-  system.computeLoads(time, state, forces_);
+  system.computeSteadyLoads(time, state, forces_);
   for (Index i = 0; i < state.size(); ++i) memory_.kick += 0.5 * forces_[i].squaredNorm() / system.masses()[i];
 }
 
-bool EnergyGuard::accepts(const System& system, double time, const State& state, double substep, double work, double fade) {
+bool EnergyGuard::accepts(const System& system, double time, const State& state, double substep, double work,
+                          const Allowance& allowance) {
   next_elastic_ = system.elasticEnergy(state);
-  const double vibration = next_elastic_ + system.kineticEnergy(state);
-  after_ = vibration + system.loadPotential(time, state);
-  excess_ = memory_.excess + (after_ - before_ - work);
+  const double moving = next_elastic_ + system.kineticEnergy(state);
+  const double vibration = moving + system.storedEnergy(state);
+  after_ = moving + system.loadPotential(time, state);
+  const double gain = after_ - before_ - work;
+  excess_ = memory_.excess + gain;
   next_ = memory_;
   next_.vibration = std::max(vibration, (1.0 - kMemory) * memory_.vibration);
-  next_.excess = (1.0 - fade) * std::max(0.0, excess_);
-  const double allowed = kTolerance * next_.vibration + memory_.kick * substep * substep;
-  if (excess_ <= allowed) return std::isfinite(after_);
+  next_.excess = (1.0 - allowance.fade) * std::max(0.0, excess_);
+  const double kick = memory_.kick * substep * substep;
+  // By how much either limit is broken; NaN breaks them.
+  const double beyond = std::max(excess_ - kSwing * next_.vibration - kick, gain - allowance.gain * next_.vibration - kick);
+  if (beyond <= 0.0) return std::isfinite(after_);
   // Rounding: positions wrong by a unit in the last place, times the forces there.
   double reach = 0.0;
   for (const Vec3& x : state.positions) reach = std::max(reach, x.lpNorm<Eigen::Infinity>());
   const double rounding =
       kRounding * std::numeric_limits<double>::epsilon() * state.size() * reach * system.largestForce(time, state);
-  return excess_ <= allowed + rounding && std::isfinite(after_);
+  return beyond <= rounding && std::isfinite(after_);
 }
 
 void EnergyGuard::commit() {

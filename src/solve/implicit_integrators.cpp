@@ -178,7 +178,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     if (trial == 0 && !taken.raised) {
       pseudo_step *= taken.fraction == 1.0 ? kGrowth : kShrink;
       careful = false;
-    } else if (system.potentialEnergy(time + step, state) - newton_.remainderWork(problem, state) < safe_energy) {
+    } else if (system.potentialEnergy(time + step, state) - newton_.remainderWork(safe_, state) < safe_energy) {
       pseudo_step *= kGrowth;
       trial = 0;
     } else if (++trial > kTrial || taken.fraction == 0.0) {

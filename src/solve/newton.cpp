@@ -16,18 +16,25 @@ constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neit
 
 }  // namespace
 
-double NewtonDescent::evaluate(const Problem& problem, State& state) {
+void NewtonDescent::computeRemainder(const Problem& problem, State& state, Points& remainder) {
   const Index n = state.size();
   const System& system = problem.system;
   for (Index i = 0; i < n; ++i)
     state.velocities[i] = problem.step > 0.0 ? Vec3((state.positions[i] - problem.before[i]) / problem.step) : Vec3::Zero();
   system.computeForces(problem.time, state, forces_);
   system.computeConservativeForces(problem.time, state, conservative_);
+  remainder.resize(n);
+  for (Index i = 0; i < n; ++i) remainder[i] = forces_[i] - conservative_[i];
+}
+
+double NewtonDescent::evaluate(const Problem& problem, State& state) {
+  const Index n = state.size();
+  const System& system = problem.system;
+  computeRemainder(problem, state, remainder_);
+  has_remainder_ = std::any_of(remainder_.begin(), remainder_.end(), [](const Vec3& r) { return !r.isZero(0.0); });
   gradient_.resize(n);
-  remainder_.resize(n);
   double residual = 0.0;
   for (Index i = 0; i < n; ++i) {
-    remainder_[i] = forces_[i] - conservative_[i];
     gradient_[i].setZero();
     if (system.isHeld(i)) continue;
     gradient_[i] = problem.weight[i] * (state.positions[i] - problem.target[i]) - forces_[i];
@@ -36,13 +43,16 @@ double NewtonDescent::evaluate(const Problem& problem, State& state) {
   return residual;
 }
 
-double NewtonDescent::merit(const Problem& problem, const State& state) const {
+double NewtonDescent::merit(const Problem& problem, State& state) {
   double sum = problem.system.potentialEnergy(problem.time, state);
   for (Index i = 0; i < state.size(); ++i) {
     if (problem.system.isHeld(i)) continue;
     sum += 0.5 * problem.weight[i] * (state.positions[i] - problem.target[i]).squaredNorm();
-    sum -= remainder_[i].dot(state.positions[i] - start_[i]);
   }
+  if (!has_remainder_) return sum;
+  computeRemainder(problem, state, remainder_there_);
+  for (Index i = 0; i < state.size(); ++i)
+    sum -= 0.5 * (remainder_[i] + remainder_there_[i]).dot(state.positions[i] - start_[i]);
   return sum;
 }
 

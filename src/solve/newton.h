@@ -7,8 +7,8 @@
 namespace deformable_surface::solve {
 
 /// Minimises  Phi(x) = sum_i w_i/2 |x_i - y_i|^2 + E(x) + U(x) - L . x  over the free points, with E the elastic energy, U the
-/// potential of conservative loads and L the forces that have no potential (viscous ones, follower pressure), evaluated anew in
-/// every iteration, at velocities (x - x_before) / step (zero if step is 0).
+/// potential of conservative loads and L the forces that have no potential (viscous ones, follower pressure), evaluated anew at
+/// every place, at velocities (x - x_before) / step (zero if step is 0).
 class NewtonDescent {
  public:
   struct Problem {
@@ -43,13 +43,18 @@ class NewtonDescent {
   double remainderWork(const Points& before, const State& state) const;
 
  private:
-  double merit(const Problem& problem, const State& state) const;
+  /// Phi but for a constant. The work of L since the last evaluate() is that of its mean at both ends, which is exact for viscous
+  /// forces: taken as constant, they would count as a gain what they take.
+  double merit(const Problem& problem, State& state);
+  /// Sets the velocities and computes L at a state.
+  void computeRemainder(const Problem& problem, State& state, Points& remainder);
   /// Fills and factorises the matrix; false if it is not positive definite.
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
   /// The exact matrix, which was not definite, with shift_ times the masses added; false if that is not enough.
   bool factorizeShifted(const System& system);
 
-  Points gradient_, conservative_, forces_, remainder_, start_, rank_one_;
+  Points gradient_, conservative_, forces_, remainder_, remainder_there_, start_, rank_one_;
+  bool has_remainder_ = false;  // any of L is not zero
   Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;
   BlockCholesky factor_;

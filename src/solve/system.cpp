@@ -42,11 +42,22 @@ double System::estimateWork(double from, double to, const State& before, const S
   return work;
 }
 
-void System::computeLoads(double time, const State& state, Points& forces) const {
+double System::storedEnergy(const State& state) const {
+  double energy = 0.0;
+  for (const ExternalLoad* load : loads_) energy += load->storedEnergy(state);
+  return energy;
+}
+
+void System::computeSteadyLoads(double time, const State& state, Points& forces) const {
   forces.assign(state.positions.size(), Vec3::Zero());
-  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+  row_stiffness_.assign(size(), 0.0);
+  row_damping_.assign(size(), 0.0);
+  for (const ExternalLoad* load : loads_) {
+    load->addForces(time, state, forces);
+    load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  }
   for (std::size_t i = 0; i < forces.size(); ++i)
-    if (held_[i]) forces[i].setZero();
+    if (held_[i] || row_stiffness_[i] > 0.0) forces[i].setZero();
 }
 
 double System::potentialEnergy(double time, const State& state) const {

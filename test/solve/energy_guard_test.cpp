@@ -17,7 +17,7 @@ const std::vector<char> kFree(1, 0);
 const std::vector<const solve::ExternalLoad*> kNoLoads;
 
 // Steps of w h, the first of which begins at rest, one metre away; returns how many the guard lets pass.
-int countAccepted(IntegratorType type, double w_times_step, int steps, double fade) {
+int countAccepted(IntegratorType type, double w_times_step, int steps, const EnergyGuard::Allowance& allowance) {
   const Oscillators model({1.0}, 1.0);
   const solve::System system(model, kNoLoads, kFree, 0.0);
   const auto integrator = solve::makeIntegrator(type, {});
@@ -27,24 +27,30 @@ int countAccepted(IntegratorType type, double w_times_step, int steps, double fa
     guard.beginStep(system, 0.0, state);
     // A stable step so long that the integrator takes the step in one.
     integrator->advance(system, 0.0, w_times_step, 100.0, state);
-    if (!guard.accepts(system, 0.0, state, w_times_step, 0.0, fade)) return k;
+    if (!guard.accepts(system, 0.0, state, w_times_step, 0.0, allowance)) return k;
     guard.commit();
   }
   return steps;
 }
 
 TEST(EnergyGuard, TheOscillationOfVerletsEnergyAtHalfTheStableStepIsNoBlowUp) {
-  for (double w_times_step : {0.1, 0.5, 1.0}) EXPECT_EQ(countAccepted(IntegratorType::kVerlet, w_times_step, 10000, EnergyGuard::kFade), 10000);
+  for (double w_times_step : {0.1, 0.5, 1.0}) EXPECT_EQ(countAccepted(IntegratorType::kVerlet, w_times_step, 10000, EnergyGuard::kSymplectic), 10000);
 }
 
 TEST(EnergyGuard, AVerletThatIsUnstableIsCaughtWithinAFewSteps) {
-  for (double w_times_step : {2.01, 2.1, 4.0, 100.0}) EXPECT_LT(countAccepted(IntegratorType::kVerlet, w_times_step, 1000, EnergyGuard::kFade), 5);
+  for (double w_times_step : {2.01, 2.1, 4.0, 100.0}) EXPECT_LT(countAccepted(IntegratorType::kVerlet, w_times_step, 1000, EnergyGuard::kSymplectic), 5);
 }
 
 TEST(EnergyGuard, ExplicitEulerMayDriftButNotBlowUp) {
   // The energy grows by (w h)^2 in every step.
-  EXPECT_EQ(countAccepted(IntegratorType::kExplicitEuler, 0.02, 1000, EnergyGuard::kFadeOfPublished), 1000);
-  EXPECT_LT(countAccepted(IntegratorType::kExplicitEuler, 0.3, 10000, EnergyGuard::kFadeOfPublished), 20);
+  EXPECT_EQ(countAccepted(IntegratorType::kExplicitEuler, 0.02, 1000, EnergyGuard::kPublished), 1000);
+  EXPECT_LT(countAccepted(IntegratorType::kExplicitEuler, 0.3, 10000, EnergyGuard::kPublished), 20);
+}
+
+TEST(EnergyGuard, AMethodThatOnlyDescendsMayNotSwing) {
+  const auto count = [](const EnergyGuard::Allowance& allowance) { return countAccepted(IntegratorType::kVerlet, 1.0, 100, allowance); };
+  EXPECT_EQ(count(EnergyGuard::kSymplectic), 100);
+  EXPECT_LT(count(EnergyGuard::kDescending), 10);
 }
 
 TEST(EnergyGuard, EveryMethodMayFall) {
@@ -59,7 +65,7 @@ TEST(EnergyGuard, EveryMethodMayFall) {
     for (int k = 0; k < 200; ++k) {
       guard.beginStep(system, 0.0, state);
       integrator->advance(system, 0.0, 0.01, 1.0, state);
-      ASSERT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kFade)) << static_cast<int>(type) << " step " << k;
+      ASSERT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic)) << static_cast<int>(type) << " step " << k;
       guard.commit();
     }
   }
@@ -71,21 +77,21 @@ TEST(EnergyGuard, WhatACommandOrALoadPutsInIsNoGain) {
   EnergyGuard guard;
   State state{{Vec3(1.0, 0.0, 0.0)}, {Vec3::Zero()}};
   guard.beginStep(system, 0.0, state);
-  ASSERT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kFade));
+  ASSERT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic));
   guard.commit();
   // Struck between two steps: the next one begins with more.
   state.velocities[0].x() = 100.0;
   guard.beginStep(system, 0.0, state);
-  EXPECT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kFade));
+  EXPECT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic));
   guard.commit();
   // The same within a step is a gain, unless a load says that it did the work.
   guard.beginStep(system, 0.0, state);
   state.velocities[0].x() = 200.0;
-  EXPECT_FALSE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kFade));
-  EXPECT_TRUE(guard.accepts(system, 0.0, state, 0.01, 15000.0, EnergyGuard::kFade));
+  EXPECT_FALSE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic));
+  EXPECT_TRUE(guard.accepts(system, 0.0, state, 0.01, 15000.0, EnergyGuard::kSymplectic));
   // What is not finite is never sound.
   state.velocities[0].x() = std::numeric_limits<double>::quiet_NaN();
-  EXPECT_FALSE(guard.accepts(system, 0.0, state, 0.01, std::numeric_limits<double>::infinity(), EnergyGuard::kFade));
+  EXPECT_FALSE(guard.accepts(system, 0.0, state, 0.01, std::numeric_limits<double>::infinity(), EnergyGuard::kSymplectic));
 }
 
 }  // namespace

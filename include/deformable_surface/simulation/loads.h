@@ -34,7 +34,7 @@ class PressureLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return model_.isClosed(); }
-  /// The largest of the works of its forces before, halfway and after.
+  /// Exact by Simpson's rule: along a straight way the area is quadratic.
   double estimateWork(double from, double to, const State& before, const State& after) const override;
 
  private:
@@ -71,6 +71,7 @@ class AnchorLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
+  double storedEnergy(const State& state) const override { return potential(0.0, state); }
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 

@@ -8,10 +8,11 @@ namespace deformable_surface::solve {
 
 /// Keeps an account of the energy E (kinetic, elastic, potential of the loads). What commands between steps change is no gain; the
 /// work of loads without a potential is put in. The excess is what E has gained beyond that since it was lowest. A step is sound if
-///   excess <= tolerance * (largest kinetic + elastic energy of late) + (kinetic energy that the loads give in a sub-step from rest).
-/// The first term is the oscillation of a symplectic method's energy about what it really conserves, the second the error of the
-/// first step of a first-order one. The excess fades slowly, so that drift over very many steps is not held to be a blow-up. Kinetic and elastic energy together therefore stay below 1 / (1 - tolerance) of what was there or put in: this bounds every
-/// speed and every stretch, and nothing else about a single point has to be watched.
+///   excess <= swing * V + (kinetic energy that the loads give in a sub-step from rest)
+/// with V the largest kinetic and elastic energy of late, world springs included. The first term is the oscillation of a symplectic
+/// method's energy about what it really conserves, the second the error of the first step of a first-order one. The excess fades
+/// slowly, so that drift over very many steps is not held to be a blow-up. V therefore stays below 1 / (1 - swing) of what was there or
+/// put in, which bounds every speed and every stretch: nothing else about a single point has to be watched.
 class EnergyGuard {
  public:
   /// What a snapshot must hold.
@@ -34,9 +35,18 @@ class EnergyGuard {
 
   /// At the start of a step, after its commands.
   void beginStep(const System& system, double time, const State& state);
-  /// At its end: false if the energy is not finite or has grown beyond the tolerance. substep, s, is that of the integrator; work, J,
-  /// that of loads without a potential in this step; fade: share of the excess that a step forgives. Changes no memory.
-  bool accepts(const System& system, double time, const State& state, double substep, double work, double fade);
+  /// What a method may do by its nature.
+  struct Allowance {
+    double gain;  // of a single step, in shares of V
+    double fade;  // share of the excess that a step forgives: growth below about half of it is drift
+  };
+  static constexpr Allowance kSymplectic{1.0, 1e-5};
+  static constexpr Allowance kDescending{1e-3, 1e-5};  // implicit and static: they never gain but by the error of the work put in
+  static constexpr Allowance kPublished{1.0, 1e-3};    // explicit Euler drifts
+
+  /// At its end: false if the energy is not finite or has grown beyond what is allowed. substep, s, is that of the integrator; work, J,
+  /// that of loads without a potential in this step. Changes no memory.
+  bool accepts(const System& system, double time, const State& state, double substep, double work, const Allowance& allowance);
   /// Takes what accepts() saw last as the state that the next step begins with.
   void commit();
 
@@ -45,10 +55,6 @@ class EnergyGuard {
 
   /// J, gained since the energy was lowest, as accepts() saw it last.
   double excess() const { return excess_; }
-
-  // Growth below about half of these per step is drift: far more than any sound method has, and what explicit Euler has by nature.
-  static constexpr double kFade = 1e-5;
-  static constexpr double kFadeOfPublished = 1e-3;
 
  private:
   Memory memory_, next_;

@@ -31,10 +31,12 @@ class System {
   double elasticEnergy(const State& state) const { return model_.elasticEnergy(state); }
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
-  /// The work of the others while the points move straight from one state to another, J: an upper estimate.
+  /// The part of it that is stored as in springs, J.
+  double storedEnergy(const State& state) const;
+  /// The energy that loads put in between two times while the points move straight from one state to another, J; see ExternalLoad.
   double estimateWork(double from, double to, const State& before, const State& after) const;
-  /// The forces of all loads, N; zero on held points. (n x 3), overwritten.
-  void computeLoads(double time, const State& state, Points& forces) const;
+  /// The forces of the loads, N; zero on held points and on points whose load has a stiffness. (n x 3), overwritten.
+  void computeSteadyLoads(double time, const State& state, Points& forces) const;
 
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
