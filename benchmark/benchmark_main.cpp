@@ -22,6 +22,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"table_1", runTable1Section},
                            {"transfer", runTransferSection},
                            {"integrators", runIntegratorsSection},
+                           {"explicit", runExplicitSection},
                            {"allocations", runAllocationsSection},
                            {"memory", runMemorySection},
                            {"factorization", runFactorizationSection}};

@@ -14,6 +14,7 @@ void runSetupSection(const Options& options, Report& report);
 void runTable1Section(const Options& options, Report& report);
 void runTransferSection(const Options& options, Report& report);
 void runIntegratorsSection(const Options& options, Report& report);
+void runExplicitSection(const Options& options, Report& report);
 void runAllocationsSection(const Options& options, Report& report);
 void runMemorySection(const Options& options, Report& report);
 void runFactorizationSection(const Options& options, Report& report);

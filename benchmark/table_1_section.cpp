@@ -133,7 +133,7 @@ void runTable1Section(const Options& options, Report& report) {
   }
   report.end();
   report.note(
-      "step: one velocity-Verlet sub-step, which evaluates the forces twice; frame: a step of 10 ms in sub-steps; published:");
+      "step: one velocity-Verlet sub-step, which evaluates the forces once; frame: a step of 10 ms in sub-steps; published:");
   report.note(
       "Pentium IV, 2 GHz, for orientation only; targets for 327: force pass below 0.1 ms, with transfer and normals below 0.2");
   report.note("rms: between the shapes at rest; largest speed left in them " + show(last_speed) + " m/s");

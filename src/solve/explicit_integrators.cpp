@@ -1,8 +1,10 @@
 #include "explicit_integrators.h"
 
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/base/timer.h"
 
 #include <cmath>
+#include <cstring>
 
 namespace deformable_surface::solve {
 namespace {
@@ -61,39 +63,68 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
   return report;
 }
 
+namespace {
+
+// One number for each coordinate, so that the loops below run over plain arrays.
+DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, const double* kick, const double* drift, const double* force,
+                                          double* velocity, double* predicted, double* position) {
+#pragma GCC ivdep
+  for (Index k = 0; k < size; ++k) {
+    const double half_kick = kick[k] * force[k];
+    velocity[k] = decay * velocity[k] + half_kick;
+    position[k] += drift[k] * velocity[k];
+    predicted[k] = decay * (velocity[k] + half_kick);
+  }
+}
+
+DEFORMABLE_SURFACE_WIDE void kick(Index size, double decay, const double* kick, const double* force, double* velocity) {
+#pragma GCC ivdep
+  for (Index k = 0; k < size; ++k) velocity[k] = decay * (velocity[k] + kick[k] * force[k]);
+}
+
+bool isSame(const Points& a, const Points& b) {
+  return a.size() == b.size() && std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0;
+}
+
+}  // namespace
+
 SolveReport VelocityVerlet::advance(const System& system, double time, double step, double max_substep, State& state) {
   SolveReport report;
   report.substeps = countSubsteps(step, max_substep);
   const double dt = step / report.substeps;
   const double half_decay = std::exp(-0.5 * system.damping() * dt);
-  const auto evaluate = [&](double at, const State& where) {
-    const Timer timer;
-    system.computeForces(at, where, forces_);
-    report.time_forces += timer.seconds();
-  };
-  evaluate(time, state);
-  predicted_.velocities.resize(state.size());
+  const Index n = state.size();
+  const std::vector<double>& masses = system.masses();
+  kick_.resize(3 * n);
+  drift_.resize(3 * n);
+  for (Index k = 0; k < 3 * n; ++k) {
+    kick_[k] = system.isHeld(k / 3) ? 0.0 : 0.5 * dt / masses[k / 3];
+    drift_[k] = system.isHeld(k / 3) ? 0.0 : dt;
+  }
+  const Timer timer;
+  // The internal forces at the beginning are those of the last end, if this is where it was.
+  if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions))
+    system.computeInternalForces(state, internal_forces_);
+  forces_ = internal_forces_;
+  system.addLoads(time, state, forces_);
+  report.time_forces += timer.seconds();
+  predicted_.velocities.resize(n);
+  double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
   for (Index s = 0; s < report.substeps; ++s) {
     // Half kick and drift. The velocity at the end is predicted with the acceleration of the beginning.
-    for (Index i = 0; i < state.size(); ++i) {
-      if (system.isHeld(i)) {
-        predicted_.velocities[i] = state.velocities[i];
-        continue;
-      }
-      const Vec3 half_kick = 0.5 * dt / system.masses()[i] * forces_[i];
-      state.velocities[i] = half_decay * state.velocities[i] + half_kick;
-      state.positions[i] += dt * state.velocities[i];
-      predicted_.velocities[i] = half_decay * (state.velocities[i] + half_kick);
-    }
+    kickAndDrift(3 * n, half_decay, kick_.data(), drift_.data(), forces_.data()->data(), velocity, predicted,
+                 state.positions.data()->data());
     // Forces at the new place, and the second half kick.
+    const Timer forces_timer;
     predicted_.positions.swap(state.positions);
-    evaluate(time + (s + 1) * dt, predicted_);
+    system.computeInternalForces(predicted_, internal_forces_);
+    forces_ = internal_forces_;
+    system.addLoads(time + (s + 1) * dt, predicted_, forces_);
     predicted_.positions.swap(state.positions);
-    for (Index i = 0; i < state.size(); ++i) {
-      if (system.isHeld(i)) continue;
-      state.velocities[i] = half_decay * (state.velocities[i] + 0.5 * dt / system.masses()[i] * forces_[i]);
-    }
+    report.time_forces += forces_timer.seconds();
+    kick(3 * n, half_decay, kick_.data(), forces_.data()->data(), velocity);
   }
+  last_positions_ = state.positions;
   report.finite = allFinite(state);
   return report;
 }

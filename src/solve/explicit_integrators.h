@@ -31,8 +31,10 @@ class VelocityVerlet : public Integrator {
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
 
  private:
+  Points internal_forces_, last_positions_;  // internal_forces_ belong to last_positions_ between steps
   Points forces_;
   State predicted_;
+  std::vector<double> kick_, drift_;         // (3 n) dt / 2 over mass, and dt; zero on held points
 };
 
 }  // namespace deformable_surface::solve

@@ -11,8 +11,16 @@ System::System(const model::DeformableModel& model, const std::vector<const Exte
     : model_(model), loads_(loads), held_(held), damping_(damping) {}
 
 void System::computeForces(double time, const State& state, Points& forces) const {
+  computeInternalForces(state, forces);
+  addLoads(time, state, forces);
+}
+
+void System::computeInternalForces(const State& state, Points& forces) const {
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(state, forces);
+}
+
+void System::addLoads(double time, const State& state, Points& forces) const {
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i]) forces[i].setZero();

@@ -35,7 +35,11 @@ class Chain : public model::DeformableModel {
     springs_ = model::Springs(links, rest, k);
   }
   const std::vector<double>& masses() const override { return masses_; }
-  void addForces(const State& s, Points& forces) const override { springs_.addForces(s, true, 0.0, forces); }
+  void addForces(const State& s, Points& forces) const override {
+    PaddedPoints positions;
+    positions.assign(s.positions);
+    springs_.addForces(s, positions, true, 0.0, forces);
+  }
   double elasticEnergy(const State& s) const override { return springs_.energy(s); }
   void addStiffness(const State& s, double step, model::Hessian hessian, BlockSparse& k) const override {
     springs_.addStiffness(s, true, 0.0, step, hessian, k);

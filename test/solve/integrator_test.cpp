@@ -70,6 +70,36 @@ TEST(Integrators, VerletKeepsItsOrderWithDampingByMassAndByVelocity) {
   EXPECT_NEAR(std::log2(error(100) / error(200)), 2.0, 0.15);
 }
 
+TEST(Integrators, VerletEvaluatesTheModelOnceAStepWhileNothingElseMovesThePoints) {
+  for (double viscosity : {0.0, 0.1}) {
+    World world({1.0}, 1.0, viscosity);
+    world.run(IntegratorType::kVerlet, 1.0, 10, startAt(Vec3::UnitX(), Vec3::Zero()));
+    EXPECT_EQ(world.model.evaluations, viscosity > 0.0 ? 20 : 11);
+  }
+}
+
+TEST(Integrators, VerletNoticesThatPointsWereMovedOrLoadsChangedBetweenSteps) {
+  World world({1.0}, 1.0);
+  const ConstantField wind(world.model.masses(), Vec3::UnitY());
+  const auto used = solve::makeIntegrator(IntegratorType::kVerlet, {});
+  State state = startAt(Vec3::UnitX(), Vec3::Zero());
+  const auto compareWithFresh = [&] {
+    State expected = state;
+    solve::makeIntegrator(IntegratorType::kVerlet, {})->advance(world.system, 0.0, 0.1, kNoLimit, expected);
+    used->advance(world.system, 0.0, 0.1, kNoLimit, state);
+    EXPECT_EQ(state.positions[0], expected.positions[0]);
+    EXPECT_EQ(state.velocities[0], expected.velocities[0]);
+  };
+  compareWithFresh();
+  compareWithFresh();
+  state.positions[0].z() += 1.0;
+  compareWithFresh();
+  world.loads.push_back(&wind);
+  compareWithFresh();
+  world.loads.clear();
+  compareWithFresh();
+}
+
 TEST(Integrators, FreeFallIsExactWithVerletAndLateByHalfAStepWithFirstOrderMethods) {
   for (const auto& [type, error] : {std::pair{IntegratorType::kVerlet, 0.0},
                                     std::pair{IntegratorType::kSymplecticEuler, -0.5 * 9.81 / 60.0},

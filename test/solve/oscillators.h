@@ -13,7 +13,9 @@ class Oscillators : public model::DeformableModel {
       : stiffness_(std::move(stiffness)), masses_(stiffness_.size(), mass), viscosity_(viscosity) {}
 
   const std::vector<double>& masses() const override { return masses_; }
+  bool forcesReadVelocities() const override { return viscosity_ > 0.0; }
   void addForces(const State& s, Points& forces) const override {
+    ++evaluations;
     for (std::size_t i = 0; i < forces.size(); ++i)
       forces[i] -= stiffness_[i] * s.positions[i] + viscosity_ * s.velocities[i];
   }
@@ -41,6 +43,8 @@ class Oscillators : public model::DeformableModel {
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
   const std::vector<model::WeightedTriangle>& triangles() const override { return no_triangles_; }
+
+  mutable int evaluations = 0;  // of the forces
 
  private:
   std::vector<double> stiffness_, masses_;

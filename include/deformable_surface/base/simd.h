@@ -2,6 +2,8 @@
 // least member, so that its types fit those of the installed libraries. Without fused multiply-add the bits are the same.
 #pragma once
 
+#include <cmath>
+
 // The sanitizers cannot run the functions that choose at start-up.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
@@ -10,3 +12,39 @@
 #else
 #define DEFORMABLE_SURFACE_WIDE
 #endif
+
+/// Helpers of such functions must become part of them. They take vectors by reference: by value those have another binary interface
+/// with and without the wider instructions.
+#define DEFORMABLE_SURFACE_INLINE inline __attribute__((always_inline))
+
+namespace deformable_surface {
+
+/// Four numbers side by side: four elements that are computed at once, or a point and a number to spare.
+using Double4 = double __attribute__((vector_size(4 * sizeof(double))));
+
+namespace internal {
+/// The same at any address of numbers.
+using Unaligned4 = double __attribute__((vector_size(4 * sizeof(double)), aligned(alignof(double)), may_alias));
+}  // namespace internal
+
+DEFORMABLE_SURFACE_INLINE void load(const double* from, Double4& to) { to = *reinterpret_cast<const internal::Unaligned4*>(from); }
+DEFORMABLE_SURFACE_INLINE void store(const Double4& from, double* to) { *reinterpret_cast<internal::Unaligned4*>(to) = from; }
+
+/// Rows become columns.
+DEFORMABLE_SURFACE_INLINE void transpose(Double4& a, Double4& b, Double4& c, Double4& d) {
+  using Choice = long long __attribute__((vector_size(4 * sizeof(long long))));
+  const Choice even{0, 4, 2, 6}, odd{1, 5, 3, 7}, low{0, 1, 4, 5}, high{2, 3, 6, 7};
+  const Double4 ab_even = __builtin_shuffle(a, b, even), ab_odd = __builtin_shuffle(a, b, odd);
+  const Double4 cd_even = __builtin_shuffle(c, d, even), cd_odd = __builtin_shuffle(c, d, odd);
+  a = __builtin_shuffle(ab_even, cd_even, low);
+  b = __builtin_shuffle(ab_odd, cd_odd, low);
+  c = __builtin_shuffle(ab_even, cd_even, high);
+  d = __builtin_shuffle(ab_odd, cd_odd, high);
+}
+
+/// Square roots in place.
+DEFORMABLE_SURFACE_INLINE void takeRoots(Double4& x) {
+  x = Double4{std::sqrt(x[0]), std::sqrt(x[1]), std::sqrt(x[2]), std::sqrt(x[3])};
+}
+
+}  // namespace deformable_surface

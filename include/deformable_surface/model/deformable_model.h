@@ -40,6 +40,9 @@ class DeformableModel {
   /// elasticEnergy(). Points with equal velocity feel no viscous force.
   virtual void addForces(const State& state, Points& forces) const = 0;
 
+  /// False only if addForces() never looks at the velocities: the same positions then give the same forces.
+  virtual bool forcesReadVelocities() const { return true; }
+
   /// Elastic energy in joules; zero in the rest state.
   virtual double elasticEnergy(const State& state) const = 0;
 

@@ -18,6 +18,7 @@ struct SolveReport {
   double time_forces = 0.0;  // s of wall time in force evaluations
 };
 
+/// Serves one system: what it remembers between steps (forces, a matrix's pattern) is that system's.
 class Integrator {
  public:
   virtual ~Integrator() = default;

@@ -22,6 +22,11 @@ class System {
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;
+  /// The same in two parts: those of the model alone, on held points too, overwritten; and the loads added, zero on held points.
+  void computeInternalForces(const State& state, Points& forces) const;
+  void addLoads(double time, const State& state, Points& forces) const;
+  /// False: the model's forces are a function of the positions alone.
+  bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }
   /// Only those that have a potential: the material's elastic ones and those of conservative loads. Velocities are not read.
   void computeConservativeForces(double time, const State& state, Points& forces) const;
   /// Their potential, J.

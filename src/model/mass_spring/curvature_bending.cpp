@@ -14,26 +14,157 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 512;
+constexpr Index kBlock = 2048;     // points a parallel block: handing it out costs little beside it
+constexpr Index kBatch = 4;  // groups of four points: their rows stay in the nearest cache between the two readings
 constexpr Index kFitPoints = 16;   // neighbours in the fit: about two rings, enough for one-sided fits at edges
+constexpr Index kSlots = kFitPoints + 1;  // with the point itself
 constexpr double kReach = 1.05;    // kernel support over the farthest neighbour's distance, so that it still counts
 constexpr double kRankTolerance = 1e-3;  // smallest pivot over the largest for a fit to count as determined
 
 // How often each of b_11, b_12, b_22 stands in the sum over a and b.
 const Vec3 kMultiplicity(1.0, 2.0, 1.0);
 
-// Sums of rows times positions: t_1, t_2, b_11, b_12, b_22 of one point. rows: (5 x count) weights; positions: padded to four.
-using Double4 = double __attribute__((vector_size(4 * sizeof(double))));
+// Four points at a time, one coordinate in one vector.
+struct Moments {
+  Double4 t1[3], t2[3], b11[3], b12[3], b22[3];  // first the derivatives of the positions,
+  Double4 change[3];                             // then n . b_ab - II0_ab,
+  Double4 second[3], first[2];                   // then the weights of the second and first derivative rows in the force
+};
 
-DEFORMABLE_SURFACE_WIDE void sumDerivatives(Index count, const Index* neighbors, const double* rows, const double* positions,
-                                            CurvatureBending::Derivatives& result) {
-  Double4 sum[5] = {};
-  for (Index r = 0; r < count; ++r) {
-    Double4 x;
-    std::memcpy(&x, positions + 4 * neighbors[r], sizeof x);
-    for (int k = 0; k < 5; ++k) sum[k] += rows[5 * r + k] * x;
+// t_a and b_ab: the sums of rows times positions.
+DEFORMABLE_SURFACE_INLINE void sumDerivatives(const Index* neighbors, const double* rows, const double* positions, Moments& m) {
+  Double4 x[kSlots][4];
+  for (Index r = 0; r < kSlots; ++r) {
+    for (int lane = 0; lane < 4; ++lane) load(positions + neighbors[4 * r + lane], x[r][lane]);
+    transpose(x[r][0], x[r][1], x[r][2], x[r][3]);
   }
-  std::memcpy(result.value, sum, sizeof sum);
+  // In two loops, so that the sums fit the registers.
+  Double4 t1[3]{}, t2[3]{};
+  for (Index r = 0; r < kSlots; ++r) {
+    Double4 g1, g2;
+    load(rows + 20 * r, g1);
+    load(rows + 20 * r + 4, g2);
+    for (int c = 0; c < 3; ++c) {
+      t1[c] += g1 * x[r][c];
+      t2[c] += g2 * x[r][c];
+    }
+  }
+  Double4 b11[3]{}, b12[3]{}, b22[3]{};
+  for (Index r = 0; r < kSlots; ++r) {
+    Double4 c11, c12, c22;
+    load(rows + 20 * r + 8, c11);
+    load(rows + 20 * r + 12, c12);
+    load(rows + 20 * r + 16, c22);
+    for (int c = 0; c < 3; ++c) {
+      b11[c] += c11 * x[r][c];
+      b12[c] += c12 * x[r][c];
+      b22[c] += c22 * x[r][c];
+    }
+  }
+  for (int c = 0; c < 3; ++c) {
+    m.t1[c] = t1[c];
+    m.t2[c] = t2[c];
+    m.b11[c] = b11[c];
+    m.b12[c] = b12[c];
+    m.b22[c] = b22[c];
+  }
+}
+
+DEFORMABLE_SURFACE_INLINE void multiply(const Double4* a, const Double4* b, Double4& dot) {
+  dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+}
+
+DEFORMABLE_SURFACE_INLINE void multiplyCross(const Double4* a, const Double4* b, Double4* cross) {
+  cross[0] = a[1] * b[2] - a[2] * b[1];
+  cross[1] = a[2] * b[0] - a[0] * b[2];
+  cross[2] = a[0] * b[1] - a[1] * b[0];
+}
+
+// Moments and normals of four points. Where the tangents have collapsed there is no normal, hence no force.
+DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, Moments& m, double* normals) {
+  Double4 n[4], area, weight, rest11, rest12, rest22;
+  multiplyCross(m.t1, m.t2, n);
+  multiply(n, n, area);
+  takeRoots(area);
+  const Double4 inverse = area > 0.0 ? 1.0 / area : Double4{};
+  for (int c = 0; c < 3; ++c) n[c] *= inverse;
+  n[3] = Double4{};
+  load(constants, weight);
+  load(constants + 4, rest11);
+  load(constants + 8, rest12);
+  load(constants + 12, rest22);
+  multiply(n, m.b11, m.change[0]);
+  multiply(n, m.b12, m.change[1]);
+  multiply(n, m.b22, m.change[2]);
+  m.change[0] -= rest11;
+  m.change[1] -= rest12;
+  m.change[2] -= rest22;
+  m.second[0] = weight * m.change[0];
+  m.second[1] = 2.0 * weight * m.change[1];  // 12 and 21
+  m.second[2] = weight * m.change[2];
+  // M^ab Gamma^c_ab = t^c . (M^ab b_ab) with the dual basis t^1 = t_2 x n / |t_1 x t_2|, t^2 = n x t_1 / |t_1 x t_2|.
+  Double4 p[3], turned[3];
+  for (int c = 0; c < 3; ++c) p[c] = inverse * (m.second[0] * m.b11[c] + m.second[1] * m.b12[c] + m.second[2] * m.b22[c]);
+  multiplyCross(m.t2, n, turned);
+  multiply(turned, p, m.first[0]);
+  multiplyCross(n, m.t1, turned);
+  multiply(turned, p, m.first[1]);
+  transpose(n[0], n[1], n[2], n[3]);
+  for (int lane = 0; lane < 4; ++lane) store(n[lane], normals + 4 * lane);
+}
+
+// -M^ab c^ab + M^ab Gamma^c_ab g^c of each neighbour.
+DEFORMABLE_SURFACE_INLINE void spreadMoments(const double* rows, const Moments& m, double* along) {
+  for (Index r = 0; r < kSlots; ++r) {
+    Double4 g1, g2, c11, c12, c22;
+    load(rows + 20 * r, g1);
+    load(rows + 20 * r + 4, g2);
+    load(rows + 20 * r + 8, c11);
+    load(rows + 20 * r + 12, c12);
+    load(rows + 20 * r + 16, c22);
+    store(m.first[0] * g1 + m.first[1] * g2 - m.second[0] * c11 - m.second[1] * c12 - m.second[2] * c22, along + 4 * r);
+  }
+}
+
+// The groups from begin to end.
+DEFORMABLE_SURFACE_WIDE void computeMoments(Index begin, Index end, const Index* neighbors, const double* rows,
+                                            const double* constants, const double* positions, double* along, double* normals) {
+  Moments moments[kBatch];
+  for (Index batch = begin; batch < end; batch += kBatch) {
+    const Index batch_end = batch + kBatch < end ? batch + kBatch : end;
+    for (Index g = batch; g < batch_end; ++g)
+      sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, moments[g - batch]);
+    for (Index g = batch; g < batch_end; ++g) findMoments(constants + 16 * g, moments[g - batch], normals + 16 * g);
+    for (Index g = batch; g < batch_end; ++g) spreadMoments(rows + 20 * kSlots * g, moments[g - batch], along + 4 * kSlots * g);
+  }
+}
+
+// The energy of the groups from begin to end, J.
+DEFORMABLE_SURFACE_WIDE double sumEnergies(Index begin, Index end, const Index* neighbors, const double* rows,
+                                           const double* constants, const double* positions) {
+  Double4 sum{};
+  for (Index g = begin; g < end; ++g) {
+    Moments m;
+    double normals[16];
+    sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, m);
+    findMoments(constants + 16 * g, m, normals);
+    for (int k = 0; k < 3; ++k) sum += 0.5 * m.second[k] * m.change[k];
+  }
+  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
+}
+
+// Adds to each point what the fits that use it push. users: two items a fit; forces: (n x 3).
+DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* offsets, const Index* users, const double* along,
+                                          const double* normals, double* forces) {
+  for (Index j = begin; j < end; ++j) {
+    Double4 sum{};
+    for (Index u = offsets[j]; u < offsets[j + 1]; u += 2) {
+      Double4 normal;
+      load(normals + users[u + 1], normal);
+      sum += along[users[u]] * normal;
+    }
+    for (int c = 0; c < 3; ++c) forces[3 * j + c] += sum[c];
+  }
 }
 
 // The nearest kFitPoints among the first, second and, if those are too few, third ring.
@@ -63,9 +194,6 @@ CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, co
   neighbors_.offsets.assign(1, 0);
   rest_curvature_.assign(n, Vec3::Zero());
   weight_.assign(n, 0.0);
-  moment_.resize(n);
-  std::vector<std::pair<Index, Index>> uses;
-  std::vector<Index> owner;  // the point whose fit each row belongs to
   for (Index i = 0; i < n; ++i) {
     const std::vector<Index> fit = chooseFitPoints(i, rest, ring);
     const Index k = static_cast<Index>(fit.size());
@@ -106,34 +234,47 @@ CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, co
       ++num_without_fit_;
     }
     neighbors_.offsets.push_back(static_cast<Index>(neighbors_.items.size()));
-    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-      uses.emplace_back(neighbors_.items[r], r);
-      owner.push_back(i);
-    }
-  }
-  users_ = groupByPoint(n, uses);
-  for (Index r : users_.items) {
-    user_rows_.push_back(rows_[r]);
-    user_owner_.push_back(owner[r]);
   }
   State at_rest{rest, {}};
   for (Index i = 0; i < n; ++i) rest_curvature_[i] = shapeAt(i, at_rest).change;
+  prepareForceLoop();
+}
+
+void CurvatureBending::prepareForceLoop() {
+  const Index n = neighbors_.size(), padded = (n + 3) / 4 * 4;
+  group_neighbors_.assign(kSlots * padded, 0);
+  group_rows_.assign(5 * kSlots * padded, 0.0);
+  group_constants_.assign(4 * padded, 0.0);
+  along_.resize(kSlots * padded);
+  normals_.resize(4 * padded);
+  std::vector<std::pair<Index, Index>> uses;
+  for (Index i = 0; i < n; ++i) {
+    const Index group = i / 4, lane = i % 4;
+    const double constants[4] = {weight_[i], rest_curvature_[i][0], rest_curvature_[i][1], rest_curvature_[i][2]};
+    for (int k = 0; k < 4; ++k) group_constants_[16 * group + 4 * k + lane] = constants[k];
+    if (weight_[i] == 0.0) continue;
+    for (Index slot = 0; slot < neighbors_.count(i); ++slot) {
+      const Index r = neighbors_.offsets[i] + slot, place = 4 * (kSlots * group + slot) + lane;
+      const double row[5] = {rows_[r].first[0], rows_[r].first[1], rows_[r].second[0], rows_[r].second[1], rows_[r].second[2]};
+      for (int k = 0; k < 5; ++k) group_rows_[5 * (place - lane) + 4 * k + lane] = row[k];
+      group_neighbors_[place] = 4 * neighbors_.items[r];
+      uses.emplace_back(neighbors_.items[r], place);
+      uses.emplace_back(neighbors_.items[r], 4 * i);
+    }
+  }
+  users_ = groupByPoint(n, uses);
 }
 
 CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const State& state) const {
-  Derivatives d{};
+  Vec3 t1 = Vec3::Zero(), t2 = t1, b11 = t1, b12 = t1, b22 = t1;
   for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
     const Vec3& x = state.positions[neighbors_.items[r]];
-    const double* weight = rows_[r].first.data();
-    for (int k = 0; k < 5; ++k)
-      for (int c = 0; c < 3; ++c) d.value[k][c] += weight[k] * x[c];
+    t1 += rows_[r].first[0] * x;
+    t2 += rows_[r].first[1] * x;
+    b11 += rows_[r].second[0] * x;
+    b12 += rows_[r].second[1] * x;
+    b22 += rows_[r].second[2] * x;
   }
-  return shapeOf(i, d);
-}
-
-CurvatureBending::Shape CurvatureBending::shapeOf(Index i, const Derivatives& d) const {
-  using Map = Eigen::Map<const Vec3>;
-  const Map t1(d.value[0]), t2(d.value[1]), b11(d.value[2]), b12(d.value[3]), b22(d.value[4]);
   Shape s;
   const Vec3 cross = t1.cross(t2);
   const double area = cross.norm();
@@ -150,63 +291,20 @@ CurvatureBending::Shape CurvatureBending::shapeOf(Index i, const Derivatives& d)
   return s;
 }
 
-void CurvatureBending::pad(const State& state) const {
-  const Index n = neighbors_.size();
-  padded_.resize(4 * n);
-  for (Index i = 0; i < n; ++i)
-    for (int c = 0; c < 3; ++c) padded_[4 * i + c] = state.positions[i][c];
-}
-
-CurvatureBending::Shape CurvatureBending::shapeOfPadded(Index i) const {
-  Derivatives derivatives;
-  const Index first = neighbors_.offsets[i];
-  sumDerivatives(neighbors_.count(i), &neighbors_.items[first], rows_[first].first.data(), padded_.data(), derivatives);
-  return shapeOf(i, derivatives);
-}
-
-void CurvatureBending::addForces(const State& state, Points& forces) const {
-  const Index n = neighbors_.size();
-  pad(state);
-  // The moment of every point.
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) {
-      if (weight_[i] == 0.0) {
-        moment_[i] = Moment{};
-        continue;
-      }
-      const Shape s = shapeOfPadded(i);
-      Eigen::Map<Vec3>(moment_[i].normal) = s.normal;
-      const Vec3 second = weight_[i] * kMultiplicity.cwiseProduct(s.change);
-      Eigen::Map<Vec3>(moment_[i].second) = second;
-      Eigen::Map<Vec2>(moment_[i].first) = s.christoffel * second;
-    }
+// f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A (n . b - II0): by the fits, then gathered by the points.
+void CurvatureBending::addForces(const PaddedPoints& positions, Points& forces) const {
+  parallelFor(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
+    computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data(), along_.data(),
+                   normals_.data());
   });
-  // f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), gathered by the points.
-  parallelFor(n, kBlock, [&](Index begin, Index end) {
-    for (Index j = begin; j < end; ++j) {
-      Vec3 sum = Vec3::Zero();
-      for (Index u = users_.offsets[j]; u < users_.offsets[j + 1]; ++u) {
-        const Moment& m = moment_[user_owner_[u]];
-        const Row& row = user_rows_[u];
-        const double along = m.second[0] * row.second[0] + m.second[1] * row.second[1] + m.second[2] * row.second[2] -
-                             m.first[0] * row.first[0] - m.first[1] * row.first[1];
-        for (int c = 0; c < 3; ++c) sum[c] -= along * m.normal[c];
-      }
-      forces[j] += sum;
-    }
+  parallelFor(neighbors_.size(), kBlock, [&](Index begin, Index end) {
+    gatherForces(begin, end, users_.offsets.data(), users_.items.data(), along_.data(), normals_.data(), forces.data()->data());
   });
 }
 
-double CurvatureBending::energy(const State& state) const {
-  pad(state);
-  return parallelSum(neighbors_.size(), kBlock, [&](Index begin, Index end) {
-    double sum = 0.0;
-    for (Index i = begin; i < end; ++i) {
-      if (weight_[i] == 0.0) continue;
-      const Vec3 change = shapeOfPadded(i).change;
-      sum += 0.5 * weight_[i] * change.dot(kMultiplicity.cwiseProduct(change));
-    }
-    return sum;
+double CurvatureBending::energy(const PaddedPoints& positions) const {
+  return parallelSum(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
+    return sumEnergies(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data());
   });
 }
 

@@ -140,14 +140,15 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
 
 void MassSpring::addForces(const State& state, Points& forces) const {
   const bool springs = membrane_ == Membrane::kSprings;
-  if (springs || along_damping_ > 0.0) stretching_.addForces(state, springs, along_damping_, forces);
-  if (!bending_springs_.links().empty()) bending_springs_.addForces(state, true, along_damping_, forces);
+  positions_.assign(state.positions);
+  if (springs || along_damping_ > 0.0) stretching_.addForces(state, positions_, springs, along_damping_, forces);
+  if (!bending_springs_.links().empty()) bending_springs_.addForces(state, positions_, true, along_damping_, forces);
   if (relative_damping_ > 0.0) {
     stretching_.addRelativeDamping(state, relative_damping_, forces);
     bending_springs_.addRelativeDamping(state, relative_damping_, forces);
   }
-  if (!springs) membrane_triangles_.addForces(state, forces);
-  bending_.addForces(state, forces);
+  if (!springs) membrane_triangles_.addForces(state, positions_, forces);
+  bending_.addForces(positions_, forces);
   if (volume_stiffness_ > 0.0) {
     computeVolumeGradient(state, volume_gradient_);
     const double pressure = -volume_stiffness_ * (enclosedVolume(state) - rest_volume_) / rest_volume_;
@@ -157,7 +158,8 @@ void MassSpring::addForces(const State& state, Points& forces) const {
 
 double MassSpring::elasticEnergy(const State& state) const {
   double energy = membrane_ == Membrane::kSprings ? stretching_.energy(state) : membrane_triangles_.energy(state);
-  energy += bending_springs_.energy(state) + bending_.energy(state);
+  positions_.assign(state.positions);
+  energy += bending_springs_.energy(state) + bending_.energy(positions_);
   if (volume_stiffness_ > 0.0) {
     const double change = enclosedVolume(state) - rest_volume_;
     energy += 0.5 * volume_stiffness_ * change * change / rest_volume_;

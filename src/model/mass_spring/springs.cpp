@@ -1,9 +1,11 @@
 #include "deformable_surface/model/mass_spring/springs.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/model/mass_spring/incidence.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 
 namespace deformable_surface::model {
@@ -11,20 +13,84 @@ namespace {
 
 constexpr Index kBlock = 2048;  // elements per parallel block: large enough that handing it out costs nothing
 
+// From four points padded to four numbers each to x, y and z of the four.
+DEFORMABLE_SURFACE_INLINE void loadDifferences(const double* points, const Index* ends, Double4* difference) {
+  for (int lane = 0; lane < 4; ++lane) {
+    Double4 from;
+    load(points + 4 * ends[lane], from);
+    load(points + 4 * ends[4 + lane], difference[lane]);
+    difference[lane] -= from;
+  }
+  transpose(difference[0], difference[1], difference[2], difference[3]);
+}
+
+// Tension over length of the groups of four springs from begin to end: k (1 - l0 / l), if elastic, plus beta k (dl/dt) / l. Springs of
+// no length get zero. velocities: null = no damping. Returns true if a spring has no length.
+DEFORMABLE_SURFACE_WIDE bool computePull(Index begin, Index end, const Index* ends, const double* constants,
+                                         const double* positions, const double* velocities, double elasticity, double beta,
+                                         double* pull) {
+  using Flags = long long __attribute__((vector_size(4 * sizeof(long long))));
+  Flags collapsed{};
+  for (Index g = begin; g < end; ++g) {
+    Double4 d[4], stiffness, rest_length;
+    loadDifferences(positions, ends + 8 * g, d);
+    load(constants + 8 * g, stiffness);
+    load(constants + 8 * g + 4, rest_length);
+    const Double4 square = d[0] * d[0] + d[1] * d[1] + d[2] * d[2];
+    Double4 length = square;
+    takeRoots(length);
+    const Flags none = length == 0.0;
+    collapsed |= none;
+    Double4 relative = elasticity * (1.0 - rest_length / length);
+    if (velocities) {
+      Double4 v[4];
+      loadDifferences(velocities, ends + 8 * g, v);
+      relative += beta * (v[0] * d[0] + v[1] * d[1] + v[2] * d[2]) / square;
+    }
+    store(none ? Double4{} : stiffness * relative, pull + 4 * g);
+  }
+  return collapsed[0] || collapsed[1] || collapsed[2] || collapsed[3];
+}
+
+// Adds to each point the pull of its springs. incidence: two items a spring; forces: (n x 3).
+DEFORMABLE_SURFACE_WIDE void gatherPull(Index begin, Index end, const Index* offsets, const Index* incidence, const double* pull,
+                                        const double* positions, double* forces) {
+  for (Index i = begin; i < end; ++i) {
+    Double4 here, sum{};
+    load(positions + 4 * i, here);
+    for (Index k = offsets[i]; k < offsets[i + 1]; k += 2) {
+      Double4 there;
+      load(positions + 4 * incidence[k + 1], there);
+      sum += pull[incidence[k]] * (there - here);
+    }
+    for (int c = 0; c < 3; ++c) forces[3 * i + c] += sum[c];
+  }
+}
+
 }  // namespace
 
 Springs::Springs(std::vector<std::pair<Index, Index>> links, const Points& rest, std::vector<double> stiffness)
-    : links_(std::move(links)), stiffness_(std::move(stiffness)), tension_(links_.size()) {
+    : links_(std::move(links)), stiffness_(std::move(stiffness)) {
   std::vector<std::pair<Index, Index>> ends;
-  ends.reserve(2 * links_.size());
+  ends.reserve(4 * links_.size());
   rest_length_.reserve(links_.size());
   for (std::size_t s = 0; s < links_.size(); ++s) {
     const auto [i, j] = links_[s];
     rest_length_.push_back((rest[j] - rest[i]).norm());
-    ends.emplace_back(i, static_cast<Index>(s));
-    ends.emplace_back(j, ~static_cast<Index>(s));
+    for (const auto& [here, there] : {std::pair(i, j), std::pair(j, i)}) {
+      ends.emplace_back(here, static_cast<Index>(s));
+      ends.emplace_back(here, there);
+    }
   }
   incidence_ = groupByPoint(static_cast<Index>(rest.size()), ends);
+  // The same constants once more for the force loop.
+  const std::size_t groups = (links_.size() + 3) / 4;
+  pull_.resize(4 * groups);
+  for (std::size_t k = 0; k < 8 * groups; ++k) {
+    const std::size_t s = std::min(k / 8 * 4 + k % 4, links_.size() - 1);
+    group_ends_.push_back(k / 4 % 2 == 0 ? links_[s].first : links_[s].second);
+    group_constants_.push_back(k / 4 % 2 == 0 ? stiffness_[s] : rest_length_[s]);
+  }
 }
 
 Vec3 Springs::direction(std::size_t s, const State& state, double& length) const {
@@ -35,42 +101,37 @@ Vec3 Springs::direction(std::size_t s, const State& state, double& length) const
   return fixedDirection(i, j);
 }
 
-void Springs::addForces(const State& state, bool elastic, double beta, Points& forces) const {
+// Four springs at a time; then gathered by the points. The few springs of no length are added one by one.
+void Springs::addForces(const State& state, const PaddedPoints& positions, bool elastic, double beta, Points& forces) const {
   const double elasticity = elastic ? 1.0 : 0.0;
-  // The tension of every spring.
-  parallelFor(static_cast<Index>(links_.size()), kBlock, [&](Index begin, Index end) {
-    for (Index s = begin; s < end; ++s) {
-      const auto [i, j] = links_[s];
-      double length;
-      const Vec3 d = direction(s, state, length);
-      const double rate = (state.velocities[j] - state.velocities[i]).dot(d);
-      tension_[s] = stiffness_[s] * (elasticity * (length - rest_length_[s]) + beta * rate) * d;
-    }
+  if (beta > 0.0) velocities_.assign(state.velocities);
+  std::atomic<bool> collapsed{false};
+  parallelFor(static_cast<Index>(pull_.size() / 4), kBlock / 4, [&](Index begin, Index end) {
+    if (computePull(begin, end, group_ends_.data(), group_constants_.data(), positions.data(),
+                    beta > 0.0 ? velocities_.data() : nullptr, elasticity, beta, pull_.data()))
+      collapsed = true;
   });
-  // Gathered by the points.
   parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
-    for (Index p = begin; p < end; ++p) {
-      Vec3 sum = Vec3::Zero();
-      for (const Index* s = incidence_.begin(p); s != incidence_.end(p); ++s) {
-        if (*s >= 0) {
-          sum += tension_[*s];
-        } else {
-          sum -= tension_[~*s];
-        }
-      }
-      forces[p] += sum;
-    }
+    gatherPull(begin, end, incidence_.offsets.data(), incidence_.items.data(), pull_.data(), positions.data(), forces.data()->data());
   });
+  if (!collapsed) return;
+  for (std::size_t s = 0; s < links_.size(); ++s) {
+    const auto [i, j] = links_[s];
+    double length;
+    const Vec3 d = direction(s, state, length);
+    if (length > 0.0) continue;
+    const Vec3 tension = stiffness_[s] * (-elasticity * rest_length_[s] + beta * (state.velocities[j] - state.velocities[i]).dot(d)) * d;
+    forces[i] += tension;
+    forces[j] -= tension;
+  }
 }
 
 void Springs::addRelativeDamping(const State& state, double beta, Points& forces) const {
   parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
     for (Index p = begin; p < end; ++p) {
       Vec3 sum = Vec3::Zero();
-      for (const Index* e = incidence_.begin(p); e != incidence_.end(p); ++e) {
-        const Index s = *e >= 0 ? *e : ~*e, other = *e >= 0 ? links_[s].second : links_[s].first;
-        sum += stiffness_[s] * (state.velocities[other] - state.velocities[p]);
-      }
+      for (const Index* e = incidence_.begin(p); e != incidence_.end(p); e += 2)
+        sum += stiffness_[e[0]] * (state.velocities[e[1]] - state.velocities[p]);
       forces[p] += beta * sum;
     }
   });

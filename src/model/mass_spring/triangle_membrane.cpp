@@ -13,7 +13,8 @@ namespace {
 
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 
-constexpr Index kBlock = 1024;  // a multiple of the batch
+constexpr Index kBlock = 1024;
+constexpr Index kBatch = 16;  // groups of four triangles that fit the nearest cache
 
 // Rotation and invariants of F.
 struct Polar {
@@ -49,64 +50,118 @@ Polar decompose(const Mat32& F, Index element) {
   return p;
 }
 
-// Some triangles side by side, one quantity in one array.
-struct Batch {
-  static constexpr Index kSize = 64;  // fits the nearest cache, and the loop's ends do not count
-  double edge1[3][kSize], edge2[3][kSize];    // from the first corner, m
-  double force1[3][kSize], force2[3][kSize];  // on the second and third corner, N
-  double determinant[kSize];                  // 0 = collapsed: the forces are not valid
-  double energy[kSize];                       // J
-
-  void collect(Index lane, const Vec3& origin, const Vec3& second, const Vec3& third) {
-    for (int c = 0; c < 3; ++c) {
-      edge1[c][lane] = second[c] - origin[c];
-      edge2[c][lane] = third[c] - origin[c];
-    }
-  }
+// Four triangles side by side: edges from the first corner, their products, L^2, then K.
+struct Group {
+  Double4 e1[4], e2[4], square1, square2, dot, L, K11, K12, K22;
 };
 
-// The forces of a batch. inverse: (4 x kSize) for the batch, rows i00, i01, i10, i11. Returns true if any triangle is collapsed.
-DEFORMABLE_SURFACE_WIDE bool computeForces(Index size, double two_mu, double lambda, const double* inverse, const double* area,
-                                           Batch& batch) {
-  const double *i00 = inverse, *i01 = inverse + Batch::kSize, *i10 = inverse + 2 * Batch::kSize, *i11 = inverse + 3 * Batch::kSize;
-#pragma GCC ivdep
-  for (Index l = 0; l < size; ++l) {
-    // F = [edge1 edge2] inverse.
-    const double a = i00[l], b = i01[l], c = i10[l], d = i11[l];
-    const double f1x = batch.edge1[0][l] * a + batch.edge2[0][l] * c, f2x = batch.edge1[0][l] * b + batch.edge2[0][l] * d;
-    const double f1y = batch.edge1[1][l] * a + batch.edge2[1][l] * c, f2y = batch.edge1[1][l] * b + batch.edge2[1][l] * d;
-    const double f1z = batch.edge1[2][l] * a + batch.edge2[2][l] * c, f2z = batch.edge1[2][l] * b + batch.edge2[2][l] * d;
-    // J, T, n.
-    const double cx = f1y * f2z - f1z * f2y, cy = f1z * f2x - f1x * f2z, cz = f1x * f2y - f1y * f2x;
-    const double J = std::sqrt(cx * cx + cy * cy + cz * cz);
-    const double T = std::sqrt(f1x * f1x + f1y * f1y + f1z * f1z + f2x * f2x + f2y * f2y + f2z * f2z + 2.0 * J);
-    batch.determinant[l] = J;
-    const double nx = cx / J, ny = cy / J, nz = cz / J;
-    // P = 2 mu F + (lambda (T - 2) - 2 mu) R, R = (F + cof F) / T.
-    const double s = (lambda * (T - 2.0) - two_mu) / T;
-    const double p1x = two_mu * f1x + s * (f1x + f2y * nz - f2z * ny), p2x = two_mu * f2x + s * (f2x + ny * f1z - nz * f1y);
-    const double p1y = two_mu * f1y + s * (f1y + f2z * nx - f2x * nz), p2y = two_mu * f2y + s * (f2y + nz * f1x - nx * f1z);
-    const double p1z = two_mu * f1z + s * (f1z + f2x * ny - f2y * nx), p2z = two_mu * f2z + s * (f2z + nx * f1y - ny * f1x);
-    // -A P inverse^T.
-    const double w = -area[l];
-    batch.force1[0][l] = w * (p1x * a + p2x * b);
-    batch.force1[1][l] = w * (p1y * a + p2y * b);
-    batch.force1[2][l] = w * (p1z * a + p2z * b);
-    batch.force2[0][l] = w * (p1x * c + p2x * d);
-    batch.force2[1][l] = w * (p1y * c + p2y * d);
-    batch.force2[2][l] = w * (p1z * c + p2z * d);
+DEFORMABLE_SURFACE_INLINE void loadEdges(const Index* corners, const double* positions, Group& group) {
+  Double4 a[4], b[4];
+  for (int lane = 0; lane < 4; ++lane) {
+    Double4 origin;
+    load(positions + 4 * corners[lane], origin);
+    load(positions + 4 * corners[4 + lane], a[lane]);
+    load(positions + 4 * corners[8 + lane], b[lane]);
+    a[lane] -= origin;
+    b[lane] -= origin;
   }
-  return std::find(batch.determinant, batch.determinant + size, 0.0) != batch.determinant + size;
+  transpose(a[0], a[1], a[2], a[3]);
+  transpose(b[0], b[1], b[2], b[3]);
+  group.square1 = a[0] * a[0] + a[1] * a[1] + a[2] * a[2];
+  group.square2 = b[0] * b[0] + b[1] * b[1] + b[2] * b[2];
+  group.dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
+  const Double4 cx = a[1] * b[2] - a[2] * b[1], cy = a[2] * b[0] - a[0] * b[2], cz = a[0] * b[1] - a[1] * b[0];
+  group.L = cx * cx + cy * cy + cz * cz;
+  for (int c = 0; c < 3; ++c) {
+    group.e1[c] = a[c];
+    group.e2[c] = b[c];
+  }
 }
 
-// The energies of a batch. With the stretches s1, s2: mu (|F - R|^2) = mu/2 ((T - 2)^2 + (s1 - s2)^2), and s1 - s2 is the length of
-// n x f1 - f2, in which nothing large cancels; a collapsed triangle has s1 - s2 = |F|.
-DEFORMABLE_SURFACE_WIDE void computeEnergies(Index size, double mu, double lambda, const double* inverse, const double* area,
-                                             Batch& batch) {
-  const double *i00 = inverse, *i01 = inverse + Batch::kSize, *i10 = inverse + 2 * Batch::kSize, *i11 = inverse + 3 * Batch::kSize;
+DEFORMABLE_SURFACE_INLINE void findK(const double* constants, double lambda, double mu, Group& group) {
+  Double4 G11, G12, G22, det, area, half_weight;  // half_weight = w A det D
+  load(constants, G11);
+  load(constants + 4, G12);
+  load(constants + 8, G22);
+  load(constants + 12, det);
+  load(constants + 16, area);
+  load(constants + 20, half_weight);
+  takeRoots(group.L);
+  Double4 T = G11 * group.square1 + G22 * group.square2 + 2.0 * (G12 * group.dot + det * group.L);
+  takeRoots(T);
+  const Double4 s = lambda - 2.0 * (lambda + mu) / T;
+  const Double4 plain = area * (2.0 * mu + s), crossed = half_weight * s / group.L;
+  group.K11 = plain * G11 + crossed * group.square2;
+  group.K12 = plain * G12 - crossed * group.dot;
+  group.K22 = plain * G22 + crossed * group.square1;
+}
+
+DEFORMABLE_SURFACE_INLINE void storeForces(const Group& group, double* corner_force) {
+  Double4 force0[4], force1[4], force2[4];
+  for (int c = 0; c < 3; ++c) {
+    force1[c] = -(group.K11 * group.e1[c] + group.K12 * group.e2[c]);
+    force2[c] = -(group.K12 * group.e1[c] + group.K22 * group.e2[c]);
+    force0[c] = -(force1[c] + force2[c]);
+  }
+  force0[3] = force1[3] = force2[3] = Double4{};
+  transpose(force0[0], force0[1], force0[2], force0[3]);
+  transpose(force1[0], force1[1], force1[2], force1[3]);
+  transpose(force2[0], force2[1], force2[2], force2[3]);
+  for (int lane = 0; lane < 4; ++lane) {
+    store(force0[lane], corner_force + 4 * lane);
+    store(force1[lane], corner_force + 16 + 4 * lane);
+    store(force2[lane], corner_force + 32 + 4 * lane);
+  }
+}
+
+// The forces of the groups of four triangles from begin to end, in the terms of the header. Returns true if a triangle is collapsed;
+// its forces are then not finite. In three loops over a few groups, so that the roots and divisions of one do not wait for another's.
+DEFORMABLE_SURFACE_WIDE bool computeCornerForces(Index begin, Index end, const Index* corners, const double* constants,
+                                                 const double* positions, double lambda, double mu, double* corner_force) {
+  Group groups[kBatch];
+  bool collapsed = false;
+  for (Index batch = begin; batch < end; batch += kBatch) {
+    const Index size = end - batch < kBatch ? end - batch : kBatch;
+    for (Index k = 0; k < size; ++k) loadEdges(corners + 12 * (batch + k), positions, groups[k]);
+    for (Index k = 0; k < size; ++k) findK(constants + 24 * (batch + k), lambda, mu, groups[k]);
+    for (Index k = 0; k < size; ++k) {
+      const auto none = groups[k].L == 0.0;
+      collapsed |= none[0] || none[1] || none[2] || none[3];
+      storeForces(groups[k], corner_force + 48 * (batch + k));
+    }
+  }
+  return collapsed;
+}
+
+// Adds to each point what its corners got. forces: (n x 3).
+DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* offsets, const Index* items,
+                                          const double* corner_force, double* forces) {
+  for (Index i = begin; i < end; ++i) {
+    Double4 sum{};
+    for (Index k = offsets[i]; k < offsets[i + 1]; ++k) {
+      Double4 force;
+      load(corner_force + 4 * items[k], force);
+      sum += force;
+    }
+    for (int c = 0; c < 3; ++c) forces[3 * i + c] += sum[c];
+  }
+}
+
+// Some triangles side by side, one quantity in one array, for their energies.
+struct EnergyBatch {
+  static constexpr Index kSize = 64;  // fits the nearest cache, and the loop's ends do not count
+  double edge1[3][kSize], edge2[3][kSize];  // from the first corner, m
+  double inverse[4][kSize];                 // i00, i01, i10, i11
+  double area[kSize];                       // m^2
+  double energy[kSize];                     // J
+};
+
+// With the stretches s1, s2: mu (|F - R|^2) = mu/2 ((T - 2)^2 + (s1 - s2)^2), and s1 - s2 is the length of n x f1 - f2, in which
+// nothing large cancels; a collapsed triangle has s1 - s2 = |F|.
+DEFORMABLE_SURFACE_WIDE void computeEnergies(Index size, double mu, double lambda, EnergyBatch& batch) {
 #pragma GCC ivdep
   for (Index l = 0; l < size; ++l) {
-    const double a = i00[l], b = i01[l], c = i10[l], d = i11[l];
+    const double a = batch.inverse[0][l], b = batch.inverse[1][l], c = batch.inverse[2][l], d = batch.inverse[3][l];
     const double f1x = batch.edge1[0][l] * a + batch.edge2[0][l] * c, f2x = batch.edge1[0][l] * b + batch.edge2[0][l] * d;
     const double f1y = batch.edge1[1][l] * a + batch.edge2[1][l] * c, f2y = batch.edge1[1][l] * b + batch.edge2[1][l] * d;
     const double f1z = batch.edge1[2][l] * a + batch.edge2[2][l] * c, f2z = batch.edge1[2][l] * b + batch.edge2[2][l] * d;
@@ -118,7 +173,7 @@ DEFORMABLE_SURFACE_WIDE void computeEnergies(Index size, double mu, double lambd
     const double nx = cx / safe, ny = cy / safe, nz = cz / safe;
     const double dx = ny * f1z - nz * f1y - f2x, dy = nz * f1x - nx * f1z - f2y, dz = nx * f1y - ny * f1x - f2z;
     const double difference = J > 0.0 ? dx * dx + dy * dy + dz * dz : squares;
-    batch.energy[l] = 0.5 * area[l] * (mu * (dilation * dilation + difference) + lambda * dilation * dilation);
+    batch.energy[l] = 0.5 * batch.area[l] * (mu * (dilation * dilation + difference) + lambda * dilation * dilation);
   }
 }
 
@@ -139,19 +194,22 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
     edges << length, a.dot(b) / length, 0.0, twice_area / length;
     Element e{{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), 0.5 * t.weight * twice_area};
     if (!e.inverse.allFinite()) continue;
-    for (int c = 0; c < 3; ++c) corners.emplace_back(t.corner[c], static_cast<Index>(3 * elements_.size()) + c);
+    const Index slot = static_cast<Index>(elements_.size() / 4 * 12 + elements_.size() % 4);
+    for (int c = 0; c < 3; ++c) corners.emplace_back(t.corner[c], slot + 4 * c);
     elements_.push_back(e);
   }
   incidence_ = groupByPoint(static_cast<Index>(rest.size()), corners);
-  corner_force_.resize(3 * elements_.size());
-  // The same constants once more as arrays, batch by batch.
-  const std::size_t padded = (elements_.size() + Batch::kSize - 1) / Batch::kSize * Batch::kSize;
-  inverse_.assign(4 * padded, 0.0);
-  area_.assign(padded, 0.0);
-  for (std::size_t t = 0; t < elements_.size(); ++t) {
-    const std::size_t batch = 4 * (t - t % Batch::kSize), lane = t % Batch::kSize;
-    for (int r = 0; r < 4; ++r) inverse_[batch + r * Batch::kSize + lane] = elements_[t].inverse(r / 2, r % 2);
-    area_[t] = elements_[t].area;
+  // The same constants once more for the force loop.
+  const std::size_t groups = (elements_.size() + 3) / 4;
+  corner_force_.resize(48 * groups);
+  for (std::size_t k = 0; k < 12 * groups; ++k)
+    group_corners_.push_back(elements_[std::min(k / 12 * 4 + k % 4, elements_.size() - 1)].corner[k / 4 % 3]);
+  for (std::size_t k = 0; k < 24 * groups; ++k) {
+    const Element& e = elements_[std::min(k / 24 * 4 + k % 4, elements_.size() - 1)];
+    const Mat2 G = e.inverse * e.inverse.transpose();
+    const double det = e.inverse.determinant();
+    const double constants[6] = {G(0, 0), G(0, 1), G(1, 1), det, e.area, e.area * det};
+    group_constants_.push_back(constants[k / 4 % 6]);
   }
 }
 
@@ -162,41 +220,31 @@ Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
   return edges * e.inverse;
 }
 
-// Per block: the edges are collected from all over the surface into arrays, the forces come from them in one loop that the
-// compiler turns into vector instructions, and the few collapsed triangles are done again one by one.
-void TriangleMembrane::addForces(const State& state, Points& forces) const {
-  const Index n = static_cast<Index>(elements_.size());
-  parallelFor(n, kBlock, [&](Index block_begin, Index block_end) {
-    Batch batch;
-    for (Index begin = block_begin; begin < block_end; begin += Batch::kSize) {
-      const Index size = std::min(Batch::kSize, block_end - begin);
-      for (Index l = 0; l < size; ++l) {
-        const Element& e = elements_[begin + l];
-        batch.collect(l, state.positions[e.corner[0]], state.positions[e.corner[1]], state.positions[e.corner[2]]);
-      }
-      const bool collapsed = computeForces(size, 2.0 * mu_, lambda_, &inverse_[4 * begin], &area_[begin], batch);
-      for (Index l = 0; l < size; ++l) {
-        Vec3 force1(batch.force1[0][l], batch.force1[1][l], batch.force1[2][l]);
-        Vec3 force2(batch.force2[0][l], batch.force2[1][l], batch.force2[2][l]);
-        if (collapsed && batch.determinant[l] == 0.0) {
-          const Mat32 corner = cornerForces(begin + l, state);
-          force1 = corner.col(0);
-          force2 = corner.col(1);
-        }
-        corner_force_[3 * (begin + l) + 1] = force1;
-        corner_force_[3 * (begin + l) + 2] = force2;
-        corner_force_[3 * (begin + l)] = -force1 - force2;
-      }
-    }
+// The forces of four triangles at a time; the few collapsed ones are done again one by one.
+void TriangleMembrane::addForces(const State& state, const PaddedPoints& positions, Points& forces) const {
+  parallelFor(static_cast<Index>(group_corners_.size() / 12), kBlock, [&](Index begin, Index end) {
+    if (computeCornerForces(begin, end, group_corners_.data(), group_constants_.data(), positions.data(), lambda_, mu_,
+                            corner_force_.data()))
+      repairCollapsed(4 * begin, std::min(4 * end, static_cast<Index>(elements_.size())), state);
   });
   // Gathered by the points.
   parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) {
-      Vec3 sum = Vec3::Zero();
-      for (const Index* c = incidence_.begin(i); c != incidence_.end(i); ++c) sum += corner_force_[*c];
-      forces[i] += sum;
-    }
+    gatherForces(begin, end, incidence_.offsets.data(), incidence_.items.data(), corner_force_.data(), forces.data()->data());
   });
+}
+
+void TriangleMembrane::repairCollapsed(Index begin, Index end, const State& state) const {
+  for (Index t = begin; t < end; ++t) {
+    double* force[3];
+    for (int c = 0; c < 3; ++c) force[c] = &corner_force_[4 * (t / 4 * 12 + 4 * c + t % 4)];
+    if (std::isfinite(force[0][0] + force[0][1] + force[0][2])) continue;
+    const Mat32 corner = cornerForces(t, state);
+    for (int k = 0; k < 3; ++k) {
+      force[0][k] = -(corner(k, 0) + corner(k, 1));
+      force[1][k] = corner(k, 0);
+      force[2][k] = corner(k, 1);
+    }
+  }
 }
 
 // Minus the first Piola-Kirchhoff stress times the gradients of the shape functions: forces on the second and third corner.
@@ -210,15 +258,22 @@ Mat32 TriangleMembrane::cornerForces(Index t, const State& state) const {
 
 double TriangleMembrane::energy(const State& state) const {
   return parallelSum(static_cast<Index>(elements_.size()), kBlock, [&](Index block_begin, Index block_end) {
-    Batch batch;
+    EnergyBatch batch;
     double sum = 0.0;
-    for (Index begin = block_begin; begin < block_end; begin += Batch::kSize) {
-      const Index size = std::min(Batch::kSize, block_end - begin);
+    for (Index begin = block_begin; begin < block_end; begin += EnergyBatch::kSize) {
+      const Index size = std::min(EnergyBatch::kSize, block_end - begin);
       for (Index l = 0; l < size; ++l) {
         const Element& e = elements_[begin + l];
-        batch.collect(l, state.positions[e.corner[0]], state.positions[e.corner[1]], state.positions[e.corner[2]]);
+        const Vec3 edge1 = state.positions[e.corner[1]] - state.positions[e.corner[0]];
+        const Vec3 edge2 = state.positions[e.corner[2]] - state.positions[e.corner[0]];
+        for (int c = 0; c < 3; ++c) {
+          batch.edge1[c][l] = edge1[c];
+          batch.edge2[c][l] = edge2[c];
+        }
+        for (int k = 0; k < 4; ++k) batch.inverse[k][l] = e.inverse(k / 2, k % 2);
+        batch.area[l] = e.area;
       }
-      computeEnergies(size, mu_, lambda_, &inverse_[4 * begin], &area_[begin], batch);
+      computeEnergies(size, mu_, lambda_, batch);
       for (Index l = 0; l < size; ++l) sum += batch.energy[l];
     }
     return sum;

@@ -2,6 +2,7 @@
 // free edges. The published bending springs have no stiffness at a flat rest state: their energy grows with the fourth power of curvature.
 #pragma once
 
+#include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
 
 namespace deformable_surface::model {
@@ -19,18 +20,13 @@ class CurvatureBending {
   /// not determine a quadratic (fewer than five neighbours, collinear) get no bending energy; numWithoutFit() counts them.
   CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas, double rigidity);
 
-  void addForces(const State& state, Points& forces) const;
-  double energy(const State& state) const;
+  void addForces(const PaddedPoints& positions, Points& forces) const;
+  double energy(const PaddedPoints& positions) const;
   /// kPositive: the Gauss-Newton part alone, which is positive semidefinite.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
 
   Index numWithoutFit() const { return num_without_fit_; }
-
-  /// t_1, t_2, b_11, b_12, b_22 of a point, each padded to four numbers.
-  struct Derivatives {
-    double value[5][4];
-  };
 
  private:
   // The rows of the fit for one neighbour: five numbers side by side.
@@ -38,7 +34,6 @@ class CurvatureBending {
     Eigen::Matrix<double, 2, 1, Eigen::DontAlign> first;  // g^1, g^2, 1/m
     Vec3 second;                                          // c^11, c^12, c^22, 1/m^2
   };
-  static_assert(sizeof(Row) == 5 * sizeof(double), "the force loop reads rows as plain numbers");
   // The deformed shape at a point.
   struct Shape {
     Vec3 normal;
@@ -48,26 +43,23 @@ class CurvatureBending {
     Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab = t^c . b_ab
   };
   Shape shapeAt(Index i, const State& state) const;
-  Shape shapeOf(Index i, const Derivatives& derivatives) const;
-  // Copies the positions to padded_, and the shape from there: the fast way where all points are wanted.
-  void pad(const State& state) const;
-  Shape shapeOfPadded(Index i) const;
+  void prepareForceLoop();
 
   // Constants. The point itself is the first of its own list.
   Lists neighbors_;
   std::vector<Row> rows_;           // one per item of neighbors_
   std::vector<Vec3> rest_curvature_;
   std::vector<double> weight_;      // D * A_i; 0 where there is no fit
-  Lists users_;                     // per point j: positions in rows_ whose neighbour is j
-  std::vector<Row> user_rows_;      // those rows, in the order of users_.items
-  std::vector<Index> user_owner_;   // and the point i whose fit each belongs to
+  // The same once more for the force loop: four points side by side, each with as many neighbours as a fit can have and rows of
+  // zero in the place of those that it has not.
+  std::vector<Index> group_neighbors_;   // (neighbours x 4) a group: where their positions are among the padded ones
+  std::vector<double> group_rows_;       // (neighbours x 5 x 4)
+  std::vector<double> group_constants_;  // (4 x 4) D A and the rest curvature
+  Lists users_;                          // per point j: 2 items a fit that uses it, the places in along_ and normals_
   Index num_without_fit_ = 0;
-  // Scratch, per point i: n and the weights of the second and first derivative rows in the force.
-  struct Moment {
-    double normal[3], second[3], first[2];
-  };
-  mutable std::vector<Moment> moment_;
-  mutable std::vector<double> padded_;  // (n x 4) positions
+  // Scratch: minus the force on each neighbour along the normal of the fit's point, (neighbours x 4) a group, and those normals,
+  // padded to four numbers.
+  mutable std::vector<double> along_, normals_;
 };
 
 }  // namespace deformable_surface::model

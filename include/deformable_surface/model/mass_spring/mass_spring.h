@@ -2,6 +2,7 @@
 // energy with a stated rigidity, on the same rings. The published springs stay selectable.
 #pragma once
 
+#include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/model/mass_spring/curvature_bending.h"
 #include "deformable_surface/model/mass_spring/mass_spring_params.h"
@@ -30,6 +31,7 @@ class MassSpring : public DeformableModel {
 
   const std::vector<double>& masses() const override { return masses_; }
   void addForces(const State& state, Points& forces) const override;
+  bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
@@ -66,6 +68,7 @@ class MassSpring : public DeformableModel {
   double rest_volume_ = 0.0;
   Index num_mass_raised_ = 0, num_without_bending_ = 0;
   // Scratch.
+  mutable PaddedPoints positions_;
   mutable Points volume_gradient_;
 };
 

@@ -2,6 +2,7 @@
 // bending, and the damping of the other membrane.
 #pragma once
 
+#include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
 
 namespace deformable_surface::model {
@@ -16,7 +17,8 @@ class Springs {
   /// Adds f_i = k (|I| - l0) I/|I| [Su 2007, eq. 2, the sign that pulls i towards j], if elastic, and the damping tension
   /// beta k (v_j - v_i).I/|I| along I/|I|. I = s_j - s_i.
   /// Coincident ends are pushed apart in a direction fixed by their indices, so that an exact collapse can recover.
-  void addForces(const State& state, bool elastic, double beta, Points& forces) const;
+  /// positions: those of the state.
+  void addForces(const State& state, const PaddedPoints& positions, bool elastic, double beta, Points& forces) const;
 
   /// Adds f_i = beta k (v_j - v_i) [Su 2007, eq. 3]: damps rotations too and does not keep angular momentum.
   void addRelativeDamping(const State& state, double beta, Points& forces) const;
@@ -49,9 +51,12 @@ class Springs {
   // Constants.
   std::vector<std::pair<Index, Index>> links_;
   std::vector<double> rest_length_, stiffness_;
-  Lists incidence_;  // per point: s if it is the first end of spring s, ~s if the second; ascending s
-  // Scratch: the force of each spring on its first end.
-  mutable Points tension_;
+  std::vector<Index> group_ends_;        // four springs side by side, the last ones repeated: (2 x 4) ends
+  std::vector<double> group_constants_;  // and (2 x 4) stiffness, rest length
+  Lists incidence_;                      // per point: 2 items a spring, the spring and its other end; ascending spring
+  // Scratch: tension over length of each spring, padded to groups.
+  mutable std::vector<double> pull_;
+  mutable PaddedPoints velocities_;
 };
 
 }  // namespace deformable_surface::model

@@ -2,6 +2,7 @@
 // equal data, 10 to 25 percent less soft than springs.
 #pragma once
 
+#include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
 
 namespace deformable_surface::model {
@@ -10,7 +11,10 @@ namespace deformable_surface::model {
 /// (polar decomposition) and S = R^T F:
 ///   W = w A [ mu |S - I|^2 + lambda/2 tr(S - I)^2 ],  mu = E h / (2 (1 + nu)), lambda = E h nu / (1 - nu^2)   (plane stress).
 /// With J = |f1 x f2| = det S and T = tr S = sqrt(|F|^2 + 2 J): R = (F + cof F) / T, where cof F = dJ/dF, so that no
-/// eigenvalues are needed for the forces.
+/// eigenvalues are needed for the forces. With F = E D, where E = (e1 e2) are the edges from the first corner and D the inverse of
+/// theirs at rest, G = D D^T and L = |e1 x e2|:
+///   J = L det D,  T^2 = sum_ab G_ab e_a.e_b + 2 J,  s = lambda - 2 (lambda + mu) / T,
+///   force on corner a = -sum_b K_ab e_b,  K = w A [ (2 mu + s) G + s det D / L ( e2.e2  -e1.e2 ; -e1.e2  e1.e1 ) ].
 class TriangleMembrane {
  public:
   TriangleMembrane() = default;
@@ -19,7 +23,8 @@ class TriangleMembrane {
   TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
                    double poisson_ratio);
 
-  void addForces(const State& state, Points& forces) const;
+  /// positions: those of the state.
+  void addForces(const State& state, const PaddedPoints& positions, Points& forces) const;
   double energy(const State& state) const;
   /// Its eigenvalues are known in closed form from the stretches; kPositive raises those below zero to zero.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
@@ -34,14 +39,16 @@ class TriangleMembrane {
   };
   static Mat32 gradient(const Element& e, const State& state);
   Mat32 cornerForces(Index t, const State& state) const;
+  void repairCollapsed(Index begin, Index end, const State& state) const;
 
   // Constants.
   std::vector<Element> elements_;
-  std::vector<double> inverse_, area_;  // Element's, one array a quantity, in batches for the force loop
-  Lists incidence_;  // per point: 3 * element + corner
+  std::vector<Index> group_corners_;      // four elements side by side, the last ones repeated: (3 x 4) corners
+  std::vector<double> group_constants_;   // and (6 x 4) of what the force loop needs of them
+  Lists incidence_;                       // per point: 12 * group + 4 * corner + lane, where its forces are
   double mu_ = 0.0, lambda_ = 0.0;
-  // Scratch: (3 per element) forces on the corners.
-  mutable Points corner_force_;
+  // Scratch: forces on the corners, in the order of group_corners_, padded to four numbers.
+  mutable std::vector<double> corner_force_;
 };
 
 }  // namespace deformable_surface::model
