@@ -17,6 +17,7 @@ namespace {
 struct Part {
   const char* name;
   void (*run)(const Options&, Report&);
+  bool on_demand = false;  // takes minutes: only if named
 };
 constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"table_1", runTable1Section},
@@ -25,8 +26,20 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"explicit", runExplicitSection},
                            {"allocations", runAllocationsSection},
                            {"memory", runMemorySection},
-                           {"factorization", runFactorizationSection}};
-constexpr Part kStability = {"stability", runStabilitySection};  // takes minutes: only if asked for
+                           {"factorization", runFactorizationSection},
+                           {"accuracy", runAccuracySection, true},
+                           {"stability", runStabilitySection, true}};
+
+const Part* findPart(const std::string& name) {
+  const Part* part = std::find_if(std::begin(kParts), std::end(kParts), [&](const Part& p) { return name == p.name; });
+  return part == std::end(kParts) ? nullptr : part;
+}
+
+std::string listParts() {
+  std::string names;
+  for (const Part& part : kParts) names += (names.empty() ? "" : ", ") + std::string(part.name);
+  return names;
+}
 
 std::string findProcessor() {
   std::ifstream file("/proc/cpuinfo");
@@ -56,35 +69,32 @@ int run(int argc, char** argv) {
   Options options;
   std::string folder = ".", commit = "unknown";
   std::vector<std::string> wanted;
-  bool stability = false;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--large") {
       options.large = true;
     } else if (argument == "--quick") {
       options.large = false;
-    } else if (argument == "--stability") {
-      stability = true;
+    } else if (argument.rfind("--", 0) == 0 && findPart(argument.substr(2)) && findPart(argument.substr(2))->on_demand) {
+      wanted.push_back(argument.substr(2));
     } else if ((argument == "--output" || argument == "--commit" || argument == "--only") && i + 1 < argc) {
       const std::string value = argv[++i];
       if (argument == "--output") folder = value;
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --stability, --only PART, --output FOLDER, --commit TEXT");
+      return fail("found '" + argument + "'; accepted: --quick, --large, --accuracy, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)
-    if (std::none_of(std::begin(kParts), std::end(kParts), [&](const Part& part) { return name == part.name; }))
-      return fail("--only: found '" + name +
-                  "'; accepted: setup, table_1, transfer, integrators, allocations, memory, factorization");
+    if (!findPart(name)) return fail("--only: found '" + name + "'; accepted: " + listParts());
 
   printHeader(commit);
   const Timer timer;
   Report report(folder);
-  if (stability) kStability.run(options, report);
   for (const Part& part : kParts)
-    if ((wanted.empty() && !stability) || std::find(wanted.begin(), wanted.end(), part.name) != wanted.end()) part.run(options, report);
+    if (wanted.empty() ? !part.on_demand : std::find(wanted.begin(), wanted.end(), part.name) != wanted.end())
+      part.run(options, report);
   std::printf("\n%.0f s\n", timer.seconds());
   return 0;
 }

@@ -18,6 +18,7 @@ void runExplicitSection(const Options& options, Report& report);
 void runAllocationsSection(const Options& options, Report& report);
 void runMemorySection(const Options& options, Report& report);
 void runFactorizationSection(const Options& options, Report& report);
+void runAccuracySection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark

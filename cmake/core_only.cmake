@@ -24,4 +24,5 @@ get_directory_property(compile_options COMPILE_OPTIONS)
 string(TOUPPER "${CMAKE_BUILD_TYPE}" build_type)
 string(REPLACE ";" " " benchmark_flags "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${build_type}} ${compile_options}")
 string(STRIP "${benchmark_flags}" benchmark_flags)
-target_compile_definitions(benchmark_core PRIVATE DEFORMABLE_SURFACE_FLAGS="${benchmark_flags}")
+target_compile_definitions(benchmark_core PRIVATE DEFORMABLE_SURFACE_FLAGS="${benchmark_flags}"
+  DEFORMABLE_SURFACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")

@@ -24,6 +24,9 @@ using solve::IntegratorType;
 
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
 constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry of a step that was not sound
+constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears without any error
+constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
+constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: one failed trial in them costs 1 %
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
 constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
 constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
@@ -72,6 +75,7 @@ struct Snapshot::Contents {
   IntegratorType integrator_type;
   double max_substep, stretch_at_estimate;
   bool estimate_needed;
+  Index cautious;
   solve::EnergyGuard::Memory energy;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   Statistics statistics;
@@ -163,6 +167,7 @@ struct Simulation::Impl {
     for (const ForceParams& force : params.forces) forces.set(force);
     setContactRate();
     estimate_needed = true;
+    cautious = 0;
     integrators.clear();
     guard.restart();
     if (params.output.resample) makeResampler();
@@ -188,7 +193,7 @@ struct Simulation::Impl {
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
         identify(), state, steps, pinned, gravity.gravity, forces.all(), integrator_type, max_substep, stretch_at_estimate,
-        estimate_needed, guard.memory(), resampler ? std::make_shared<const transfer::Resampler>(*resampler) : nullptr, statistics});
+        estimate_needed, cautious, guard.memory(), resampler ? std::make_shared<const transfer::Resampler>(*resampler) : nullptr, statistics});
   }
 
   void restore(const Snapshot::Contents& saved) {
@@ -203,6 +208,7 @@ struct Simulation::Impl {
     max_substep = saved.max_substep;
     stretch_at_estimate = saved.stretch_at_estimate;
     estimate_needed = saved.estimate_needed;
+    cautious = saved.cautious;
     guard.setMemory(saved.energy);
     if (saved.resampler) resampler = std::make_unique<transfer::Resampler>(*saved.resampler);
     forgetInserted();
@@ -384,9 +390,19 @@ struct Simulation::Impl {
     if (estimatesStableStep()) refreshStableStep(now);
     addNotice(chooseIntegrator());
 
-    // Sub-steps; a step that went wrong is taken again with finer ones, and by auto implicitly in the end.
-    solve::SolveReport report = advance(now, 1.0);
+    // Sub-steps, bold ones as long as they keep the energy; a step that went wrong is taken again with finer ones, and by auto
+    // implicitly in the end.
+    const bool bold = cautious == 0 && (integrator_type == IntegratorType::kVerlet || integrator_type == IntegratorType::kSymplecticEuler);
+    solve::SolveReport report = advance(now, bold ? kBold : 1.0);
     bool sound = isSound(now, report);
+    if (bold && !(sound && guard.isCalm(kCalm))) {
+      cautious = kCautious;
+      goBack(now);
+      report = advance(now, 1.0);
+      sound = isSound(now, report);
+    } else if (cautious > 0) {
+      --cautious;
+    }
     const bool has_substeps = integrator_type != IntegratorType::kExplicitEuler && integrator_type != IntegratorType::kStatic;
     std::string retries;
     for (double share = 0.5; !sound && has_substeps && substeps_needed == 0 && share >= kSmallestShare; share *= 0.5) {

@@ -40,9 +40,9 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   next_ = memory_;
   next_.vibration = std::max(vibration, (1.0 - kMemory) * memory_.vibration);
   next_.excess = (1.0 - allowance.fade) * std::max(0.0, excess_);
-  const double kick = memory_.kick * substep * substep;
+  kick_ = memory_.kick * substep * substep;
   // By how much either limit is broken; NaN breaks them.
-  const double beyond = std::max(excess_ - kSwing * next_.vibration - kick, gain - allowance.gain * next_.vibration - kick);
+  const double beyond = std::max(excess_ - kSwing * next_.vibration - kick_, gain - allowance.gain * next_.vibration - kick_);
   if (beyond <= 0.0) return std::isfinite(after_);
   // Rounding: positions wrong by a unit in the last place, times the forces there.
   double reach = 0.0;

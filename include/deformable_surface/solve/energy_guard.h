@@ -47,6 +47,9 @@ class EnergyGuard {
   /// At its end: false if the energy is not finite or has grown beyond what is allowed. substep, s, is that of the integrator; work, J,
   /// that of loads without a potential in this step. Changes no memory.
   bool accepts(const System& system, double time, const State& state, double substep, double work, const Allowance& allowance);
+  /// Whether the excess is at most this share of the energy in motion and stretch (beside the error of a first step), as accepts() saw
+  /// it last.
+  bool isCalm(double share) const { return excess_ <= share * next_.vibration + kick_; }
   /// Takes what accepts() saw last as the state that the next step begins with.
   void commit();
 
@@ -59,7 +62,7 @@ class EnergyGuard {
  private:
   Memory memory_, next_;
   bool elastic_known_ = false;
-  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, excess_ = 0.0;
+  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, excess_ = 0.0, kick_ = 0.0;
   Points forces_;
 };
 

@@ -1,0 +1,129 @@
+#include "accuracy_scenes.h"
+
+#include "deformable_surface/cloud/clean.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/cloud/simplification.h"
+#include "deformable_surface/io/shapes.h"
+#include "swinging_sheet.h"
+
+#include <cstdlib>
+#include <fstream>
+#include <limits>
+
+namespace deformable_surface::benchmark {
+namespace {
+
+using simulation::PinParams;
+using simulation::SceneParams;
+
+std::vector<Index> halve(Index points) { return {points, points / 2, points / 4, points / 8}; }
+
+PinParams pinBox(const Vec3& min, const Vec3& max) {
+  PinParams pin;
+  pin.region.min = min;
+  pin.region.max = max;
+  return pin;
+}
+
+AccuracyScene makeSwing(const std::string& name, double membrane_stiffness, Index points) {
+  AccuracyScene scene{name, makeSwingingScene(solve::IntegratorType::kAuto, 0.01), makeSwingingSheet(points), 0.4, {}};
+  scene.params.simplification.method = cloud::SimplificationMethod::kDelaunay;
+  scene.params.material.young_modulus = membrane_stiffness / scene.params.material.thickness;
+  scene.levels = halve(scene.cloud.size());
+  return scene;
+}
+
+// A sheet of rubber between two held edges, sagging under its weight.
+AccuracyScene makeSag(Index points) {
+  AccuracyScene scene{"static_sag", {}, {}, 0.0, {}};
+  simulation::CloudParams shape;
+  shape.shape = simulation::CloudParams::Shape::kSheet;
+  shape.points = points;
+  shape.jitter = 0.2;
+  scene.cloud = io::makeShape(shape);
+  scene.params.material.young_modulus = 1e6;
+  scene.params.material.thickness = 0.002;
+  scene.params.integrator.type = solve::IntegratorType::kStatic;
+  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(-0.499, 1.0, 1.0)), pinBox(Vec3(0.499, -1.0, -1.0), Vec3(1.0, 1.0, 1.0))};
+  scene.levels = halve(scene.cloud.size());
+  return scene;
+}
+
+// The points of the scan that simplification keeps: real sampling, at a size that can be simulated without simplification.
+cloud::PointCloud readScan(Index points) {
+  const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
+  std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") + "/open3d_bunny/bunnyData.pts");
+  cloud::PointCloud scan;
+  std::size_t count = 0;
+  file >> count;
+  for (Vec3 p; scan.positions.size() < count && file >> p[0] >> p[1] >> p[2];) scan.positions.push_back(p);
+  if (scan.positions.empty()) return scan;
+  const Lists neighbors = cloud::nearestNeighbors(scan.positions, 32);
+  const Points normals = cloud::estimateNormals(scan.positions, neighbors);
+  cloud::PointCloud kept;
+  for (Index i : cloud::simplify(scan.positions, normals, 16, points, {}).keepCount(points)) kept.positions.push_back(scan.positions[i]);
+  kept.width = kept.size();
+  return kept;
+}
+
+// A scanned animal of soft rubber that stands on its lowest centimetre and is poked from the side.
+AccuracyScene makePoke(Index points) {
+  AccuracyScene scene{"poked_scan", {}, readScan(points), 0.3, {}};
+  if (scene.cloud.positions.empty()) return scene;
+  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
+  for (const Vec3& p : scene.cloud.positions) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  const double size = (high - low).maxCoeff();
+  scene.params.gravity = Vec3(0.0, -9.81, 0.0);  // the scan's y axis points up
+  scene.params.material.young_modulus = 2e5;
+  scene.params.material.thickness = 0.004;
+  scene.params.material.damping = 5.0;
+  scene.params.pins = {pinBox(low - Vec3::Ones(), Vec3(high.x() + 1.0, low.y() + 0.1 * size, high.z() + 1.0))};
+  simulation::ForceParams poke;
+  poke.id = "poke";
+  poke.point = Vec3(high.x(), 0.5 * (low.y() + high.y()), 0.5 * (low.z() + high.z()));
+  poke.force = Vec3(-0.3, 0.0, 0.0);
+  poke.radius = 0.15 * size;
+  scene.params.forces = {poke};
+  scene.levels = halve(points);
+  return scene;
+}
+
+// A sheet that falls on a ball and drapes over it.
+AccuracyScene makeDrape(Index points) {
+  AccuracyScene scene{"drape", {}, makeSwingingSheet(points), 0.4, {}};
+  scene.params.material.young_modulus = 1e6;
+  scene.params.material.density = 200.0;
+  scene.params.material.damping = 2.0;
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.25;
+  ball.path = {{0.0, Vec3(0.0, 0.0, -0.26), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  scene.params.tools = {ball};
+  scene.levels = halve(scene.cloud.size());
+  return scene;
+}
+
+}  // namespace
+
+std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
+  const Index points = large ? 1254 : 400;
+  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeDrape(points),
+                                   makeSag(points)};
+  AccuracyScene poke = makePoke(points);
+  if (!poke.cloud.positions.empty()) scenes.push_back(std::move(poke));
+  return scenes;
+}
+
+SceneParams atLevel(const AccuracyScene& scene, Index num_points) {
+  SceneParams params = scene.params;
+  params.simplification.method =
+      num_points >= scene.cloud.size() ? cloud::SimplificationMethod::kNone : cloud::SimplificationMethod::kDelaunay;
+  params.simplification.target_points = num_points;
+  return params;
+}
+
+}  // namespace deformable_surface::benchmark

@@ -1,0 +1,25 @@
+// The scenes on which run time is held against error: what moves, how long, and at which numbers of simulation points.
+#pragma once
+
+#include "deformable_surface/simulation/simulation.h"
+
+#include <string>
+#include <vector>
+
+namespace deformable_surface::benchmark {
+
+struct AccuracyScene {
+  std::string name;
+  simulation::SceneParams params;  // the default choices of the product but for what the scene needs
+  cloud::PointCloud cloud;
+  double duration;                 // s; 0 = the equilibrium
+  std::vector<Index> levels;       // numbers of simulation points, the full cloud first
+};
+
+/// large: the sizes of docs/benchmark.md; else about a third of them. The scan is left out where its file is not there.
+std::vector<AccuracyScene> makeAccuracyScenes(bool large);
+
+/// The scene with another number of simulation points; the full cloud where that is all of them.
+simulation::SceneParams atLevel(const AccuracyScene& scene, Index num_points);
+
+}  // namespace deformable_surface::benchmark
