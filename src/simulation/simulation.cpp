@@ -109,6 +109,7 @@ struct Simulation::Impl {
   double max_substep = 0.0;
   double stretch_at_estimate = 0.0;
   bool estimate_needed = true;
+  Index cautious = 0;  // steps that are still to be taken with safe sub-steps
   solve::EnergyGuard guard;
 
   // Results and scratch.

@@ -188,8 +188,10 @@ TEST(Simulation, AutoFallsBackToImplicitWhenSubstepsDoNotFitAndSaysSo) {
 TEST(Simulation, ImplicitWithSmallStepsAgreesWithVerlet) {
   SceneParams p = hangingSheet();
   p.simplification.target_points = 60;
+  p.integrator.type = solve::IntegratorType::kVerlet;
+  p.integrator.time_step = 0.0005;
   Simulation verlet(p, sheetCloud(16));
-  run(verlet, 20);
+  run(verlet, 400);
   p.integrator.type = solve::IntegratorType::kImplicit;
   double previous = 1e300;
   for (double step : {0.01, 0.002}) {
@@ -199,10 +201,10 @@ TEST(Simulation, ImplicitWithSmallStepsAgreesWithVerlet) {
     double worst = 0.0;
     for (Index i = 0; i < verlet.state().size(); ++i)
       worst = std::max(worst, (implicit.state().positions[i] - verlet.state().positions[i]).norm());
-    EXPECT_LT(worst, 0.3 * previous);
+    EXPECT_LT(worst, 0.1 * previous);  // second order would be a twenty-fifth; the sheet's stiff modes are not resolved
     previous = worst;
   }
-  EXPECT_LT(previous, 0.01);
+  EXPECT_LT(previous, 1e-4);
 }
 
 TEST(Simulation, TransferAndNormalsAreSkippedUntilAskedFor) {

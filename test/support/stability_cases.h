@@ -16,7 +16,7 @@ namespace deformable_surface::test {
 struct StabilityCase {
   simulation::SceneParams params;  // but for integrator.type
   cloud::PointCloud cloud;
-  int steps = 20;
+  int steps = 60;
   std::function<void(const simulation::Simulation&, model::State&)> start;    // changes the state at rest; empty = none
   std::function<void(simulation::Simulation&, int step)> command;             // before each step; empty = none
   bool recovers = false;  // overdamped, no load, and its only equilibrium near the start is the rest shape: it must be reached
@@ -109,14 +109,14 @@ class StabilityGenerator {
   void makeTimeStep() {
     takePinnedSheet();
     case_.params.integrator.time_step = logBetween(1e-4, 0.2);
-    case_.steps = 30;
+    case_.steps = 60;
   }
 
   void makeStiffness() {
     takePinnedSheet();
     case_.params.material.young_modulus = logBetween(1.0, 1e9) / case_.params.material.thickness;
     case_.params.integrator.time_step = logBetween(1e-3, 0.05);
-    case_.steps = 15;
+    case_.steps = 20;
   }
 
   // The model has one membrane stiffness for all points: what can differ within a scene is that of anchors, bending and volume.
@@ -206,7 +206,7 @@ class StabilityGenerator {
     const double factor = logBetween(1.5, case_.recovers && axes != 2 ? 2.0 : 10.0);
     p.material.damping = case_.recovers ? 1000.0 : chance(0.5) ? 0.0 : 2.0;
     if (case_.recovers) p.integrator.time_step = 0.2;
-    case_.steps = case_.recovers ? 120 : 20;
+    case_.steps = case_.recovers ? 120 : 60;
     case_.start = [factor, axes](const simulation::Simulation&, model::State& state) {
       for (Vec3& x : state.positions) {
         if (axes != 1) x.x() *= factor;
