@@ -20,5 +20,6 @@ void runMemorySection(const Options& options, Report& report);
 void runFactorizationSection(const Options& options, Report& report);
 void runAccuracySection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
+void runPhysicsSection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark

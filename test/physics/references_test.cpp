@@ -1,0 +1,56 @@
+// The references themselves, against published digits; and the fit of the order.
+#include "physics/references.h"
+#include "series.h"
+
+#include <cmath>
+
+namespace deformable_surface::physics {
+namespace {
+
+TEST(References, TheHeavyElasticaAgreesWithCollocation) {
+  // Chebyshev collocation of the same equation, six digits.
+  const double rows[][3] = {{0.1, 0.012498, 0.999911}, {1.0, 0.123471, 0.991246}, {10.0, 0.700200, 0.656354},
+                            {100.0, 0.937524, 0.159223}, {1000.0, 0.981141, 0.045986}};
+  for (const auto& row : rows) {
+    EXPECT_NEAR(solveElastica(row[0], 0.0).droop, row[1], 1e-6) << row[0];
+    EXPECT_NEAR(solveElastica(row[0], 0.0).reach, row[2], 1e-6) << row[0];
+  }
+}
+
+TEST(References, TheElasticaUnderAnEndForceAgreesWithTheTableOfSze) {
+  // [sze2004, 3.1]: P / Pmax, -u, w for L = 10 and Pmax L^2 / D = 4. Shell elements: 0.1 % from the inextensible strip.
+  const double rows[][3] = {{0.25, 0.563, 3.015}, {0.5, 1.604, 4.933}, {1.0, 3.286, 6.698}};
+  for (const auto& row : rows) {
+    const ElasticaTip tip = solveElastica(0.0, 4.0 * row[0]);
+    EXPECT_NEAR(10.0 * (1.0 - tip.reach), row[1], 0.005) << row[0];
+    EXPECT_NEAR(10.0 * tip.droop, row[2], 0.005) << row[0];
+  }
+}
+
+TEST(References, HenckysMembraneAgreesWithItsTable) {
+  EXPECT_NEAR(solveHencky(0.0), 0.718319, 1e-6);
+  EXPECT_NEAR(solveHencky(0.3), 0.653443, 1e-6);
+  EXPECT_NEAR(solveHencky(1.0 / 3.0), 0.644776, 1e-6);
+}
+
+TEST(References, AStiffCableHangsAsACatenary) {
+  // L / S = 1.2: sag / S = 0.29234380.
+  const ElasticCable cable{1e9, 3.0, 1.2};
+  EXPECT_NEAR(cable.z(0.6, cable.solveTension(1.0)), 0.29234380, 1e-6);
+}
+
+TEST(OrderOfConvergence, IsTheSlopeAndItsSpreadTheScatter) {
+  const auto make = [](double size, double error) {
+    Answer a;
+    a.size = size;
+    a.error = error;
+    return a;
+  };
+  const Order clean = fitOrder({make(0.4, 0.16), make(0.2, 0.04), make(0.1, 0.01)});
+  EXPECT_NEAR(clean.value, 2.0, 1e-12);
+  EXPECT_NEAR(clean.spread, 0.0, 1e-7);
+  EXPECT_GT(fitOrder({make(0.4, 0.16), make(0.2, 0.08), make(0.1, 0.01)}).spread, 0.1);
+}
+
+}  // namespace
+}  // namespace deformable_surface::physics
