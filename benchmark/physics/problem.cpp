@@ -43,6 +43,12 @@ std::vector<Variant> listSamplings(model::Membrane membrane, model::Bending bend
   return list;
 }
 
+std::vector<Variant> listMost(model::Bending bending) {
+  std::vector<Variant> list = listSamplings(model::Membrane::kTriangles, bending);
+  list.push_back({model::Membrane::kSprings, bending, Sampling::kJittered, true});
+  return list;
+}
+
 std::vector<Variant> listAll(model::Bending bending) {
   std::vector<Variant> list = listSamplings(model::Membrane::kTriangles, bending);
   for (const Variant& variant : listSamplings(model::Membrane::kSprings, bending)) list.push_back(variant);

@@ -28,6 +28,8 @@ std::string nameSampling(const Variant& variant);
 
 /// Regular and aligned; jittered and rotated; scanned, simplified and rotated.
 std::vector<Variant> listSamplings(model::Membrane membrane, model::Bending bending);
+/// Triangles on every sampling, springs on the jittered one: where the membrane matters little.
+std::vector<Variant> listMost(model::Bending bending);
 /// Both membranes, each on every sampling.
 std::vector<Variant> listAll(model::Bending bending);
 

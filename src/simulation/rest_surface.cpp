@@ -163,6 +163,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
       throw InputError("pins[" + std::to_string(p) + "]: the points it holds belong to no surface (they are too far from all others); "
                        "accepted: a shape that holds a point of the surface");
   }
+  s.model->setHeld(s.pinned);
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));

@@ -163,6 +163,7 @@ struct Simulation::Impl {
     state.velocities.assign(rest.points.size(), Vec3::Zero());
     steps = 0;
     pinned = rest.pinned;
+    clampHeld();
     gravity.gravity = params.gravity;
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
@@ -201,6 +202,7 @@ struct Simulation::Impl {
     state = saved.state;
     steps = saved.steps;
     pinned = saved.pinned;
+    clampHeld();
     gravity.gravity = saved.gravity;
     forces.restore(saved.forces);
     // Integrators remember nothing between steps but the pattern of their matrix, which is that of the surface.
@@ -259,6 +261,14 @@ struct Simulation::Impl {
     std::unique_ptr<solve::Integrator>& kept = integrators[type];
     if (!kept) kept = solve::makeIntegrator(type, params.integrator);
     return *kept;
+  }
+
+  // Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
+  void clampHeld() {
+    if (!rest.model->setHeld(pinned)) return;
+    integrators.clear();
+    guard.restart();
+    estimate_needed = true;
   }
 
   // Estimates the stable step anew when the surface is no longer what it was measured on.
@@ -378,7 +388,8 @@ struct Simulation::Impl {
     const double now = time();
     StepOutcome outcome;
 
-    // Commands. Rounding of the time must not lose a step to the one before.
+    // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
+    clampHeld();
     NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
     if (update.changed) guard.loadsChanged();
     outcome.notice = std::move(update.notice);

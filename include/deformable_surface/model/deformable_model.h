@@ -36,6 +36,10 @@ class DeformableModel {
   /// (n) kg; positive.
   virtual const std::vector<double>& masses() const = 0;
 
+  /// Tells which points (n) do not move from now on, so that a model can treat the edges of held patches as the clamps they are.
+  /// Returns whether forces and stiffness are others than before.
+  virtual bool setHeld(const std::vector<char>& /*held*/) { return false; }
+
   /// Adds the internal forces, elastic and viscous, in newtons: forces (n x 3). The elastic part is minus the gradient of
   /// elasticEnergy(). Points with equal velocity feel no viscous force.
   virtual void addForces(const State& state, Points& forces) const = 0;

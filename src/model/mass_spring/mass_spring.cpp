@@ -125,6 +125,8 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   if (membrane_ == Membrane::kTriangles)
     membrane_triangles_ = TriangleMembrane(triangles_, rest, membrane_stiffness, material.poisson_ratio);
   if (params.bending == Bending::kCurvature && material.bendingRigidity() > 0.0) {
+    bending_rest_ = {rest, normals, rings.ring, rings.area, material.bendingRigidity()};
+    held_.assign(n, 0);
     bending_ = CurvatureBending(rest, normals, rings.ring, rings.area, material.bendingRigidity());
     num_without_bending_ = bending_.numWithoutFit();
   }
@@ -136,6 +138,14 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
     rest_volume_ = enclosedVolume(State{rest, {}});
     if (!(rest_volume_ > 0.0)) throw InputError("mass_spring.volume_stiffness: the surface encloses no volume; accepted: 0");
   }
+}
+
+bool MassSpring::setHeld(const std::vector<char>& held) {
+  if (bending_rest_.points.empty() || held == held_) return false;
+  held_ = held;
+  const BendingRest& b = bending_rest_;
+  bending_ = CurvatureBending(b.points, b.normals, b.ring, b.areas, b.rigidity, held_);
+  return true;
 }
 
 void MassSpring::addForces(const State& state, Points& forces) const {

@@ -18,7 +18,9 @@ class CurvatureBending {
 
   /// rings: neighbours of neighbours are the fit's points. areas (n) m^2; rigidity D, N m. Points whose neighbourhood does
   /// not determine a quadratic (fewer than five neighbours, collinear) get no bending energy; numWithoutFit() counts them.
-  CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas, double rigidity);
+  /// held (n), or empty: points that do not move. At the edge of a held patch fits stay on one side and the patch gives the slope.
+  CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas, double rigidity,
+                   const std::vector<char>& held = {});
 
   void addForces(const PaddedPoints& positions, Points& forces) const;
   double energy(const PaddedPoints& positions) const;

@@ -30,6 +30,7 @@ class MassSpring : public DeformableModel {
              const MaterialParams& material, const MassSpringParams& params);
 
   const std::vector<double>& masses() const override { return masses_; }
+  bool setHeld(const std::vector<char>& held) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   double elasticEnergy(const State& state) const override;
@@ -63,6 +64,14 @@ class MassSpring : public DeformableModel {
   Springs bending_springs_;
   TriangleMembrane membrane_triangles_;
   CurvatureBending bending_;
+  struct BendingRest {
+    Points points, normals;
+    Lists ring;
+    std::vector<double> areas;
+    double rigidity = 0.0;
+  };
+  BendingRest bending_rest_;     // of which the bending is made anew when other points are held; empty without bending
+  std::vector<char> held_;       // of which it was made
   bool closed_;
   double volume_stiffness_;
   double rest_volume_ = 0.0;
