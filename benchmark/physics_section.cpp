@@ -12,7 +12,8 @@ namespace {
 constexpr std::size_t kQuickSizes = 3;  // the fewest from which an order has a spread
 constexpr double kExact = 1e-9;         // an error below this is rounding or the solver's tolerance, and has no order
 
-std::string showOrder(const std::vector<physics::Answer>& answers) {
+std::string showOrder(const physics::Problem& problem, const std::vector<physics::Answer>& answers) {
+  if (problem.other_law) return "other law";
   for (const physics::Answer& a : answers)
     if (!a.failure.empty()) return "-";
   for (const physics::Answer& a : answers)
@@ -28,7 +29,7 @@ std::string showOrder(const std::vector<physics::Answer>& answers) {
 void runPhysicsSection(const Options& options, Report& report) {
   std::vector<physics::Problem> problems;
   for (const auto& list : {physics::listMotions, physics::listHanging, physics::listMembranes, physics::listStrips,
-                           physics::listVibrations})
+                           physics::listVibrations, physics::listShells, physics::listMeasured})
     for (const physics::Problem& problem : list()) problems.push_back(problem);
 
   std::vector<std::vector<std::string>> series;
@@ -48,7 +49,7 @@ void runPhysicsSection(const Options& options, Report& report) {
       series.push_back({problem.name, physics::nameMembrane(variant), physics::nameBending(variant), physics::nameSampling(variant),
                         show(answers.front().size) + " .. " + show(answers.back().size),
                         std::to_string(answers.front().points) + " .. " + std::to_string(answers.back().points),
-                        showPercent(answers.front().error) + " .. " + showPercent(answers.back().error), showOrder(answers),
+                        showPercent(answers.front().error) + " .. " + showPercent(answers.back().error), showOrder(problem, answers),
                         problem.source});
     }
   report.end();

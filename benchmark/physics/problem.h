@@ -47,7 +47,8 @@ struct Problem {
   std::string value;   // what is compared, with its unit
   std::string scale;   // what the error is a share of
   std::string source;  // of the reference
-  bool in_time = false;  // refined in time, not in space
+  bool in_time = false;    // refined in time, not in space
+  bool other_law = false;  // the reference obeys another law than the model: no refinement makes the error fall
   std::vector<Variant> variants;
   /// Spacings or time steps, coarsest first. The tests take the first ones.
   std::vector<double> sizes;
@@ -68,7 +69,9 @@ std::vector<Problem> listMotions();
 std::vector<Problem> listHanging();
 std::vector<Problem> listStrips();
 std::vector<Problem> listMembranes();
+std::vector<Problem> listShells();
 std::vector<Problem> listVibrations();
+std::vector<Problem> listMeasured();
 
 /// The one of that name; throws std::logic_error if there is none.
 Problem findProblem(const std::vector<Problem>& problems, const std::string& name);
