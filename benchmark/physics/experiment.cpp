@@ -12,7 +12,8 @@ namespace {
 constexpr int kStaticSteps = 10;      // each as many iterations as the scene allows, before an equilibrium counts as not found
 constexpr double kOnEdge = 1e-6;      // m: what counts as on an edge
 
-simulation::SceneParams prepare(simulation::SceneParams scene, const Sampled& cloud, const Variant& variant, const Mat3& rotation) {
+simulation::SceneParams prepare(simulation::SceneParams scene, const Sampled& cloud, const Variant& variant,
+                                const Mat3& rotation) {
   scene.mass_spring.membrane = variant.membrane;
   scene.mass_spring.bending = variant.bending;
   scene.simplification.method = cloud.keep > 0 ? cloud::SimplificationMethod::kDelaunay : cloud::SimplificationMethod::kNone;
@@ -103,7 +104,7 @@ void Experiment::settle() {
 }
 
 simulation::PinParams pinBehind(const Vec3& point, const Vec3& forward, double size) {
-  constexpr double kFlat = 1e4;  // radius over size: the ball's face departs from a plane by half the inverse of it, over the size
+  constexpr double kFlat = 1e4;  // radius over size: the ball's face departs from a plane by half the inverse of that
   simulation::PinParams pin;
   pin.region.kind = geometry::Region::Kind::kSphere;
   pin.region.radius = kFlat * size;

@@ -1,5 +1,5 @@
-// One simulation in the hands of a problem: everything goes in and comes out in the problem's own frame, whether or not the surface
-// is turned in space; and the two ways to get numbers from it, equilibria and frequencies.
+// One simulation in the hands of a problem: everything goes in and comes out in the problem's own frame, whether or not the
+// surface is turned in space; and the two ways to get numbers from it, equilibria and frequencies.
 #pragma once
 
 #include "deformable_surface/simulation/simulation.h"
@@ -50,8 +50,8 @@ Vec3 meanDisplacement(Experiment& experiment, const std::function<bool(const Vec
 void pushEdge(Experiment& experiment, double edge, const Vec3& force);
 
 /// The angular frequency, 1/s, of the undamped mode: the surface has settled for `settle` s, is given the velocity field `kick`
-/// (m/s at rest position, as an acceleration during one step) and is then recorded for `duration` s by its projection on the kick; a
-/// decaying sinusoid is fitted by least squares. guess, 1/s: within a third of the answer. damping, 1/s: the scene's.
+/// (m/s at rest position, as an acceleration during one step) and is then recorded for `duration` s by its projection on the
+/// kick; a decaying sinusoid is fitted by least squares. guess, 1/s: within a third of the answer. damping, 1/s: the scene's.
 double measureFrequency(Experiment& experiment, const std::function<Vec3(const Vec3& rest)>& kick, double settle, double duration,
                         double guess);
 

@@ -1,5 +1,5 @@
-// Measured sheets: knitted fabrics pulled between two clamps [singal2024], by a linear membrane whose modulus and Poisson's ratio are
-// read off at the first newtons; and the law of rubber beside the model's at the moduli of silicone mixes.
+// Measured sheets: knitted fabrics pulled between two clamps [singal2024], by a linear membrane whose modulus and Poisson's
+// ratio are read off at the first newtons; and the law of rubber beside the model's at the moduli of silicone mixes.
 #include "experiment.h"
 
 #include <cmath>
@@ -107,7 +107,8 @@ Answer pullSilicone(double stretch, const Variant& variant, double spacing) {
   Answer answer;
   answer.points = pulled.points;
   answer.value = pulled.force;
-  answer.reference = scene.material.young_modulus / 3.0 * (stretch - 1.0 / (stretch * stretch)) * scene.material.thickness * width;
+  const double stress = scene.material.young_modulus / 3.0 * (stretch - 1.0 / (stretch * stretch));
+  answer.reference = stress * scene.material.thickness * width;
   answer.error = std::abs(answer.value / answer.reference - 1.0);
   return answer;
 }
@@ -130,7 +131,9 @@ std::vector<Problem> listMeasured() {
         p.source = "measured, Singal et al. 2024, mean of the repeats";
         if (has_data) p.variants = jittered;
         p.sizes = {fabric.width / 6.0, fabric.width / 9.0, fabric.width / 14.0};
-        p.run = [fabric, force, what](const Variant& variant, double spacing) { return pullFabric(fabric, force, what, variant, spacing); };
+        p.run = [fabric, force, what](const Variant& variant, double spacing) {
+          return pullFabric(fabric, force, what, variant, spacing);
+        };
         list.push_back(p);
       }
   for (const double stretch : {1.02, 1.3}) {

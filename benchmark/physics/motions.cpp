@@ -97,9 +97,10 @@ Problem makeProblem(const std::string& name, const std::string& value, const std
 
 std::vector<Problem> listMotions() {
   std::vector<Problem> list;
-  const std::pair<const char*, solve::IntegratorType> integrators[] = {{"verlet", solve::IntegratorType::kVerlet},
-                                                                       {"symplectic_euler", solve::IntegratorType::kSymplecticEuler},
-                                                                       {"implicit", solve::IntegratorType::kImplicit}};
+  using solve::IntegratorType;
+  const std::pair<const char*, IntegratorType> integrators[] = {{"verlet", IntegratorType::kVerlet},
+                                                                {"symplectic_euler", IntegratorType::kSymplecticEuler},
+                                                                {"implicit", IntegratorType::kImplicit}};
   for (const auto& [name, integrator] : integrators) {
     Problem p = makeProblem(std::string("free fall, ") + name, "z, m", "g t^2 / 2");
     p.sizes = {0.02, 0.01, 0.005};

@@ -85,7 +85,8 @@ Order fitOrder(const std::vector<Answer>& answers) {
   }
   Order order;
   order.value = xy / xx;
-  order.spread = n > 2.0 ? std::sqrt(std::max(0.0, yy - xy * xy / xx) / (n - 2.0) / xx) : std::numeric_limits<double>::quiet_NaN();
+  order.spread = std::numeric_limits<double>::quiet_NaN();
+  if (n > 2.0) order.spread = std::sqrt(std::max(0.0, yy - xy * xy / xx) / (n - 2.0) / xx);
   return order;
 }
 

@@ -12,8 +12,8 @@ constexpr int kTerms = 60;        // of Hencky's series, whose terms fall like p
 
 }  // namespace
 
-// Shooting from the free end, in the angle from the vertical, phi = pi / 2 - theta: for heavy strips it is exponentially small there,
-// so that its logarithm is bisected.
+// Shooting from the free end, in the angle from the vertical, phi = pi / 2 - theta: for heavy strips it is exponentially small
+// there, so that its logarithm is bisected.
 ElasticaTip solveElastica(double gamma, double force) {
   const double h = 1.0 / kSteps;
   double low = std::log(1e-300), high = std::log(0.5 * std::acos(-1.0));

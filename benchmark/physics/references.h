@@ -15,7 +15,8 @@ struct ElasticaTip {
 ElasticaTip solveElastica(double gamma, double force);
 
 /// w0 / (a q^(1/3)) of a clamped circular membrane under the pressure p, q = p a / (E h), for q -> 0 [hencky1915, corrected].
-/// With B(x) = sum b_n x^n:  sum n (n + 1) b_n x^n = -2 x / B(x)^2,  sum (2 n + 1 - nu) b_n = 0,  w0 = a q^(1/3) int_0^1 dx / B(x).
+/// With B(x) = sum b_n x^n:  sum n (n + 1) b_n x^n = -2 x / B(x)^2,  sum (2 n + 1 - nu) b_n = 0,  w0 = a q^(1/3) int_0^1 dx /
+/// B(x).
 double solveHencky(double poisson_ratio);
 
 /// An elastic cable between two supports of equal height [irvine1981]: position at the unstretched arc length s.

@@ -15,7 +15,7 @@ namespace {
 
 const double kPi = std::acos(-1.0);
 constexpr double kJitter = 0.25;     // of the spacing, in each direction
-constexpr double kScanDensity = 3.0; // scan points along the spacing of the simulated ones, as when a scan is simplified to a ninth
+constexpr double kScanDensity = 3.0; // scan points along the spacing of the simulated ones: a scan simplified to a ninth
 
 // The part of the scanned plane that is covered evenly, m: its lower left corner, from the mean of the points, and its sides.
 const Vec2 kScanCorner(-0.30, -0.12);
@@ -79,8 +79,8 @@ std::vector<Vec2> repeatPattern(const Vec2& size, double spacing) {
   for (int i = 0; i * tile.x() <= size.x(); ++i)
     for (int j = 0; j * tile.y() <= size.y(); ++j)
       for (const Vec2& p : pattern) {
-        if ((i % 2 == 1 && std::min(p.x(), kScanWidth - p.x()) < seam) || (j % 2 == 1 && std::min(p.y(), kScanHeight - p.y()) < seam))
-          continue;
+        const double to_side = std::min(p.x(), kScanWidth - p.x()), to_end = std::min(p.y(), kScanHeight - p.y());
+        if ((i % 2 == 1 && to_side < seam) || (j % 2 == 1 && to_end < seam)) continue;
         const Vec2 q(i % 2 == 0 ? p.x() : kScanWidth - p.x(), j % 2 == 0 ? p.y() : kScanHeight - p.y());
         const Vec2 placed(i * tile.x() + scale * q.x(), j * tile.y() + scale * q.y());
         if (placed.x() <= size.x() && placed.y() <= size.y()) points.push_back(placed);

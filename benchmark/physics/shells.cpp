@@ -11,8 +11,8 @@ namespace {
 const double kPi = std::acos(-1.0);
 constexpr double kRadius = 10.0, kHole = 18.0;  // the hole's angle about the pole, degrees
 
-// [sze2004, hemispherical shell with a hole]: E = 6.825e7, nu = 0.3, R = 10, h = 0.04; radial forces outward at both ends of one axis,
-// inward at both ends of the other. Force over kLoad, displacement outward, inward.
+// [sze2004, hemispherical shell with a hole]: E = 6.825e7, nu = 0.3, R = 10, h = 0.04; radial forces outward at both ends of
+// one axis, inward at both ends of the other. Force over kLoad, displacement outward, inward.
 constexpr double kLoad = 400.0;
 struct Row {
   double share, outward, inward;
@@ -43,18 +43,19 @@ Sampled sampleHemisphere(double spacing, Sampling sampling) {
   return sampled;
 }
 
-// Nothing holds the shell but its loads, and forces that press it together let it turn away under them. The published computation
-// forbids that by symmetry; here the inward forces come from world springs to far targets, which pull back what leaves the axis. Their
-// targets are moved until the spring force is the wanted one along the axis, and none across.
-// rigidity: over that of the published shell. The model's curvatures do not feel each other (bending with Poisson's ratio 0). A shell that
-// bends without stretching keeps its Gaussian curvature, so that both change by the same amount, oppositely, and the true energy is
-// (1 - nu) of the model's: with that share of the rigidity the model is the published shell.
+// Nothing holds the shell but its loads, and forces that press it together let it turn away under them. The published
+// computation forbids that by symmetry; here the inward forces come from world springs to far targets, which pull back what
+// leaves the axis. Their targets are moved until the spring force is the wanted one along the axis, and none across. rigidity:
+// over that of the published shell. The model's curvatures do not feel each other (bending with Poisson's ratio 0). A shell
+// that bends without stretching keeps its Gaussian curvature, so that both change by the same amount, oppositely, and the true
+// energy is (1 - nu) of the model's: with that share of the rigidity the model is the published shell.
 Answer pinchHemisphere(double rigidity, const Variant& variant, double spacing) {
   simulation::SceneParams scene = makeStaticScene();
   scene.material.young_modulus = 6.825e7;
   scene.material.poisson_ratio = variant.membrane == model::Membrane::kSprings ? 1.0 / 3.0 : 0.3;
   scene.material.thickness = 0.04;
-  scene.material.bending_rigidity = rigidity * scene.material.young_modulus * std::pow(scene.material.thickness, 3) / (12.0 * (1.0 - 0.3 * 0.3));
+  const double cubed = std::pow(scene.material.thickness, 3);
+  scene.material.bending_rigidity = rigidity * scene.material.young_modulus * cubed / (12.0 * (1.0 - 0.3 * 0.3));
   const Row row = kTenth;
   const double load = kLoad * row.share, holder = 2.0 * load / kRadius;
   constexpr int kCorrections = 2;  // each leaves an eighth of the error in the force

@@ -15,8 +15,8 @@ constexpr double kTiny = 1e-9;     // m
 // A strip of which the part before x = 0, a fifth of the free length, is held. The free end is at x = length.
 Experiment makeStrip(simulation::SceneParams scene, double length, double width, double spacing, const Variant& variant) {
   scene.pins = {pinBehind(Vec3::Zero(), Vec3::UnitX(), length)};
-  return Experiment(scene, sampleRectangle(Vec2(-0.2 * length, -0.5 * width), Vec2(length, 0.5 * width), spacing, variant.sampling),
-                    variant);
+  const Vec2 low(-0.2 * length, -0.5 * width), high(length, 0.5 * width);
+  return Experiment(scene, sampleRectangle(low, high, spacing, variant.sampling), variant);
 }
 
 Answer compareTip(Experiment& strip, double length, const Vec3& expected) {
@@ -67,8 +67,8 @@ Answer bendByForce(const Variant& variant, double spacing) {
   return compareTip(strip, length, Vec3((exact.reach - 1.0) * length, 0.0, -exact.droop * length));
 }
 
-// The moment follows the end: a couple of forces along its normal on the points within a band, growing linearly across it. They are
-// turned anew until the end no longer turns; the load is raised in steps, as the full circle is too far from rest for one.
+// The moment follows the end: a couple of forces along its normal on the points within a band, growing linearly across it. They
+// are turned anew until the end no longer turns; the load is raised in steps, as the full circle is too far from rest for one.
 Answer bendByMoment(double share_of_circle, const Variant& variant, double spacing) {
   const double length = 12.0, width = 1.0, full = 50.0 * kPi / 3.0;
   constexpr int kTurns = 6;           // per load step: the direction converges quadratically

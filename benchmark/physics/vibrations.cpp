@@ -41,8 +41,8 @@ Answer swingCantilever(const Variant& variant, double spacing) {
   const double exact = std::pow(root / length, 2) * std::sqrt(scene.material.bendingRigidity() / scene.material.arealDensity());
   scene.integrator.time_step = 2.0 * kPi / exact / kStepsPerPeriod;
   scene.pins = {pinBehind(Vec3::Zero(), Vec3::UnitX(), length)};
-  Experiment strip(scene, sampleRectangle(Vec2(-0.2 * length, -0.5 * width), Vec2(length, 0.5 * width), spacing, variant.sampling),
-                   variant);
+  const Vec2 low(-0.2 * length, -0.5 * width), high(length, 0.5 * width);
+  Experiment strip(scene, sampleRectangle(low, high, spacing, variant.sampling), variant);
   const double share = (std::cosh(root) + std::cos(root)) / (std::sinh(root) + std::sin(root));
   const auto mode = [&](const Vec3& rest) {
     const double s = root * std::max(0.0, rest.x()) / length;
@@ -52,8 +52,9 @@ Answer swingCantilever(const Variant& variant, double spacing) {
   return compare(strip, measureFrequency(strip, mode, 0.0, kPeriods * 2.0 * kPi / exact, exact), exact);
 }
 
-// The first mode of an inextensible hanging strip: w = (j01 / 2) sqrt(g / L), of the shape J0(j01 sqrt(z / L)) with z from the free
-// end. The stretch under the weight is a thousandth; the axial motion that begins when the weight is let go is damped away.
+// The first mode of an inextensible hanging strip: w = (j01 / 2) sqrt(g / L), of the shape J0(j01 sqrt(z / L)) with z from the
+// free end. The stretch under the weight is a thousandth; the axial motion that begins when the weight is let go is damped
+// away.
 Answer swingStrip(const Variant& variant, double spacing) {
   const double length = 0.5, width = 0.1, root = 2.404825558;
   simulation::SceneParams scene = makeDynamicScene();
@@ -67,7 +68,8 @@ Answer swingStrip(const Variant& variant, double spacing) {
   const double exact = 0.5 * root * std::sqrt(kGravity / length);
   scene.integrator.time_step = 2.0 * kPi / exact / kStepsPerPeriod;
   scene.pins = {pinBehind(Vec3::Zero(), Vec3::UnitX(), length)};
-  Experiment strip(scene, sampleRectangle(Vec2(0.0, -0.5 * width), Vec2(length, 0.5 * width), spacing, variant.sampling), variant);
+  const Vec2 low(0.0, -0.5 * width), high(length, 0.5 * width);
+  Experiment strip(scene, sampleRectangle(low, high, spacing, variant.sampling), variant);
   const auto mode = [&](const Vec3& rest) {
     const double from_end = std::max(0.0, 1.0 - rest.x() / length);
     return Vec3(0.0, 0.0, kAmplitude * length * exact * std::cyl_bessel_j(0.0, root * std::sqrt(from_end)));
@@ -75,8 +77,8 @@ Answer swingStrip(const Variant& variant, double spacing) {
   return compare(strip, measureFrequency(strip, mode, 1.5, kPeriods * 2.0 * kPi / exact, exact), exact);
 }
 
-// A square membrane, stretched evenly by world springs along its edges that are drawn so far that the edges come to rest at the wanted
-// stretch: w = (pi / a) sqrt(2 T / rho_s), with side, tension and density of the stretched state.
+// A square membrane, stretched evenly by world springs along its edges that are drawn so far that the edges come to rest at the
+// wanted stretch: w = (pi / a) sqrt(2 T / rho_s), with side, tension and density of the stretched state.
 Answer swingMembrane(const Variant& variant, double spacing) {
   const double side = 1.0, strain = 0.05;
   simulation::SceneParams scene = makeDynamicScene();

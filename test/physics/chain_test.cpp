@@ -24,7 +24,8 @@ TEST(HangingColumn, ExtendsByTheSumOfTheWeightsBelow) {
   for (int j = 1; j <= n; ++j) EXPECT_NEAR((end[j - 1] - end[j]).norm() - a, (n - j + 1) * m * kGravity / k, 1e-9);
 }
 
-// Irvine's elastic catenary between two supports at equal height: position at unstretched arc length s, with horizontal tension H.
+// Irvine's elastic catenary between two supports at equal height: position at unstretched arc length s, with horizontal tension
+// H.
 struct ElasticCatenary {
   double stiffness, weight, length;  // EA (N), total weight (N), unstretched length (m)
 

@@ -1,5 +1,5 @@
-// What a linear material follows of real ones, and what it does not; where it does not, the test says by how much, so that a better
-// material has to change it.
+// What a linear material follows of real ones, and what it does not; where it does not, the test says by how much, so that a
+// better material has to change it.
 #include "series.h"
 
 namespace deformable_surface::physics {
@@ -23,7 +23,8 @@ TEST(Knit, IsFollowedInItsFirstSlopeAndNarrowingButNotInItsStiffening) {
 
 TEST(Silicone, IsFollowedAtSmallStretchAndOvertakenByTheLineAtLarge) {
   const std::vector<Problem> problems = listMeasured();
-  const Problem small = findProblem(problems, "silicone at 2 % stretch"), large = findProblem(problems, "silicone at 30 % stretch");
+  const Problem small = findProblem(problems, "silicone at 2 % stretch");
+  const Problem large = findProblem(problems, "silicone at 30 % stretch");
   EXPECT_LT(ask(small, small.variants[0], 1, 1)[0].error, 0.05);
   // s - 1 beside (s - 1 / s^2) / 3: 27 per cent more at s = 1.3, and the clamps.
   EXPECT_NEAR(ask(large, large.variants[0], 1, 1)[0].error, 0.29, 0.03);

@@ -8,7 +8,8 @@ TEST(ClampedDisc, RisesUnderPressureAsHenckysMembrane) {
   const Problem problem = findProblem(listMembranes(), "clamped disc");
   for (const Variant& variant : problem.variants) {
     const std::vector<Answer> answers = ask(problem, variant, 2);
-    // Ten points along the radius: flat triangles miss the height of a dome by the square of that, a tenth of a per cent, times a few.
+    // Ten points along the radius: flat triangles miss the height of a dome by the square of that, a tenth of a per cent, times
+    // a few.
     EXPECT_LT(answers[1].error, isTriangles(variant) ? 0.006 : 0.06) << describe(problem, variant);
     if (isTriangles(variant)) {
       EXPECT_GT(fitOrder(answers).value, 1.5) << describe(problem, variant);

@@ -42,7 +42,8 @@ TEST(OneSceneFile, GivesOneAnswerAtEveryResolution) {
   const Vec3 fine = findEdge(700);
   const double way = (fine - Vec3(0.36, 0.0, 0.0)).norm();
   EXPECT_GT(way, 0.05);  // it does sag
-  // Spacings of 31, 22 and 16 mm in 300 mm: the clamp is uncertain by half of one, and the droop by three or four times that share.
+  // Spacings of 31, 22 and 16 mm in 300 mm: the clamp is uncertain by half of one, and the droop by three or four times that
+  // share.
   EXPECT_LT((findEdge(50) - fine).norm(), 0.25 * way);
   EXPECT_LT((findEdge(100) - fine).norm(), 0.17 * way);
   EXPECT_LT((findEdge(200) - fine).norm(), 0.12 * way);

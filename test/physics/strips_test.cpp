@@ -10,8 +10,9 @@ TEST(HeavyElastica, IsFollowedOverFourDecades) {
   for (const char* gamma : {"0.1", "1", "10", "100", "1000"}) {
     const Problem problem = findProblem(listStrips(), std::string("heavy elastica, gamma ") + gamma);
     for (const Variant& variant : problem.variants) {
-      // Twenty-five points along the length, and a droop that grows with the fourth power of the length where gamma is small. A grid
-      // has points where the clamp ends; among irregular ones the last held points lie half a spacing before it, on the mean.
+      // Twenty-five points along the length, and a droop that grows with the fourth power of the length where gamma is small. A
+      // grid has points where the clamp ends; among irregular ones the last held points lie half a spacing before it, on the
+      // mean.
       EXPECT_LT(ask(problem, variant, 1, 2)[0].error, isRegular(variant) ? 0.04 : 0.2) << describe(problem, variant);
     }
   }

@@ -203,7 +203,7 @@ bool solveLeastSquares(const Eigen::Matrix<double, Eigen::Dynamic, Columns>& des
   return true;
 }
 
-// At the edge of a clamp: the slope from what is held, then the curvature, with that slope, from what is free and the edge itself.
+// At the edge of a clamp: the slope from what is held, then, with that slope, the curvature from what is free and the edge.
 bool solveClamped(const Eigen::Matrix<double, Eigen::Dynamic, 5>& design, const Eigen::VectorXd& root_weight,
                   const std::vector<Index>& fit, const Clamps& clamps, Fit& inverse) {
   const Index k = static_cast<Index>(fit.size());
@@ -275,7 +275,9 @@ CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, co
         design.row(m) *= q;
       }
       Fit inverse;
-      if (clamps.isEdge(i) ? solveClamped(design, root_weight, fit, clamps, inverse) : solveLeastSquares(design, root_weight, inverse)) {
+      const bool determined = clamps.isEdge(i) ? solveClamped(design, root_weight, fit, clamps, inverse)
+                                               : solveLeastSquares(design, root_weight, inverse);
+      if (determined) {
         Row own{Vec2::Zero(), Vec3::Zero()};
         for (Index m = 0; m < k; ++m) {
           const Row row{inverse.block<2, 1>(0, m) / reach, inverse.block<3, 1>(2, m) / (reach * reach)};
