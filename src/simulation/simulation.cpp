@@ -178,7 +178,7 @@ struct Simulation::Impl {
     ++version;
   }
 
-  // Of what stays the same from step to step: the points at rest and the scene but for what a step or its caller does not read. FNV-1a.
+  // Of what stays the same from step to step: the points at rest, and the scene but for what no step reads. FNV-1a.
   std::uint64_t identify() const {
     SceneParams scene = params;
     scene.cloud = CloudParams();
@@ -611,9 +611,11 @@ void Simulation::setState(const model::State& state) {
   for (std::size_t i = 0; i < n; ++i) {
     const std::string point = "state of simulation point " + std::to_string(i) + ": ";
     if (!isWithin(state.positions[i], kMaxLength))
-      throw InputError(point + "found a coordinate that is not finite or too large; accepted: up to " + formatReal(kMaxLength) + " m");
+      throw InputError(point + "found a coordinate that is not finite or too large; accepted: up to " +
+                       formatReal(kMaxLength) + " m");
     if (!isWithin(state.velocities[i], kMaxSpeed))
-      throw InputError(point + "found a velocity that is not finite or too large; accepted: up to " + formatReal(kMaxSpeed) + " m/s");
+      throw InputError(point + "found a velocity that is not finite or too large; accepted: up to " +
+                       formatReal(kMaxSpeed) + " m/s");
     if (impl_->pinned[i] && !state.velocities[i].isZero(0.0))
       throw InputError(point + "found a velocity though it is pinned; accepted: zero");
   }

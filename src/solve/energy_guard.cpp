@@ -7,9 +7,9 @@
 namespace deformable_surface::solve {
 namespace {
 
-// Verlet at half the stable step gains up to a quarter of the energy of its highest mode when that turns from motion into stretch:
-// what it conserves is less than the energy by (w h / 2)^2 of the elastic part. The rest is room for crumpling, where modes stiffen;
-// measured in docs/stability.md.
+// Verlet at half the stable step gains up to a quarter of the energy of its highest mode when that turns from motion into
+// stretch: what it conserves is less than the energy by (w h / 2)^2 of the elastic part. The rest is room for crumpling,
+// where modes stiffen; measured in docs/stability.md.
 constexpr double kSwing = 0.4;
 constexpr double kMemory = 1e-3;    // by which the largest energy of late fades per step: a swing takes some hundred
 constexpr double kRounding = 16.0;  // units in the last place per point that sums of energies may be wrong by

@@ -43,8 +43,8 @@ class NewtonDescent {
   double remainderWork(const Points& before, const State& state) const;
 
  private:
-  /// Phi but for a constant. The work of L since the last evaluate() is that of its mean at both ends, which is exact for viscous
-  /// forces: taken as constant, they would count as a gain what they take.
+  /// Phi but for a constant. The work of L since the last evaluate() is that of its mean at both ends, which is exact for
+  /// viscous forces: taken as constant, they would count as a gain what they take.
   double merit(const Problem& problem, State& state);
   /// Sets the velocities and computes L at a state.
   void computeRemainder(const Problem& problem, State& state, Points& remainder);

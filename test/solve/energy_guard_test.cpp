@@ -34,11 +34,13 @@ int countAccepted(IntegratorType type, double w_times_step, int steps, const Ene
 }
 
 TEST(EnergyGuard, TheOscillationOfVerletsEnergyAtHalfTheStableStepIsNoBlowUp) {
-  for (double w_times_step : {0.1, 0.5, 1.0}) EXPECT_EQ(countAccepted(IntegratorType::kVerlet, w_times_step, 10000, EnergyGuard::kSymplectic), 10000);
+  for (double w_times_step : {0.1, 0.5, 1.0})
+    EXPECT_EQ(countAccepted(IntegratorType::kVerlet, w_times_step, 10000, EnergyGuard::kSymplectic), 10000);
 }
 
 TEST(EnergyGuard, AVerletThatIsUnstableIsCaughtWithinAFewSteps) {
-  for (double w_times_step : {2.01, 2.1, 4.0, 100.0}) EXPECT_LT(countAccepted(IntegratorType::kVerlet, w_times_step, 1000, EnergyGuard::kSymplectic), 5);
+  for (double w_times_step : {2.01, 2.1, 4.0, 100.0})
+    EXPECT_LT(countAccepted(IntegratorType::kVerlet, w_times_step, 1000, EnergyGuard::kSymplectic), 5);
 }
 
 TEST(EnergyGuard, ExplicitEulerMayDriftButNotBlowUp) {
@@ -48,7 +50,9 @@ TEST(EnergyGuard, ExplicitEulerMayDriftButNotBlowUp) {
 }
 
 TEST(EnergyGuard, AMethodThatOnlyDescendsMayNotSwing) {
-  const auto count = [](const EnergyGuard::Allowance& allowance) { return countAccepted(IntegratorType::kVerlet, 1.0, 100, allowance); };
+  const auto count = [](const EnergyGuard::Allowance& allowance) {
+    return countAccepted(IntegratorType::kVerlet, 1.0, 100, allowance);
+  };
   EXPECT_EQ(count(EnergyGuard::kSymplectic), 100);
   EXPECT_LT(count(EnergyGuard::kDescending), 10);
 }
@@ -58,14 +62,16 @@ TEST(EnergyGuard, EveryMethodMayFall) {
   const ConstantField gravity(model.masses(), Vec3(0.0, 0.0, -9.81));
   const std::vector<const solve::ExternalLoad*> loads{&gravity};
   const solve::System system(model, loads, kFree, 0.0);
-  for (IntegratorType type : {IntegratorType::kExplicitEuler, IntegratorType::kSymplecticEuler, IntegratorType::kVerlet, IntegratorType::kImplicit}) {
+  for (IntegratorType type : {IntegratorType::kExplicitEuler, IntegratorType::kSymplecticEuler, IntegratorType::kVerlet,
+                              IntegratorType::kImplicit}) {
     const auto integrator = solve::makeIntegrator(type, {});
     EnergyGuard guard;
     State state{{Vec3::Zero()}, {Vec3::Zero()}};
     for (int k = 0; k < 200; ++k) {
       guard.beginStep(system, 0.0, state);
       integrator->advance(system, 0.0, 0.01, 1.0, state);
-      ASSERT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic)) << static_cast<int>(type) << " step " << k;
+      const bool accepted = guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic);
+      ASSERT_TRUE(accepted) << static_cast<int>(type) << " step " << k;
       guard.commit();
     }
   }

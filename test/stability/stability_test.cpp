@@ -22,7 +22,8 @@ TEST_P(Stability, TheDefaultIntegratorTakesEveryStepSoundly) {
 // Explicit Euler breaks down in most of these; what it must not do is hand out a broken surface.
 TEST_P(Stability, ExplicitEulerAsPublishedIsRefusedBeforeItBlowsUp) {
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
-    const StabilityVerdict verdict = StabilityJudge::judge(StabilityGenerator::make(GetParam(), seed), IntegratorType::kExplicitEuler);
+    const StabilityCase scene = StabilityGenerator::make(GetParam(), seed);
+    const StabilityVerdict verdict = StabilityJudge::judge(scene, IntegratorType::kExplicitEuler);
     EXPECT_NE(verdict.kind, StabilityVerdict::kFailed) << "seed " << seed << ": " << verdict.reason;
   }
 }

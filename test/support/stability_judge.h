@@ -1,5 +1,5 @@
-// Runs a generated scene with a method and says whether every step was sound. It measures the energy itself instead of asking the
-// guard inside the simulation, and keeps the account from the start of the run without ever forgiving.
+// Runs a generated scene with a method and says whether every step was sound. It measures the energy itself instead of asking
+// the guard inside the simulation, and keeps the account from the start of the run without ever forgiving.
 #pragma once
 
 #include "stability_cases.h"
@@ -23,9 +23,9 @@ struct StabilityVerdict {
 
 class StabilityJudge {
  public:
-  /// Passed: every step was taken, all numbers are finite, the energy never exceeds that of the start plus what was put in by more than
-  /// the swing, and the rest shape is reached where it must. Refused: a step was not taken, with a sentence, and the state is that
-  /// before it. Failed: anything else.
+  /// Passed: every step was taken, all numbers are finite, the energy never exceeds that of the start plus what was put in by
+  /// more than the swing, and the rest shape is reached where it must. Refused: a step was not taken, with a sentence, and
+  /// the state is that before it. Failed: anything else.
   static StabilityVerdict judge(const StabilityCase& scene, solve::IntegratorType type) {
     StabilityJudge judge(scene, type);
     judge.run(scene);
@@ -128,7 +128,8 @@ class StabilityJudge {
       gained = std::max(gained, 0.0);
       verdict_.gain = std::max(verdict_.gain, largest > 0.0 ? gained / largest : 0.0);
       if (!(gained <= kSwingOfEnergy * largest + kick + roundingOf(before)))
-        return fail("step " + std::to_string(k) + ": " + formatReal(gained) + " J were made of nothing, beside " + formatReal(largest) + " J");
+        return fail("step " + std::to_string(k) + ": " + formatReal(gained) + " J were made of nothing, beside " +
+                    formatReal(largest) + " J");
     }
     const simulation::Surface& surface = simulation_.surface(true);
     if (!allFinite(surface.positions)) return fail("the full surface is not finite");
@@ -149,8 +150,8 @@ class StabilityJudge {
     return energy;
   }
 
-  // What explicit Euler cannot but gain where a load sets in: its first step knows no way that goes with the velocity. Limited by the
-  // energy that the loads' potential could have given, so that a first step that throws everything away is seen.
+  // What explicit Euler cannot but gain where a load sets in: in its first step nothing moves along with the velocity. Points with
+  // an anchor have no such excuse, because its energy counts.
   double kickOf(const model::State& before) const {
     if (simulation_.params().integrator.type != solve::IntegratorType::kExplicitEuler) return 0.0;
     double kick = 0.0;

@@ -1,18 +1,20 @@
-// Whether a step made energy out of nothing: a blow-up that stays finite passes every other check. Apart from the integrators, which
-// it judges all alike.
+// Whether a step made energy out of nothing: a blow-up that stays finite passes every other check. Apart from the
+// integrators, which it judges all alike.
 #pragma once
 
 #include "deformable_surface/solve/system.h"
 
 namespace deformable_surface::solve {
 
-/// Keeps an account of the energy E (kinetic, elastic, potential of the loads). What commands between steps change is no gain; the
-/// work of loads without a potential is put in. The excess is what E has gained beyond that since it was lowest. A step is sound if
+/// Keeps an account of the energy E (kinetic, elastic, potential of the loads). What commands between steps change is no
+/// gain; the work of loads without a potential is put in. The excess is what E has gained beyond that since it was lowest. A
+/// step is sound if
 ///   excess <= swing * V + (kinetic energy that the loads give in a sub-step from rest)
-/// with V the largest kinetic and elastic energy of late, world springs included. The first term is the oscillation of a symplectic
-/// method's energy about what it really conserves, the second the error of the first step of a first-order one. The excess fades
-/// slowly, so that drift over very many steps is not held to be a blow-up. V therefore stays below 1 / (1 - swing) of what was there or
-/// put in, which bounds every speed and every stretch: nothing else about a single point has to be watched.
+/// with V the largest kinetic and elastic energy of late, world springs included. The first term is the oscillation of a
+/// symplectic method's energy about what it really conserves, the second the error of the first step of a first-order one.
+/// The excess fades slowly, so that drift over very many steps is not held to be a blow-up. V therefore stays below 1 / (1 -
+/// swing) of what was there or put in, which bounds every speed and every stretch: nothing else about a single point has to
+/// be watched.
 class EnergyGuard {
  public:
   /// What a snapshot must hold.

@@ -1,0 +1,80 @@
+// How a step of the caller is taken: by which method, in how many sub-steps, and again with more care where it went wrong. It is a
+// file of its own because it knows neither scenes nor clouds, only forces, energies and a state.
+#pragma once
+
+#include "deformable_surface/solve/energy_guard.h"
+#include "deformable_surface/solve/integrator.h"
+#include "deformable_surface/solve/stable_step.h"
+
+#include <map>
+#include <string>
+
+namespace deformable_surface::solve {
+
+/// A step that gives values that are not finite, leaves all bounds or makes energy out of nothing is taken again with finer sub-steps,
+/// then, by `auto`, with the implicit method. If nothing helps the state stays as it was.
+class TimeMarch {
+ public:
+  /// All are kept by reference: what they say may change between steps. max_length, m: beyond it no point is anywhere.
+  TimeMarch(const System& system, const model::DeformableModel& model, const IntegratorParams& params, double max_length)
+      : system_(system), model_(model), params_(params), max_length_(max_length) {}
+
+  /// What a snapshot must hold: a run that continues from it with the same state gives the same bits.
+  struct Memory {
+    IntegratorType type = IntegratorType::kAuto;
+    double max_substep = 0.0;          // s, the stable step
+    double stretch_at_estimate = 0.0;  // largest stretch when it was estimated
+    bool estimate_needed = true;
+    Index cautious = 0;                // steps that are still to be taken with safe sub-steps
+    EnergyGuard::Memory energy;
+  };
+  Memory memory() const;
+  void setMemory(const Memory& memory);
+
+  /// The state, the masses or the model's forces are not those that the last step ended with.
+  void restart();
+  /// The loads are not those of the last step.
+  void loadsChanged() { guard_.loadsChanged(); }
+
+  struct Outcome {
+    bool ok = true;
+    std::string failure;  // what was wrong, as the end of "step 3 ..."
+    std::string notice;   // what a user should know though all is well; else empty
+    SolveReport report;
+  };
+  /// Advances the state from time (s) by params.time_step.
+  Outcome step(double time, State& state);
+
+  /// The stable step of explicit methods at a state, s.
+  double findStableStep(double time, const State& state) { return stable_step_.estimate(time, state, system_); }
+
+ private:
+  std::string chooseIntegrator();
+  Integrator& integrator(IntegratorType type);
+  void refreshStableStep(double time, const State& state);
+  SolveReport advance(double time, double share, State& state);
+  SolveReport advanceImplicitly(double time, Index parts, State& state);
+  void goBack(double time, State& state);
+  bool estimatesStableStep() const;
+  bool isSound(double time, const SolveReport& report, const State& state);
+  bool isInSpace(const State& state) const;
+  EnergyGuard::Allowance allowance() const;
+  std::string describeFailure(const SolveReport& report, const State& state) const;
+
+  const System& system_;
+  const model::DeformableModel& model_;
+  const IntegratorParams& params_;
+  double max_length_;
+
+  std::map<IntegratorType, std::unique_ptr<Integrator>> integrators_;  // those used so far: each keeps its memory
+  StableStep stable_step_;
+  EnergyGuard guard_;
+  Memory memory_;  // but for its energy, which guard_ has
+
+  // Scratch.
+  State before_, portion_start_;
+  Index substeps_needed_ = 0;  // if there are too many of them to be taken
+  double work_ = 0.0;          // J, put in during the step by loads without a potential
+};
+
+}  // namespace deformable_surface::solve
