@@ -6,38 +6,22 @@
 #include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/rest_surface.h"
-#include "deformable_surface/solve/energy_guard.h"
-#include "deformable_surface/solve/integrator.h"
-#include "deformable_surface/solve/stable_step.h"
+#include "deformable_surface/solve/time_march.h"
 #include "deformable_surface/transfer/resample.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
 #include <limits>
-#include <map>
 
 namespace deformable_surface::simulation {
 namespace {
 
-using solve::IntegratorType;
-
-constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
-constexpr double kSmallestShare = 0.1;   // of the stable step in the last retry of a step that was not sound
-constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears without any error
-constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
-constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: one failed trial in them costs 1 %
-constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
-constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
 constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
 constexpr double kMaxSpeed = 1e8;        // m/s that a given state may have: a third of that of light is no surface's
 constexpr double kContactRate = 0.45;    // of the highest frequency at rest: its square then grows by a fifth at most
 constexpr Index kBlock = 4096;
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
-
-bool isExplicit(IntegratorType type) {
-  return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
-}
 
 void requireFinite(const Vec3& v, const std::string& what) {
   if (!v.allFinite()) throw InputError(what + ": found a value that is not finite; accepted: finite numbers");
@@ -72,11 +56,7 @@ struct Snapshot::Contents {
   std::vector<char> pinned;
   Vec3 gravity;
   std::vector<NamedForces::Named> forces;
-  IntegratorType integrator_type;
-  double max_substep, stretch_at_estimate;
-  bool estimate_needed;
-  Index cautious;
-  solve::EnergyGuard::Memory energy;
+  solve::TimeMarch::Memory march;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   Statistics statistics;
 };
@@ -102,20 +82,9 @@ struct Simulation::Impl {
   State state;
   std::uint64_t steps = 0;
 
-  // Solver and its memory.
-  std::map<IntegratorType, std::unique_ptr<solve::Integrator>> integrators;  // those used so far: each keeps its memory
-  IntegratorType integrator_type = IntegratorType::kAuto;
-  solve::StableStep stable_step;
-  double max_substep = 0.0;
-  double stretch_at_estimate = 0.0;
-  bool estimate_needed = true;
-  Index cautious = 0;  // steps that are still to be taken with safe sub-steps
-  solve::EnergyGuard guard;
+  solve::TimeMarch march;
 
   // Results and scratch.
-  State before, portion_start;
-  Index substeps_needed = 0;  // if there are too many of them to be taken
-  double work = 0.0;  // J, put in during the step by loads without a potential
   Statistics statistics;
   std::unique_ptr<transfer::Resampler> resampler;
   transfer::Transfer inserted_transfer;
@@ -136,7 +105,8 @@ struct Simulation::Impl {
         forces(rest.model->masses()),
         contact(rest.model->masses(), params.tools),
         loads(chooseLoads()),
-        system(*rest.model, loads, pinned, params.material.damping) {
+        system(*rest.model, loads, pinned, params.material.damping),
+        march(system, *rest.model, params.integrator) {
     reset();
   }
 
@@ -168,10 +138,7 @@ struct Simulation::Impl {
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
     setContactRate();
-    estimate_needed = true;
-    cautious = 0;
-    integrators.clear();
-    guard.restart();
+    march.restart();
     if (params.output.resample) makeResampler();
     statistics = Statistics{};
     measure();
@@ -194,8 +161,8 @@ struct Simulation::Impl {
 
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-        identify(), state, steps, pinned, gravity.gravity, forces.all(), integrator_type, max_substep, stretch_at_estimate,
-        estimate_needed, cautious, guard.memory(), resampler ? std::make_shared<const transfer::Resampler>(*resampler) : nullptr, statistics});
+        identify(), state, steps, pinned, gravity.gravity, forces.all(), march.memory(),
+        resampler ? std::make_shared<const transfer::Resampler>(*resampler) : nullptr, statistics});
   }
 
   void restore(const Snapshot::Contents& saved) {
@@ -205,14 +172,7 @@ struct Simulation::Impl {
     clampHeld();
     gravity.gravity = saved.gravity;
     forces.restore(saved.forces);
-    // Integrators remember nothing between steps but the pattern of their matrix, which is that of the surface.
-    integrators.clear();
-    integrator_type = saved.integrator_type;
-    max_substep = saved.max_substep;
-    stretch_at_estimate = saved.stretch_at_estimate;
-    estimate_needed = saved.estimate_needed;
-    cautious = saved.cautious;
-    guard.setMemory(saved.energy);
+    march.setMemory(saved.march);
     if (saved.resampler) resampler = std::make_unique<transfer::Resampler>(*saved.resampler);
     forgetInserted();
     statistics = saved.statistics;
@@ -229,7 +189,7 @@ struct Simulation::Impl {
   void setContactRate() {
     if (params.tools.empty()) return;
     contact.setRate(0.0);
-    const double stable = std::min(stable_step.estimate(0.0, state, system), params.integrator.time_step);
+    const double stable = std::min(march.findStableStep(0.0, state), params.integrator.time_step);
     contact.setRate(kContactRate * 2.0 / stable);
   }
 
@@ -240,144 +200,9 @@ struct Simulation::Impl {
     forgetInserted();
   }
 
-  // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
-  std::string chooseIntegrator() {
-    IntegratorType wanted = params.integrator.type;
-    std::string notice;
-    if (wanted == IntegratorType::kAuto) {
-      const Index substeps = solve::countSubsteps(params.integrator.time_step, max_substep);
-      wanted = substeps <= params.integrator.max_substeps ? IntegratorType::kVerlet : IntegratorType::kImplicit;
-      if (wanted != integrator_type && wanted == IntegratorType::kImplicit)
-        notice = "integrator.type auto: verlet needs " + std::to_string(substeps) + " sub-steps per step, more than max_substeps " +
-                 std::to_string(params.integrator.max_substeps) + "; implicit is used, which damps";
-      else if (wanted != integrator_type && integrator_type == IntegratorType::kImplicit)
-        notice = "integrator.type auto: sub-steps fit again; verlet is used";
-    }
-    integrator_type = wanted;
-    return notice;
-  }
-
-  solve::Integrator& integrator(IntegratorType type) {
-    std::unique_ptr<solve::Integrator>& kept = integrators[type];
-    if (!kept) kept = solve::makeIntegrator(type, params.integrator);
-    return *kept;
-  }
-
   // Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
   void clampHeld() {
-    if (!rest.model->setHeld(pinned)) return;
-    integrators.clear();
-    guard.restart();
-    estimate_needed = true;
-  }
-
-  // Estimates the stable step anew when the surface is no longer what it was measured on.
-  void refreshStableStep(double now) {
-    const double stretch = rest.model->maxStretch(state);
-    if (!estimate_needed && std::abs(stretch - stretch_at_estimate) <= kStretchMemory) return;
-    max_substep = stable_step.estimate(now, state, system);
-    stretch_at_estimate = stretch;
-    estimate_needed = false;
-  }
-
-  // Advances the state by one step. Verlet's sub-steps, each at most a share of the stable one, are taken in portions between which
-  // the stable step is looked at again: within a long step the surface can become another.
-  solve::SolveReport advance(double now, double share) {
-    const double dt = params.integrator.time_step;
-    if (integrator_type == IntegratorType::kImplicit) return advanceImplicitly(now, static_cast<Index>(std::lround(1.0 / share)));
-    work = 0.0;
-    substeps_needed = 0;
-    if (integrator_type == IntegratorType::kSymplecticEuler && solve::countSubsteps(dt, share * max_substep) > kHopeless) {
-      substeps_needed = solve::countSubsteps(dt, share * max_substep);
-      return {};
-    }
-    if (integrator_type != IntegratorType::kVerlet) {
-      const solve::SolveReport report = integrator(integrator_type).advance(system, now, dt, share * max_substep, state);
-      work = system.estimateWork(now, now + dt, before, state);
-      return report;
-    }
-    solve::SolveReport total;
-    double done = 0.0;
-    for (;;) {
-      const Index left = solve::countSubsteps(dt - done, share * max_substep);
-      // The surface has become too stiff within the step: the whole of it is taken implicitly.
-      if (params.integrator.type == IntegratorType::kAuto && total.substeps + left > params.integrator.max_substeps)
-        return advanceImplicitly(now, 1);
-      if (left > kHopeless) {
-        substeps_needed = left;
-        return total;
-      }
-      const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
-      portion_start = state;
-      const solve::SolveReport report = integrator(IntegratorType::kVerlet).advance(system, now + done, portion, share * max_substep, state);
-      work += system.estimateWork(now + done, now + done + portion, portion_start, state);
-      total.finite = report.finite;
-      total.substeps += report.substeps;
-      total.time_forces += report.time_forces;
-      if (left <= kPortion || !report.finite) return total;
-      done += portion;
-      refreshStableStep(now + done);
-    }
-  }
-
-  // The whole step from its beginning with the implicit method, in equal parts.
-  solve::SolveReport advanceImplicitly(double now, Index parts) {
-    const double part = params.integrator.time_step / parts;
-    state = before;
-    work = 0.0;
-    substeps_needed = 0;
-    solve::SolveReport total;
-    for (Index k = 0; k < parts && total.finite; ++k) {
-      const double from = now + k * part;
-      portion_start = state;
-      const solve::SolveReport report = integrator(IntegratorType::kImplicit).advance(system, from, part, 0.0, state);
-      work += system.estimateWork(from, from + part, portion_start, state);
-      total.finite = report.finite;
-      total.converged = total.converged && report.converged;
-      total.substeps += report.substeps;
-      total.iterations += report.iterations;
-      total.residual = std::max(total.residual, report.residual);
-      total.time_forces += report.time_forces;
-    }
-    return total;
-  }
-
-  // To the state before the step. What was measured on the way of a step that went wrong is worth nothing.
-  void goBack(double now) {
-    state = before;
-    if (!estimatesStableStep()) return;
-    estimate_needed = true;
-    refreshStableStep(now);
-  }
-
-  bool estimatesStableStep() const {
-    return isExplicit(params.integrator.type) || params.integrator.type == IntegratorType::kAuto;
-  }
-
-  bool isSound(double now, const solve::SolveReport& report) {
-    if (!report.finite || substeps_needed > 0 || !isInSpace()) return false;
-    const double dt = params.integrator.time_step;
-    return guard.accepts(system, now + dt, state, dt / report.substeps, work, allowance());
-  }
-
-  solve::EnergyGuard::Allowance allowance() const {
-    if (integrator_type == IntegratorType::kExplicitEuler) return solve::EnergyGuard::kPublished;
-    return isExplicit(integrator_type) ? solve::EnergyGuard::kSymplectic : solve::EnergyGuard::kDescending;
-  }
-
-  bool isInSpace() const {
-    return std::all_of(state.positions.begin(), state.positions.end(), [](const Vec3& x) { return isWithin(x, kMaxLength); });
-  }
-
-  // What was wrong with the step, as the end of "a step ...".
-  std::string describeFailure(const solve::SolveReport& report) const {
-    if (substeps_needed > 0)
-      return "needs " + std::to_string(substeps_needed) + " sub-steps, more than the " + std::to_string(kHopeless) +
-             " that can be waited for (the implicit method needs none),";
-    if (!report.finite) return "gave values that are not finite";
-    if (!isInSpace()) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
-    return "raised the energy from " + formatReal(guard.energyBefore()) + " to " + formatReal(guard.energyAfter()) +
-           " J, and by " + formatReal(guard.excess()) + " J in all beyond what was put in,";
+    if (rest.model->setHeld(pinned)) march.restart();
   }
 
   // One step, in this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer,
@@ -391,58 +216,18 @@ struct Simulation::Impl {
     // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
     clampHeld();
     NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
-    if (update.changed) guard.loadsChanged();
+    if (update.changed) march.loadsChanged();
+
+    const solve::TimeMarch::Outcome taken = march.step(now, state);
+    const solve::SolveReport& report = taken.report;
     outcome.notice = std::move(update.notice);
-    const auto addNotice = [&](const std::string& notice) {
-      if (!notice.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + notice;
-    };
-    before = state;
-    guard.beginStep(system, now, state);
-
-    if (estimatesStableStep()) refreshStableStep(now);
-    addNotice(chooseIntegrator());
-
-    // Sub-steps, bold ones as long as they keep the energy; a step that went wrong is taken again with finer ones, and by auto
-    // implicitly in the end.
-    const bool bold = cautious == 0 && (integrator_type == IntegratorType::kVerlet || integrator_type == IntegratorType::kSymplecticEuler);
-    solve::SolveReport report = advance(now, bold ? kBold : 1.0);
-    bool sound = isSound(now, report);
-    if (bold && !(sound && guard.isCalm(kCalm))) {
-      cautious = kCautious;
-      goBack(now);
-      report = advance(now, 1.0);
-      sound = isSound(now, report);
-    } else if (cautious > 0) {
-      --cautious;
-    }
-    const bool has_substeps = integrator_type != IntegratorType::kExplicitEuler && integrator_type != IntegratorType::kStatic;
-    std::string retries;
-    for (double share = 0.5; !sound && has_substeps && substeps_needed == 0 && share >= kSmallestShare; share *= 0.5) {
-      const std::string failure = describeFailure(report);
-      goBack(now);
-      report = advance(now, share);
-      sound = isSound(now, report);
-      retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
-    }
-    const bool may_change = params.integrator.type == IntegratorType::kAuto && integrator_type == IntegratorType::kVerlet;
-    for (Index parts = 1; !sound && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
-      retries = "a step " + describeFailure(report) + " and was taken with the implicit method, which damps";
-      goBack(now);
-      report = advanceImplicitly(now, parts);
-      sound = isSound(now, report);
-    }
-    addNotice(retries);
-    if (!sound) {
+    if (!taken.notice.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + taken.notice;
+    if (!taken.ok) {
       outcome.ok = false;
-      outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + describeFailure(report) +
+      outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + taken.failure +
                         "; the state before it is kept";
-      goBack(now);
       return outcome;
     }
-    guard.commit();
-    if (!report.converged)
-      addNotice("the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
-                std::to_string(report.residual) + " N");
     ++steps;
     ++version;
     if (resampler) resample();
@@ -620,8 +405,7 @@ void Simulation::setState(const model::State& state) {
       throw InputError(point + "found a velocity though it is pinned; accepted: zero");
   }
   impl_->state = state;
-  impl_->estimate_needed = true;
-  impl_->guard.restart();
+  impl_->march.restart();
   ++impl_->version;
 }
 
@@ -631,12 +415,12 @@ void Simulation::setForce(const ForceParams& force) {
   for (std::string& problem : problems) problem = "force " + quote(force.id) + " " + problem;
   if (!problems.empty()) throw InputError(std::move(problems));
   impl_->forces.set(force);
-  impl_->guard.loadsChanged();
+  impl_->march.loadsChanged();
 }
 
 void Simulation::removeForce(const std::string& id) {
   impl_->forces.remove(id);
-  impl_->guard.loadsChanged();
+  impl_->march.loadsChanged();
 }
 
 Index Simulation::pin(const geometry::Region& region) {
@@ -657,7 +441,6 @@ Index Simulation::unpin(const geometry::Region& region) {
       impl_->pinned[i] = 0;
       ++changed;
     }
-  impl_->estimate_needed = true;
   return changed;
 }
 
@@ -665,7 +448,7 @@ void Simulation::setGravity(const Vec3& gravity) {
   requireFinite(gravity, "gravity");
   if (impl_->gravity.gravity == gravity) return;
   impl_->gravity.gravity = gravity;
-  impl_->guard.loadsChanged();
+  impl_->march.loadsChanged();
 }
 
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }

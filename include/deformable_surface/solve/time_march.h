@@ -15,9 +15,9 @@ namespace deformable_surface::solve {
 /// then, by `auto`, with the implicit method. If nothing helps the state stays as it was.
 class TimeMarch {
  public:
-  /// All are kept by reference: what they say may change between steps. max_length, m: beyond it no point is anywhere.
-  TimeMarch(const System& system, const model::DeformableModel& model, const IntegratorParams& params, double max_length)
-      : system_(system), model_(model), params_(params), max_length_(max_length) {}
+  /// All are kept by reference: what they say may change between steps.
+  TimeMarch(const System& system, const model::DeformableModel& model, const IntegratorParams& params)
+      : system_(system), model_(model), params_(params) {}
 
   /// What a snapshot must hold: a run that continues from it with the same state gives the same bits.
   struct Memory {
@@ -64,7 +64,6 @@ class TimeMarch {
   const System& system_;
   const model::DeformableModel& model_;
   const IntegratorParams& params_;
-  double max_length_;
 
   std::map<IntegratorType, std::unique_ptr<Integrator>> integrators_;  // those used so far: each keeps its memory
   StableStep stable_step_;

@@ -1,0 +1,236 @@
+#include "deformable_surface/solve/time_march.h"
+
+#include "deformable_surface/base/params.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::solve {
+namespace {
+
+constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
+constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
+constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
+constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
+constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
+constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
+constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
+
+bool isExplicit(IntegratorType type) {
+  return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
+}
+
+void append(std::string& notice, const std::string& more) {
+  if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
+}
+
+}  // namespace
+
+TimeMarch::Memory TimeMarch::memory() const {
+  Memory memory = memory_;
+  memory.energy = guard_.memory();
+  return memory;
+}
+
+// Integrators remember nothing between steps but the pattern of their matrix, which is that of the surface, and forces that are
+// those of the state.
+void TimeMarch::setMemory(const Memory& memory) {
+  memory_ = memory;
+  guard_.setMemory(memory.energy);
+  integrators_.clear();
+}
+
+void TimeMarch::restart() {
+  integrators_.clear();
+  guard_.restart();
+  memory_.estimate_needed = true;
+  memory_.cautious = 0;
+}
+
+// The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
+std::string TimeMarch::chooseIntegrator() {
+  IntegratorType wanted = params_.type;
+  std::string notice;
+  if (wanted == IntegratorType::kAuto) {
+    const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
+    wanted = substeps <= params_.max_substeps ? IntegratorType::kVerlet : IntegratorType::kImplicit;
+    if (wanted != memory_.type && wanted == IntegratorType::kImplicit)
+      notice = "integrator.type auto: verlet needs " + std::to_string(substeps) + " sub-steps per step, more than max_substeps " +
+               std::to_string(params_.max_substeps) + "; implicit is used, which damps";
+    else if (wanted != memory_.type && memory_.type == IntegratorType::kImplicit)
+      notice = "integrator.type auto: sub-steps fit again; verlet is used";
+  }
+  memory_.type = wanted;
+  return notice;
+}
+
+Integrator& TimeMarch::integrator(IntegratorType type) {
+  std::unique_ptr<Integrator>& kept = integrators_[type];
+  if (!kept) kept = makeIntegrator(type, params_);
+  return *kept;
+}
+
+// Estimates the stable step anew when the surface is no longer what it was measured on.
+void TimeMarch::refreshStableStep(double time, const State& state) {
+  const double stretch = model_.maxStretch(state);
+  if (!memory_.estimate_needed && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory) return;
+  memory_.max_substep = stable_step_.estimate(time, state, system_);
+  memory_.stretch_at_estimate = stretch;
+  memory_.estimate_needed = false;
+}
+
+// Advances the state by one step. Verlet's sub-steps, each at most a share of the stable one, are taken in portions between which
+// the stable step is looked at again: within a long step the surface can become another.
+SolveReport TimeMarch::advance(double time, double share, State& state) {
+  const double dt = params_.time_step;
+  if (memory_.type == IntegratorType::kImplicit) return advanceImplicitly(time, static_cast<Index>(std::lround(1.0 / share)), state);
+  work_ = 0.0;
+  substeps_needed_ = 0;
+  if (memory_.type == IntegratorType::kSymplecticEuler && countSubsteps(dt, share * memory_.max_substep) > kHopeless) {
+    substeps_needed_ = countSubsteps(dt, share * memory_.max_substep);
+    return {};
+  }
+  if (memory_.type != IntegratorType::kVerlet) {
+    const SolveReport report = integrator(memory_.type).advance(system_, time, dt, share * memory_.max_substep, state);
+    work_ = system_.estimateWork(time, time + dt, before_, state);
+    return report;
+  }
+  SolveReport total;
+  double done = 0.0;
+  for (;;) {
+    const Index left = countSubsteps(dt - done, share * memory_.max_substep);
+    // The surface has become too stiff within the step: the whole of it is taken implicitly.
+    if (params_.type == IntegratorType::kAuto && total.substeps + left > params_.max_substeps)
+      return advanceImplicitly(time, 1, state);
+    if (left > kHopeless) {
+      substeps_needed_ = left;
+      return total;
+    }
+    const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
+    portion_start_ = state;
+    const SolveReport report =
+        integrator(IntegratorType::kVerlet).advance(system_, time + done, portion, share * memory_.max_substep, state);
+    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state);
+    total.finite = report.finite;
+    total.substeps += report.substeps;
+    total.time_forces += report.time_forces;
+    if (left <= kPortion || !report.finite) return total;
+    done += portion;
+    refreshStableStep(time + done, state);
+  }
+}
+
+// The whole step from its beginning with the implicit method, in equal parts.
+SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state) {
+  const double part = params_.time_step / parts;
+  state = before_;
+  work_ = 0.0;
+  substeps_needed_ = 0;
+  SolveReport total;
+  for (Index k = 0; k < parts && total.finite; ++k) {
+    const double from = time + k * part;
+    portion_start_ = state;
+    const SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
+    work_ += system_.estimateWork(from, from + part, portion_start_, state);
+    total.finite = report.finite;
+    total.converged = total.converged && report.converged;
+    total.substeps += report.substeps;
+    total.iterations += report.iterations;
+    total.residual = std::max(total.residual, report.residual);
+    total.time_forces += report.time_forces;
+  }
+  return total;
+}
+
+// To the state before the step. What was measured on the way of a step that went wrong is worth nothing.
+void TimeMarch::goBack(double time, State& state) {
+  state = before_;
+  if (!estimatesStableStep()) return;
+  memory_.estimate_needed = true;
+  refreshStableStep(time, state);
+}
+
+bool TimeMarch::estimatesStableStep() const {
+  return isExplicit(params_.type) || params_.type == IntegratorType::kAuto;
+}
+
+bool TimeMarch::isSound(double time, const SolveReport& report, const State& state) {
+  if (!report.finite || substeps_needed_ > 0 || !isInSpace(state)) return false;
+  const double dt = params_.time_step;
+  return guard_.accepts(system_, time + dt, state, dt / report.substeps, work_, allowance());
+}
+
+EnergyGuard::Allowance TimeMarch::allowance() const {
+  if (memory_.type == IntegratorType::kExplicitEuler) return EnergyGuard::kPublished;
+  return isExplicit(memory_.type) ? EnergyGuard::kSymplectic : EnergyGuard::kDescending;
+}
+
+bool TimeMarch::isInSpace(const State& state) const {
+  return std::all_of(state.positions.begin(), state.positions.end(), [](const Vec3& x) { return (x.array().abs() <= kMaxLength).all(); });
+}
+
+// What was wrong with the step, as the end of "a step ...".
+std::string TimeMarch::describeFailure(const SolveReport& report, const State& state) const {
+  if (substeps_needed_ > 0)
+    return "needs " + std::to_string(substeps_needed_) + " sub-steps, more than the " + std::to_string(kHopeless) +
+           " that can be waited for (the implicit method needs none),";
+  if (!report.finite) return "gave values that are not finite";
+  if (!isInSpace(state)) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
+  return "raised the energy from " + formatReal(guard_.energyBefore()) + " to " + formatReal(guard_.energyAfter()) +
+         " J, and by " + formatReal(guard_.excess()) + " J in all beyond what was put in,";
+}
+
+TimeMarch::Outcome TimeMarch::step(double time, State& state) {
+  Outcome outcome;
+  SolveReport& report = outcome.report;
+  before_ = state;
+  guard_.beginStep(system_, time, state);
+  if (estimatesStableStep()) refreshStableStep(time, state);
+  outcome.notice = chooseIntegrator();
+
+  // Bold sub-steps as long as they keep the energy.
+  const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
+  const bool bold = memory_.cautious == 0 && has_substeps;
+  report = advance(time, bold ? kBold : 1.0, state);
+  bool sound = isSound(time, report, state);
+  if (bold && !(sound && guard_.isCalm(kCalm))) {
+    memory_.cautious = kCautious;
+    goBack(time, state);
+    report = advance(time, 1.0, state);
+    sound = isSound(time, report, state);
+  } else if (memory_.cautious > 0) {
+    --memory_.cautious;
+  }
+
+  // A step that went wrong is taken again with finer sub-steps or parts, and by auto implicitly in the end.
+  std::string retries;
+  const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
+  for (double share = 0.5; !sound && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare; share *= 0.5) {
+    const std::string failure = describeFailure(report, state);
+    goBack(time, state);
+    report = advance(time, share, state);
+    sound = isSound(time, report, state);
+    retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+  }
+  const bool may_change = params_.type == IntegratorType::kAuto && memory_.type == IntegratorType::kVerlet;
+  for (Index parts = 1; !sound && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
+    retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
+    goBack(time, state);
+    report = advanceImplicitly(time, parts, state);
+    sound = isSound(time, report, state);
+  }
+  append(outcome.notice, retries);
+  if (!sound) {
+    outcome.ok = false;
+    outcome.failure = describeFailure(report, state);
+    goBack(time, state);
+    return outcome;
+  }
+  guard_.commit();
+  if (!report.converged)
+    append(outcome.notice, "the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
+                               std::to_string(report.residual) + " N");
+  return outcome;
+}
+
+}  // namespace deformable_surface::solve
