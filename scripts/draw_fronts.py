@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws run time against error, one panel a scene, from the CSV of `scripts/benchmark --accuracy`.
-  draw_accuracy.py accuracy.csv PICTURE.png"""
+  draw_fronts.py accuracy.csv PICTURE.png"""
 import csv
 import sys
 
