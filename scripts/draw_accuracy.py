@@ -55,7 +55,7 @@ def main():
     axes[0].set_ylabel("error, %  (full: grid, dashed: jittered, dotted: scanned)")
     lines = dict(zip(*axes[0].get_legend_handles_labels()[::-1]))
     figure.legend(lines.values(), lines.keys(), loc="center right", fontsize=8)
-    figure.tight_layout(rect=(0.0, 0.0, 0.81, 1.0))
+    figure.tight_layout(rect=(0.0, 0.0, 0.78, 1.0))
     figure.savefig(sys.argv[2], dpi=90)
 
 
