@@ -111,7 +111,7 @@ AccuracyScene makeDrape(Index points) {
 
 std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
-  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeDrape(points),
+  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points),
                                    makeSag(points)};
   AccuracyScene poke = makePoke(points);
   if (!poke.cloud.positions.empty()) scenes.push_back(std::move(poke));

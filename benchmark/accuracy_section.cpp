@@ -61,10 +61,12 @@ Run run(const AccuracyScene& scene, Index level, const Setting& setting) {
   const double cpu = processorSeconds();
   const Timer timer;
   for (int i = 0; i < steps; ++i) {
-    if (!simulation.step().ok) {
+    const simulation::StepOutcome outcome = simulation.step();
+    if (!outcome.ok) {
       result.state = "refused at " + show(simulation.time()) + " s";
       break;
     }
+    if (outcome.notice.find("the solver stopped") != std::string::npos) result.state = "not converged";
     if (processorSeconds() - cpu > kTooLong) {
       result.state = "cut at " + show(simulation.time()) + " s";
       break;
@@ -121,12 +123,9 @@ std::vector<Setting> chooseSettings(const AccuracyScene& scene, double substep) 
   for (double part : {1.0, 0.5, 0.25}) settings.push_back({"verlet", IntegratorType::kVerlet, part * substep});
   for (double part : {1.0, 0.5, 0.25, 0.125}) settings.push_back({"symplectic_euler", IntegratorType::kSymplecticEuler, part * substep});
   for (double part : {1.0, 0.1}) settings.push_back({"explicit_euler", IntegratorType::kExplicitEuler, part * substep});
-  for (const auto& [name, type] : {std::pair{"implicit", IntegratorType::kImplicit}, std::pair{"implicit_euler", IntegratorType::kImplicitEuler}}) {
-    for (double steps : {20.0, 60.0, 180.0}) settings.push_back({name, type, scene.duration / (steps * scene.duration / 0.4)});
-    settings.push_back({name, type, 0.4 / 20.0, 1e-2});
-    settings.push_back({name, type, 0.4 / 20.0, 1e-6, 1});
-    settings.push_back({name, type, 0.4 / 20.0, 1e-6, 3});
-  }
+  for (double step : {0.02, 0.0067, 0.0022}) settings.push_back({"implicit", IntegratorType::kImplicit, step});
+  settings.push_back({"implicit", IntegratorType::kImplicit, 0.02, 1e-2});
+  for (Index iterations : {1, 3}) settings.push_back({"implicit", IntegratorType::kImplicit, 0.02, 1e-6, iterations});
   for (Setting& setting : settings)  // whole steps
     setting.time_step = scene.duration / std::max(1.0, std::round(scene.duration / setting.time_step));
   return settings;
@@ -175,7 +174,7 @@ void runAccuracySection(const Options& options, Report& report) {
       const Error space = measureError(reference.simulated, there), transfer = measureError(carried, truth.dense);
       for (const Setting& setting : chooseSettings(scene, reference.substep)) {
         Row row{scene.name, setting.method, static_cast<Index>(rest.points.size()), setting, run(scene, level, setting), {}, space, transfer, {}};
-        if (row.run.state == "sound") {
+        if (row.run.state == "sound" || row.run.state == "not converged") {
           row.time = measureError(row.run.dense, reference.dense);
           row.total = measureError(row.run.dense, truth.dense);
           if (!(row.time.rms < kUnstable)) row.run.state = "unstable";

@@ -28,6 +28,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"memory", runMemorySection},
                            {"factorization", runFactorizationSection},
                            {"accuracy", runAccuracySection, true},
+                           {"statics", runStaticsSection, true},
                            {"physics", runPhysicsSection, true},
                            {"stability", runStabilitySection, true}};
 
@@ -84,7 +85,7 @@ int run(int argc, char** argv) {
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --accuracy, --physics, --stability, --only PART, --output FOLDER, --commit TEXT");
+      return fail("found '" + argument + "'; accepted: --quick, --large, --accuracy, --statics, --physics, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)

@@ -78,8 +78,6 @@ void runIntegratorsSection(const Options& options, Report& report) {
                         {"symplectic_euler", IntegratorType::kSymplecticEuler, stable},
                         {"symplectic_euler", IntegratorType::kSymplecticEuler, 4 * stable},
                         {"implicit", IntegratorType::kImplicit, 24},
-                        {"implicit_euler", IntegratorType::kImplicitEuler, 24},
-                        {"implicit_euler", IntegratorType::kImplicitEuler, 96},
                         {"implicit", IntegratorType::kImplicit, 96},
                         {"explicit_euler", IntegratorType::kExplicitEuler, 400},
                         {"explicit_euler", IntegratorType::kExplicitEuler, stable}};

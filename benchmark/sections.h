@@ -19,6 +19,7 @@ void runAllocationsSection(const Options& options, Report& report);
 void runMemorySection(const Options& options, Report& report);
 void runFactorizationSection(const Options& options, Report& report);
 void runAccuracySection(const Options& options, Report& report);
+void runStaticsSection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);
 

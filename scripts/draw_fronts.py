@@ -10,7 +10,7 @@ matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
 COLOURS = {"verlet": "tab:blue", "symplectic_euler": "tab:cyan", "explicit_euler": "tab:grey", "implicit": "tab:red",
-           "implicit_euler": "tab:orange", "static": "tab:green", "default": "black"}
+           "static": "tab:green", "default": "black"}
 
 
 def draw_scene(axes, name, rows):

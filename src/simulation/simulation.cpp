@@ -189,8 +189,8 @@ struct Simulation::Impl {
   void setContactRate() {
     if (params.tools.empty()) return;
     contact.setRate(0.0);
-    const double stable = std::min(march.findStableStep(0.0, state), params.integrator.time_step);
-    contact.setRate(kContactRate * 2.0 / stable);
+    const double stable = march.findStableStep(0.0, state);
+    contact.setRate(kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step));
   }
 
   void makeResampler() {

@@ -94,11 +94,6 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   return report;
 }
 
-SolveReport ImplicitEuler::advance(const System& system, double time, double step, double, State& state) {
-  before_ = state;
-  return stage_.takeEulerStep(system, time, step, before_, state);
-}
-
 SolveReport ImplicitSecondOrder::advance(const System& system, double time, double step, double, State& state) {
   // gamma and the rows of the tableau: (gamma, 0), (1 - gamma, gamma); the last row is the end of the step.
   static const double gamma = 1.0 - std::sqrt(0.5);

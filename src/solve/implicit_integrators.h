@@ -18,7 +18,10 @@ class ImplicitStage {
   void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy, State& state,
              SolveReport& report);
 
-  /// One step of implicit Euler from `before`, which state is; see ImplicitEuler.
+  /// One step of implicit Euler from `before`, which state is. First order, stable at every step, and it damps: a mode of frequency w
+  /// loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse, buckling) the
+  /// minimum alone could still gain kinetic energy; what exceeds the energy there was before, plus the work of forces without a
+  /// potential, is taken from the motion relative to the mean.
   SolveReport takeEulerStep(const System& system, double time, double step, const State& before, State& state);
 
   /// Work of the forces without a potential from the last solve's `from` to its end, J.
@@ -31,23 +34,10 @@ class ImplicitStage {
   std::vector<double> weight_;
 };
 
-/// Implicit Euler. First order, stable at every step, and it damps: a mode of frequency w loses the factor (1 + (w h)^2)^(-1/2) per step.
-/// Where the energy is not convex between two states (collapse, buckling) the minimum alone could still gain kinetic energy; what
-/// exceeds the energy there was before, plus the work of forces without a potential, is taken from the motion relative to the mean.
-class ImplicitEuler : public Integrator {
- public:
-  explicit ImplicitEuler(const IntegratorParams& params) : stage_(params) {}
-  SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
-
- private:
-  ImplicitStage stage_;
-  State before_;
-};
-
 /// Two implicit stages of the same length, the second of which is the end of the step: second order, exact in free fall, stable at
 /// every step, and fast modes still die out [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above what it was plus the
-/// work of forces without a potential: a small excess is taken from the motion as in ImplicitEuler, and where the potential alone
-/// exceeds it the step is taken by ImplicitEuler.
+/// work of forces without a potential: a small excess is taken from the motion relative to the mean, and where
+/// the potential alone exceeds it the step is one of implicit Euler.
 class ImplicitSecondOrder : public Integrator {
  public:
   explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}

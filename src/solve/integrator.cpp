@@ -10,7 +10,6 @@ std::unique_ptr<Integrator> makeIntegrator(IntegratorType type, const Integrator
     case IntegratorType::kExplicitEuler: return std::make_unique<ExplicitEuler>();
     case IntegratorType::kSymplecticEuler: return std::make_unique<SymplecticEuler>();
     case IntegratorType::kImplicit: return std::make_unique<ImplicitSecondOrder>(params);
-    case IntegratorType::kImplicitEuler: return std::make_unique<ImplicitEuler>(params);
     case IntegratorType::kStatic: return std::make_unique<StaticSolver>(params);
     case IntegratorType::kAuto:
     case IntegratorType::kVerlet: break;

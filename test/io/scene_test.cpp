@@ -201,7 +201,7 @@ TEST(ReadScene, RefusesWrongKinds) {
   EXPECT_EQ(problemOf("frame_id: 5"), "frame_id: found 5; accepted: text (in quotes if it looks like something else)");
   EXPECT_EQ(problemOf("threads: 1.5"), "threads: found 1.5; accepted: an integer, 0 to 1024");
   EXPECT_EQ(problemOf("integrator: {type: rk4}"),
-            "integrator.type: found the text 'rk4'; accepted: auto, verlet, symplectic_euler, explicit_euler, implicit, implicit_euler, static");
+            "integrator.type: found the text 'rk4'; accepted: auto, verlet, symplectic_euler, explicit_euler, implicit, static");
 }
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {

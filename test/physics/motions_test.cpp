@@ -4,14 +4,16 @@
 namespace deformable_surface::physics {
 namespace {
 
-TEST(FreeFall, IsExactWithVerletAndOfFirstOrderWithTheEulers) {
+TEST(FreeFall, IsExactWithVerletAndTheImplicitMethodAndOfFirstOrderWithSymplecticEuler) {
   const std::vector<Problem> problems = listMotions();
   const Variant variant = problems[0].variants[0];
   // Verlet integrates a constant acceleration without error; what is left is rounding, added up over the steps.
   for (const Answer& a : ask(findProblem(problems, "free fall, verlet"), variant, 3)) EXPECT_LT(a.error, 1e-12);
-  // The others are late by half a step: g t dt / 2, a share dt / t of the way.
-  for (const char* name : {"free fall, symplectic_euler", "free fall, implicit"})
-    for (const Answer& a : ask(findProblem(problems, name), variant, 3)) EXPECT_NEAR(a.error, a.size / 0.48, 1e-6) << name;
+  // So does the implicit method, to the tolerance of its equations.
+  for (const Answer& a : ask(findProblem(problems, "free fall, implicit"), variant, 3)) EXPECT_LT(a.error, 1e-7);
+  // Symplectic Euler is late by half a step: g t dt / 2, a share dt / t of the way.
+  for (const Answer& a : ask(findProblem(problems, "free fall, symplectic_euler"), variant, 3))
+    EXPECT_NEAR(a.error, a.size / 0.48, 1e-6);
 }
 
 TEST(TumblingSheet, KeepsItsMomentaToRoundingInEverySampling) {

@@ -53,7 +53,6 @@ double measureOrder(IntegratorType type) {
 TEST(Integrators, ShowTheirOrder) {
   EXPECT_NEAR(measureOrder(IntegratorType::kExplicitEuler), 1.0, 0.1);
   EXPECT_NEAR(measureOrder(IntegratorType::kSymplecticEuler), 1.0, 0.1);
-  EXPECT_NEAR(measureOrder(IntegratorType::kImplicitEuler), 1.0, 0.1);
   EXPECT_NEAR(measureOrder(IntegratorType::kImplicit), 2.0, 0.1);
   EXPECT_NEAR(measureOrder(IntegratorType::kVerlet), 2.0, 0.1);
 }
@@ -103,7 +102,6 @@ TEST(Integrators, VerletNoticesThatPointsWereMovedOrLoadsChangedBetweenSteps) {
 TEST(Integrators, FreeFallIsExactWithVerletAndLateByHalfAStepWithFirstOrderMethods) {
   for (const auto& [type, error] : {std::pair{IntegratorType::kVerlet, 0.0},
                                     std::pair{IntegratorType::kSymplecticEuler, -0.5 * 9.81 / 60.0},
-                                    std::pair{IntegratorType::kImplicitEuler, -0.5 * 9.81 / 60.0},
                                     std::pair{IntegratorType::kImplicit, 0.0},
                                     std::pair{IntegratorType::kExplicitEuler, 0.5 * 9.81 / 60.0}}) {
     World world({0.0}, 2.0);
@@ -134,20 +132,17 @@ TEST(Integrators, SymplecticOnesDoNotDriftAndExplicitEulerGrows) {
   EXPECT_GT(energyAfter(IntegratorType::kExplicitEuler), 1e6);
 }
 
-TEST(Integrators, ImplicitMethodsLoseTheStatedShareOfAMode) {
+TEST(Integrators, ImplicitLosesTheStatedShareOfAMode) {
   IntegratorParams params;
   params.tolerance = 1e-12;
   const double h = 0.5, gamma = 1.0 - std::sqrt(0.5);
   const std::complex<double> z(0.0, h);
-  // What one step does to exp(i t): implicit Euler 1 / (1 - z), the two stages (1 + (1 - 2 gamma) z) / (1 - gamma z)^2.
-  for (const auto& [type, factor] :
-       {std::pair{IntegratorType::kImplicitEuler, std::abs(1.0 / (1.0 - z))},
-        std::pair{IntegratorType::kImplicit, std::abs((1.0 + (1.0 - 2.0 * gamma) * z) / std::pow(1.0 - gamma * z, 2))}}) {
-    World world({1.0}, 1.0);
-    const State end = world.run(type, 10 * h, 10, startAt(Vec3::UnitX(), Vec3::Zero()), params);
-    const double amplitude = std::sqrt(end.positions[0].squaredNorm() + end.velocities[0].squaredNorm());
-    EXPECT_NEAR(amplitude, std::pow(factor, 10), 1e-9) << static_cast<int>(type);
-  }
+  // What one step does to exp(i t): (1 + (1 - 2 gamma) z) / (1 - gamma z)^2.
+  const double factor = std::abs((1.0 + (1.0 - 2.0 * gamma) * z) / std::pow(1.0 - gamma * z, 2));
+  World world({1.0}, 1.0);
+  const State end = world.run(IntegratorType::kImplicit, 10 * h, 10, startAt(Vec3::UnitX(), Vec3::Zero()), params);
+  const double amplitude = std::sqrt(end.positions[0].squaredNorm() + end.velocities[0].squaredNorm());
+  EXPECT_NEAR(amplitude, std::pow(factor, 10), 1e-9);
 }
 
 TEST(Integrators, ImplicitKeepsItsOrderWithDampingByMassAndByVelocity) {
@@ -164,13 +159,12 @@ TEST(Integrators, ImplicitKeepsItsOrderWithDampingByMassAndByVelocity) {
 }
 
 TEST(Integrators, ImplicitIsStableAtEveryStep) {
-  for (IntegratorType type : {IntegratorType::kImplicit, IntegratorType::kImplicitEuler})
-    for (double h : {1e-3, 1.0, 1e3, 1e6}) {
-      World world({1.0, 1e6}, 1.0);
-      const State end = world.run(type, 5 * h, 5, startAt(Vec3::UnitX(), Vec3::UnitY(), 2));
-      EXPECT_TRUE(world.last.converged);
-      EXPECT_LE(end.positions[0].norm(), 1.5);
-    }
+  for (double h : {1e-3, 1.0, 1e3, 1e6}) {
+    World world({1.0, 1e6}, 1.0);
+    const State end = world.run(IntegratorType::kImplicit, 5 * h, 5, startAt(Vec3::UnitX(), Vec3::UnitY(), 2));
+    EXPECT_TRUE(world.last.converged);
+    EXPECT_LE(end.positions[0].norm(), 1.5);
+  }
 }
 
 TEST(Integrators, StaticFindsTheEquilibriumAndStops) {

@@ -6,7 +6,7 @@
 
 namespace deformable_surface::solve {
 
-enum class IntegratorType { kAuto, kVerlet, kSymplecticEuler, kExplicitEuler, kImplicit, kImplicitEuler, kStatic };
+enum class IntegratorType { kAuto, kVerlet, kSymplecticEuler, kExplicitEuler, kImplicit, kStatic };
 
 struct IntegratorParams {
   IntegratorType type = IntegratorType::kAuto;
@@ -24,7 +24,6 @@ inline void visit(Fields& fields, IntegratorParams& p) {
        {"symplectic_euler", IntegratorType::kSymplecticEuler},
        {"explicit_euler", IntegratorType::kExplicitEuler},
        {"implicit", IntegratorType::kImplicit},
-       {"implicit_euler", IntegratorType::kImplicitEuler},
        {"static", IntegratorType::kStatic}},
       "`auto` = verlet while it fits the sub-steps, else implicit; `explicit_euler` = as published; `static` = each step is "
       "the equilibrium under its loads");

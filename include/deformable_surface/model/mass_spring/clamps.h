@@ -21,7 +21,7 @@ class Clamps {
   bool isInner(Index i) const { return !kind_.empty() && kind_[i] == Kind::kInner; }
   bool isHeld(Index i) const { return !kind_.empty() && kind_[i] != Kind::kFree; }
   /// Whether the curvature at i may be taken from the position of j.
-  bool sees(Index i, Index j) const { return isEdge(i) || (isInner(i) ? isHeld(j) : !isInner(j)); }
+  bool sees(Index i, Index j) const { return isEdge(i) || isInner(i) || !isInner(j); }
   /// The share of an edge point's area that can bend.
   double freeShare(Index i) const { return share_.empty() ? 1.0 : share_[i]; }
   bool any() const { return !share_.empty(); }
