@@ -120,6 +120,7 @@ std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
 
 SceneParams atLevel(const AccuracyScene& scene, Index num_points) {
   SceneParams params = scene.params;
+  params.accuracy.estimate = false;  // the error is known here
   params.simplification.method =
       num_points >= scene.cloud.size() ? cloud::SimplificationMethod::kNone : cloud::SimplificationMethod::kDelaunay;
   params.simplification.target_points = num_points;

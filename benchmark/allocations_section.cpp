@@ -56,6 +56,7 @@ void runAllocationsSection(const Options&, Report& report) {
 
   for (const Named& integrator : kIntegrators) {
     simulation::SceneParams scene = makeSwingingScene(integrator.type, integrator.time_step);
+    scene.accuracy.estimate = true;  // its copies take part
     setNumThreads(1);
     Simulation sheet(scene, makeSwingingSheet(324));
     countCalls(std::string("step, ") + integrator.name, sheet, nothing, [&] { sheet.step(); });

@@ -30,6 +30,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"accuracy", runAccuracySection, true},
                            {"statics", runStaticsSection, true},
                            {"physics", runPhysicsSection, true},
+                           {"calibration", runCalibrationSection, true},
                            {"stability", runStabilitySection, true}};
 
 const Part* findPart(const std::string& name) {
@@ -69,7 +70,7 @@ int fail(const std::string& problem) {
 
 int run(int argc, char** argv) {
   Options options;
-  std::string folder = ".", commit = "unknown";
+  std::string commit = "unknown";
   std::vector<std::string> wanted;
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
@@ -79,13 +80,18 @@ int run(int argc, char** argv) {
       options.large = false;
     } else if (argument.rfind("--", 0) == 0 && findPart(argument.substr(2)) && findPart(argument.substr(2))->on_demand) {
       wanted.push_back(argument.substr(2));
+    } else if (argument == "--scenes" && i + 2 < argc) {
+      options.first_scene = std::atoi(argv[++i]);
+      options.num_scenes = std::atoi(argv[++i]);
+      if (options.first_scene < 0 || options.num_scenes < 1) return fail("--scenes: accepted: a seed and a count");
     } else if ((argument == "--output" || argument == "--commit" || argument == "--only") && i + 1 < argc) {
       const std::string value = argv[++i];
-      if (argument == "--output") folder = value;
+      if (argument == "--output") options.folder = value;
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --accuracy, --statics, --physics, --stability, --only PART, --output FOLDER, --commit TEXT");
+      return fail("found '" + argument + "'; accepted: --quick, --large, --accuracy, --statics, --physics, --calibration, --scenes FIRST "
+                  "COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)
@@ -93,7 +99,7 @@ int run(int argc, char** argv) {
 
   printHeader(commit);
   const Timer timer;
-  Report report(folder);
+  Report report(options.folder);
   for (const Part& part : kParts)
     if (wanted.empty() ? !part.on_demand : std::find(wanted.begin(), wanted.end(), part.name) != wanted.end())
       part.run(options, report);

@@ -8,6 +8,9 @@ namespace deformable_surface::benchmark {
 struct Options {
   bool large = false;   // clouds of a million points, and rows that take long
   double budget = 0.2;  // s of repetitions per row
+  std::string folder = ".";         // where CSV files go
+  Index first_scene = 3000;         // calibration: seeds of the scenes, by default those that the method was not tuned on
+  Index num_scenes = 240;
 };
 
 void runSetupSection(const Options& options, Report& report);
@@ -22,5 +25,6 @@ void runAccuracySection(const Options& options, Report& report);
 void runStaticsSection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);
+void runCalibrationSection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark

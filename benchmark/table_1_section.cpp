@@ -33,6 +33,7 @@ constexpr PublishedRow kPublished[] = {{85, 0.13}, {273, 0.25}, {327, 0.32}};
 // size.
 SceneParams makeScene(Index simulation_points) {
   SceneParams scene;
+  scene.accuracy.estimate = false;
   scene.material.thickness = 0.005;
   scene.material.damping = kDamping;
   scene.gravity.setZero();

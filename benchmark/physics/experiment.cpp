@@ -14,6 +14,7 @@ constexpr double kOnEdge = 1e-6;      // m: what counts as on an edge
 
 simulation::SceneParams prepare(simulation::SceneParams scene, const Sampled& cloud, const Variant& variant,
                                 const Mat3& rotation) {
+  scene.accuracy.estimate = false;  // the error is known here
   scene.mass_spring.membrane = variant.membrane;
   scene.mass_spring.bending = variant.bending;
   scene.simplification.method = cloud.keep > 0 ? cloud::SimplificationMethod::kDelaunay : cloud::SimplificationMethod::kNone;

@@ -11,6 +11,7 @@ constexpr double kDuration = 0.48; // s, a multiple of all time steps
 
 simulation::SceneParams makeFreeScene(solve::IntegratorType integrator, double step) {
   simulation::SceneParams scene;
+  scene.accuracy.estimate = false;
   scene.gravity.setZero();
   scene.output.normals = false;
   scene.material.young_modulus = 1e4;

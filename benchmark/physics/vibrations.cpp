@@ -14,6 +14,7 @@ constexpr double kPeriods = 4.0;     // recorded
 
 simulation::SceneParams makeDynamicScene() {
   simulation::SceneParams scene;
+  scene.accuracy.estimate = false;
   scene.gravity.setZero();
   scene.output.normals = false;
   scene.integrator.type = solve::IntegratorType::kVerlet;

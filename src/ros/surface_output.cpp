@@ -44,6 +44,7 @@ void encodeStatistics(const simulation::Statistics& statistics, Statistics& mess
   message.time_forces = statistics.time_forces;
   message.time_solve = statistics.time_solve;
   message.time_contact = statistics.time_contact;
+  message.time_estimate = statistics.time_estimate;
   message.time_transfer = statistics.time_transfer;
   message.time_normals = statistics.time_normals;
   message.time_publish = statistics.time_publish;

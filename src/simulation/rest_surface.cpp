@@ -66,35 +66,37 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
   return chosen;
 }
 
+// Records the order of removal as far as it is needed and returns the simulation points.
 std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
-                                          const std::vector<char>& is_corner, const RestSurface& s) {
+                                          const std::vector<char>& is_corner, Index coarsest, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
-  std::vector<Index> all(n);
-  std::iota(all.begin(), all.end(), 0);
   const cloud::SimplificationParams& how = params.simplification;
-  if (how.method == cloud::SimplificationMethod::kNone) return all;
-  const bool by_threshold = how.target_points == 0 && !how.threshold.is_auto;
-  const Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
-  if (!by_threshold && target >= n) return all;
-  const cloud::Simplification order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k,
-                                                      by_threshold ? Index{3} : target, protected_points, s.dense_neighbors, is_corner);
-  return by_threshold ? order.keepDiameter(how.threshold.value) : order.keepCount(target);
+  const bool by_threshold =
+      how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
+  Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
+  if (how.method == cloud::SimplificationMethod::kNone) target = n;
+  s.order.num_points = n;
+  const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
+  if (last < n)
+    s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, protected_points, s.dense_neighbors,
+                              is_corner);
+  return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 
 // Makes the simulation points and their rings; those that belong to no surface (far outliers, hairs) are dropped and ride along.
-void connect(const SceneParams& params, std::vector<Index> kept, RestSurface& s) {
+void connect(const SceneParams& params, const cloud::CleanCloud& dense, std::vector<Index> kept, RestSurface& s) {
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
     s.dense_index = kept;
     s.points.clear();
     s.normals.clear();
     for (Index i : kept) {
-      s.points.push_back(s.dense.positions[i]);
-      s.normals.push_back(s.dense.normals[i]);
+      s.points.push_back(dense.positions[i]);
+      s.normals.push_back(dense.normals[i]);
     }
     // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
     const Lists neighbors = cloud::nearestNeighbors(s.points, params.neighbors.k);
-    if (kept.size() < s.dense.positions.size()) {
+    if (kept.size() < dense.positions.size()) {
       const Points fine = std::move(s.normals);
       s.normals = cloud::estimateNormals(s.points, neighbors);
       for (std::size_t i = 0; i < kept.size(); ++i)
@@ -109,36 +111,19 @@ void connect(const SceneParams& params, std::vector<Index> kept, RestSurface& s)
     if (kept.size() < 3) break;
   }
   if (kept.size() < 3 || s.rings.triangles.empty())
-    throw InputError("cloud: its " + count(static_cast<Index>(s.dense.positions.size()), "distinct points span no surface (") +
+    throw InputError("cloud: its " + count(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
                      count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
   const Index dropped = before - static_cast<Index>(kept.size());
   if (dropped > 0) s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
 }
 
-}  // namespace
+double measureDenseArea(const RestSurface& s) {
+  const cloud::Rings rings = cloud::buildRings(s.dense.positions, s.dense.normals, s.dense_neighbors);
+  return std::accumulate(rings.area.begin(), rings.area.end(), 0.0);
+}
 
-RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input) {
-  RestSurface s;
-  s.dense = cloud::clean(input);
-  const Index n = static_cast<Index>(s.dense.positions.size());
-  if (n < 3)
-    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
-  if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
-  if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
-
-  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
-  const std::vector<char> is_corner = completeNormals(input, params.neighbors.k, s);
-  const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
-  connect(params, chooseSimulationPoints(params, pin_points, is_corner, s), s);
-
-  // The area of the full surface; where every point is simulated it is that of the rings.
-  if (static_cast<Index>(s.points.size()) == n) {
-    s.area = std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0);
-  } else {
-    const cloud::Rings dense_rings = cloud::buildRings(s.dense.positions, s.dense.normals, s.dense_neighbors);
-    s.area = std::accumulate(dense_rings.area.begin(), dense_rings.area.end(), 0.0);
-  }
-
+// Model and pins on the simulation points.
+void buildModel(const SceneParams& params, RestSurface& s) {
   auto mass_spring = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
                                                          params.mass_spring);
   if (mass_spring->numMassRaised() > 0)
@@ -146,10 +131,6 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   if (mass_spring->numWithoutBending() > 0)
     s.notes.push_back(count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
   s.model = std::move(mass_spring);
-
-  s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1), params.transfer);
-  if (s.transfer.numDegenerate() > 0)
-    s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
 
   s.pinned.assign(s.points.size(), 0);
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
@@ -164,9 +145,50 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
                        "accepted: a shape that holds a point of the surface");
   }
   s.model->setHeld(s.pinned);
+}
+
+}  // namespace
+
+RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
+                             const std::function<Index(const RestSurface&)>& choose) {
+  RestSurface s;
+  s.dense = cloud::clean(input);
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (n < 3)
+    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
+  if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
+  if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
+
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  const std::vector<char> is_corner = completeNormals(input, params.neighbors.k, s);
+  const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
+  std::vector<Index> kept = chooseSimulationPoints(params, pin_points, is_corner, coarsest, s);
+  if (choose) {
+    s.area = measureDenseArea(s);
+    kept = s.order.keepCount(choose(s));
+  }
+  connect(params, s.dense, std::move(kept), s);
+
+  // The area of the full surface; where every point is simulated it is that of the rings.
+  const bool is_all = static_cast<Index>(s.points.size()) == n;
+  s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
+
+  buildModel(params, s);
+  s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1), params.transfer);
+  if (s.transfer.numDegenerate() > 0)
+    s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+  return s;
+}
+
+RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target) {
+  RestSurface s;
+  s.area = of.area;
+  s.closed = of.closed;
+  connect(params, of.dense, of.order.keepCount(target), s);
+  buildModel(params, s);
   return s;
 }
 

@@ -14,6 +14,9 @@
 #include <cstring>
 #include <limits>
 
+#include "accuracy.h"
+#include "error_estimator.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -90,14 +93,16 @@ struct Simulation::Impl {
   transfer::Transfer inserted_transfer;
   Points dense_now, inserted_now;
   std::vector<Eigen::Vector3f> dense_normals_now, inserted_normals_now;
+  AccuracyChoice choice;
+  std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
   Surface surface;
   std::uint64_t surface_version = 0, version = 1;
   bool surface_has_normals = false;
 
-  Impl(const SceneParams& given, cloud::PointCloud cloud)
+  Impl(const SceneParams& given, cloud::PointCloud&& cloud, RestSurface built)
       : params(given),
         input(std::move(cloud)),
-        rest(buildRestSurface(params, input)),
+        rest(std::move(built)),
         gravity(rest.model->masses(), params.gravity),
         pressure(*rest.model, params.pressure),
         drag(*rest.model, params.viscous_drag),
@@ -139,6 +144,7 @@ struct Simulation::Impl {
     for (const ForceParams& force : params.forces) forces.set(force);
     setContactRate();
     march.restart();
+    if (estimator) estimator->reset();
     if (params.output.resample) makeResampler();
     statistics = Statistics{};
     measure();
@@ -173,6 +179,7 @@ struct Simulation::Impl {
     gravity.gravity = saved.gravity;
     forces.restore(saved.forces);
     march.setMemory(saved.march);
+    if (estimator) estimator->lose();
     if (saved.resampler) resampler = std::make_unique<transfer::Resampler>(*saved.resampler);
     forgetInserted();
     statistics = saved.statistics;
@@ -231,6 +238,7 @@ struct Simulation::Impl {
     ++steps;
     ++version;
     if (resampler) resample();
+    if (estimator) estimate(report, outcome);
 
     // What it was.
     statistics.substeps = static_cast<std::uint32_t>(report.substeps);
@@ -238,10 +246,18 @@ struct Simulation::Impl {
     statistics.solver_residual = report.residual;
     statistics.time_forces = report.time_forces;
     statistics.time_total = timer.seconds();
-    statistics.time_solve = statistics.time_total - report.time_forces;
+    statistics.time_solve = statistics.time_total - report.time_forces - statistics.time_estimate;
     statistics.real_time_factor = dt / statistics.time_total;
     statistics.time_transfer = statistics.time_normals = 0.0;
     return outcome;
+  }
+
+  // The copies take the same step.
+  void estimate(const solve::SolveReport& report, StepOutcome& outcome) {
+    const Timer timer;
+    const std::string news = estimator->follow(state.positions, march.lastType(), report.substeps);
+    if (!news.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + news;
+    statistics.time_estimate = timer.seconds();
   }
 
   // The quantities of the state, computed when asked for.
@@ -260,7 +276,14 @@ struct Simulation::Impl {
     for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
     statistics.max_speed = std::sqrt(squared_speed);
     statistics.state_hash = hash();
+    if (estimator) {
+      statistics.error_time = estimator->time();
+      statistics.error_space = estimator->space();
+      statistics.error_transfer = estimator->transfer();
+      statistics.error_estimate = estimator->total();
+    }
     statistics.skipped.clear();
+    if (!estimator) statistics.skipped.push_back("error_estimate");
     if (surface_version != version) statistics.skipped.push_back("transfer");
     if (surface_version != version || !surface_has_normals) statistics.skipped.push_back("normals");
     if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
@@ -355,6 +378,12 @@ struct Simulation::Impl {
     }
   }
 
+  // To the copies that estimate the error.
+  template <class Command>
+  void forward(const Command& command) {
+    if (estimator) estimator->forward(command);
+  }
+
   std::vector<Index> firstInputs() const {
     std::vector<Index> first(rest.dense.positions.size(), -1);
     for (Index i = input.size() - 1; i >= 0; --i)
@@ -363,7 +392,20 @@ struct Simulation::Impl {
   }
 };
 
-Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) : impl_(std::make_unique<Impl>(params, std::move(input))) {}
+Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
+  AccuracyChoice choice;
+  RestSurface rest = buildChosen(params, input, choice);
+  impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest));
+  impl_->choice = std::move(choice);
+  if (!params.accuracy.estimate) return;
+  try {
+    estimateError(impl_->rest);
+  } catch (const InputError& problem) {
+    impl_->rest.notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
+  }
+}
+Simulation::Simulation(const SceneParams& params, RestSurface rest)
+    : impl_(std::make_unique<Impl>(params, cloud::PointCloud(), std::move(rest))) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
@@ -406,6 +448,7 @@ void Simulation::setState(const model::State& state) {
   }
   impl_->state = state;
   impl_->march.restart();
+  if (impl_->estimator) impl_->estimator->lose();
   ++impl_->version;
 }
 
@@ -416,12 +459,31 @@ void Simulation::setForce(const ForceParams& force) {
   if (!problems.empty()) throw InputError(std::move(problems));
   impl_->forces.set(force);
   impl_->march.loadsChanged();
+  impl_->forward([&](Simulation& copy) { copy.setForce(force); });
 }
 
 void Simulation::removeForce(const std::string& id) {
   impl_->forces.remove(id);
   impl_->march.loadsChanged();
+  impl_->forward([&](Simulation& copy) { copy.removeForce(id); });
 }
+void Simulation::estimateError(const RestSurface& full) {
+  impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, full, impl_->rest);
+}
+
+void Simulation::disturb(double size) {
+  std::uint32_t seed = 12345u;
+  for (Index i = 0; i < impl_->state.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      seed = seed * 1664525u + 1013904223u;
+      if (!impl_->pinned[i]) impl_->state.positions[i][axis] += size * (static_cast<double>(seed >> 8) / (1u << 23) - 1.0);
+    }
+}
+
+void Simulation::setFineness(Index fineness) { impl_->march.setFineness(fineness); }
+void Simulation::setIntegrator(solve::IntegratorType type) { impl_->params.integrator.type = type; }
+solve::IntegratorType Simulation::lastIntegrator() const { return impl_->march.lastType(); }
+Index Simulation::lastSubsteps() const { return static_cast<Index>(impl_->statistics.substeps); }
 
 Index Simulation::pin(const geometry::Region& region) {
   Index changed = 0;
@@ -431,6 +493,7 @@ Index Simulation::pin(const geometry::Region& region) {
     impl_->state.velocities[i].setZero();
     ++changed;
   }
+  impl_->forward([&](Simulation& copy) { copy.pin(region); });
   return changed;
 }
 
@@ -441,6 +504,7 @@ Index Simulation::unpin(const geometry::Region& region) {
       impl_->pinned[i] = 0;
       ++changed;
     }
+  impl_->forward([&](Simulation& copy) { copy.unpin(region); });
   return changed;
 }
 
@@ -449,6 +513,7 @@ void Simulation::setGravity(const Vec3& gravity) {
   if (impl_->gravity.gravity == gravity) return;
   impl_->gravity.gravity = gravity;
   impl_->march.loadsChanged();
+  impl_->forward([&](Simulation& copy) { copy.setGravity(gravity); });
 }
 
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }
@@ -472,6 +537,7 @@ void Simulation::computeSimulationNormals(Points& normals) const {
 }
 
 std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return impl_->forces.active(impl_->state); }
+const AccuracyChoice& Simulation::accuracyChoice() const { return impl_->choice; }
 const std::vector<std::string>& Simulation::buildNotes() const { return impl_->rest.notes; }
 
 }  // namespace deformable_surface::simulation

@@ -20,6 +20,15 @@ bool isExplicit(IntegratorType type) {
   return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
+void add(const SolveReport& part, SolveReport& total) {
+  total.finite = part.finite;
+  total.converged = total.converged && part.converged;
+  total.substeps += part.substeps;
+  total.iterations += part.iterations;
+  total.residual = std::max(total.residual, part.residual);
+  total.time_forces += part.time_forces;
+}
+
 void append(std::string& notice, const std::string& more) {
   if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
 }
@@ -79,41 +88,50 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
   memory_.estimate_needed = false;
 }
 
-// Advances the state by one step. Verlet's sub-steps, each at most a share of the stable one, are taken in portions between which
-// the stable step is looked at again: within a long step the surface can become another.
+// Advances the state by one step, in fineness_ parts of as many sub-steps as the whole of it would have.
 SolveReport TimeMarch::advance(double time, double share, State& state) {
-  const double dt = params_.time_step;
-  if (memory_.type == IntegratorType::kImplicit) return advanceImplicitly(time, static_cast<Index>(std::lround(1.0 / share)), state);
+  if (memory_.type == IntegratorType::kImplicit)
+    return advanceImplicitly(time, fineness_ * static_cast<Index>(std::lround(1.0 / share)), state);
   work_ = 0.0;
   substeps_needed_ = 0;
-  if (memory_.type == IntegratorType::kSymplecticEuler && countSubsteps(dt, share * memory_.max_substep) > kHopeless) {
-    substeps_needed_ = countSubsteps(dt, share * memory_.max_substep);
+  is_too_stiff_ = false;
+  const double part = params_.time_step / fineness_;
+  SolveReport total;
+  for (Index k = 0; k < fineness_ && total.finite && substeps_needed_ == 0; ++k) {
+    add(advancePart(time + k * part, part, share / fineness_, state), total);
+    if (is_too_stiff_) return advanceImplicitly(time, fineness_, state);
+  }
+  return total;
+}
+
+// Verlet's sub-steps, each at most a share of the safe one, are taken in portions between which the stable step is looked at again:
+// within a long step the surface can become another.
+SolveReport TimeMarch::advancePart(double time, double part, double share, State& state) {
+  const Index needed = estimatesStableStep() ? countSubsteps(part, share * memory_.max_substep) : 1;
+  if (memory_.type == IntegratorType::kSymplecticEuler && needed > kHopeless) {
+    substeps_needed_ = needed;
     return {};
   }
   if (memory_.type != IntegratorType::kVerlet) {
-    const SolveReport report = integrator(memory_.type).advance(system_, time, dt, share * memory_.max_substep, state);
-    work_ = system_.estimateWork(time, time + dt, before_, state);
+    portion_start_ = state;
+    const SolveReport report = integrator(memory_.type).advance(system_, time, part, share * memory_.max_substep, state);
+    work_ += system_.estimateWork(time, time + part, portion_start_, state);
     return report;
   }
   SolveReport total;
   double done = 0.0;
   for (;;) {
-    const Index left = countSubsteps(dt - done, share * memory_.max_substep);
-    // The surface has become too stiff within the step: the whole of it is taken implicitly.
-    if (params_.type == IntegratorType::kAuto && total.substeps + left > params_.max_substeps)
-      return advanceImplicitly(time, 1, state);
-    if (left > kHopeless) {
-      substeps_needed_ = left;
-      return total;
-    }
-    const double portion = left <= kPortion ? dt - done : (dt - done) * kPortion / left;
+    const Index left = countSubsteps(part - done, share * memory_.max_substep);
+    // The surface has become too stiff within the step: the whole of it is to be taken implicitly.
+    is_too_stiff_ = params_.type == IntegratorType::kAuto && total.substeps + left > params_.max_substeps;
+    if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
+    if (is_too_stiff_ || substeps_needed_ > 0) return total;
+    const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
     portion_start_ = state;
     const SolveReport report =
         integrator(IntegratorType::kVerlet).advance(system_, time + done, portion, share * memory_.max_substep, state);
     work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state);
-    total.finite = report.finite;
-    total.substeps += report.substeps;
-    total.time_forces += report.time_forces;
+    add(report, total);
     if (left <= kPortion || !report.finite) return total;
     done += portion;
     refreshStableStep(time + done, state);
@@ -130,14 +148,8 @@ SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state)
   for (Index k = 0; k < parts && total.finite; ++k) {
     const double from = time + k * part;
     portion_start_ = state;
-    const SolveReport report = integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state);
+    add(integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state), total);
     work_ += system_.estimateWork(from, from + part, portion_start_, state);
-    total.finite = report.finite;
-    total.converged = total.converged && report.converged;
-    total.substeps += report.substeps;
-    total.iterations += report.iterations;
-    total.residual = std::max(total.residual, report.residual);
-    total.time_forces += report.time_forces;
   }
   return total;
 }

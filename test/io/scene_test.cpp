@@ -206,12 +206,26 @@ TEST(ReadScene, RefusesWrongKinds) {
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
   for (const char* text : {"oriented_particles: {spin: 1.0}", "elastic_solid: {fill: true}",
-                           "neighbors: {geodesicness: 2}", "neighbors: {radius: 0.1}", "accuracy: {position_error: 0.1}",
-                           "accuracy: {step_budget: 0.1}", "input: {policy: track}"}) {
+                           "neighbors: {geodesicness: 2}", "neighbors: {radius: 0.1}", "input: {policy: track}"}) {
     EXPECT_TRUE(contains(problemOf(text), "not built yet; accepted: ")) << text << ": " << problemOf(text);
   }
   EXPECT_TRUE(contains(problemsOf("model: elastic_solid")[0], "not built yet; accepted: mass_spring"));
   EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "no orientation"));
+}
+
+TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {
+  EXPECT_EQ(problemOf("accuracy: {position_error: 0.01}"), "accepted");
+  EXPECT_EQ(problemOf("accuracy: {step_budget: 0.01}"), "accepted");
+  EXPECT_EQ(problemOf("accuracy: {position_error: 0.01, step_budget: 0.01}"),
+            "accuracy.step_budget: found beside a position_error; accepted: one of the two");
+  EXPECT_EQ(problemOf("accuracy: {position_error: 0.01, estimate: false}"),
+            "accuracy.estimate: found false beside a position_error; accepted: true");
+  for (const char* number : {"{target_points: 100}", "{threshold: 0.1}", "{method: none}"})
+    EXPECT_TRUE(contains(problemOf(std::string("accuracy: {step_budget: 0.01}\nsimplification: ") + number),
+                         "accuracy: found a wish beside a given number of simulation points"))
+        << number;
+  EXPECT_TRUE(contains(problemOf("accuracy: {position_error: -1}"), "accuracy.position_error"));
+  EXPECT_TRUE(contains(problemOf("accuracy: {position_error: .nan}"), "accuracy.position_error"));
 }
 
 TEST(ReadScene, HoldsRulesAmongFields) {

@@ -24,6 +24,7 @@ output: {normals: false}
 Vec3 findEdge(Index simulation_points) {
   simulation::SceneParams scene = io::readScene(io::parseYaml(kScene, "scene"));
   scene.simplification.target_points = simulation_points;
+  scene.accuracy.estimate = false;
   const cloud::PointCloud cloud = io::makeShape(scene.cloud);
   simulation::Simulation flag(scene, cloud);
   const simulation::StepOutcome outcome = flag.step();

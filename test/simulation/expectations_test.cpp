@@ -83,6 +83,7 @@ TEST(Expectations, SkipHolesInTheCloud) {
 
 TEST(Expectations, NameEachBoundThatDoesNotHold) {
   SceneParams params = makeFallingSheet();
+  params.accuracy.estimate = false;
   const double inf = std::numeric_limits<double>::infinity();
   params.expect = {{"min_z", -0.06, -0.04}, {"step", 11.0, inf}, {"error_estimate", -inf, inf}, {"max_speed", 0.0, 1.0}};
   Simulation simulation = runSteps(params, 10);

@@ -3,18 +3,24 @@
 
 #include "deformable_surface/cloud/clean.h"
 #include "deformable_surface/cloud/rings.h"
+#include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/transfer/transfer.h"
 
+#include <functional>
+#include <limits>
 #include <memory>
 
 namespace deformable_surface::simulation {
+
+constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
 
 /// Everything made from the rest state; nothing in it changes afterwards.
 struct RestSurface {
   cloud::CleanCloud dense;         // finite distinct points; normals complete and consistently oriented
   Lists dense_neighbors;           // (dense) nearest first
+  cloud::Simplification order;     // of the dense points: every coarser set of simulation points is a prefix of it
   Points points, normals;          // (m x 3) simulation points
   std::vector<Index> dense_index;  // (m) the dense point that each simulation point is
   cloud::Rings rings;              // of the simulation points
@@ -27,7 +33,14 @@ struct RestSurface {
 };
 
 /// Cleans, orients, simplifies, connects and builds the model and the transfer operator. Throws InputError.
-/// O(n k log n) for n input points.
-RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input);
+/// O(n k log n) for n input points. coarsest: simulation points down to which the order of removal is recorded; what is built
+/// does not depend on it. choose: if given, finds the number of simulation points instead of params.simplification, from the
+/// full surface: dense points, order and area, with nothing built on them yet.
+RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest = kMaxIndex,
+                             const std::function<Index(const RestSurface& full)>& choose = nullptr);
+
+/// The same surface with about target simulation points, from the recorded order: model and pins, without dense points or
+/// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
+RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);
 
 }  // namespace deformable_surface::simulation

@@ -43,6 +43,7 @@ struct CloudParams {
 struct AccuracyParams {
   double position_error = 0.0;  // m, >= 0; 0 = not controlled
   double step_budget = 0.0;     // s of wall time per step, >= 0; 0 = not controlled
+  bool estimate = true;         // estimate the error in every step
 };
 
 /// Fixes the points whose rest position lies in the region.
@@ -163,13 +164,16 @@ inline void visit(Fields& fields, CloudParams& p) {
 }
 
 inline void visit(Fields& fields, AccuracyParams& p) {
-  const std::string sentence = "found a value other than 0, which is not built yet; accepted: 0";
   fields.number("position_error", p.position_error, "m", between(0.0, kMaxLength),
-                "0 = not controlled; other values are not built yet");
-  fields.require(p.position_error == 0.0, "position_error", sentence);
+                "`simplification.threshold: auto` keeps the fewest points whose estimated error stays below it over `duration`; "
+                "0 = not controlled");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
-                "wall time per step; 0 = not controlled; other values are not built yet");
-  fields.require(p.step_budget == 0.0, "step_budget", sentence);
+                "`simplification.threshold: auto` keeps the most points whose step takes no longer than this wall time; gives up "
+                "bit-identical repeats; 0 = not controlled");
+  fields.require(!(p.position_error > 0.0 && p.step_budget > 0.0), "step_budget",
+                 "found beside a position_error; accepted: one of the two");
+  fields.flag("estimate", p.estimate, "estimate the error in every step, from coarser copies of the simulation");
+  fields.require(p.estimate || !(p.position_error > 0.0), "estimate", "found false beside a position_error; accepted: true");
 }
 
 inline void visit(Fields& fields, PinParams& p) {
@@ -258,6 +262,12 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.notBuilt("elastic_solid", "elastic solids");
   fields.section("integrator", p.integrator, "How time is stepped.");
   fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
+  const cloud::SimplificationParams& how = p.simplification;
+  const bool is_number_free =
+      how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && how.threshold.is_auto;
+  fields.require(is_number_free || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy",
+                 "found a wish beside a given number of simulation points; accepted: simplification.method delaunay, "
+                 "target_points 0, threshold auto");
   fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "in gravity_frame");
   fields.text("gravity_frame", p.gravity_frame, "empty = frame_id; else looked up in tf by the node");
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");

@@ -6,6 +6,7 @@
 #include "deformable_surface/cloud/point_cloud.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/simulation/statistics.h"
 
@@ -15,6 +16,8 @@
 #include <vector>
 
 namespace deformable_surface::simulation {
+
+struct RestSurface;
 
 /// The result of one step. Numbers that went wrong never throw: the state is then as it was before the step.
 struct StepOutcome {
@@ -50,6 +53,8 @@ class Simulation {
   /// Builds the surface. Throws InputError naming each problem: fewer than three distinct points, a pin that holds no point, a
   /// value or mode that is not accepted.
   Simulation(const SceneParams& params, cloud::PointCloud input);
+  /// The simulation points alone, without a cloud to publish: what probes and the error estimate run.
+  Simulation(const SceneParams& params, RestSurface rest);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -82,6 +87,19 @@ class Simulation {
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
 
+  // For probes and the error estimate.
+  /// Estimates the error from now on, which is at rest. full: the surface that the simulation points were chosen from.
+  void estimateError(const RestSurface& full);
+  /// Moves every free simulation point by up to size (m) along each axis, always in the same way: what a twin starts from.
+  void disturb(double size);
+  /// A step is taken in fineness times as many sub-steps.
+  void setFineness(Index fineness);
+  /// From the next step on, in place of that of the params.
+  void setIntegrator(solve::IntegratorType type);
+  /// Of the last step; the integrator that auto took.
+  Index lastSubsteps() const;
+  solve::IntegratorType lastIntegrator() const;
+
   /// The full surface now. normals are computed if wanted and params.output.normals.
   const Surface& surface(bool with_normals);
   Statistics statistics() const;
@@ -97,6 +115,8 @@ class Simulation {
 
   /// Lines worth telling after construction: counts of dropped, coincident and degenerate points, rules used, choices of auto.
   const std::vector<std::string>& buildNotes() const;
+  /// What was chosen from params().accuracy, and why.
+  const AccuracyChoice& accuracyChoice() const;
 
  private:
   struct Impl;

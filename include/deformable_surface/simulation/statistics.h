@@ -16,7 +16,7 @@ struct Statistics {
   double kinetic_energy = 0.0, elastic_energy = 0.0, potential_energy = 0.0;  // J
   double max_stretch = 0.0;      // |l / l0 - 1|
   double max_speed = 0.0;        // m/s
-  // m; NaN where there is no estimate
+  // m; NaN where there is no estimate; the sum is infinite where small differences grow so much that there can be none
   double error_estimate = std::numeric_limits<double>::quiet_NaN();
   double error_time = std::numeric_limits<double>::quiet_NaN();
   double error_space = std::numeric_limits<double>::quiet_NaN();
@@ -24,8 +24,8 @@ struct Statistics {
   std::uint32_t substeps = 0, solver_iterations = 0;
   double solver_residual = 0.0;  // N
   // s of wall time of the last step
-  double time_input = 0.0, time_forces = 0.0, time_solve = 0.0, time_contact = 0.0, time_transfer = 0.0, time_normals = 0.0,
-         time_publish = 0.0, time_total = 0.0;
+  double time_input = 0.0, time_forces = 0.0, time_solve = 0.0, time_contact = 0.0, time_estimate = 0.0, time_transfer = 0.0,
+         time_normals = 0.0, time_publish = 0.0, time_total = 0.0;
   double real_time_factor = 0.0;  // time step over time_total
   std::uint64_t state_hash = 0;
   std::vector<std::string> skipped;  // stages that were not run because nobody needed them
@@ -56,6 +56,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("time_forces", s.time_forces);
   visitor("time_solve", s.time_solve);
   visitor("time_contact", s.time_contact);
+  visitor("time_estimate", s.time_estimate);
   visitor("time_transfer", s.time_transfer);
   visitor("time_normals", s.time_normals);
   visitor("time_publish", s.time_publish);

@@ -45,6 +45,11 @@ class TimeMarch {
   /// Advances the state from time (s) by params.time_step.
   Outcome step(double time, State& state);
 
+  /// Takes every step in so many times as many sub-steps, n >= 1.
+  void setFineness(Index n) { fineness_ = n; }
+  /// How the last step was taken; not kAuto once there was one.
+  IntegratorType lastType() const { return memory_.type; }
+
   /// The stable step of explicit methods at a state, s.
   double findStableStep(double time, const State& state) { return stable_step_.estimate(time, state, system_); }
 
@@ -53,6 +58,7 @@ class TimeMarch {
   Integrator& integrator(IntegratorType type);
   void refreshStableStep(double time, const State& state);
   SolveReport advance(double time, double share, State& state);
+  SolveReport advancePart(double time, double part, double share, State& state);
   SolveReport advanceImplicitly(double time, Index parts, State& state);
   void goBack(double time, State& state);
   bool estimatesStableStep() const;
@@ -68,10 +74,12 @@ class TimeMarch {
   std::map<IntegratorType, std::unique_ptr<Integrator>> integrators_;  // those used so far: each keeps its memory
   StableStep stable_step_;
   EnergyGuard guard_;
+  Index fineness_ = 1;
   Memory memory_;  // but for its energy, which guard_ has
 
   // Scratch.
   State before_, portion_start_;
+  bool is_too_stiff_ = false;  // for auto: more sub-steps than max_substeps
   Index substeps_needed_ = 0;  // if there are too many of them to be taken
   double work_ = 0.0;          // J, put in during the step by loads without a potential
 };

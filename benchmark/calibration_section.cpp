@@ -1,0 +1,229 @@
+// Part 7: is the error estimate what it says? On scenes drawn at random, the published cloud is compared with that of the full
+// surface in the steps that its stability asks for; where a twin of that truth, disturbed by a thousandth of the spacing, goes its
+// own way, there is no one truth and the scene is counted apart.
+#include "../test/support/random_scene.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/simulation/simulation.h"
+#include "sections.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+#include <fstream>
+#include <map>
+#include <sstream>
+
+namespace deformable_surface::benchmark {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+using solve::IntegratorType;
+
+constexpr int kLooks = 8;              // at the errors of a dynamic run, at equal times
+constexpr double kDisturbance = 1e-3;  // of the truth's twin, over the spacing
+constexpr double kGrowth = 50.0;       // of the disturbance from which on a scene counts as chaotic
+constexpr Index kFineness = 4;         // of the truth, where the error is that of the steps alone
+
+const char* const kColumns[] = {"seed", "scene", "points", "simulated", "look", "true_error", "estimate", "space", "transfer",
+                                "time", "displacement", "twin_growth", "sound"};
+
+double findLargestDistance(const Points& a, const Points& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
+  return largest;
+}
+
+// The full cloud at every look; false if a step was not sound.
+bool runTruth(SceneParams params, const cloud::PointCloud& cloud, int steps, int looks, double disturbance, Index fineness,
+              std::vector<Points>& shapes) {
+  params.accuracy.estimate = false;
+  params.simplification = cloud::SimplificationParams();
+  params.simplification.method = cloud::SimplificationMethod::kNone;
+  if (params.integrator.type != IntegratorType::kStatic) params.integrator.type = IntegratorType::kVerlet;
+  Simulation truth(params, cloud);
+  truth.setFineness(fineness);
+  truth.disturb(disturbance);
+  for (int k = 1; k <= steps; ++k) {
+    const simulation::StepOutcome outcome = truth.step();
+    if (!outcome.ok || !outcome.notice.empty()) return false;
+    if (k == static_cast<int>(shapes.size() + 1) * steps / looks) shapes.push_back(truth.surface(false).positions);
+  }
+  return true;
+}
+
+// One line of numbers per look.
+std::string runScene(Index seed) {
+  const test::RandomScene scene = test::makeRandomScene(static_cast<std::uint32_t>(seed));
+  const int steps = static_cast<int>(std::lround(scene.params.duration / scene.params.integrator.time_step));
+  const int looks = std::min(kLooks, steps);
+  const bool is_simplified = scene.params.simplification.method == cloud::SimplificationMethod::kDelaunay;
+  Simulation simulation(scene.params, scene.cloud);
+
+  double area = 0.0;
+  for (const model::WeightedTriangle& t : simulation.model().triangles()) {
+    const Points& x = simulation.state().positions;
+    area += 0.5 * t.weight * (x[t.corner[1]] - x[t.corner[0]]).cross(x[t.corner[2]] - x[t.corner[0]]).norm();
+  }
+  const double disturbance = kDisturbance * std::sqrt(area / scene.cloud.size());
+  std::vector<Points> truth, twin;
+  const Index fineness = is_simplified ? 1 : kFineness;
+  bool is_sound = runTruth(scene.params, scene.cloud, steps, looks, 0.0, fineness, truth) &&
+                  runTruth(scene.params, scene.cloud, steps, looks, disturbance, fineness, twin);
+  std::ostringstream lines;
+  int look = 0;
+  for (int k = 1; k <= steps && is_sound; ++k) {
+    is_sound = simulation.step().ok;
+    if (k != (look + 1) * steps / looks) continue;
+    const simulation::Statistics s = simulation.statistics();
+    lines << seed << ',' << scene.name << ',' << s.points << ',' << s.simulation_points << ',' << look + 1;
+    for (double value : {findLargestDistance(simulation.surface(false).positions, truth[look]), s.error_estimate, s.error_space,
+                         s.error_transfer, s.error_time, findLargestDistance(truth[look], scene.cloud.positions),
+                         findLargestDistance(truth[look], twin[look]) / disturbance})
+      lines << ',' << value;
+    lines << ",1\n";
+    ++look;
+  }
+  if (is_sound) return lines.str();
+  std::ostringstream line;
+  line << seed << ',' << scene.name << ',' << scene.cloud.size() << ",0,0,0,0,0,0,0,0,0,0\n";
+  return line.str();
+}
+
+struct Row {
+  std::map<std::string, std::string> cells;
+  double number(const char* column) const { return std::strtod(cells.at(column).c_str(), nullptr); }
+};
+
+std::map<Index, std::vector<Row>> readScenes(const std::string& path) {
+  std::map<Index, std::vector<Row>> scenes;
+  std::ifstream file(path);
+  for (std::string line; std::getline(file, line);) {
+    Row row;
+    std::istringstream cells(line);
+    for (const char* column : kColumns) std::getline(cells, row.cells[column], ',');
+    if (row.cells["seed"] == kColumns[0] || row.cells["sound"].empty()) continue;
+    scenes[static_cast<Index>(row.number("seed"))].push_back(row);
+  }
+  return scenes;
+}
+
+double findQuantile(std::vector<double> values, double share) {
+  if (values.empty()) return std::nan("");
+  std::sort(values.begin(), values.end());
+  return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+}
+
+// What is asked of a group of scenes.
+struct Tally {
+  int scenes = 0, covered_at_end = 0, covered_always = 0, looks = 0, looks_covered = 0;
+  std::vector<double> ratio_at_end, ratios;  // estimate over true error
+
+  void add(const std::vector<Row>& rows) {
+    bool always = true;
+    for (const Row& row : rows) {
+      const double error = row.number("true_error"), estimate = row.number("estimate");
+      const bool covered = error <= estimate;
+      always = always && covered;
+      ++looks;
+      looks_covered += covered;
+      ratios.push_back(estimate / error);
+      if (&row == &rows.back()) {
+        covered_at_end += covered;
+        ratio_at_end.push_back(estimate / error);
+      }
+    }
+    ++scenes;
+    covered_always += always;
+  }
+
+  void report(const std::string& name, Report& report) const {
+    if (scenes == 0) return;
+    std::vector<std::string> cells{name, std::to_string(scenes), showPercent(covered_at_end / double(scenes)),
+                                   showPercent(looks_covered / double(looks)), showPercent(covered_always / double(scenes)),
+                                   show(findQuantile(ratio_at_end, 0.5))};
+    for (double share : {0.05, 0.25, 0.5, 0.75, 0.95}) cells.push_back(show(findQuantile(ratios, share)));
+    report.add(cells);
+  }
+};
+
+bool hasWord(const std::string& text, const std::string& word) {
+  return (" " + text + " ").find(" " + word + " ") != std::string::npos;
+}
+
+}  // namespace
+
+void runCalibrationSection(const Options& options, Report& report) {
+  setNumThreads(1);
+  // Scenes that are in the file already are not run again, so that the run can be cut in parts.
+  const std::string path = options.folder + "/calibration_scenes.csv";
+  std::map<Index, std::vector<Row>> scenes = readScenes(path);
+  {
+    std::ofstream file(path, std::ios::app);
+    if (scenes.empty()) {
+      for (const char* column : kColumns) file << (column == kColumns[0] ? "" : ",") << column;
+      file << "\n";
+    }
+    for (Index seed = options.first_scene; seed < options.first_scene + options.num_scenes; ++seed) {
+      if (scenes.count(seed)) continue;
+      try {
+        file << runScene(seed) << std::flush;
+      } catch (const InputError& problem) {
+        std::fprintf(stderr, "scene %d: %s\n", seed, problem.what());  // e.g. a pin that holds none of a sparse cloud's points
+      }
+      if (!file) throw std::runtime_error("cannot write " + path);
+    }
+  }
+  scenes = readScenes(path);
+
+  std::map<std::string, Tally> groups;
+  int num = 0, unsound = 0, chaotic = 0, chaotic_flagged = 0, regular_flagged = 0;
+  std::vector<std::pair<std::string, double>> apart;
+  for (const auto& scene : scenes) {
+    if (scene.first < options.first_scene || scene.first >= options.first_scene + options.num_scenes) continue;
+    const std::vector<Row>& rows = scene.second;
+    ++num;
+    if (rows.front().number("sound") == 0.0) {
+      ++unsound;
+      continue;
+    }
+    double growth = 0.0;
+    bool flagged = false;
+    for (const Row& row : rows) {
+      growth = std::max(growth, row.number("twin_growth"));
+      flagged = flagged || std::isinf(row.number("estimate"));
+    }
+    const std::string& name = rows.front().cells.at("scene");
+    if (growth > kGrowth || flagged) {
+      chaotic += growth > kGrowth;
+      chaotic_flagged += growth > kGrowth && flagged;
+      regular_flagged += !(growth > kGrowth) && flagged;
+      apart.emplace_back(std::to_string(scene.first) + " " + name + (flagged ? ", flagged" : ", NOT flagged"), growth);
+      if (growth > kGrowth && !flagged) groups["chaotic, not flagged"].add(rows);
+      continue;
+    }
+    groups["all"].add(rows);
+    groups[hasWord(name, "static") ? "static" : hasWord(name, "implicit") ? "implicit" : "verlet"].add(rows);
+    groups["shape: " + name.substr(0, name.find(' '))].add(rows);
+    if (hasWord(name, "all")) groups["nothing simplified"].add(rows);
+  }
+
+  report.begin("calibration",
+               "7. Error estimate against the error, scenes " + std::to_string(options.first_scene) + " to " +
+                   std::to_string(options.first_scene + options.num_scenes - 1),
+               {"scenes of", "number", "covered_at_end", "covered_looks", "covered_always", "median_at_end", "q05", "q25", "median",
+                "q75", "q95"});
+  for (const auto& group : groups) group.second.report(group.first, report);
+  report.end();
+  report.note("covered: the true error is under the estimate; the other columns: estimate over true error");
+  report.note(std::to_string(num) + " scenes, " + std::to_string(unsound) + " without a sound truth, " + std::to_string(chaotic) +
+              " chaotic, of which " + std::to_string(chaotic_flagged) + " flagged; " + std::to_string(regular_flagged) +
+              " others flagged");
+  report.begin("calibration_chaotic", "Scenes counted apart, with the growth of a disturbance of the truth", {"scene", "growth"});
+  for (const auto& scene : apart) report.add({scene.first, show(scene.second)});
+  report.end();
+}
+
+}  // namespace deformable_surface::benchmark

@@ -1,0 +1,152 @@
+#include "accuracy.h"
+
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/simulation/simulation.h"
+#include "error_estimator.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using Candidate = AccuracyChoice::Candidate;
+
+// The first number tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
+constexpr Index kFewest = 8 * kCoarsestPoints;
+// Points times sub-steps of a probe, about ten seconds of one core: a finer one is not begun if it would take more.
+constexpr double kMostWork = 1e8;
+// What a Newton iteration costs over a force pass, roughly.
+constexpr double kNewtonCost = 30.0;
+// Cost of an explicit step by the number of points: the sub-steps grow with its root.
+constexpr double kCostExponent = 1.5;
+constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only ever makes them slower
+
+std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
+
+// A probe: the scene itself on fewer points, with the error estimate that will be published.
+struct Probe {
+  Candidate candidate;
+  double work = 0.0;   // points times sub-steps of the whole duration
+  bool failed = false;
+};
+
+Probe probeError(const SceneParams& params, const RestSurface& full, Index points) {
+  Probe probe;
+  probe.candidate.points = points;
+  SceneParams quiet = params;
+  quiet.accuracy = AccuracyParams{};
+  Simulation simulation(quiet, buildCoarser(quiet, full, points));
+  simulation.estimateError(full);
+  const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
+  for (Index k = 1; k <= steps; ++k) {
+    const StepOutcome outcome = simulation.step();
+    const Statistics now = simulation.statistics();
+    const double error = outcome.ok ? now.error_estimate : std::numeric_limits<double>::infinity();
+    probe.candidate.error = std::max(probe.candidate.error, error);
+    probe.work += static_cast<double>(points) * (now.solver_iterations > 0 ? kNewtonCost * now.solver_iterations : now.substeps);
+    if (probe.candidate.error <= params.accuracy.position_error) continue;
+    // It has failed; what all of it would have cost is still of interest.
+    probe.work *= static_cast<double>(steps) / k;
+    probe.failed = true;
+    return probe;
+  }
+  return probe;
+}
+
+// The fewest points whose estimate stays below the wish.
+Index chooseByError(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
+  const Index n = static_cast<Index>(full.dense.positions.size());
+  const double wish = params.accuracy.position_error;
+  const std::string asked = "accuracy.position_error " + formatReal(wish) + " m: ";
+  for (Index points = std::min(kFewest, n);; points = std::min(2 * points, n)) {
+    const Probe probe = probeError(params, full, points);
+    choice.candidates.push_back(probe.candidate);
+    choice.points = points;
+    choice.is_met = !probe.failed;
+    const std::string estimate = formatReal(probe.candidate.error) + " m";
+    if (choice.is_met) {
+      choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +
+                        formatReal(params.duration) + " s stays below it (" + estimate + ")";
+      break;
+    }
+    const std::string reached = "; its estimated error has reached " + estimate;
+    if (points == n) {
+      choice.sentence = asked + "cannot be met even with every point simulated, which is chosen" + reached;
+      break;
+    }
+    const double next_work = probe.work * std::pow(static_cast<double>(std::min(2 * points, n)) / points, kCostExponent);
+    if (next_work > kMostWork) {
+      choice.sentence = asked + "not met by " + sayPoints(points, n) + ", the most whose trial is affordable, which are chosen" +
+                        reached;
+      break;
+    }
+  }
+  return choice.points;
+}
+
+double timeStep(const SceneParams& params, const RestSurface& full, Index points) {
+  SceneParams quiet = params;
+  quiet.accuracy = AccuracyParams{};
+  Simulation simulation(quiet, buildCoarser(quiet, full, points));
+  if (params.accuracy.estimate) simulation.estimateError(full);
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k <= kTimedSteps; ++k) {
+    if (!simulation.step().ok) return std::numeric_limits<double>::infinity();
+    const double seconds = simulation.statistics().time_total;
+    if (k > 0) least = std::min(least, seconds);  // the first step also makes what later ones keep
+    if (seconds > kTimedSteps * params.accuracy.step_budget) return k > 0 ? least : seconds;
+  }
+  return least;
+}
+
+// The most points whose measured step fits.
+Index chooseByTime(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
+  const Index n = static_cast<Index>(full.dense.positions.size());
+  const double budget = params.accuracy.step_budget;
+  const auto attempt = [&](Index points) {
+    choice.candidates.push_back({points, 0.0, timeStep(params, full, points)});
+    return choice.candidates.back().step_time;
+  };
+  Candidate best;
+  for (Index points = std::min(kFewest, n);; points = std::min(2 * points, n)) {
+    const double seconds = attempt(points);
+    if (seconds <= budget) best = choice.candidates.back();
+    if (!(seconds <= budget) || points == n) break;
+  }
+  const std::string asked = "accuracy.step_budget " + formatReal(budget) + " s: ";
+  const std::string warning = "; choosing by wall time gives up bit-identical repeats";
+  choice.is_met = best.points > 0;
+  if (!choice.is_met) {
+    const Candidate& fewest = choice.candidates.front();
+    choice.points = fewest.points;
+    choice.sentence = asked + "cannot be met; the fewest tried, " + sayPoints(fewest.points, n) + ", take " +
+                      formatReal(fewest.step_time) + " s per step and are chosen" + warning;
+    return choice.points;
+  }
+  // Between the last that fits and the first that does not, by the growth of the cost.
+  const Index between = static_cast<Index>(best.points * std::pow(budget / best.step_time, 1.0 / kCostExponent));
+  if (best.points < n && between > best.points && attempt(std::min(between, n)) <= budget) best = choice.candidates.back();
+  choice.points = best.points;
+  choice.sentence = asked + sayPoints(best.points, n) + " simulated, the most tried whose step fits (" +
+                    formatReal(best.step_time) + " s)" + warning;
+  return choice.points;
+}
+
+}  // namespace
+
+RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice) {
+  const AccuracyParams& wish = params.accuracy;
+  choice = AccuracyChoice{};
+  choice.is_asked = wish.position_error > 0.0 || wish.step_budget > 0.0;
+  const Index coarsest = choice.is_asked || wish.estimate ? kCoarsestPoints : kMaxIndex;
+  if (!choice.is_asked) return buildRestSurface(params, input, coarsest);
+  RestSurface rest = buildRestSurface(params, input, coarsest, [&](const RestSurface& full) {
+    return wish.position_error > 0.0 ? chooseByError(params, full, choice) : chooseByTime(params, full, choice);
+  });
+  rest.notes.push_back(choice.sentence);
+  return rest;
+}
+
+}  // namespace deformable_surface::simulation

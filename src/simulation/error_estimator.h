@@ -1,0 +1,74 @@
+// The live error estimate: coarser copies of a simulation run beside it, and how far they are from it and from each other says
+// how far it may be from the full surface. A file of its own, because it drives simulations and is driven by one.
+#pragma once
+
+#include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/simulation/simulation.h"
+#include "deformable_surface/solve/integrator_params.h"
+
+#include <memory>
+#include <string>
+
+namespace deformable_surface::simulation {
+
+/// The order of removal is recorded down to this many points, for the coarser copies: fewer carry no shape.
+constexpr Index kCoarsestPoints = 16;
+
+/// Method, calibration and limits: docs/accuracy_control.md.
+class ErrorEstimator {
+ public:
+  /// level: the simulation points whose error is estimated; full: the surface that they were chosen from, with its order of
+  /// removal (the same object where a simulation has both). Neither is kept. Throws InputError if the copies cannot be built.
+  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level);
+
+  void reset();
+
+  /// Gives a command to every copy, as the simulation got it.
+  template <class Command>
+  void forward(const Command& command) {
+    for (Simulation* copy : {shadow_.get(), twin_.get(), verlet_.get()})
+      if (copy) command(*copy);
+  }
+
+  /// The simulation has left for a state that the copies do not know: there is no estimate until the next reset.
+  void lose() { is_lost_ = true; }
+
+  /// Follows a step that the simulation has taken: positions after it, the integrator (not auto) and the sub-steps. Allocates
+  /// nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing.
+  std::string follow(const Points& positions, solve::IntegratorType type, Index substeps);
+
+  double space() const { return space_; }        // m
+  double transfer() const { return transfer_; }  // m
+  double time() const { return time_; }          // m
+  /// Their sum, m; infinite while small differences have grown so much that runs of this scene do not resemble each other.
+  double total() const;
+
+ private:
+  bool stepCopies(solve::IntegratorType type);
+  double measureTime(solve::IntegratorType type) const;
+
+  // Constants.
+  bool is_simplified_ = false;         // the level has fewer points than the surface
+  double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
+  double damping_ = 0.0, step_ = 0.0;  // 1/s, s
+  double disturbance_ = 0.0;           // m, of the twin
+  double chaotic_distance_ = 0.0;      // m, of the twin from the shadow
+  Points rest_;                        // (n x 3) of the level
+  std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
+  transfer::Transfer refine_;          // from the copies' points to the level's
+
+  // Copies of fewer points: one like the simulation; one from disturbed positions and, where the integrator is Verlet's, in finer
+  // sub-steps; and one that takes Verlet's steps beside an integrator of first order.
+  std::unique_ptr<Simulation> shadow_, twin_, verlet_;
+
+  // What has been seen since the last reset.
+  double space_ = 0.0, transfer_ = 0.0, time_ = 0.0;   // m
+  double twin_distance_ = 0.0;                         // m
+  std::uint64_t steps_ = 0, substeps_ = 0, shadow_substeps_ = 0, twin_substeps_ = 0;
+  bool follows_verlet_ = false;                        // verlet_ has taken every step
+  bool is_lost_ = false, is_chaotic_ = false;
+  // Scratch.
+  Points coarse_now_, refined_;
+};
+
+}  // namespace deformable_surface::simulation
