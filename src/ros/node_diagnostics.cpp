@@ -88,6 +88,7 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
   status.add("time not caught up (s)", formatReal(now_.time_let_go));
   status.add("frames dropped", now_.frames_dropped);
   status.add("clock jumps back", now_.jumps_back);
+  if (!now_.accuracy.empty()) status.add("accuracy", now_.accuracy);
 }
 
 }  // namespace deformable_surface::node

@@ -299,6 +299,7 @@ StepperStatus Stepper::status() const {
   if (simulation_) {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();
+    status.accuracy = simulation_->accuracyChoice().sentence;
     status.lag = std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
   }
   if (is_failed_) {

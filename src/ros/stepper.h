@@ -30,6 +30,7 @@ struct StepperStatus {
   int commands_waiting = 0, commands_dropped = 0;
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
+  std::string accuracy;      // what was chosen from the accuracy asked for, and why; empty if nothing was
 };
 
 class Stepper {

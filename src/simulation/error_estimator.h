@@ -44,6 +44,8 @@ class ErrorEstimator {
   double total() const;
 
  private:
+  void findBucklingStrain(const SceneParams& params, const RestSurface& level);
+  bool isBuckling(const Points& positions) const;
   bool stepCopies(solve::IntegratorType type);
   double measureTime(solve::IntegratorType type) const;
 
@@ -53,7 +55,9 @@ class ErrorEstimator {
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin
   double chaotic_distance_ = 0.0;      // m, of the twin from the shadow
-  Points rest_;                        // (n x 3) of the level
+  std::vector<std::pair<Index, Index>> links_;  // of the level, whose compression is watched; empty: it is not
+  std::vector<double> rest_length_;             // m
+  double buckling_strain_ = 0.0;                // compression from which on the surface buckles between the points
   std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
   transfer::Transfer refine_;          // from the copies' points to the level's
 
@@ -66,7 +70,7 @@ class ErrorEstimator {
   double twin_distance_ = 0.0;                         // m
   std::uint64_t steps_ = 0, substeps_ = 0, shadow_substeps_ = 0, twin_substeps_ = 0;
   bool follows_verlet_ = false;                        // verlet_ has taken every step
-  bool is_lost_ = false, is_chaotic_ = false;
+  bool is_lost_ = false, is_chaotic_ = false, has_buckled_ = false;
   // Scratch.
   Points coarse_now_, refined_;
 };

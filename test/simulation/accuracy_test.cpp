@@ -1,5 +1,5 @@
-// The error estimate and what is chosen by it: the estimate covers the truth, wishes are honoured or refused in words, and a surface
-// that buckles is not given a number.
+// The error estimate and what is chosen by it: the estimate covers the truth, wishes are honoured or refused in words, and a
+// surface that buckles is not given a number.
 #include "../support/random_scene.h"
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
@@ -188,6 +188,19 @@ TEST(AccuracyChoice, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
     EXPECT_LE(findLargestDistance(s.surface(false).positions, truth), wish);
   }
   EXPECT_LT(previous, cloud.size());
+}
+
+TEST(AccuracyChoice, SaysOnceWhenTheEstimateGrowsBeyondTheWishLater) {
+  // The trial sees the first hundredth of a second only, in which the strip hardly moves.
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  p.duration = 0.01;
+  p.accuracy.position_error = 2e-3;
+  Simulation s(p, strip());
+  EXPECT_TRUE(s.accuracyChoice().is_met) << s.accuracyChoice().sentence;
+  int times_said = 0;
+  for (int k = 0; k < 40; ++k) times_said += s.step().notice.find("beyond accuracy.position_error") != std::string::npos;
+  EXPECT_GT(s.statistics().error_estimate, p.accuracy.position_error);
+  EXPECT_EQ(times_said, 1);
 }
 
 TEST(AccuracyChoice, SaysThatAWishCannotBeMet) {
