@@ -118,7 +118,9 @@ TEST(ErrorEstimate, FollowsTheCommandsThatTheSimulationGets) {
   p.gravity.setZero();
   Simulation s(p, strip());
   run(s, 2);
-  EXPECT_LT(s.statistics().error_estimate, 3e-4);  // nothing moves but the twin, by up to a thousandth of the spacing along each axis
+  // Nothing moves but the twin, by up to a thousandth of the spacing along each axis; where a step has but one sub-step, time's factor
+  // makes four times as much of it.
+  EXPECT_LT(s.statistics().error_estimate, 5e-4);
   s.setGravity(Vec3(0.0, 0.0, -9.81));
   run(s, 20);
   const double sagging = s.statistics().error_estimate;
