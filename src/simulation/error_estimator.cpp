@@ -15,8 +15,8 @@ using solve::IntegratorType;
 constexpr Index kRatio = 4;
 constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
 
-// Fitted on scenes drawn by other seeds than those of benchmark/calibration_section.cpp, for 97 % of them to be covered at the end.
-constexpr double kSpaceFactor = 2.0;  // also of what transfer loses
+// Fitted on scenes that benchmark/calibration_section.cpp draws by other seeds; see docs/accuracy_control.md.
+constexpr double kSpaceFactor = 1.6;  // also of what transfer loses
 constexpr double kVerletFactor = 3.0, kFirstOrderFactor = 1.5;
 
 // The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
@@ -76,7 +76,7 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   reset();
 }
 
-// A shell of mean curvature k buckles under the compressive force 2 k sqrt(D E h) per length [Timoshenko and Gere 1961, 11.1],
+// A shell of mean curvature k buckles under the compressive force 2 k sqrt(D E h) per length [Timoshenko 1961, 11.1],
 // in dents as long as a few (D / (E h k^2))^(1/4). Where the points lie farther apart than that, neither they nor their copies can
 // show the dents that the full surface gets; so they watch for the strain.
 void ErrorEstimator::findBucklingStrain(const SceneParams& params, const RestSurface& level) {
