@@ -41,15 +41,15 @@ def main():
     with open(sys.argv[1], newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     scenes = list(dict.fromkeys(r["scene"] for r in rows))
-    figure, axes = plt.subplots(1, len(scenes), figsize=(4.2 * len(scenes), 4.4), squeeze=False)
-    for panel, scene in zip(axes[0], scenes):
+    figure, axes = plt.subplots(-(-len(scenes) // 3), min(3, len(scenes)), figsize=(4.2 * min(3, len(scenes)), 4.0 * -(-len(scenes) // 3)), squeeze=False)
+    for panel, scene in zip(axes.flat, scenes):
         draw_scene(panel, scene, [r for r in rows if r["scene"] == scene])
     used = [m for m in COLOURS if any(r["method"] == m for r in rows)]
     handles = [plt.Line2D([], [], linestyle="", marker="*" if m == "default" else "o", color=COLOURS[m], label=m) for m in used]
     handles.append(plt.Line2D([], [], linestyle="", marker="o", color="grey", markerfacecolor="none", label="not sound"))
     handles.append(plt.Line2D([], [], color="black", linewidth=0.8, label="front"))
-    figure.legend(handles=handles, loc="lower center", ncol=len(handles))
-    figure.tight_layout(rect=(0, 0.07, 1, 1))
+    figure.legend(handles=handles, loc="lower center", ncol=4)
+    figure.tight_layout(rect=(0, 0.08, 1, 1))
     figure.savefig(sys.argv[2], dpi=110)
 
 
