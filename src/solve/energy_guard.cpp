@@ -21,7 +21,7 @@ void EnergyGuard::beginStep(const System& system, double time, const State& stat
   elastic_known_ = true;
   const double kinetic = system.kineticEnergy(state);
   before_ = elastic_ + kinetic + system.loadPotential(time, state);
-  memory_.vibration = std::max(memory_.vibration, elastic_ + kinetic + system.storedEnergy(state));
+  memory_.vibration = std::max(memory_.vibration, elastic_ + kinetic + system.storedEnergy(time, state));
   if (!memory_.kick_needed) return;
   memory_.kick_needed = false;
   memory_.kick = 0.0;
@@ -33,7 +33,7 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
                           const Allowance& allowance) {
   next_elastic_ = system.elasticEnergy(state);
   const double moving = next_elastic_ + system.kineticEnergy(state);
-  const double vibration = moving + system.storedEnergy(state);
+  const double vibration = moving + system.storedEnergy(time, state);
   after_ = moving + system.loadPotential(time, state);
   const double gain = after_ - before_ - work;
   excess_ = memory_.excess + gain;

@@ -50,9 +50,9 @@ double System::estimateWork(double from, double to, const State& before, const S
   return work;
 }
 
-double System::storedEnergy(const State& state) const {
+double System::storedEnergy(double time, const State& state) const {
   double energy = 0.0;
-  for (const ExternalLoad* load : loads_) energy += load->storedEnergy(state);
+  for (const ExternalLoad* load : loads_) energy += load->storedEnergy(time, state);
   return energy;
 }
 

@@ -189,7 +189,7 @@ std::string TimeMarch::describeFailure(const SolveReport& report, const State& s
   if (!report.finite) return "gave values that are not finite";
   if (!isInSpace(state)) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
   return "raised the energy from " + formatReal(guard_.energyBefore()) + " to " + formatReal(guard_.energyAfter()) +
-         " J, and by " + formatReal(guard_.excess()) + " J in all beyond what was put in,";
+         " J, and by " + formatReal(guard_.excess()) + " J in all beyond what was put in";
 }
 
 TimeMarch::Outcome TimeMarch::step(double time, State& state) {

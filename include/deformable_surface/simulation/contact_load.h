@@ -19,6 +19,7 @@ class ContactLoad : public solve::ExternalLoad {
   void addForces(double time, const model::State& state, Points& forces) const override;
   double potential(double time, const model::State& state) const override;
   bool isConservative() const override { return true; }
+  double storedEnergy(double time, const model::State& state) const override { return potential(time, state); }
   /// What tools in motion do: the potential's gain at the points before and at those after, whichever is more.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;

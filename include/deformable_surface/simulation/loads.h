@@ -71,7 +71,7 @@ class AnchorLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
-  double storedEnergy(const State& state) const override { return potential(0.0, state); }
+  double storedEnergy(double time, const State& state) const override { return potential(time, state); }
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 

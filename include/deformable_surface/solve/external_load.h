@@ -18,8 +18,8 @@ class ExternalLoad {
   /// Potential of the load in joules where it has one (its forces are minus the gradient). Meaningless if !isConservative().
   virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
   virtual bool isConservative() const { return false; }
-  /// The part of the potential that is stored as in a spring, never negative, J.
-  virtual double storedEnergy(const model::State& /*state*/) const { return 0.0; }
+  /// The part of the potential at a time (s) that is stored as in a spring, never negative, J.
+  virtual double storedEnergy(double /*time*/, const model::State& /*state*/) const { return 0.0; }
 
   /// Energy that the load puts in between two times (s) while the points move straight from one state to another, J: the work of
   /// forces without a potential, and at least what a potential gains by changing in time; 0 will do if it only ever takes

@@ -37,7 +37,7 @@ class System {
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
   /// The part of it that is stored as in springs, J.
-  double storedEnergy(const State& state) const;
+  double storedEnergy(double time, const State& state) const;
   /// The energy that loads put in between two times while the points move straight from one state to another, J; see ExternalLoad.
   double estimateWork(double from, double to, const State& before, const State& after) const;
   /// The forces of the loads, N; zero on held points and on points whose load has a stiffness. (n x 3), overwritten.
