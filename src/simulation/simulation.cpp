@@ -92,7 +92,7 @@ struct Simulation::Impl {
   Statistics statistics;
   std::unique_ptr<transfer::Resampler> resampler;
   transfer::Transfer inserted_transfer;
-  Points dense_now, inserted_now;
+  Points dense_now, inserted_now, all_now;
   std::vector<Eigen::Vector3f> dense_normals_now, inserted_normals_now;
   AccuracyChoice choice;
   bool is_wish_missed = false;  // said since the last reset
@@ -348,9 +348,9 @@ struct Simulation::Impl {
   void resample() {
     rest.transfer.apply(state.positions, dense_now);
     moveInserted(false);
-    Points all = dense_now;
-    all.insert(all.end(), inserted_now.begin(), inserted_now.end());
-    resampler->update(all);
+    all_now = dense_now;
+    all_now.insert(all_now.end(), inserted_now.begin(), inserted_now.end());
+    resampler->update(all_now);
   }
 
   // From distinct points to the rows of the input, then the inserted ones.

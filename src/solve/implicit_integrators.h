@@ -1,4 +1,4 @@
-// The methods that solve for the end of the step: implicit Euler by energy descent, and the static equilibrium.
+// The methods that solve for the end of the step: two implicit stages by energy descent, and the static equilibrium.
 #pragma once
 
 #include "deformable_surface/solve/integrator.h"
