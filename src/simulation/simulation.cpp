@@ -44,6 +44,13 @@ std::uint64_t hashPoints(const Points& points, std::uint64_t h = 146959810393466
   return h;
 }
 
+std::uint64_t hashState(const State& state) {
+  std::uint64_t h = hashPoints(state.velocities, hashPoints(state.positions));
+  if (state.orientations.empty()) return h;
+  for (const Quaternion& q : state.orientations) h = hashPoints({Vec3(q.x(), q.y(), q.z()), Vec3(q.w(), 0.0, 0.0)}, h);
+  return hashPoints(state.spins, h);
+}
+
 Index nearestPoint(const Points& points, const Vec3& to) {
   Index nearest = 0;
   for (Index i = 1; i < static_cast<Index>(points.size()); ++i)
@@ -138,6 +145,7 @@ struct Simulation::Impl {
   void reset() {
     state.positions = rest.points;
     state.velocities.assign(rest.points.size(), Vec3::Zero());
+    rest.model->beginAtRest(state);
     steps = 0;
     pinned = rest.pinned;
     clampHeld();
@@ -176,6 +184,7 @@ struct Simulation::Impl {
 
   void restore(const Snapshot::Contents& saved) {
     state = saved.state;
+    rest.model->adopt(state);
     steps = saved.steps;
     pinned = saved.pinned;
     clampHeld();
@@ -302,7 +311,7 @@ struct Simulation::Impl {
     if (params.tools.empty()) statistics.skipped.push_back("contact");
   }
 
-  std::uint64_t hash() const { return hashPoints(state.velocities, hashPoints(state.positions)); }
+  std::uint64_t hash() const { return hashState(state); }
 
   const Surface& makeSurface(bool with_normals) {
     with_normals = with_normals && params.output.normals;

@@ -54,6 +54,8 @@ double StableStep::largestEigenvalue() {
 }
 
 double StableStep::estimate(double time, const State& state, const System& system) {
+  const double known = system.findStableStep(state);
+  if (known > 0.0) return known;
   const Index n = system.size();
   stiffness_.begin(n);
   system.addStiffness(time, state, 0.0, model::Hessian::kPositive, stiffness_);

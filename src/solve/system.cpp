@@ -7,12 +7,21 @@
 namespace deformable_surface::solve {
 
 System::System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
-               double damping)
-    : model_(model), loads_(loads), held_(held), damping_(damping) {}
+               double damping, const std::vector<char>* held_turns)
+    : model_(model), loads_(loads), held_(held), held_turns_(held_turns), damping_(damping) {}
 
 void System::computeForces(double time, const State& state, Points& forces) const {
   computeInternalForces(state, forces);
   addLoads(time, state, forces);
+}
+
+void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
+  forces.assign(state.positions.size(), Vec3::Zero());
+  torques.assign(state.positions.size(), Vec3::Zero());
+  model_.addForcesAndTorques(state, forces, torques);
+  addLoads(time, state, forces);
+  for (Index i = 0; held_turns_ && i < state.size(); ++i)
+    if (isTurnHeld(i)) torques[i].setZero();
 }
 
 void System::computeInternalForces(const State& state, Points& forces) const {
@@ -27,7 +36,7 @@ void System::addLoads(double time, const State& state, Points& forces) const {
 }
 
 void System::computeConservativeForces(double time, const State& state, Points& forces) const {
-  at_rest_.positions = state.positions;
+  at_rest_ = state;
   at_rest_.velocities.assign(state.positions.size(), Vec3::Zero());
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(at_rest_, forces);
@@ -75,6 +84,7 @@ double System::potentialEnergy(double time, const State& state) const {
 double System::kineticEnergy(const State& state) const {
   double energy = 0.0;
   for (Index i = 0; i < size(); ++i) energy += 0.5 * masses()[i] * state.velocities[i].squaredNorm();
+  for (std::size_t i = 0; i < state.spins.size(); ++i) energy += 0.5 * inertias()[i] * state.spins[i].squaredNorm();
   return energy;
 }
 

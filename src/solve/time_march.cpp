@@ -60,7 +60,9 @@ void TimeMarch::restart() {
 std::string TimeMarch::chooseIntegrator() {
   IntegratorType wanted = params_.type;
   std::string notice;
-  if (wanted == IntegratorType::kAuto) {
+  if (wanted == IntegratorType::kAuto && system_.isOriented()) {
+    wanted = IntegratorType::kVerlet;  // there is no implicit method for bonds that come and go
+  } else if (wanted == IntegratorType::kAuto) {
     const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
     wanted = substeps <= params_.max_substeps ? IntegratorType::kVerlet : IntegratorType::kImplicit;
     if (wanted != memory_.type && wanted == IntegratorType::kImplicit)
@@ -75,14 +77,15 @@ std::string TimeMarch::chooseIntegrator() {
 
 Integrator& TimeMarch::integrator(IntegratorType type) {
   std::unique_ptr<Integrator>& kept = integrators_[type];
-  if (!kept) kept = makeIntegrator(type, params_);
+  if (!kept) kept = makeIntegrator(type, params_, system_.isOriented());
   return *kept;
 }
 
 // Estimates the stable step anew when the surface is no longer what it was measured on.
 void TimeMarch::refreshStableStep(double time, const State& state) {
   const double stretch = model_.maxStretch(state);
-  if (!memory_.estimate_needed && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory) return;
+  // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
+  if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory) return;
   memory_.max_substep = stable_step_.estimate(time, state, system_);
   memory_.stretch_at_estimate = stretch;
   memory_.estimate_needed = false;
@@ -120,10 +123,11 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   }
   SolveReport total;
   double done = 0.0;
+  const bool may_be_implicit = params_.type == IntegratorType::kAuto && !system_.isOriented();
   for (;;) {
     const Index left = countSubsteps(part - done, share * memory_.max_substep);
     // The surface has become too stiff within the step: the whole of it is to be taken implicitly.
-    is_too_stiff_ = params_.type == IntegratorType::kAuto && total.substeps + left > params_.max_substeps;
+    is_too_stiff_ = may_be_implicit && total.substeps + left > params_.max_substeps;
     if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
     if (is_too_stiff_ || substeps_needed_ > 0) return total;
     const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
@@ -163,7 +167,7 @@ void TimeMarch::goBack(double time, State& state) {
 }
 
 bool TimeMarch::estimatesStableStep() const {
-  return isExplicit(params_.type) || params_.type == IntegratorType::kAuto;
+  return isExplicit(params_.type) || params_.type == IntegratorType::kAuto || system_.isOriented();
 }
 
 bool TimeMarch::isSound(double time, const SolveReport& report, const State& state) {
@@ -224,7 +228,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     sound = isSound(time, report, state);
     retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
   }
-  const bool may_change = params_.type == IntegratorType::kAuto && memory_.type == IntegratorType::kVerlet;
+  const bool may_change = params_.type == IntegratorType::kAuto && !system_.isOriented() && memory_.type == IntegratorType::kVerlet;
   for (Index parts = 1; !sound && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
     retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
     goBack(time, state);

@@ -23,6 +23,9 @@ using Vec4 = Eigen::Vector4d;
 using Mat2 = Eigen::Matrix2d;
 using Mat3 = Eigen::Matrix3d;
 
+using Quaternion = Eigen::Quaterniond;
+using Orientations = std::vector<Quaternion>;  // (n); coefficients x, y, z, w
+
 /// (n x 3), contiguous: points.data()->data() is the flat array x0 y0 z0 x1 ...
 using Points = std::vector<Vec3>;
 

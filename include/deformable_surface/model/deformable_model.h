@@ -10,10 +10,24 @@
 
 namespace deformable_surface::model {
 
+constexpr Index kNoParent = -1;
+
+/// What else an oriented particle carries along.
+struct ParticleTraits {
+  double temperature = 0.0;                // K above ambient; weakens its bonds
+  Index id = 0;                            // never used again, and never another's: the rank among the first ones, then by birth
+  Index parents[2] = {kNoParent, kNoParent};  // ids of those between which it was born
+  bool is_smooth = true;                   // false: no force that keeps the surface flat acts on or from it (a crease)
+};
+
 /// What moves: everything that a snapshot must hold of the simulation points. World frame.
 struct State {
   Points positions;   // (n x 3) m
   Points velocities;  // (n x 3) m/s
+  // Of models whose points are oriented, else empty:
+  Orientations orientations{};           // (n) unit, from the point's frame to the world: its z axis is the normal
+  Points spins{};                        // (n x 3) angular velocity, rad/s
+  std::vector<ParticleTraits> traits{};  // (n)
 
   Index size() const { return static_cast<Index>(positions.size()); }
 };
@@ -46,6 +60,23 @@ class DeformableModel {
 
   /// False only if addForces() never looks at the velocities: the same positions then give the same forces.
   virtual bool forcesReadVelocities() const { return true; }
+
+  /// True if the points carry orientations, which torques turn: State then has the arrays for it.
+  virtual bool isOriented() const { return false; }
+  /// (n) kg m^2, positive: moments of inertia, the same about every axis. Only of oriented points.
+  virtual const std::vector<double>& inertias() const { return masses(); }
+  /// Adds forces as addForces() does, and the torques in N m: torques (n x 3).
+  virtual void addForcesAndTorques(const State& state, Points& forces, Points& /*torques*/) const { addForces(state, forces); }
+
+  /// Fills what is beyond positions and velocities of a state at rest, which has as many points as at the beginning.
+  virtual void beginAtRest(State& /*state*/) {}
+  /// The state may hold other points than before (some born, some gone, a snapshot restored): masses follow.
+  virtual void adopt(const State& /*state*/) {}
+  /// Makes links and triangles those of this state, where they change.
+  virtual void refreshDisplay(const State& /*state*/) const {}
+
+  /// The largest step, s, with which explicit integrators are stable at this state; 0: to be measured from the stiffness.
+  virtual double findStableStep(const State& /*state*/) const { return 0.0; }
 
   /// Elastic energy in joules; zero in the rest state.
   virtual double elasticEnergy(const State& state) const = 0;

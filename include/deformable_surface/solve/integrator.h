@@ -30,7 +30,7 @@ class Integrator {
 /// Sub-steps that an explicit integrator takes of a step: enough that each is at most kSafety of the stable one.
 Index countSubsteps(double step, double max_substep);
 
-/// type: not kAuto, which the simulation resolves.
-std::unique_ptr<Integrator> makeIntegrator(IntegratorType type, const IntegratorParams& params);
+/// type: not kAuto, which the simulation resolves; oriented: for a system that isOriented(), which has kVerlet and kStatic only.
+std::unique_ptr<Integrator> makeIntegrator(IntegratorType type, const IntegratorParams& params, bool oriented = false);
 
 }  // namespace deformable_surface::solve

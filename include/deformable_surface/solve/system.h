@@ -11,18 +11,24 @@ using model::State;
 class System {
  public:
   /// The model, the loads and held (n, 1 = the point does not move) are kept by reference: what they say may change between steps.
-  /// damping, 1/s: force = -damping * mass * velocity; explicit integrators apply it exactly.
+  /// damping, 1/s: force = -damping * mass * velocity, torque = -damping * inertia * spin; explicit integrators apply it exactly.
+  /// held_turns (n, 1 = the point does not turn): null if none is held so.
   System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
-         double damping);
+         double damping, const std::vector<char>* held_turns = nullptr);
 
   Index size() const { return static_cast<Index>(model_.masses().size()); }
   const std::vector<double>& masses() const { return model_.masses(); }
   bool isHeld(Index i) const { return held_[i] != 0; }
+  bool isOriented() const { return model_.isOriented(); }
+  const std::vector<double>& inertias() const { return model_.inertias(); }
+  bool isTurnHeld(Index i) const { return held_turns_ && (*held_turns_)[i] != 0; }
   double damping() const { return damping_; }
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;
-  /// The same in two parts: those of the model alone, on held points too, overwritten; and the loads added, zero on held points.
+  /// The same, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not turn.
+  void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
+  /// Forces in two parts: those of the model alone, on held points too, overwritten; and the loads added, zero on held points.
   void computeInternalForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
   /// False: the model's forces are a function of the positions alone.
@@ -31,7 +37,7 @@ class System {
   void computeConservativeForces(double time, const State& state, Points& forces) const;
   /// Their potential, J.
   double potentialEnergy(double time, const State& state) const;
-  /// J.
+  /// J, that of spins included.
   double kineticEnergy(const State& state) const;
   double elasticEnergy(const State& state) const { return model_.elasticEnergy(state); }
   /// The potential of the conservative loads alone, J.
@@ -42,6 +48,9 @@ class System {
   double estimateWork(double from, double to, const State& before, const State& after) const;
   /// The forces of the loads, N; zero on held points and on points whose load has a stiffness. (n x 3), overwritten.
   void computeSteadyLoads(double time, const State& state, Points& forces) const;
+
+  /// See DeformableModel.
+  double findStableStep(const State& state) const { return model_.findStableStep(state); }
 
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
@@ -63,6 +72,7 @@ class System {
   const model::DeformableModel& model_;
   const std::vector<const ExternalLoad*>& loads_;
   const std::vector<char>& held_;
+  const std::vector<char>* held_turns_;
   double damping_;
   mutable State at_rest_;                            // scratch: the positions with velocities of zero
   mutable Points largest_;
