@@ -1,31 +1,26 @@
 #include "deformable_surface/simulation/simulation.h"
 
 #include "deformable_surface/base/error.h"
-#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/solve/time_march.h"
-#include "deformable_surface/transfer/resample.h"
 
 #include <algorithm>
 #include <cmath>
 #include <cstring>
-#include <limits>
 
 #include "accuracy.h"
+#include "deformed_surface.h"
 #include "error_estimator.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kResampleStretch = 1.5; // of the rest spacing at which a point is inserted
 constexpr double kMaxSpeed = 1e8;        // m/s that a given state may have: a third of that of light is no surface's
 constexpr double kContactRate = 0.45;    // of the highest frequency at rest: its square then grows by a fifth at most
-constexpr Index kBlock = 4096;
-const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 void requireFinite(const Vec3& v, const std::string& what) {
   if (!v.allFinite()) throw InputError(what + ": found a value that is not finite; accepted: finite numbers");
@@ -97,16 +92,10 @@ struct Simulation::Impl {
 
   // Results and scratch.
   Statistics statistics;
-  std::unique_ptr<transfer::Resampler> resampler;
-  transfer::Transfer inserted_transfer;
-  Points dense_now, inserted_now, all_now;
-  std::vector<Eigen::Vector3f> dense_normals_now, inserted_normals_now;
+  DeformedSurface surface;
   AccuracyChoice choice;
   bool is_wish_missed = false;  // said since the last reset
   std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
-  Surface surface;
-  std::uint64_t surface_version = 0, version = 1;
-  bool surface_has_normals = false;
 
   Impl(const SceneParams& given, cloud::PointCloud&& cloud, RestSurface built)
       : params(given),
@@ -120,7 +109,8 @@ struct Simulation::Impl {
         contact(rest.model->masses(), params.tools),
         loads(chooseLoads()),
         system(*rest.model, loads, pinned, params.material.damping),
-        march(system, *rest.model, params.integrator) {
+        march(system, *rest.model, params.integrator),
+        surface(rest, input, params) {
     reset();
   }
 
@@ -156,10 +146,9 @@ struct Simulation::Impl {
     march.restart();
     if (estimator) estimator->reset();
     is_wish_missed = false;
-    if (params.output.resample) makeResampler();
+    surface.reset();
     statistics = Statistics{};
     measure();
-    ++version;
   }
 
   // Of what stays the same from step to step: the points at rest, and the scene but for what no step reads. FNV-1a.
@@ -179,7 +168,7 @@ struct Simulation::Impl {
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
         identify(), state, steps, pinned, gravity.gravity, forces.all(), march.memory(),
-        resampler ? std::make_shared<const transfer::Resampler>(*resampler) : nullptr, statistics});
+        surface.saveInserted(), statistics});
   }
 
   void restore(const Snapshot::Contents& saved) {
@@ -192,16 +181,8 @@ struct Simulation::Impl {
     forces.restore(saved.forces);
     march.setMemory(saved.march);
     if (estimator) estimator->lose();
-    if (saved.resampler) resampler = std::make_unique<transfer::Resampler>(*saved.resampler);
-    forgetInserted();
+    surface.restoreInserted(saved.resampler.get());
     statistics = saved.statistics;
-    ++version;
-  }
-
-  void forgetInserted() {
-    inserted_transfer = transfer::Transfer();
-    inserted_now.clear();
-    inserted_normals_now.clear();
   }
 
   // Contact as stiff as the surface's own stiffest motion bears: the stable step stays nearly what it is without.
@@ -210,13 +191,6 @@ struct Simulation::Impl {
     contact.setRate(0.0);
     const double stable = march.findStableStep(0.0, state);
     contact.setRate(kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step));
-  }
-
-  void makeResampler() {
-    const cloud::Rings rings = cloud::buildRings(rest.dense.positions, rest.dense.normals, rest.dense_neighbors);
-    const Index room = std::max<Index>(0, params.input.max_points - static_cast<Index>(rest.dense.positions.size()));
-    resampler = std::make_unique<transfer::Resampler>(rest.dense.positions, rest.dense.normals, rings, kResampleStretch, room);
-    forgetInserted();
   }
 
   // Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
@@ -248,8 +222,8 @@ struct Simulation::Impl {
       return outcome;
     }
     ++steps;
-    ++version;
-    if (resampler) resample();
+    surface.invalidate();
+    surface.resample(state);
     if (estimator) estimate(report, outcome);
 
     // What it was.
@@ -303,8 +277,8 @@ struct Simulation::Impl {
     }
     statistics.skipped.clear();
     if (!estimator) statistics.skipped.push_back("error_estimate");
-    if (surface_version != version) statistics.skipped.push_back("transfer");
-    if (surface_version != version || !surface_has_normals) statistics.skipped.push_back("normals");
+    if (!surface.isMade()) statistics.skipped.push_back("transfer");
+    if (!surface.hasNormals()) statistics.skipped.push_back("normals");
     if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
     if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
     if (params.anchors.empty()) statistics.skipped.push_back("anchors");
@@ -314,100 +288,19 @@ struct Simulation::Impl {
   std::uint64_t hash() const { return hashState(state); }
 
   const Surface& makeSurface(bool with_normals) {
-    with_normals = with_normals && params.output.normals;
-    if (surface_version == version && (surface_has_normals || !with_normals)) return surface;
+    const bool wants_normals = with_normals && params.output.normals;
+    if (surface.isMade() && (surface.hasNormals() || !wants_normals)) return surface.make(state, with_normals);
     const Timer timer;
-    if (with_normals) {
-      rest.transfer.apply(state.positions, dense_now, dense_normals_now);
-    } else {
-      rest.transfer.apply(state.positions, dense_now);
-    }
-    if (with_normals && params.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
-    if (resampler) moveInserted(with_normals);
-    expand(with_normals);
+    const Surface& made = surface.make(state, with_normals);
     // The operator makes both in one pass; the time counts as that of what was asked for.
-    (with_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
-    surface_version = version;
-    surface_has_normals = with_normals;
-    return surface;
-  }
-
-  // Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.
-  void analyseNormals() {
-    const Points analysed = cloud::estimateNormals(dense_now, rest.dense_neighbors);
-    for (std::size_t i = 0; i < analysed.size(); ++i) {
-      const Eigen::Vector3f normal = analysed[i].cast<float>();
-      dense_normals_now[i] = normal.dot(dense_normals_now[i]) < 0.0f ? Eigen::Vector3f(-normal) : normal;
-    }
-  }
-
-  void moveInserted(bool with_normals) {
-    if (resampler->insertedRest().empty()) return;
-    if (inserted_transfer.numDense() != static_cast<Index>(resampler->insertedRest().size()))
-      inserted_transfer = transfer::Transfer(resampler->insertedRest(), resampler->insertedNormals(), rest.points,
-                                             std::vector<char>(rest.points.size(), 1), params.transfer);
-    if (with_normals) {
-      inserted_transfer.apply(state.positions, inserted_now, inserted_normals_now);
-    } else {
-      inserted_transfer.apply(state.positions, inserted_now);
-    }
-  }
-
-  // In every step, so that what is inserted does not depend on who looks; it costs a transfer per step.
-  void resample() {
-    rest.transfer.apply(state.positions, dense_now);
-    moveInserted(false);
-    all_now = dense_now;
-    all_now.insert(all_now.end(), inserted_now.begin(), inserted_now.end());
-    resampler->update(all_now);
-  }
-
-  // From distinct points to the rows of the input, then the inserted ones.
-  void expand(bool with_normals) {
-    const Index n = input.size();
-    const Index inserted = resampler ? static_cast<Index>(resampler->insertedRest().size()) : 0;
-    surface.num_input = n;
-    surface.positions.resize(n + inserted);
-    surface.displacement.resize(n + inserted);
-    surface.normals.resize(with_normals ? n + inserted : 0);
-    parallelFor(n, kBlock, [&](Index begin, Index end) {
-      for (Index i = begin; i < end; ++i) {
-        const Index d = rest.dense.point_of_input[i];
-        if (d < 0) {
-          surface.positions[i].setConstant(kNaN);
-          surface.displacement[i] = kNaN;
-          if (with_normals) surface.normals[i].setConstant(kNaN);
-          continue;
-        }
-        surface.positions[i] = dense_now[d];
-        surface.displacement[i] = static_cast<float>((dense_now[d] - rest.dense.positions[d]).norm());
-        if (with_normals) surface.normals[i] = dense_normals_now[d];
-      }
-    });
-    surface.source.clear();
-    if (inserted == 0) return;
-    const std::vector<Index> input_of_dense = firstInputs();
-    for (Index p = 0; p < inserted; ++p) {
-      surface.positions[n + p] = inserted_now[p];
-      surface.displacement[n + p] = static_cast<float>((inserted_now[p] - resampler->insertedRest()[p]).norm());
-      if (with_normals) surface.normals[n + p] = inserted_normals_now[p];
-      const Index parent = resampler->parents()[p].first;
-      const Index num_dense = static_cast<Index>(rest.dense.positions.size());
-      surface.source.push_back(parent < num_dense ? input_of_dense[parent] : surface.source[parent - num_dense]);
-    }
+    (wants_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
+    return made;
   }
 
   // To the copies that estimate the error.
   template <class Command>
   void forward(const Command& command) {
     if (estimator) estimator->forward(command);
-  }
-
-  std::vector<Index> firstInputs() const {
-    std::vector<Index> first(rest.dense.positions.size(), -1);
-    for (Index i = input.size() - 1; i >= 0; --i)
-      if (rest.dense.point_of_input[i] >= 0) first[rest.dense.point_of_input[i]] = i;
-    return first;
   }
 };
 
@@ -465,10 +358,11 @@ void Simulation::setState(const model::State& state) {
     if (impl_->pinned[i] && !state.velocities[i].isZero(0.0))
       throw InputError(point + "found a velocity though it is pinned; accepted: zero");
   }
-  impl_->state = state;
+  impl_->state.positions = state.positions;
+  impl_->state.velocities = state.velocities;
   impl_->march.restart();
   if (impl_->estimator) impl_->estimator->lose();
-  ++impl_->version;
+  impl_->surface.invalidate();
 }
 
 void Simulation::setForce(const ForceParams& force) {

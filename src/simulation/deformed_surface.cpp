@@ -1,0 +1,191 @@
+#include "deformed_surface.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/normals.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kResampleStretch = 1.5;  // of the rest spacing at which a point is inserted
+constexpr Index kBlock = 4096;
+constexpr Index kGone = -1;
+const float kNaN = std::numeric_limits<float>::quiet_NaN();
+
+}  // namespace
+
+DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params)
+    : rest_(rest), input_(input), params_(params), first_input_(rest.dense.positions.size(), -1) {
+  for (Index i = input.size() - 1; i >= 0; --i)
+    if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
+}
+
+void DeformedSurface::reset() {
+  invalidate();
+  ids_.clear();
+  survivors_.reset();
+  if (!params_.output.resample) return;
+  const cloud::Rings rings = cloud::buildRings(rest_.dense.positions, rest_.dense.normals, rest_.dense_neighbors);
+  const Index room = std::max<Index>(0, params_.input.max_points - static_cast<Index>(rest_.dense.positions.size()));
+  resampler_ = std::make_unique<transfer::Resampler>(rest_.dense.positions, rest_.dense.normals, rings, kResampleStretch, room);
+  inserted_transfer_ = transfer::Transfer();
+}
+
+std::shared_ptr<const transfer::Resampler> DeformedSurface::saveInserted() const {
+  return resampler_ ? std::make_shared<const transfer::Resampler>(*resampler_) : nullptr;
+}
+
+void DeformedSurface::restoreInserted(const transfer::Resampler* saved) {
+  if (saved) resampler_ = std::make_unique<transfer::Resampler>(*saved);
+  inserted_transfer_ = transfer::Transfer();
+  invalidate();
+}
+
+void DeformedSurface::resample(const model::State& state) {
+  if (!resampler_) return;
+  rest_.transfer.apply(state.positions, dense_now_);
+  moveInserted(state.positions, false);
+  all_now_ = dense_now_;
+  all_now_.insert(all_now_.end(), inserted_now_.begin(), inserted_now_.end());
+  resampler_->update(all_now_);
+}
+
+const Surface& DeformedSurface::make(const model::State& state, bool with_normals) {
+  with_normals = with_normals && params_.output.normals;
+  if (is_made_ && (has_normals_ || !with_normals)) return surface_;
+  if (!state.traits.empty()) followPopulation(state);
+  const transfer::Transfer& transfer = survivors_ ? *survivors_ : rest_.transfer;
+  const Points& positions = state.traits.empty() ? state.positions : first_positions_;
+  if (with_normals) {
+    transfer.apply(positions, dense_now_, dense_normals_now_);
+  } else {
+    transfer.apply(positions, dense_now_);
+  }
+  if (with_normals && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
+  if (resampler_) moveInserted(positions, with_normals);
+  expand(with_normals);
+  if (resampler_) appendInserted(with_normals);
+  if (!state.traits.empty()) appendNewborn(state, with_normals);
+  is_made_ = true;
+  has_normals_ = with_normals;
+  return surface_;
+}
+
+// Which particles of the beginning are left, and the operator that does without the others: a dense point follows those that are
+// left around it, but goes with the particle that it is nearest to.
+void DeformedSurface::followPopulation(const model::State& state) {
+  const Index first = static_cast<Index>(rest_.points.size());
+  bool is_same = ids_.size() == state.traits.size();
+  for (std::size_t i = 0; is_same && i < ids_.size(); ++i) is_same = ids_[i] == state.traits[i].id;
+  if (!is_same) {
+    Index highest = first - 1;
+    ids_.clear();
+    for (const model::ParticleTraits& particle : state.traits) {
+      ids_.push_back(particle.id);
+      highest = std::max(highest, particle.id);
+    }
+    point_of_id_.assign(std::max<std::size_t>(highest + 1, point_of_id_.size()), kGone);
+    for (Index i = 0; i < state.size(); ++i) point_of_id_[ids_[i]] = i;
+
+    std::vector<char> is_left(first);
+    for (Index id = 0; id < first; ++id) is_left[id] = point_of_id_[id] != kGone;
+    const bool all_left = std::count(is_left.begin(), is_left.end(), 1) == first;
+    is_gone_.assign(all_left ? 0 : rest_.dense.positions.size(), 0);
+    survivors_.reset();
+    if (!all_left) {
+      const cloud::KdTree tree(rest_.points);
+      std::vector<cloud::Neighbor> nearest;
+      for (std::size_t d = 0; d < is_gone_.size(); ++d) {
+        tree.nearest(rest_.dense.positions[d], 1, nearest);
+        is_gone_[d] = !is_left[nearest.front().index];
+      }
+      survivors_ = std::make_unique<transfer::Transfer>(rest_.dense.positions, rest_.dense.normals, rest_.points, is_left,
+                                                        params_.transfer);
+    }
+    // Parents are born before their children.
+    source_of_id_.resize(first);
+    for (Index id = 0; id < first; ++id) source_of_id_[id] = first_input_[rest_.dense_index[id]];
+    source_of_id_.resize(point_of_id_.size(), 0);
+    for (const model::ParticleTraits& particle : state.traits)
+      if (particle.id >= first && particle.parents[0] != model::kNoParent) source_of_id_[particle.id] = source_of_id_[particle.parents[0]];
+  }
+  first_positions_ = rest_.points;
+  for (Index id = 0; id < first; ++id)
+    if (point_of_id_[id] != kGone) first_positions_[id] = state.positions[point_of_id_[id]];
+}
+
+// Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.
+void DeformedSurface::analyseNormals() {
+  const Points analysed = cloud::estimateNormals(dense_now_, rest_.dense_neighbors);
+  for (std::size_t i = 0; i < analysed.size(); ++i) {
+    const Eigen::Vector3f normal = analysed[i].cast<float>();
+    dense_normals_now_[i] = normal.dot(dense_normals_now_[i]) < 0.0f ? Eigen::Vector3f(-normal) : normal;
+  }
+}
+
+void DeformedSurface::moveInserted(const Points& positions, bool with_normals) {
+  inserted_now_.clear();
+  inserted_normals_now_.clear();
+  if (resampler_->insertedRest().empty()) return;
+  if (inserted_transfer_.numDense() != static_cast<Index>(resampler_->insertedRest().size()))
+    inserted_transfer_ = transfer::Transfer(resampler_->insertedRest(), resampler_->insertedNormals(), rest_.points,
+                                            std::vector<char>(rest_.points.size(), 1), params_.transfer);
+  if (with_normals) {
+    inserted_transfer_.apply(positions, inserted_now_, inserted_normals_now_);
+  } else {
+    inserted_transfer_.apply(positions, inserted_now_);
+  }
+}
+
+// From distinct points to the rows of the input.
+void DeformedSurface::expand(bool with_normals) {
+  const Index n = input_.size();
+  surface_.num_input = n;
+  surface_.positions.resize(n);
+  surface_.displacement.resize(n);
+  surface_.normals.resize(with_normals ? n : 0);
+  surface_.source.clear();
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index d = rest_.dense.point_of_input[i];
+      if (d < 0 || (!is_gone_.empty() && is_gone_[d])) {
+        surface_.positions[i].setConstant(kNaN);
+        surface_.displacement[i] = kNaN;
+        if (with_normals) surface_.normals[i].setConstant(kNaN);
+        continue;
+      }
+      surface_.positions[i] = dense_now_[d];
+      surface_.displacement[i] = static_cast<float>((dense_now_[d] - rest_.dense.positions[d]).norm());
+      if (with_normals) surface_.normals[i] = dense_normals_now_[d];
+    }
+  });
+}
+
+void DeformedSurface::appendInserted(bool with_normals) {
+  const Index num_dense = static_cast<Index>(rest_.dense.positions.size());
+  for (std::size_t p = 0; p < inserted_now_.size(); ++p) {
+    surface_.positions.push_back(inserted_now_[p]);
+    surface_.displacement.push_back(static_cast<float>((inserted_now_[p] - resampler_->insertedRest()[p]).norm()));
+    if (with_normals) surface_.normals.push_back(inserted_normals_now_[p]);
+    const Index parent = resampler_->parents()[p].first;
+    surface_.source.push_back(parent < num_dense ? first_input_[parent] : surface_.source[parent - num_dense]);
+  }
+}
+
+// Particles that were born, a row each for ever in the order of birth; they have no rest to be displaced from.
+void DeformedSurface::appendNewborn(const model::State& state, bool with_normals) {
+  for (std::size_t id = rest_.points.size(); id < point_of_id_.size(); ++id) {
+    const Index i = point_of_id_[id];
+    surface_.positions.push_back(i == kGone ? Vec3::Constant(kNaN) : state.positions[i]);
+    surface_.displacement.push_back(kNaN);
+    surface_.source.push_back(source_of_id_[id]);
+    if (!with_normals) continue;
+    const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(kNaN);
+    surface_.normals.push_back(i == kGone ? nowhere : Eigen::Vector3f((state.orientations[i] * Vec3::UnitZ()).cast<float>()));
+  }
+}
+
+}  // namespace deformable_surface::simulation

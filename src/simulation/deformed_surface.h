@@ -1,0 +1,66 @@
+// The full surface of a state: every input point where it is now, with its normal, and those that came since. A file of its own,
+// because nothing of it is needed for a step: it is made when somebody looks.
+#pragma once
+
+#include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/simulation/simulation.h"
+#include "deformable_surface/transfer/resample.h"
+
+#include <memory>
+
+namespace deformable_surface::simulation {
+
+class DeformedSurface {
+ public:
+  /// All are kept by reference and stay what they are.
+  DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params);
+
+  /// At rest again: inserted points go.
+  void reset();
+  /// Where points are inserted, in every step, so that what is inserted does not depend on who looks; it costs a transfer per step.
+  void resample(const model::State& state);
+  /// The inserted points, for a snapshot; null if none are ever inserted.
+  std::shared_ptr<const transfer::Resampler> saveInserted() const;
+  void restoreInserted(const transfer::Resampler* saved);
+
+  /// The state is another than that of the last make().
+  void invalidate() { is_made_ = has_normals_ = false; }
+  bool isMade() const { return is_made_; }
+  bool hasNormals() const { return has_normals_; }
+  /// The surface of the state, if it has not been made yet. with_normals: computed if params.output.normals, too.
+  const Surface& make(const model::State& state, bool with_normals);
+
+ private:
+  void followPopulation(const model::State& state);
+  void analyseNormals();
+  void moveInserted(const Points& positions, bool with_normals);
+  void expand(bool with_normals);
+  void appendInserted(bool with_normals);
+  void appendNewborn(const model::State& state, bool with_normals);
+
+  const RestSurface& rest_;
+  const cloud::PointCloud& input_;
+  const SceneParams& params_;
+  std::vector<Index> first_input_;  // (dense) the first input point that each is
+
+  // Points inserted where the surface is stretched.
+  std::unique_ptr<transfer::Resampler> resampler_;
+  transfer::Transfer inserted_transfer_;
+  Points inserted_now_, all_now_;
+  std::vector<Eigen::Vector3f> inserted_normals_now_;
+
+  // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
+  std::vector<Index> ids_;            // of the state that the rest below belongs to
+  std::vector<Index> point_of_id_;    // its point now; -1: gone
+  std::vector<Index> source_of_id_;   // the input point whose other fields it takes
+  std::vector<char> is_gone_;         // (dense) its particle is gone
+  std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
+  Points first_positions_;            // (m x 3) of the particles of the beginning
+
+  Points dense_now_;
+  std::vector<Eigen::Vector3f> dense_normals_now_;
+  Surface surface_;
+  bool is_made_ = false, has_normals_ = false;
+};
+
+}  // namespace deformable_surface::simulation
