@@ -1,54 +1,183 @@
 #include "deformable_surface/simulation/contact_load.h"
 
 #include <algorithm>
+#include <cmath>
+#include <numeric>
 
 namespace deformable_surface::simulation {
 namespace {
 
-// Calls visit(i, depth, normal) for every point inside the tool.
-template <class Visit>
-void forEachInside(const tool::ToolParams& tool, double time, const Points& positions, Visit&& visit) {
-  const tool::Pose pose = tool::interpolate(tool.path, time);
-  for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
-    const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i]);
-    if (d.distance < 0.0) visit(i, -d.distance, d.normal);
-  }
+using tool::Mode;
+using tool::ToolParams;
+
+// Minus the derivative, and the value, of the attraction for unit stiffness at a distance, see the class.
+double attractionForce(double d, double reach) {
+  const double rest = 1.0 - d * d / (reach * reach);
+  return -d * rest * rest;
+}
+double attractionPotential(double d, double reach) {
+  const double rest = 1.0 - d * d / (reach * reach);
+  return -reach * reach / 6.0 * rest * rest * rest;
+}
+
+bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
+
+// Velocity of what a tool touches, less that of the tool there and what is along the normal.
+Vec3 findSliding(const tool::Motion& motion, const Vec3& position, const Vec3& velocity, const Vec3& normal) {
+  const Vec3 relative = velocity - motion.velocityAt(position);
+  return relative - relative.dot(normal) * normal;
 }
 
 }  // namespace
 
+void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
+  tools_.clear();
+  for (const ToolParams& tool : tools)
+    if (isPushing(tool) || tool.mode == Mode::kAttract) tools_.push_back(tool);
+}
+
+double ContactLoad::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
+
+// Calls visit(touch) for every point that the tool acts on.
+template <class Visit>
+void ContactLoad::forEachTouch(const ToolParams& tool, double time, const Points& positions, Visit&& visit) const {
+  if (!tool::isActive(tool, time)) return;
+  const tool::Pose pose = tool::interpolate(tool.path, time);
+  const bool pushing = isPushing(tool);
+  const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
+  for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
+    const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i]);
+    if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
+    const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
+    visit(Touch{i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});
+  }
+}
+
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
-  for (const tool::ToolParams& tool : tools_)
-    forEachInside(tool, time, state.positions,
-                  [&](Index i, double depth, const Vec3& normal) { forces[i] += masses_[i] * rate_ * rate_ * depth * normal; });
+  for (const ToolParams& tool : tools_)
+    forEachTouch(tool, time, state.positions, [&](const Touch& touch) { forces[touch.point] += touch.force; });
+}
+
+double ContactLoad::potentialOf(const ToolParams& tool, double time, const Points& positions) const {
+  double sum = 0.0;
+  const bool pushing = isPushing(tool);
+  const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
+  forEachTouch(tool, time, positions, [&](const Touch& touch) {
+    const double d = touch.distance;
+    sum += per_mass * masses_[touch.point] * (pushing ? 0.5 * d * d : attractionPotential(d, tool.reach));
+  });
+  return sum;
 }
 
 double ContactLoad::potential(double time, const model::State& state) const {
   double sum = 0.0;
-  for (const tool::ToolParams& tool : tools_)
-    forEachInside(tool, time, state.positions,
-                  [&](Index i, double depth, const Vec3&) { sum += 0.5 * masses_[i] * rate_ * rate_ * depth * depth; });
+  for (const ToolParams& tool : tools_) sum += potentialOf(tool, time, state.positions);
+  return sum;
+}
+
+double ContactLoad::storedEnergy(double time, const model::State& state) const {
+  double sum = 0.0;
+  for (const ToolParams& tool : tools_)
+    if (isPushing(tool)) sum += potentialOf(tool, time, state.positions);
   return sum;
 }
 
 double ContactLoad::estimateWork(double from, double to, const model::State& before, const model::State& after) const {
+  if (tools_.empty()) return 0.0;
   return std::max({0.0, potential(to, before) - potential(from, before), potential(to, after) - potential(from, after)});
 }
 
 // The curvature of the tool's surface would soften a point that slides; leaving it out keeps the matrix positive.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
-  for (const tool::ToolParams& tool : tools_) {
-    const tool::Pose pose = tool::interpolate(tool.path, time);
-    for (Index i = 0; i < state.size(); ++i) {
-      const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, state.positions[i]);
-      // Also without contact: the pattern stays the same from step to step.
-      stiffness.add(i, i, d.distance < 0.0 ? Mat3(masses_[i] * rate_ * rate_ * d.normal * d.normal.transpose()) : Mat3::Zero());
-    }
+  for (const ToolParams& tool : tools_) {
+    // Also without contact: the pattern stays the same from step to step.
+    for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
+    const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
+    forEachTouch(tool, time, state.positions, [&](const Touch& touch) {
+      stiffness.add(touch.point, touch.point, masses_[touch.point] * per_mass * touch.normal * touch.normal.transpose());
+    });
   }
 }
 
 void ContactLoad::addRowBounds(double, const model::State& state, std::vector<double>& stiffness, std::vector<double>&) const {
-  for (Index i = 0; i < state.size(); ++i) stiffness[i] += static_cast<double>(tools_.size()) * masses_[i] * rate_ * rate_;
+  for (const ToolParams& tool : tools_) {
+    const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
+    for (Index i = 0; i < state.size(); ++i) stiffness[i] += per_mass * masses_[i];
+  }
+}
+
+void ContactLoad::addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const {
+  for (const ToolParams& tool : tools_) {
+    const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == tool.id; });
+    if (found == reactions.end()) continue;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    const tool::Motion motion = tool::findMotion(tool.path, time);
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    forEachTouch(tool, time, state.positions, [&](const Touch& touch) {
+      const Vec3& x = state.positions[touch.point];
+      const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
+      const Vec3 on_point = touch.force + FrictionLoad::findForce(*this, tool, touch, sliding);
+      force -= on_point;
+      torque -= (x - pose.position).cross(on_point);
+      ++found->contacts;
+      found->penetration = std::max(found->penetration, -touch.distance);
+    });
+    found->force += pose.orientation.conjugate() * force;
+    found->torque += pose.orientation.conjugate() * torque;
+  }
+}
+
+bool FrictionLoad::isEmpty() const {
+  return std::none_of(contact_.tools_.begin(), contact_.tools_.end(), [](const ToolParams& tool) { return tool.friction > 0.0; });
+}
+
+Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch, const Vec3& sliding) {
+  if (!(tool.friction > 0.0) || !isPushing(tool)) return Vec3::Zero();
+  const double speed = sliding.norm(), most = contact.masses_[touch.point] * contact.rate_ * speed;
+  if (!(speed > 0.0)) return Vec3::Zero();
+  return -std::min(tool.friction * touch.force.norm(), most) / speed * sliding;
+}
+
+void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
+  for (const ToolParams& tool : contact_.tools_) {
+    if (!(tool.friction > 0.0)) continue;
+    const tool::Motion motion = tool::findMotion(tool.path, time);
+    contact_.forEachTouch(tool, time, state.positions, [&](const ContactLoad::Touch& touch) {
+      const Vec3 sliding = findSliding(motion, state.positions[touch.point], state.velocities[touch.point], touch.normal);
+      forces[touch.point] += findForce(contact_, tool, touch, sliding);
+    });
+  }
+}
+
+double FrictionLoad::estimateWork(double from, double to, const model::State&, const model::State& after) const {
+  double work = 0.0;
+  for (const ToolParams& tool : contact_.tools_) {
+    if (!(tool.friction > 0.0)) continue;
+    const tool::Motion motion = tool::findMotion(tool.path, from);
+    contact_.forEachTouch(tool, to, after.positions, [&](const ContactLoad::Touch& touch) {
+      work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
+    });
+  }
+  return work;
+}
+
+void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
+  if (!(step > 0.0)) return;
+  for (const ToolParams& tool : contact_.tools_) {
+    if (!(tool.friction > 0.0)) continue;
+    const tool::Motion motion = tool::findMotion(tool.path, time);
+    contact_.forEachTouch(tool, time, state.positions, [&](const ContactLoad::Touch& touch) {
+      const Vec3 sliding = findSliding(motion, state.positions[touch.point], state.velocities[touch.point], touch.normal);
+      const double speed = sliding.norm(), most = contact_.masses_[touch.point] * contact_.rate_;
+      const double damping = speed > 0.0 ? std::min(tool.friction * touch.force.norm() / speed, most) : most;
+      stiffness.add(touch.point, touch.point, damping / step * (Mat3::Identity() - touch.normal * touch.normal.transpose()));
+    });
+  }
+}
+
+void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
+  for (const ToolParams& tool : contact_.tools_)
+    for (Index i = 0; tool.friction > 0.0 && i < state.size(); ++i) damping[i] += contact_.masses_[i] * contact_.rate_;
 }
 
 }  // namespace deformable_surface::simulation

@@ -2,8 +2,9 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/timer.h"
-#include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/grips.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/solve/time_march.h"
@@ -62,6 +63,8 @@ struct Snapshot::Contents {
   std::vector<char> pinned;
   Vec3 gravity;
   std::vector<NamedForces::Named> forces;
+  std::vector<tool::ToolParams> tools;
+  std::vector<Grips::Grip> grips;
   solve::TimeMarch::Memory march;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   Statistics statistics;
@@ -80,14 +83,19 @@ struct Simulation::Impl {
   AnchorLoad anchors;
   NamedForces forces;
   ContactLoad contact;
+  FrictionLoad friction;
+  Grips grips;
   std::vector<const solve::ExternalLoad*> loads;
-  std::vector<char> pinned;
+  std::vector<char> pinned, pinned_turns;
+  std::vector<char> held;  // pinned or gripped
   solve::System system;
 
-  // What a snapshot holds (with the pins and forces above).
+  // What a snapshot holds (with the pins, forces and grips above).
   State state;
+  std::vector<tool::ToolParams> tools;
   std::uint64_t steps = 0;
 
+  double contact_rate = 0.0;  // 1/s; 0: not found yet
   solve::TimeMarch march;
 
   // Results and scratch.
@@ -96,6 +104,7 @@ struct Simulation::Impl {
   AccuracyChoice choice;
   bool is_wish_missed = false;  // said since the last reset
   std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
+  mutable Points forces_on_all;               // N, scratch
 
   Impl(const SceneParams& given, cloud::PointCloud&& cloud, RestSurface built)
       : params(given),
@@ -106,9 +115,9 @@ struct Simulation::Impl {
         drag(*rest.model, params.viscous_drag),
         anchors(makeAnchors()),
         forces(rest.model->masses()),
-        contact(rest.model->masses(), params.tools),
-        loads(chooseLoads()),
-        system(*rest.model, loads, pinned, params.material.damping),
+        contact(rest.model->masses()),
+        friction(contact),
+        system(*rest.model, loads, held, params.material.damping, &pinned_turns),
         march(system, *rest.model, params.integrator),
         surface(rest, input, params) {
     reset();
@@ -121,13 +130,22 @@ struct Simulation::Impl {
   }
 
   // Only the loads that can act are evaluated.
-  std::vector<const solve::ExternalLoad*> chooseLoads() const {
-    std::vector<const solve::ExternalLoad*> list{&gravity, &forces};
-    if (params.pressure != 0.0) list.push_back(&pressure);
-    if (params.viscous_drag > 0.0) list.push_back(&drag);
-    if (!params.anchors.empty()) list.push_back(&anchors);
-    if (!params.tools.empty()) list.push_back(&contact);
-    return list;
+  void chooseLoads() {
+    loads = {&gravity, &forces};
+    if (params.pressure != 0.0) loads.push_back(&pressure);
+    if (params.viscous_drag > 0.0) loads.push_back(&drag);
+    if (!params.anchors.empty()) loads.push_back(&anchors);
+    if (!contact.isEmpty()) loads.push_back(&contact);
+    if (!friction.isEmpty()) loads.push_back(&friction);
+  }
+
+  void setTools(std::vector<tool::ToolParams> given) {
+    if (!given.empty() && !(contact_rate > 0.0)) findContactRate();
+    tools = std::move(given);
+    contact.setTools(tools);
+    grips.setTools(tools);
+    chooseLoads();
+    march.loadsChanged();
   }
 
   double time() const { return static_cast<double>(steps) * params.integrator.time_step; }
@@ -142,7 +160,8 @@ struct Simulation::Impl {
     gravity.gravity = params.gravity;
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
-    setContactRate();
+    grips.reset();
+    setTools(params.tools);
     march.restart();
     if (estimator) estimator->reset();
     is_wish_missed = false;
@@ -167,7 +186,7 @@ struct Simulation::Impl {
 
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-        identify(), state, steps, pinned, gravity.gravity, forces.all(), march.memory(),
+        identify(), state, steps, pinned, gravity.gravity, forces.all(), tools, grips.all(), march.memory(),
         surface.saveInserted(), statistics});
   }
 
@@ -179,22 +198,30 @@ struct Simulation::Impl {
     clampHeld();
     gravity.gravity = saved.gravity;
     forces.restore(saved.forces);
+    setTools(saved.tools);
+    grips.restore(saved.grips);
     march.setMemory(saved.march);
     if (estimator) estimator->lose();
     surface.restoreInserted(saved.resampler.get());
     statistics = saved.statistics;
   }
 
-  // Contact as stiff as the surface's own stiffest motion bears: the stable step stays nearly what it is without.
-  void setContactRate() {
-    if (params.tools.empty()) return;
-    contact.setRate(0.0);
-    const double stable = march.findStableStep(0.0, state);
-    contact.setRate(kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step));
+  // Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once, before
+  // the first tool.
+  void findContactRate() {
+    State at_rest;
+    at_rest.positions = rest.points;
+    at_rest.velocities.assign(rest.points.size(), Vec3::Zero());
+    rest.model->beginAtRest(at_rest);
+    const double stable = march.findStableStep(0.0, at_rest);
+    rest.model->adopt(state);
+    contact_rate = kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step);
+    contact.setRate(contact_rate);
   }
 
   // Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
   void clampHeld() {
+    held = pinned;
     if (rest.model->setHeld(pinned)) march.restart();
   }
 
@@ -209,12 +236,15 @@ struct Simulation::Impl {
     // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
     clampHeld();
     NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
-    if (update.changed) march.loadsChanged();
+    Grips::Update grip;
+    if (!grips.isEmpty()) grip = updateGrips(now, dt);
+    if (update.changed || grip.changed) march.loadsChanged();
 
     const solve::TimeMarch::Outcome taken = march.step(now, state);
     const solve::SolveReport& report = taken.report;
     outcome.notice = std::move(update.notice);
-    if (!taken.notice.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + taken.notice;
+    for (const std::string& more : {grip.notice, taken.notice})
+      if (!more.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + more;
     if (!taken.ok) {
       outcome.ok = false;
       outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + taken.failure +
@@ -236,6 +266,14 @@ struct Simulation::Impl {
     statistics.real_time_factor = dt / statistics.time_total;
     statistics.time_transfer = statistics.time_normals = 0.0;
     return outcome;
+  }
+
+  Grips::Update updateGrips(double now, double dt) {
+    system.computeForcesOnAll(now, state, forces_on_all);
+    const Grips::Update update = grips.update(now, 1e-6 * dt, state, pinned, forces_on_all);
+    held = pinned;
+    grips.carry(now, dt, state, held);
+    return update;
   }
 
   // The copies take the same step.
@@ -282,7 +320,7 @@ struct Simulation::Impl {
     if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
     if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
     if (params.anchors.empty()) statistics.skipped.push_back("anchors");
-    if (params.tools.empty()) statistics.skipped.push_back("contact");
+    if (tools.empty()) statistics.skipped.push_back("contact");
   }
 
   std::uint64_t hash() const { return hashState(state); }
@@ -397,6 +435,44 @@ void Simulation::setFineness(Index fineness) { impl_->march.setFineness(fineness
 void Simulation::setIntegrator(solve::IntegratorType type) { impl_->params.integrator.type = type; }
 solve::IntegratorType Simulation::lastIntegrator() const { return impl_->march.lastType(); }
 Index Simulation::lastSubsteps() const { return static_cast<Index>(impl_->statistics.substeps); }
+
+void Simulation::setTool(const tool::ToolParams& tool) {
+  std::vector<std::string> problems = checkParams(tool);
+  if (!hasToolMode(impl_->params.model, tool.mode)) problems.push_back(sayToolModes(impl_->params.model));
+  for (std::string& problem : problems) problem = "tool " + quote(tool.id) + " " + problem;
+  if (!problems.empty()) throw InputError(std::move(problems));
+  std::vector<tool::ToolParams> tools = impl_->tools;
+  const auto same = std::find_if(tools.begin(), tools.end(), [&](const tool::ToolParams& t) { return t.id == tool.id; });
+  if (same != tools.end()) {
+    *same = tool;
+  } else {
+    tools.push_back(tool);
+  }
+  impl_->setTools(std::move(tools));
+  impl_->forward([&](Simulation& copy) { copy.setTool(tool); });
+}
+
+bool Simulation::removeTool(const std::string& id) {
+  std::vector<tool::ToolParams> tools = impl_->tools;
+  const auto same = std::remove_if(tools.begin(), tools.end(), [&](const tool::ToolParams& t) { return t.id == id; });
+  if (same == tools.end()) return false;
+  tools.erase(same, tools.end());
+  impl_->setTools(std::move(tools));
+  impl_->forward([&](Simulation& copy) { copy.removeTool(id); });
+  return true;
+}
+
+const std::vector<tool::ToolParams>& Simulation::tools() const { return impl_->tools; }
+
+std::vector<ToolReaction> Simulation::toolReactions() const {
+  std::vector<ToolReaction> reactions(impl_->tools.size());
+  for (std::size_t t = 0; t < reactions.size(); ++t) reactions[t].id = impl_->tools[t].id;
+  impl_->contact.addReactions(impl_->time(), impl_->state, reactions);
+  if (impl_->grips.isEmpty()) return reactions;
+  impl_->system.computeForcesOnAll(impl_->time(), impl_->state, impl_->forces_on_all);
+  impl_->grips.addReactions(impl_->time(), impl_->state, impl_->forces_on_all, reactions);
+  return reactions;
+}
 
 Index Simulation::pin(const geometry::Region& region) {
   Index changed = 0;

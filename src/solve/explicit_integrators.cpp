@@ -35,7 +35,10 @@ SolveReport ExplicitEuler::advance(const System& system, double time, double ste
   system.computeForces(time, state, forces_);
   report.time_forces = timer.seconds();
   for (Index i = 0; i < state.size(); ++i) {
-    if (system.isHeld(i)) continue;
+    if (system.isHeld(i)) {
+      state.positions[i] += step * state.velocities[i];
+      continue;
+    }
     const Vec3 acceleration = forces_[i] / system.masses()[i] - system.damping() * state.velocities[i];
     state.positions[i] += step * state.velocities[i];
     state.velocities[i] += step * acceleration;
@@ -54,7 +57,10 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
     system.computeForces(time + s * dt, state, forces_);
     report.time_forces += timer.seconds();
     for (Index i = 0; i < state.size(); ++i) {
-      if (system.isHeld(i)) continue;
+      if (system.isHeld(i)) {
+        state.positions[i] += dt * state.velocities[i];
+        continue;
+      }
       state.velocities[i] = decay * (state.velocities[i] + dt / system.masses()[i] * forces_[i]);
       state.positions[i] += dt * state.velocities[i];
     }
@@ -101,6 +107,10 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     kick_[k] = system.isHeld(k / 3) ? 0.0 : 0.5 * dt / masses[k / 3];
     drift_[k] = system.isHeld(k / 3) ? 0.0 : dt;
   }
+  // Held points that are carried along: they keep their velocities, which the loops below damp.
+  carried_.clear();
+  for (Index i = 0; i < n; ++i)
+    if (system.isHeld(i) && !state.velocities[i].isZero(0.0)) carried_.emplace_back(i, state.velocities[i]);
   const Timer timer;
   // The internal forces at the beginning are those of the last end, if this is where it was.
   if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions))
@@ -114,6 +124,10 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     // Half kick and drift. The velocity at the end is predicted with the acceleration of the beginning.
     kickAndDrift(3 * n, half_decay, kick_.data(), drift_.data(), forces_.data()->data(), velocity, predicted,
                  state.positions.data()->data());
+    for (const auto& [i, carrying] : carried_) {
+      state.positions[i] += dt * carrying;
+      predicted_.velocities[i] = carrying;
+    }
     // Forces at the new place, and the second half kick.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
@@ -124,6 +138,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     report.time_forces += forces_timer.seconds();
     kick(3 * n, half_decay, kick_.data(), forces_.data()->data(), velocity);
   }
+  for (const auto& [i, carrying] : carried_) state.velocities[i] = carrying;
   last_positions_ = state.positions;
   report.finite = allFinite(state);
   return report;

@@ -3,6 +3,9 @@
 
 #include "deformable_surface/solve/integrator.h"
 
+#include <utility>
+#include <vector>
+
 namespace deformable_surface::solve {
 
 /// x += dt v; v += dt a(x), both from the old state, one step [Su 2007, sec. 4.4]. It amplifies every undamped mode in
@@ -34,6 +37,7 @@ class VelocityVerlet : public Integrator {
   Points internal_forces_, last_positions_;  // internal_forces_ belong to last_positions_ between steps
   Points forces_;
   State predicted_;
+  std::vector<std::pair<Index, Vec3>> carried_;  // held points in motion and their velocities, m/s
   std::vector<double> kick_, drift_;         // (3 n) dt / 2 over mass, and dt; zero on held points
 };
 

@@ -52,7 +52,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   weight_.resize(n);
   const double factor = 1.0 + system.damping() * step;
   for (Index i = 0; i < n; ++i) {
-    target_[i] = from[i] + step / factor * velocity[i];
+    target_[i] = from[i] + (system.isHeld(i) ? step : step / factor) * velocity[i];
     weight_[i] = factor * system.masses()[i] / (step * step);
   }
   const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_};
@@ -62,9 +62,10 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
   const double enough = std::max(params_.tolerance * scale, system.roundingForce(time, state));
   // Where the search begins.
-  guess_ = state.positions;
   for (Index i = 0; i < n; ++i)
-    if (!system.isHeld(i)) state.positions[i] = target_[i];
+    if (system.isHeld(i)) state.positions[i] = target_[i];
+  guess_ = state.positions;
+  state.positions = target_;
   if (system.potentialEnergy(time, state) > energy) state.positions = guess_;
 
   const Index last = report.iterations + params_.max_iterations;
@@ -80,7 +81,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     ++report.iterations;
   }
   for (Index i = 0; i < n; ++i)
-    state.velocities[i] = system.isHeld(i) ? Vec3::Zero().eval() : ((state.positions[i] - from_[i]) / step).eval();
+    state.velocities[i] = system.isHeld(i) ? velocity[i] : ((state.positions[i] - from_[i]) / step).eval();
 }
 
 SolveReport ImplicitStage::takeEulerStep(const System& system, double time, double step, const State& before, State& state) {
@@ -88,7 +89,8 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   report.substeps = 1;
   const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
   solve(system, time + step, step, before.positions, before.velocities, energy, state, report);
-  const double allowed = energy + std::max(0.0, remainderWork(state));
+  const double carried = system.carryingWork(time, time + step, before, state);
+  const double allowed = energy + std::max(0.0, remainderWork(state)) + std::max(0.0, carried);
   limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
   report.finite = allFinite(state.positions);
   return report;
@@ -110,13 +112,14 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   from_ = before_.positions;
   velocity_ = before_.velocities;
   for (Index i = 0; i < n; ++i) {
-    if (system.isHeld(i)) continue;
     from_[i] += rest * state.velocities[i];
+    if (system.isHeld(i)) continue;
     velocity_[i] += rest / part * (state.velocities[i] - before_.velocities[i]);
   }
   stage_.solve(system, time + step, part, from_, velocity_, energy, state, report);
   work += stage_.remainderWork(state);
 
+  work += std::max(0.0, system.carryingWork(time, time + step, before_, state));
   const double allowed = energy + std::max(0.0, work);
   const double potential = system.potentialEnergy(time + step, state);
   report.finite = allFinite(state.positions);
@@ -135,6 +138,12 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   SolveReport report;
   report.substeps = 1;
   const Index n = state.size();
+  carried_.assign(n, Vec3::Zero());
+  for (Index i = 0; i < n; ++i) {
+    if (!system.isHeld(i)) continue;
+    carried_[i] = state.velocities[i];
+    state.positions[i] += step * carried_[i];
+  }
   weight_.resize(n);
   double pseudo_step = kFirstStep * step;
   const double rounding = system.roundingForce(time, state);
@@ -183,7 +192,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     }
     pseudo_step = std::min(pseudo_step, kLongestStep * step);
   }
-  state.velocities.assign(n, Vec3::Zero());
+  state.velocities = carried_;
   report.finite = allFinite(state.positions);
   return report;
 }

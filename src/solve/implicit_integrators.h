@@ -62,6 +62,7 @@ class StaticSolver : public Integrator {
  private:
   IntegratorParams params_;
   NewtonDescent newton_;
+  Points carried_;        // velocities of held points, m/s
   Points anchor_, safe_;  // safe_: the last state whose energy is the lowest so far
   std::vector<double> weight_;
 };

@@ -28,9 +28,21 @@ Quaternion turn(const Vec3& angle, const Quaternion& orientation) {
 
 void drift(const System& system, double dt, State& state) {
   for (Index i = 0; i < state.size(); ++i) {
-    if (!system.isHeld(i)) state.positions[i] += dt * state.velocities[i];
+    state.positions[i] += dt * state.velocities[i];  // held ones have the velocity that they are to keep
     if (!system.isTurnHeld(i)) state.orientations[i] = turn(dt * state.spins[i], state.orientations[i]);
   }
+}
+
+// Takes held points where their velocities lead within a step and lets everything rest. Returns the velocities of the held ones.
+Points moveHeld(const System& system, double step, State& state) {
+  Points velocities(state.positions.size(), Vec3::Zero());
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!system.isHeld(i)) continue;
+    velocities[i] = state.velocities[i];
+    state.positions[i] += step * velocities[i];
+  }
+  state.velocities.assign(state.positions.size(), Vec3::Zero());
+  return velocities;
 }
 
 }  // namespace
@@ -52,18 +64,19 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
   predicted_ = state;
   for (Index s = 0; s < report.substeps; ++s) {
     for (Index i = 0; i < n; ++i) {
+      state.spins[i] = decay * state.spins[i] + half / inertias[i] * torques_[i];
+      if (system.isHeld(i)) continue;
       const Vec3 kick = half / masses[i] * forces_[i];
       state.velocities[i] = decay * state.velocities[i] + kick;
       // Loads that read velocities take those predicted with the acceleration of the beginning, which keeps the order.
       predicted_.velocities[i] = decay * (state.velocities[i] + kick);
-      state.spins[i] = decay * state.spins[i] + half / inertias[i] * torques_[i];
     }
     drift(system, dt, state);
     predicted_.velocities.swap(state.velocities);
     evaluate(system, time + (s + 1) * dt, state, report);
     predicted_.velocities.swap(state.velocities);
     for (Index i = 0; i < n; ++i) {
-      state.velocities[i] = decay * (state.velocities[i] + half / masses[i] * forces_[i]);
+      if (!system.isHeld(i)) state.velocities[i] = decay * (state.velocities[i] + half / masses[i] * forces_[i]);
       state.spins[i] = decay * (state.spins[i] + half / inertias[i] * torques_[i]);
     }
   }
@@ -84,7 +97,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   const double end = time + step;
   const Index n = state.size();
   const std::vector<double>&masses = system.masses(), &inertias = system.inertias();
-  state.velocities.assign(n, Vec3::Zero());
+  const Points carried = moveHeld(system, step, state);
   state.spins.assign(n, Vec3::Zero());
   double dt = kFirst * max_substep, mixing = kMixing, largest = 0.0;
   int downhill = 0;
@@ -133,7 +146,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
     drift(system, dt, state);
   }
   report.iterations = (taken + kStepsPerIteration - 1) / kStepsPerIteration;
-  state.velocities.assign(n, Vec3::Zero());
+  state.velocities = carried;
   state.spins.assign(n, Vec3::Zero());
   report.finite = report.finite && allFinite(state);
   return report;

@@ -11,6 +11,13 @@ namespace {
 
 constexpr int kLanczosSteps = 30;  // the largest eigenvalue of meshes is then known to about a percent, and bounded by the residual
 
+// The stable step of a frequency w with a damping rate, both in 1/s; see the header.
+double limit(double w, double rate) {
+  if (!(w > 0.0)) return rate > 0.0 ? 2.0 / rate : std::numeric_limits<double>::infinity();
+  const double z = 0.5 * rate / w;
+  return 2.0 / w * (std::sqrt(1.0 + z * z) - z);
+}
+
 }  // namespace
 
 // Largest eigenvalue of D K D (D = 1 / sqrt(mass), zero on held points), plus the residual that bounds its error.
@@ -55,7 +62,7 @@ double StableStep::largestEigenvalue() {
 
 double StableStep::estimate(double time, const State& state, const System& system) {
   const double known = system.findStableStep(state);
-  if (known > 0.0) return known;
+  if (known > 0.0) return limit(std::sqrt(4.0 / (known * known) + system.loadStiffness(time, state)), system.dampingRate(time, state));
   const Index n = system.size();
   stiffness_.begin(n);
   system.addStiffness(time, state, 0.0, model::Hessian::kPositive, stiffness_);
@@ -67,10 +74,7 @@ double StableStep::estimate(double time, const State& state, const System& syste
   const double coefficient = system.rankOneStiffness(state, rank_one_);
   if (coefficient > 0.0)
     for (Index i = 0; i < n; ++i) eigenvalue += coefficient * rank_one_[i].squaredNorm() / system.masses()[i];
-  const double w = std::sqrt(eigenvalue), rate = system.dampingRate(time, state);
-  if (!(w > 0.0)) return rate > 0.0 ? 2.0 / rate : std::numeric_limits<double>::infinity();
-  const double z = 0.5 * rate / w;
-  return 2.0 / w * (std::sqrt(1.0 + z * z) - z);
+  return limit(std::sqrt(eigenvalue), system.dampingRate(time, state));
 }
 
 }  // namespace deformable_surface::solve

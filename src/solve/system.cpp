@@ -15,6 +15,11 @@ void System::computeForces(double time, const State& state, Points& forces) cons
   addLoads(time, state, forces);
 }
 
+void System::computeForcesOnAll(double time, const State& state, Points& forces) const {
+  computeInternalForces(state, forces);
+  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+}
+
 void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
   forces.assign(state.positions.size(), Vec3::Zero());
   torques.assign(state.positions.size(), Vec3::Zero());
@@ -54,8 +59,20 @@ double System::loadPotential(double time, const State& state) const {
 }
 
 double System::estimateWork(double from, double to, const State& before, const State& after) const {
-  double work = 0.0;
+  double work = carryingWork(from, to, before, after);
   for (const ExternalLoad* load : loads_) work += load->estimateWork(from, to, before, after);
+  return work;
+}
+
+double System::carryingWork(double from, double to, const State& before, const State& after) const {
+  bool any_moved = false;
+  for (Index i = 0; i < after.size() && !any_moved; ++i) any_moved = held_[i] && before.positions[i] != after.positions[i];
+  if (!any_moved) return 0.0;
+  computeForcesOnAll(from, before, largest_);
+  computeForcesOnAll(to, after, forces_after_);
+  double work = 0.0;
+  for (Index i = 0; i < after.size(); ++i)
+    if (held_[i]) work -= 0.5 * (largest_[i] + forces_after_[i]).dot(after.positions[i] - before.positions[i]);
   return work;
 }
 
@@ -133,6 +150,16 @@ double System::dampingRate(double time, const State& state) const {
   for (Index i = 0; i < size(); ++i)
     if (!held_[i]) rate = std::max(rate, row_damping_[i] / masses()[i]);
   return rate;
+}
+
+double System::loadStiffness(double time, const State& state) const {
+  row_stiffness_.assign(size(), 0.0);
+  row_damping_.assign(size(), 0.0);
+  for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
+  double largest = 0.0;
+  for (Index i = 0; i < size(); ++i)
+    if (!held_[i]) largest = std::max(largest, row_stiffness_[i] / masses()[i]);
+  return largest;
 }
 
 }  // namespace deformable_surface::solve

@@ -21,4 +21,20 @@ Pose interpolate(const std::vector<WaypointParams>& path, double time) {
   return {a.position + share * (b.position - a.position), a.orientation.slerp(share, b.orientation)};
 }
 
+Motion findMotion(const std::vector<WaypointParams>& path, double time) {
+  Motion motion;
+  motion.origin = interpolate(path, time).position;
+  const auto next = std::upper_bound(path.begin(), path.end(), time, [](double t, const WaypointParams& w) { return t < w.time; });
+  if (next == path.begin() || next == path.end()) return motion;
+  const Pose a = makePose(*(next - 1)), b = makePose(*next);
+  const double duration = next->time - (next - 1)->time;
+  motion.velocity = (b.position - a.position) / duration;
+  // The shorter way round, as the interpolation takes it.
+  const Eigen::AngleAxisd turn(b.orientation.dot(a.orientation) < 0.0
+                                   ? Eigen::Quaterniond(-(b.orientation * a.orientation.conjugate()).coeffs())
+                                   : b.orientation * a.orientation.conjugate());
+  motion.angular_velocity = turn.angle() / duration * turn.axis();
+  return motion;
+}
+
 }  // namespace deformable_surface::tool

@@ -29,7 +29,8 @@ TEST(ContactLoad, PushesAlongMinusTheGradientOfItsPotential) {
     tool.shape.size = Vec3(0.7, 0.8, 0.9);
     tool.shape.height = 0.9;
     tool.path[1].orientation = Vec4(0.6, 0.0, 0.0, 0.8);
-    simulation::ContactLoad load(masses, {tool});
+    simulation::ContactLoad load(masses);
+    load.setTools({tool});
     load.setRate(100.0);
     Points forces(40, Vec3::Zero());
     load.addForces(0.7, state, forces);
@@ -111,6 +112,99 @@ TEST(ContactLoad, AToolFarAwayChangesTheStepsLittleAndTheMotionNotAtAll) {
   run(without, 20);
   run(with, 20);
   EXPECT_EQ(with.stateHash(), without.stateHash());
+}
+
+TEST(ContactLoad, AttractionIsMinusTheGradientOfItsPotentialAndEndsAtItsReach) {
+  const std::vector<double> masses(1, 2.0);
+  tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3::Zero());
+  tool.mode = tool::Mode::kAttract;
+  tool.strength = 30.0;
+  tool.reach = 0.2;
+  simulation::ContactLoad load(masses);
+  load.setTools({tool});
+  const auto potentialAt = [&](double x) {
+    model::State state;
+    state.positions = {Vec3(x, 0.0, 0.0)};
+    return load.potential(0.0, state);
+  };
+  for (double x : {0.35, 0.45, 0.5, 0.58, 0.69, 0.75}) {
+    model::State state;
+    state.positions = {Vec3(x, 0.0, 0.0)};
+    Points forces(1, Vec3::Zero());
+    load.addForces(0.0, state, forces);
+    EXPECT_NEAR(forces[0].x(), -(potentialAt(x + 1e-6) - potentialAt(x - 1e-6)) / 2e-6, 1e-7) << x;
+    EXPECT_GE((0.5 - x) * forces[0].x(), 0.0);  // towards the surface
+  }
+  EXPECT_EQ(potentialAt(0.71), 0.0);
+}
+
+TEST(ContactLoad, WhatATableFeelsIsTheWeightOfTheSheetOnIt) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.integrator.type = solve::IntegratorType::kStatic;
+  p.material.young_modulus = 1e7;
+  tool::ToolParams table = ball(0.1, Vec3(0.5, 0.2, -0.02), Vec3::Zero());
+  table.shape.kind = geometry::Solid::Kind::kPlane;
+  table.path.resize(1);
+  const double half = std::sqrt(0.5);
+  table.path[0].orientation = Vec4(0.0, 0.0, half, half);  // its x axis points along the world's y
+  p.tools = {table};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 1);
+  const simulation::ToolReaction reaction = s.toolReactions().front();
+  double mass = 0.0;
+  Vec3 moment = Vec3::Zero();
+  for (Index i = 0; i < s.state().size(); ++i) {
+    mass += s.model().masses()[i];
+    moment += (s.state().positions[i] - table.path[0].position).cross(s.model().masses()[i] * p.gravity);
+  }
+  EXPECT_EQ(reaction.id, "ball");
+  EXPECT_EQ(reaction.contacts, s.state().size());
+  EXPECT_TRUE(reaction.force.isApprox(mass * p.gravity, 1e-5)) << reaction.force.transpose();
+  EXPECT_NEAR(reaction.torque.x(), moment.y(), 1e-5 * moment.norm());
+  EXPECT_NEAR(reaction.torque.y(), -moment.x(), 1e-5 * moment.norm());
+  EXPECT_GT(reaction.penetration, 0.0);
+}
+
+// A small stiff patch on an inclined plane: it slides with g (sin - mu cos), or, where friction holds it, creeps.
+double slideDown(double friction, double* acceleration) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.material.damping = 0.0;
+  p.material.young_modulus = 1e7;
+  p.simplification.target_points = 40;
+  const double angle = 0.4;
+  p.gravity = 9.81 * Vec3(std::sin(angle), 0.0, -std::cos(angle));
+  tool::ToolParams plane = ball(0.1, Vec3::Zero(), Vec3::Zero());
+  plane.shape.kind = geometry::Solid::Kind::kPlane;
+  plane.path.resize(1);
+  plane.friction = friction;
+  p.tools = {plane};
+  simulation::Simulation s(p, sheetCloud(10));
+  const auto meanSpeed = [&] {
+    double speed = 0.0;
+    for (const Vec3& v : s.state().velocities) speed += v.x() / s.state().size();
+    return speed;
+  };
+  run(s, 20);
+  const double before = meanSpeed();
+  run(s, 20);
+  *acceleration = (meanSpeed() - before) / 0.2;
+  return meanSpeed();
+}
+
+TEST(FrictionLoad, ASheetSlidesDownAnInclineAsCoulombSays) {
+  double acceleration = 0.0;
+  EXPECT_GT(slideDown(0.2, &acceleration), 0.5);
+  EXPECT_NEAR(acceleration, 9.81 * (std::sin(0.4) - 0.2 * std::cos(0.4)), 0.02 * 9.81);
+  slideDown(0.0, &acceleration);
+  EXPECT_NEAR(acceleration, 9.81 * std::sin(0.4), 1e-6 * 9.81);
+}
+
+TEST(FrictionLoad, ASheetThatFrictionHoldsOnlyCreeps) {
+  double acceleration = 0.0;
+  EXPECT_LT(slideDown(0.8, &acceleration), 5e-3);
+  EXPECT_LT(std::abs(acceleration), 0.01);
 }
 
 }  // namespace

@@ -1,17 +1,26 @@
-// Contact with the solid tools of a scene, as a load on the simulation points.
+// Contact with tools that push or pull by where a point is: solid ones (and knives, which are solid) and attracting ones, as a load on
+// the simulation points.
 #pragma once
 
+#include "deformable_surface/simulation/tool_reaction.h"
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/tool/tool.h"
 
 namespace deformable_surface::simulation {
 
-/// Points inside a tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2 / 2. Being in
-/// proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and at rest a point is as
-/// deep as its share of the load over m r^2. No friction. The simulation points alone are seen, not the surface between them.
+/// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2 / 2. Being
+/// in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and at rest a point is as
+/// deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between them.
+///
+/// An attracting tool draws the points within its reach R on either side to its surface: F = -k s d (1 - (d / R)^2)^2 n at the
+/// distance d, s the point's share of the mass of all; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
 class ContactLoad : public solve::ExternalLoad {
  public:
-  ContactLoad(const std::vector<double>& masses, std::vector<tool::ToolParams> tools) : masses_(masses), tools_(std::move(tools)) {}
+  explicit ContactLoad(const std::vector<double>& masses) : masses_(masses) {}
+
+  /// Tools of other modes are left alone.
+  void setTools(const std::vector<tool::ToolParams>& tools);
+  bool isEmpty() const { return tools_.empty(); }
 
   /// r, 1/s. Set once the stable step at rest is known.
   void setRate(double rate) { rate_ = rate; }
@@ -19,16 +28,52 @@ class ContactLoad : public solve::ExternalLoad {
   void addForces(double time, const model::State& state, Points& forces) const override;
   double potential(double time, const model::State& state) const override;
   bool isConservative() const override { return true; }
-  double storedEnergy(double time, const model::State& state) const override { return potential(time, state); }
+  double storedEnergy(double time, const model::State& state) const override;
   /// What tools in motion do: the potential's gain at the points before and at those after, whichever is more.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 
+  /// Adds what each tool feels, friction included, to those of its id.
+  void addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const;
+
  private:
+  friend class FrictionLoad;
+  struct Touch {
+    Index point;
+    double distance;  // m, from the tool's surface; negative inside
+    Vec3 normal;      // outward
+    Vec3 force;       // N, on the point, along the normal
+  };
+  template <class Visit>
+  void forEachTouch(const tool::ToolParams& tool, double time, const Points& positions, Visit&& visit) const;
+  double potentialOf(const tool::ToolParams& tool, double time, const Points& positions) const;
+  double totalMass() const;
+
   const std::vector<double>& masses_;
-  std::vector<tool::ToolParams> tools_;
+  std::vector<tool::ToolParams> tools_;  // solid, cut and attract
   double rate_ = 0.0;
+};
+
+/// Coulomb's friction of the points that a solid tool touches: mu F_n against the sliding velocity v, but at most m r v. The limit keeps it
+/// stable beside the contact's own rate r, and means that a point held by friction alone creeps, at the speed F / (m r) of the
+/// force F that pulls at it.
+class FrictionLoad : public solve::ExternalLoad {
+ public:
+  explicit FrictionLoad(const ContactLoad& contact) : contact_(contact) {}
+
+  bool isEmpty() const;
+  void addForces(double time, const model::State& state, Points& forces) const override;
+  /// It takes energy but where a tool's own motion drags points along: at most friction times the tool's way.
+  double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
+  void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
+  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+
+ private:
+  friend class ContactLoad;
+  static Vec3 findForce(const ContactLoad& contact, const tool::ToolParams& tool, const ContactLoad::Touch& touch, const Vec3& sliding);
+
+  const ContactLoad& contact_;
 };
 
 }  // namespace deformable_surface::simulation

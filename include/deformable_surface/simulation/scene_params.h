@@ -23,6 +23,14 @@ namespace deformable_surface::simulation {
 
 enum class ModelKind { kMassSpring };
 
+/// Which tools a model knows.
+inline bool hasToolMode(ModelKind, tool::Mode mode) {
+  return mode == tool::Mode::kSolid || mode == tool::Mode::kAttract || mode == tool::Mode::kMove;
+}
+inline std::string sayToolModes(ModelKind) {
+  return "mode: found one that is not built for mass_spring; accepted: solid, attract, move";
+}
+
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
   enum class Shape { kNone, kSheet, kStrip, kSine, kSphere, kCap, kTwoBars };
@@ -289,6 +297,8 @@ inline void visit(Fields& fields, SceneParams& p) {
     fields.require(id.empty() || ids.insert(id).second, "tools[" + std::to_string(i) + "].id",
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
+  for (std::size_t i = 0; i < p.tools.size(); ++i)
+    fields.require(hasToolMode(p.model, p.tools[i].mode), "tools[" + std::to_string(i) + "]." + "mode", sayToolModes(p.model).substr(6));
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");

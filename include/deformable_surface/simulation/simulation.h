@@ -7,6 +7,7 @@
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
+#include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/simulation/statistics.h"
 
@@ -66,7 +67,7 @@ class Simulation {
   const SceneParams& params() const;
   const cloud::PointCloud& input() const;
 
-  /// Back to rest at time 0; scene pins and forces stay, those added since go.
+  /// Back to rest at time 0; pins, forces and tools of the scene stay, those added since go.
   void reset();
 
   Snapshot snapshot() const;
@@ -82,6 +83,11 @@ class Simulation {
   // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
   void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it
   void removeForce(const std::string& id);
+  void setTool(const tool::ToolParams& tool);  // replaces the tool of that id
+  bool removeTool(const std::string& id);      // false: there is none
+  const std::vector<tool::ToolParams>& tools() const;
+  /// What the surface does to each tool now, in the order of tools().
+  std::vector<ToolReaction> toolReactions() const;
   /// Fixes (or frees) the simulation points whose current position lies in the region, where they are. Returns how many.
   Index pin(const geometry::Region& region);
   Index unpin(const geometry::Region& region);

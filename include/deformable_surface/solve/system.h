@@ -10,7 +10,7 @@ using model::State;
 
 class System {
  public:
-  /// The model, the loads and held (n, 1 = the point does not move) are kept by reference: what they say may change between steps.
+  /// The model, the loads and held (n, 1 = no force moves the point: it keeps its velocity) are kept by reference: what they say may change between steps.
   /// damping, 1/s: force = -damping * mass * velocity, torque = -damping * inertia * spin; explicit integrators apply it exactly.
   /// held_turns (n, 1 = the point does not turn): null if none is held so.
   System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
@@ -26,7 +26,9 @@ class System {
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;
-  /// The same, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not turn.
+  /// The same on held points too: what those that hold them have to bear.
+  void computeForcesOnAll(double time, const State& state, Points& forces) const;
+  /// The same as the first, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
   /// Forces in two parts: those of the model alone, on held points too, overwritten; and the loads added, zero on held points.
   void computeInternalForces(const State& state, Points& forces) const;
@@ -44,8 +46,11 @@ class System {
   double loadPotential(double time, const State& state) const;
   /// The part of it that is stored as in springs, J.
   double storedEnergy(double time, const State& state) const;
-  /// The energy that loads put in between two times while the points move straight from one state to another, J; see ExternalLoad.
+  /// The energy that loads put in between two times while the points move straight from one state to another, J, see ExternalLoad; and
+  /// that of what moves held points, by the trapezoidal rule.
   double estimateWork(double from, double to, const State& before, const State& after) const;
+  /// The latter alone, J.
+  double carryingWork(double from, double to, const State& before, const State& after) const;
   /// The forces of the loads, N; zero on held points and on points whose load has a stiffness. (n x 3), overwritten.
   void computeSteadyLoads(double time, const State& state, Points& forces) const;
 
@@ -65,6 +70,8 @@ class System {
 
   /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, 1/s.
   double dampingRate(double time, const State& state) const;
+  /// Upper bound of the largest stiffness of the loads over its mass, 1/s^2.
+  double loadStiffness(double time, const State& state) const;
 
  private:
   void computeRowBounds(double time, const State& state) const;
@@ -75,7 +82,7 @@ class System {
   const std::vector<char>* held_turns_;
   double damping_;
   mutable State at_rest_;                            // scratch: the positions with velocities of zero
-  mutable Points largest_;
+  mutable Points largest_, forces_after_;
   mutable std::vector<double> row_stiffness_, row_damping_;
 };
 

@@ -16,6 +16,20 @@ struct Pose {
 /// Between waypoints positions run straight and orientations turn about one axis, both evenly in time; outside they rest.
 Pose interpolate(const std::vector<WaypointParams>& path, double time);
 
+/// How a tool moves: the velocity of any point that is fixed to it.
+struct Motion {
+  Vec3 origin = Vec3::Zero();            // m, of the tool, world
+  Vec3 velocity = Vec3::Zero();          // m/s, of the tool's origin
+  Vec3 angular_velocity = Vec3::Zero();  // rad/s, world
+
+  Vec3 velocityAt(const Vec3& position) const { return velocity + angular_velocity.cross(position - origin); }
+};
+
+/// At a time on the path; on a waypoint that of the part that begins there.
+Motion findMotion(const std::vector<WaypointParams>& path, double time);
+
+inline bool isActive(const ToolParams& tool, double time) { return tool.start <= time && time < tool.end; }
+
 /// Distance (m, negative inside) and outward normal of a solid at a pose, in the world.
 inline geometry::SignedDistance findSignedDistance(const geometry::Solid& solid, const Pose& pose, const Vec3& point) {
   geometry::SignedDistance d = geometry::findSignedDistance(solid, pose.orientation.conjugate() * (point - pose.position));

@@ -10,7 +10,8 @@
 
 namespace deformable_surface::tool {
 
-enum class Mode { kSolid };
+/// What a tool does; see docs/tools.md.
+enum class Mode { kSolid, kAttract, kMove, kErase, kCut, kHeat };
 
 /// Where a tool is at a time.
 struct WaypointParams {
@@ -23,7 +24,10 @@ struct ToolParams {
   std::string id;
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
-  double friction = 0.0;               // Coulomb's coefficient, >= 0
+  double friction = 0.0;               // Coulomb's coefficient, >= 0: solid, cut
+  double strength = 0.0;               // attract: N/m; move: N at which the grip lets go, 0 = never; heat: K above ambient; all >= 0
+  double reach = 0.0;                  // m, > 0: attract: how far from its surface it is felt
+  double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
   std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between and held outside
 };
 
@@ -39,10 +43,27 @@ inline void visit(Fields& fields, WaypointParams& p) {
 inline void visit(Fields& fields, ToolParams& p) {
   fields.required().text("id", p.id, "its name, not empty; no two tools share one");
   fields.require(!p.id.empty(), "id", "found empty text; accepted: a name");
-  fields.choice("mode", p.mode, {{"solid", Mode::kSolid}}, "`solid` keeps the surface out", {"attract", "move", "erase", "cut", "heat"});
+  fields.choice("mode", p.mode,
+                {{"solid", Mode::kSolid},
+                 {"attract", Mode::kAttract},
+                 {"move", Mode::kMove},
+                 {"erase", Mode::kErase},
+                 {"cut", Mode::kCut},
+                 {"heat", Mode::kHeat}},
+                "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
+                "begins; `erase` takes away what is inside; `cut` is solid and melts what it touches; `heat` warms what is inside "
+                "(the last three: oriented particles)");
   fields.section("shape", p.shape, "One of sphere, box, cylinder, cone and plane (`plane: {}` is solid below z = 0 of the tool's frame).");
-  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient; other values than 0 are not built yet");
-  fields.require(p.friction == 0.0, "friction", "found a value other than 0, which is not built yet; accepted: 0");
+  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid and cut");
+  fields.number("strength", p.strength, "", between(0.0, 1e12),
+                "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat: K above ambient");
+  const bool needs_strength = p.mode == Mode::kAttract || p.mode == Mode::kHeat;
+  fields.require(!needs_strength || p.strength > 0.0, "strength", "found 0, with which attract and heat do nothing; accepted: above 0");
+  fields.number("reach", p.reach, "m", between(0.0, kMaxLength), "attract: how far from its surface it is felt");
+  fields.require(p.mode != Mode::kAttract || p.reach > 0.0, "reach", "found 0, with which attract does nothing; accepted: above 0");
+  fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
+  fields.number("end", p.end, "s", anyFinite(), "the default never ends");
+  fields.require(p.start < p.end, "end", "found an end that is not after the start; accepted: start < end");
   fields.list("path", p.path, "Where it is; interpolated between the times and held outside them.");
   fields.require(!p.path.empty(), "path", "found no waypoint; accepted: at least one");
   for (std::size_t i = 1; i < p.path.size(); ++i)

@@ -1,0 +1,101 @@
+#include "deformable_surface/simulation/grips.h"
+
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+
+void Grips::setTools(const std::vector<tool::ToolParams>& tools) {
+  std::vector<Grip> grips;
+  for (const tool::ToolParams& tool : tools) {
+    if (tool.mode != tool::Mode::kMove) continue;
+    Grip grip;
+    const auto before = std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.tool.id == tool.id; });
+    if (before != grips_.end() && before->tool.start == tool.start) grip = *before;
+    grip.tool = tool;
+    grips.push_back(std::move(grip));
+  }
+  grips_ = std::move(grips);
+}
+
+void Grips::reset() {
+  for (Grip& grip : grips_) {
+    grip.has_begun = false;
+    grip.points.clear();
+    grip.places.clear();
+  }
+}
+
+Grips::Update Grips::update(double time, double slack, const model::State& state, const std::vector<char>& pinned, const Points& forces) {
+  Update update;
+  const auto letGo = [&](Grip& grip) {
+    grip.points.clear();
+    grip.places.clear();
+    update.changed = true;
+  };
+  for (Grip& grip : grips_) {
+    const bool active = tool::isActive(grip.tool, time + slack);
+    if (!active && !grip.points.empty()) letGo(grip);
+    if (active && !grip.has_begun) {
+      grip.has_begun = true;
+      const tool::Pose pose = tool::interpolate(grip.tool.path, time);
+      for (Index i = 0; i < state.size(); ++i) {
+        if (pinned[i] || !(tool::findSignedDistance(grip.tool.shape, pose, state.positions[i]).distance <= 0.0)) continue;
+        grip.points.push_back(i);
+        grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
+      }
+      update.changed = true;
+      if (grip.points.empty()) update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it";
+    }
+    if (!(grip.tool.strength > 0.0) || grip.points.empty()) continue;
+    Vec3 force = Vec3::Zero();
+    for (const Index i : grip.points) force += forces[i];
+    if (force.norm() <= grip.tool.strength) continue;
+    letGo(grip);
+    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatReal(force.norm()) + " N";
+  }
+  return update;
+}
+
+void Grips::carry(double time, double step, model::State& state, std::vector<char>& held) const {
+  for (const Grip& grip : grips_) {
+    const tool::Pose pose = tool::interpolate(grip.tool.path, time + step);
+    for (std::size_t k = 0; k < grip.points.size(); ++k) {
+      const Index i = grip.points[k];
+      held[i] = 1;
+      state.velocities[i] = (pose.position + pose.orientation * grip.places[k] - state.positions[i]) / step;
+    }
+  }
+}
+
+void Grips::renumber(const std::vector<Index>& new_index) {
+  for (Grip& grip : grips_) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < grip.points.size(); ++k) {
+      if (new_index[grip.points[k]] < 0) continue;
+      grip.points[kept] = new_index[grip.points[k]];
+      grip.places[kept++] = grip.places[k];
+    }
+    grip.points.resize(kept);
+    grip.places.resize(kept);
+  }
+}
+
+void Grips::addReactions(double time, const model::State& state, const Points& forces, std::vector<ToolReaction>& reactions) const {
+  for (const Grip& grip : grips_) {
+    const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == grip.tool.id; });
+    if (found == reactions.end()) continue;
+    const tool::Pose pose = tool::interpolate(grip.tool.path, time);
+    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
+    for (const Index i : grip.points) {
+      force += forces[i];
+      torque += (state.positions[i] - pose.position).cross(forces[i]);
+    }
+    found->force += pose.orientation.conjugate() * force;
+    found->torque += pose.orientation.conjugate() * torque;
+    found->contacts += static_cast<Index>(grip.points.size());
+  }
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,117 @@
+#include "deformable_surface/simulation/grips.h"
+#include "clouds.h"
+#include "deformable_surface/base/error.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+// A hand that takes hold of the free edge of the hanging sheet at time 0 and lifts it.
+tool::ToolParams hand(double strength = 0.0) {
+  tool::ToolParams tool;
+  tool.id = "hand";
+  tool.mode = tool::Mode::kMove;
+  tool.shape.kind = geometry::Solid::Kind::kBox;
+  tool.shape.size = Vec3(0.1, 2.0, 0.1);
+  tool.strength = strength;
+  const double half = 0.5 * 0.6;  // of the angle turned
+  tool.path = {{0.0, Vec3(1.0, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)},
+               {0.5, Vec3(0.9, 0.1, 0.2), Vec4(0.0, std::sin(half), 0.0, std::cos(half))}};
+  return tool;
+}
+
+TEST(Grips, WhatItHoldsGoesWhereItGoes) {
+  simulation::SceneParams p = hangingSheet();
+  p.tools = {hand()};
+  simulation::Simulation s(p, sheetCloud());
+  const Points rest = s.state().positions;
+  run(s, 80);
+  const Eigen::AngleAxisd turn(0.6, Vec3::UnitY());
+  int held = 0;
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    if (rest[i].x() < 0.951) continue;
+    ++held;
+    const Vec3 place = Vec3(0.9, 0.1, 0.2) + turn * (rest[i] - Vec3(1.0, 0.0, 0.0));
+    EXPECT_LT((s.state().positions[i] - place).norm(), 1e-9);
+  }
+  EXPECT_EQ(s.toolReactions().front().contacts, held);
+  EXPECT_GT(held, 3);
+}
+
+TEST(Grips, EveryMethodCarriesAlike) {
+  for (auto type : {solve::IntegratorType::kSymplecticEuler, solve::IntegratorType::kImplicit, solve::IntegratorType::kStatic}) {
+    simulation::SceneParams p = hangingSheet();
+    p.tools = {hand()};
+    p.integrator.type = type;
+    simulation::Simulation s(p, sheetCloud());
+    const Points rest = s.state().positions;
+    run(s, 60);
+    const Eigen::AngleAxisd turn(0.6, Vec3::UnitY());
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      if (rest[i].x() < 0.951) continue;
+      EXPECT_LT((s.state().positions[i] - Vec3(0.9, 0.1, 0.2) - turn * (rest[i] - Vec3(1.0, 0.0, 0.0))).norm(), 1e-9);
+    }
+  }
+}
+
+TEST(Grips, AfterItsEndTheSheetFalls) {
+  simulation::SceneParams p = hangingSheet();
+  p.tools = {hand()};
+  p.tools[0].end = 0.5;
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 50);
+  EXPECT_GT(s.toolReactions().front().contacts, 3);
+  run(s, 1);
+  EXPECT_EQ(s.toolReactions().front().contacts, 0);
+  EXPECT_EQ(s.toolReactions().front().force, Vec3::Zero());
+}
+
+TEST(Grips, TheHeldWeightIsFeltAndAWeakerHandLetsGoAndSaysSo) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.tools = {hand()};
+  p.tools[0].path.resize(1);
+  p.integrator.type = solve::IntegratorType::kStatic;
+  simulation::Simulation strong(p, sheetCloud());
+  run(strong, 2);
+  double weight = 0.0;
+  for (double m : strong.model().masses()) weight += 9.81 * m;
+  EXPECT_NEAR(strong.toolReactions().front().force.z(), -weight, 1e-5 * weight);
+
+  p.integrator.type = solve::IntegratorType::kAuto;
+  p.tools[0].strength = 0.5 * weight;
+  simulation::Simulation weak(p, sheetCloud());
+  std::string notice;
+  for (int k = 0; k < 200 && notice.empty(); ++k) notice = weak.step().notice;
+  EXPECT_NE(notice.find("tool 'hand' has lost its grip"), std::string::npos) << notice;
+  run(weak, 1);
+  EXPECT_EQ(weak.toolReactions().front().contacts, 0);
+}
+
+TEST(Grips, ASnapshotHoldsTheGrip) {
+  simulation::SceneParams p = hangingSheet();
+  p.tools = {hand()};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 10);
+  const simulation::Snapshot snapshot = s.snapshot();
+  run(s, 10);
+  const std::uint64_t hash = s.stateHash();
+  s.removeTool("hand");
+  run(s, 5);
+  s.restore(snapshot);
+  run(s, 10);
+  EXPECT_EQ(s.stateHash(), hash);
+}
+
+TEST(Simulation, ToolsThatTheModelHasNotAreRefused) {
+  simulation::Simulation s(hangingSheet(), sheetCloud());
+  tool::ToolParams knife = hand();
+  knife.mode = tool::Mode::kCut;
+  EXPECT_THROW(s.setTool(knife), InputError);
+  EXPECT_TRUE(s.tools().empty());
+  EXPECT_FALSE(s.removeTool("hand"));
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
