@@ -1,0 +1,25 @@
+// The flat lattice that particles settle into: its spacing and what it resists, from which the constants of the potentials
+// follow. It is a file of its own because it is mathematics of infinite lattices, with no particle in it.
+#pragma once
+
+#include "deformable_surface/model/material_params.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
+#include "deformable_surface/model/oriented_particles/pair_potentials.h"
+
+namespace deformable_surface::model {
+
+/// Hexagonal for a surface; for a curve a row of particles, each of which stands for a square of the surface.
+struct Lattice {
+  PairPotentials pair;
+  double spacing = 0.0;            // m, where the lattice has no tension
+  double area_per_particle = 0.0;  // m^2
+  double energy_per_particle = 0.0;  // J, below zero
+  double spin_scale = 0.0;         // J/m^2, alpha_P of weight 1
+  double inertia_by_mass = 0.0;    // m^2: of that a particle turns back no faster than it moves back; at least that of the plate
+};
+
+/// The potentials with which the lattice has that spacing (m), Young's modulus times thickness and bending rigidity of the
+/// material, each times its weight. Throws InputError if the exponents and the cutoff let a surface collapse.
+Lattice calibrateLattice(double spacing, const MaterialParams& material, const OrientedParticlesParams& params);
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,83 @@
+// The oriented particles of [Szeliski 1991]: small elements of surface that hold together by potentials between pairs, without
+// a mesh, so that the surface can tear, merge and grow.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/oriented_particles/lattice.h"
+#include "deformable_surface/model/oriented_particles/neighbor_list.h"
+#include "deformable_surface/model/oriented_particles/pair_forces.h"
+
+namespace deformable_surface::model {
+
+/// A state of this model holds orientations, spins and traits of every particle.
+class OrientedParticles : public DeformableModel {
+ public:
+  /// rest, normals: (n x 3), unit, where the particles are at first; their rest shape is none but flat. spacing: m, that of the
+  /// cloud, for params.spacing: auto. Throws InputError if a surface of these potentials would collapse.
+  OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,
+                    const OrientedParticlesParams& params);
+
+  /// The spacing, m, of the hexagonal lattice of n particles on an area, m^2: each has sqrt(3) / 2 of its square.
+  static double findSpacing(double area, Index n);
+
+  const std::vector<double>& masses() const override { return masses_; }
+  bool isOriented() const override { return true; }
+  const std::vector<double>& inertias() const override { return inertias_; }
+  bool forcesReadVelocities() const override { return false; }
+  void addForces(const State& state, Points& forces) const override;
+  void addForcesAndTorques(const State& state, Points& forces, Points& torques) const override;
+
+  void beginAtRest(State& state) override;
+  void adopt(const State& state) override;
+  void refreshDisplay(const State& state) const override;
+  /// From Gershgorin's bound of the stiffness at the state, that of orientations included. Of the state alone.
+  double findStableStep(const State& state) const override;
+  /// Above that of as many particles in a flat sheet without edges: an edge costs the bonds that it lacks.
+  double elasticEnergy(const State& state) const override;
+
+  /// Adds nothing: bonds come and go with the distance, so that no implicit method is offered for this model.
+  void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
+  void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+  /// The normal times the area per particle of the flat lattice.
+  void computeAreaVectors(const State& state, Points& area_vectors) const override;
+  bool isClosed() const override { return false; }
+  /// Sum of x.A / 3 over the particles' area vectors: it means something only if they close a surface.
+  double enclosedVolume(const State& state) const override;
+  void computeVolumeGradient(const State& state, Points& gradient) const override;
+  double maxStretch(const State& state) const override;
+  void computePointStrain(const State& state, std::vector<double>& strain) const override;
+  /// Those of the last refreshDisplay().
+  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
+  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
+  const std::vector<WeightedTriangle>& triangles() const override { return triangles_; }
+
+  const Lattice& lattice() const { return lattice_; }
+  const OrientedParticlesParams& params() const { return params_; }
+  /// The temperature, K, that becomes of one after a time, s: it falls exponentially.
+  double coolDown(double temperature, double time) const;
+  /// Bytes that the lists and copies hold.
+  std::size_t bytes() const;
+
+ private:
+  bool prepare(const State& state) const;
+  void addSpinTorques(const State& state, Points& torques) const;
+  template <class Take>
+  void forEachNear(Index i, double distance, const Take& take) const;
+
+  const OrientedParticlesParams params_;
+  const Lattice lattice_;
+  const double mass_;  // kg, of every particle
+  const Points normals_;
+  std::vector<double> masses_, inertias_;
+  // Display.
+  mutable std::vector<std::pair<Index, Index>> links_;
+  std::vector<std::pair<Index, Index>> no_links_;
+  mutable std::vector<WeightedTriangle> triangles_;
+  // Scratch.
+  mutable NeighborList lists_;
+  mutable PackedParticles packed_;
+  mutable Points torques_;
+  mutable std::vector<double> strain_, row_maxima_;
+};
+
+}  // namespace deformable_surface::model

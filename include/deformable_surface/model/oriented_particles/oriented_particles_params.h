@@ -1,0 +1,79 @@
+// The choices within the model of oriented particles.
+#pragma once
+
+#include "deformable_surface/base/or_auto.h"
+#include "deformable_surface/base/params.h"
+#include "deformable_surface/base/types.h"
+
+#include <cmath>
+
+namespace deformable_surface::model {
+
+/// space: a surface. plane: a curve, as a section of a surface; particles stay in y = 0 and their normals in that plane.
+enum class ParticleMode { kSpace, kPlane };
+
+/// How far the forces between orientations reach: isotropic = by distance alone; anisotropic = [Szeliski 1991, eq. 10], which
+/// counts those near a particle's tangent plane more.
+enum class ParticleWeighting { kIsotropic, kAnisotropic };
+
+/// By which potential the x axes turn to a principal direction: that of the least signed curvature [Szeliski 1991, eq. 14] or of
+/// the least absolute one [eq. 15].
+enum class PrincipalDirection { kSigned, kAbsolute };
+
+struct OrientedParticlesParams {
+  ParticleMode mode = ParticleMode::kSpace;
+  OrAuto<double> spacing;         // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
+  // Each multiplies a value that comes from the material.
+  double lennard_jones = 1.0;     // >= 0: 1 = the surface has Young's modulus
+  double co_planarity = 1.0;      // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
+  double co_normality = 1.0;      // >= 0
+  double co_circularity = 0.0;    // >= 0, on the scale of co-planarity
+  double spin = 0.0;              // >= 0, on the scale of co-planarity: torque about the normals
+  PrincipalDirection principal = PrincipalDirection::kSigned;
+  Vec2 exponents{12.0, 6.0};      // of repulsion and attraction, whole, the first the larger
+  double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
+  ParticleWeighting weighting = ParticleWeighting::kIsotropic;
+  double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
+  double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
+  double melting = 1000.0;        // K above ambient, > 0: bonds weaken linearly until there
+  double cooling = 0.0;           // 1/s, >= 0: rate at which temperatures fall to the ambient one
+};
+
+inline void visit(Fields& fields, OrientedParticlesParams& p) {
+  fields.choice("mode", p.mode, {{"space", ParticleMode::kSpace}, {"plane", ParticleMode::kPlane}},
+                "`space` = a surface, `plane` = a curve of particles that stay in y = 0");
+  fields.number("spacing", p.spacing, "m", between(1e-9, kMaxLength),
+                "between neighbours on the flat surface at rest; `auto` = that of the cloud");
+  fields.number("lennard_jones", p.lennard_jones, "", between(0.0, 1e6),
+                "attraction and repulsion; with 1 the surface has Young's modulus");
+  fields.number("co_planarity", p.co_planarity, "", between(0.0, 1e6),
+                "keeps neighbours in each other's tangent planes; (this + co_normality) / 2 multiplies the bending rigidity");
+  fields.number("co_normality", p.co_normality, "", between(0.0, 1e6), "keeps neighbouring normals parallel");
+  fields.number("co_circularity", p.co_circularity, "", between(0.0, 1e6),
+                "keeps the curvature constant, on the scale of co_planarity");
+  fields.number("spin", p.spin, "", between(0.0, 1e6),
+                "torque about the normals that turns x axes to a principal direction, on the scale of co_planarity");
+  fields.choice("principal", p.principal, {{"signed", PrincipalDirection::kSigned}, {"absolute", PrincipalDirection::kAbsolute}},
+                "x axes turn to the direction of the least curvature, `signed` or `absolute`");
+  fields.vector("exponents", p.exponents, "", between(1.0, 24.0), "of repulsion and attraction: whole, the first the larger");
+  const auto isWhole = [](double x) { return x == std::floor(x); };
+  fields.require(isWhole(p.exponents[0]) && isWhole(p.exponents[1]) && p.exponents[0] > p.exponents[1], "exponents",
+                 "found " + formatReal(p.exponents[0]) + " and " + formatReal(p.exponents[1]) +
+                     "; accepted: whole numbers, the first the larger");
+  fields.number("cutoff", p.cutoff, "", between(1.05, 4.0),
+                "distance, in that of a pair's least energy, beyond which particles do not feel each other: a bond is then gone");
+  fields.choice("weighting", p.weighting,
+                {{"isotropic", ParticleWeighting::kIsotropic}, {"anisotropic", ParticleWeighting::kAnisotropic}},
+                "of the forces between orientations: by distance, or more near the tangent plane (as published)");
+  fields.number("weighting_width", p.weighting_width, "", between(0.1, 10.0), "in spacings, with weighting: anisotropic");
+  fields.number("weighting_height", p.weighting_height, "", between(0.05, 10.0),
+                "in spacings, with weighting: anisotropic; at most weighting_width");
+  fields.require(p.weighting_height <= p.weighting_width, "weighting_height",
+                 "found " + formatReal(p.weighting_height) + " above weighting_width: " + formatReal(p.weighting_width) +
+                     "; accepted: at most the width");
+  fields.number("melting", p.melting, "K", between(1e-6, 1e9),
+                "above ambient, where bonds are gone; they weaken linearly until then");
+  fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures fall to the ambient one");
+}
+
+}  // namespace deformable_surface::model

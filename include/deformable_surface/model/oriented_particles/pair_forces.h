@@ -1,0 +1,44 @@
+// The sum over pairs: what the neighbours of a particle do to it. It is a file of its own because it is the hot loop: four
+// neighbours at a time, a version for every set of terms.
+#pragma once
+
+#include "deformable_surface/model/oriented_particles/neighbor_list.h"
+#include "deformable_surface/model/oriented_particles/pair_potentials.h"
+
+namespace deformable_surface::model {
+
+/// Particles as the loop reads them.
+struct PackedParticles {
+  std::vector<double> places;   // (4 n) x, y, z in m and the strength of bonds, 0 .. 1, by temperature
+  std::vector<double> normals;  // (4 n) unit, and 1 if the particle is smooth, else 0
+
+  const double* place(Index i) const { return places.data() + 4 * static_cast<std::ptrdiff_t>(i); }
+  const double* normal(Index i) const { return normals.data() + 4 * static_cast<std::ptrdiff_t>(i); }
+};
+
+/// Adds to forces (N) and torques (N m), (n x 3) each, what acts on particles begin .. end - 1. A particle gathers from its
+/// neighbours in ascending order, so that the bits depend neither on threads nor on what else the lists hold.
+///
+/// With r = p_j - p_i, d = |r|, u = n.r for either normal, s = u_i + u_j, Q = |n_i - n_j|^2 the energy of a pair, both orders
+/// summed, is
+///   E = 2 phi(d) + psi_i (aP u_i^2 + aN Q + aC s^2) + psi_j (aP u_j^2 + aN Q + aC s^2)
+/// [Szeliski 1991, eq. 5 to 8, 11], times the strength of the weaker particle's bonds, psi also times 0 if one is not smooth;
+/// psi_i = psi_j = psi(d), or [eq. 10] exp(-(d^2 - u^2) / 2 a^2 - u^2 / 2 b^2) times the switch. Then
+///   f_i = c_r r + c_i n_i + c_j n_j,  tau_i = (c_i r + 2 aN (psi_i + psi_j) (n_i - n_j)) x n_i,
+///   c_k = 2 aP u_k psi_k + 2 aC s (psi_i + psi_j) + dE/dpsi_k dpsi_k/du_k,  c_r d = dE/dd.
+/// These are minus the gradient of E; the printed appendix B is not.
+void gatherForces(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin, Index end,
+                  Vec3* forces, Vec3* torques);
+
+/// The energy of particles begin .. end - 1: half of E of each pair that they are in, J.
+double gatherEnergy(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin,
+                    Index end);
+
+/// Bounds of the magnitudes of the stiffness that couples a pair's coordinates. X: positions, N/m; Y: a position with an
+/// orientation, N; Z: orientations, N m, of one particle and of both together.
+struct PairStiffness {
+  double x = 0.0, y = 0.0, z = 0.0;
+};
+PairStiffness boundStiffness(const PairPotentials& pair, const PackedParticles& particles, Index i, Index j);
+
+}  // namespace deformable_surface::model

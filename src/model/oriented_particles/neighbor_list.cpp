@@ -1,0 +1,156 @@
+#include "deformable_surface/model/oriented_particles/neighbor_list.h"
+
+#include "deformable_surface/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::model {
+namespace {
+
+// The edge of the cells over the reach of the lists: more than one, so that rounding of quotients cannot hide a neighbour two
+// cells away.
+constexpr double kEdge = 1.001;
+// Cell numbers come back to zero after this many, so that they stay whole numbers however far a particle is; two cells of one
+// number are told apart by distance.
+constexpr std::int64_t kPeriod = std::int64_t{1} << 53;
+// Odd factors of no common pattern: lines of cells along x, which are read in one piece, are spread over the bins.
+constexpr std::uint64_t kAlongY = 0x9E3779B97F4A7C15u, kAlongZ = 0xC2B2AE3D27D4EB4Fu;
+
+std::uint64_t hashRow(std::int64_t y, std::int64_t z) {
+  const std::uint64_t mixed = static_cast<std::uint64_t>(y) * kAlongY + static_cast<std::uint64_t>(z) * kAlongZ;
+  return mixed >> 20;
+}
+
+std::int64_t wrap(double quotient) {
+  return static_cast<std::int64_t>(std::fmod(std::floor(quotient), static_cast<double>(kPeriod)));
+}
+
+}  // namespace
+
+bool NeighborList::update(const Points& positions) {
+  bool is_finite = true;
+  const bool moved = hasMovedFar(positions, is_finite);
+  if (!is_finite) return is_valid_ = false;
+  if (is_valid_ && !moved) return true;
+  const Index n = static_cast<Index>(positions.size());
+  cell_ = kEdge * (radius_ + skin_);
+  begins_.resize(n);
+  counts_.resize(n);
+  blocks_.resize((n + kBlock - 1) / kBlock);
+  sortIntoBins(positions);
+  is_valid_ = listNeighbors(positions);
+  rebuilt_at_ = positions;
+  ++num_rebuilds_;
+  return is_valid_;
+}
+
+bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) const {
+  const bool same_number = positions.size() == rebuilt_at_.size();
+  const double most = 0.25 * skin_ * skin_;
+  const Index n = static_cast<Index>(positions.size());
+  // Two counts in one sum: a particle that is nowhere outweighs all that have moved.
+  constexpr double kNowhere = 1e12;
+  const double sum = parallelSum(n, kBlock, [&](Index begin, Index end) {
+    double count = 0.0;
+    for (Index i = begin; i < end; ++i) {
+      if (!positions[i].allFinite()) count += kNowhere;
+      if (!same_number || !((positions[i] - rebuilt_at_[i]).squaredNorm() <= most)) count += 1.0;
+    }
+    return count;
+  });
+  is_finite = sum < kNowhere;
+  return sum > 0.0 || !same_number;
+}
+
+NeighborList::Cell NeighborList::cellOf(const Vec3& p) const {
+  return {wrap(p.x() / cell_), wrap(p.y() / cell_), wrap(p.z() / cell_)};
+}
+
+Index NeighborList::findBin(std::uint64_t row, std::int64_t x) const {
+  return static_cast<Index>((row + static_cast<std::uint64_t>(x)) & static_cast<std::uint64_t>(mask_));
+}
+
+void NeighborList::sortIntoBins(const Points& positions) {
+  const Index n = static_cast<Index>(positions.size());
+  Index num_bins = 4;  // three bins of one line are then three
+  while (num_bins < n) num_bins *= 2;
+  mask_ = num_bins - 1;
+  bins_.resize(n);
+  slots_.resize(n);
+  starts_.assign(num_bins + 1, 0);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Cell cell = cellOf(positions[i]);
+      bins_[i] = findBin(hashRow(cell.y, cell.z), cell.x);
+    }
+  });
+  for (Index bin : bins_) ++starts_[bin + 1];
+  for (Index b = 0; b < num_bins; ++b) starts_[b + 1] += starts_[b];
+  for (Index i = 0; i < n; ++i) {
+    const Vec3& p = positions[i];
+    const Cell cell = cellOf(p);
+    slots_[starts_[bins_[i]]++] = {p.x(), p.y(), p.z(), static_cast<std::uint32_t>(hashRow(cell.y, cell.z)), i};
+  }
+  for (Index b = num_bins; b > 0; --b) starts_[b] = starts_[b - 1];
+  starts_[0] = 0;
+}
+
+bool NeighborList::listNeighbors(const Points& positions) {
+  const double reach = radius_ + skin_, most = reach * reach;
+  const Index n = static_cast<Index>(positions.size());
+  const double overfull = parallelSum(n, kBlock, [&](Index first, Index last) {
+    std::vector<Index>& list = blocks_[first / kBlock];
+    list.clear();
+    Index near[kMostNeighbors];
+    double too_many = 0.0;
+    for (Index i = first; i < last; ++i) {
+      const Vec3& p = positions[i];
+      const Cell cell = cellOf(p);
+      Index count = 0;
+      const auto take = [&](Index from, Index to, std::uint32_t row) {
+        for (Index s = from; s < to; ++s) {
+          const Slot& slot = slots_[s];
+          const double x = slot.x - p.x(), y = slot.y - p.y(), z = slot.z - p.z();
+          if (!(x * x + y * y + z * z <= most) || slot.row != row || slot.particle == i) continue;
+          if (count == kMostNeighbors) {
+            too_many = 1.0;
+            return;
+          }
+          near[count++] = slot.particle;
+        }
+      };
+      // A line of cells has one number; two of the nine lines that share it are read once.
+      std::uint32_t rows[9];
+      int num_rows = 0;
+      for (int dy = -1; dy <= 1; ++dy)
+        for (int dz = -1; dz <= 1; ++dz) {
+          const std::uint64_t hash = hashRow(cell.y + dy, cell.z + dz);
+          const std::uint32_t row = static_cast<std::uint32_t>(hash);
+          if (std::find(rows, rows + num_rows, row) != rows + num_rows) continue;
+          rows[num_rows++] = row;
+          const Index middle = findBin(hash, cell.x);
+          if (middle > 0 && middle < mask_) {
+            take(starts_[middle - 1], starts_[middle + 2], row);
+          } else {
+            for (Index bin : {(middle - 1) & mask_, middle, (middle + 1) & mask_}) take(starts_[bin], starts_[bin + 1], row);
+          }
+        }
+      std::sort(near, near + count);
+      begins_[i] = static_cast<Index>(list.size());
+      counts_[i] = count;
+      list.insert(list.end(), near, near + count);
+    }
+    return too_many;
+  });
+  return overfull == 0.0;
+}
+
+std::size_t NeighborList::bytes() const {
+  std::size_t sum = rebuilt_at_.capacity() * sizeof(Vec3) + slots_.capacity() * sizeof(Slot);
+  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_}) sum += v->capacity() * sizeof(Index);
+  for (const std::vector<Index>& block : blocks_) sum += block.capacity() * sizeof(Index);
+  return sum;
+}
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,269 @@
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "model_checks.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using model::MaterialParams;
+using model::OrientedParticles;
+using model::OrientedParticlesParams;
+using model::PairPotentials;
+using model::ParticleMode;
+using model::ParticleWeighting;
+
+constexpr double kSpacing = 0.05;
+
+MaterialParams thickSheet() {
+  MaterialParams m;
+  m.thickness = 0.04;  // so that bending and stretching are of one size
+  return m;
+}
+
+OrientedParticlesParams allTerms(ParticleWeighting weighting = ParticleWeighting::kIsotropic) {
+  OrientedParticlesParams p;
+  p.co_circularity = 0.7;
+  p.weighting = weighting;
+  return p;
+}
+
+OrientedParticles makeModel(Index n, const OrientedParticlesParams& params, const MaterialParams& material = thickSheet()) {
+  return OrientedParticles(Points(n, Vec3::Zero()), Points(n, Vec3::UnitZ()), kSpacing, material, params);
+}
+
+Quaternion randomTurn(std::mt19937& generator) {
+  return Quaternion(uniform(generator), uniform(generator), uniform(generator), uniform(generator)).normalized();
+}
+
+Quaternion turnBy(const Vec3& angle, const Quaternion& q) {
+  const double size = angle.norm();
+  return size > 0.0 ? Quaternion(Eigen::AngleAxisd(size, angle / size) * q) : q;
+}
+
+State emptyState(Index n) {
+  State s;
+  s.positions.assign(n, Vec3::Zero());
+  s.velocities = s.spins = s.positions;
+  s.orientations.assign(n, Quaternion::Identity());
+  s.traits.resize(n);
+  for (Index i = 0; i < n; ++i) s.traits[i].id = i;
+  return s;
+}
+
+/// Particles in a box of two spacings, no two nearer than 0.7 spacings, with any orientations.
+State randomState(Index n, unsigned seed, bool in_plane = false) {
+  std::mt19937 generator(seed);
+  State s = emptyState(n);
+  for (Index i = 0; i < n; ++i) {
+    bool is_free = false;
+    while (!is_free) {
+      s.positions[i] = 1.2 * kSpacing * randomVector(generator) * (in_plane ? 2.0 : 1.0);
+      if (in_plane) s.positions[i].y() = 0.0;
+      is_free = true;
+      for (Index j = 0; j < i; ++j) is_free = is_free && (s.positions[i] - s.positions[j]).norm() > 0.7 * kSpacing;
+    }
+    s.orientations[i] = in_plane ? Quaternion(Eigen::AngleAxisd(3.0 * uniform(generator), Vec3::UnitY())) : randomTurn(generator);
+  }
+  return s;
+}
+
+/// A hexagonal patch of rows x columns particles in z = 0, spacing as given.
+State hexagonalPatch(Index rows, Index columns, double spacing = kSpacing) {
+  State s = emptyState(rows * columns);
+  for (Index i = 0; i < rows; ++i)
+    for (Index j = 0; j < columns; ++j)
+      s.positions[i * columns + j] = spacing * Vec3(j + 0.5 * (i % 2), 0.5 * std::sqrt(3.0) * i, 0.0);
+  return s;
+}
+
+void evaluate(const OrientedParticles& model, const State& state, Points& forces, Points& torques) {
+  forces.assign(state.size(), Vec3::Zero());
+  torques.assign(state.size(), Vec3::Zero());
+  model.addForcesAndTorques(state, forces, torques);
+}
+
+/// The energy as the paper has it: a double sum over ordered pairs of equations 5 to 8, with nothing shared between terms.
+double sumOfPublishedEnergies(const OrientedParticles& model, const State& s) {
+  const PairPotentials& p = model.lattice().pair;
+  double sum = 0.0;
+  for (Index i = 0; i < s.size(); ++i)
+    for (Index j = 0; j < s.size(); ++j) {
+      const Vec3 r = s.positions[j] - s.positions[i];
+      const double d = r.norm();
+      if (i == j || d >= p.cutoff) continue;
+      const Vec3 ni = s.orientations[i] * Vec3::UnitZ(), nj = s.orientations[j] * Vec3::UnitZ();
+      const double t = std::max(0.0, (d - p.switch_begin) / (p.cutoff - p.switch_begin));
+      const double on = 1.0 - 10.0 * std::pow(t, 3) + 15.0 * std::pow(t, 4) - 6.0 * std::pow(t, 5);
+      const Vec3 local = s.orientations[i].conjugate() * r;
+      const double psi = p.is_anisotropic
+                             ? on * std::exp(-0.5 * p.inverse_width * (local.x() * local.x() + local.y() * local.y()) -
+                                             0.5 * p.inverse_height * local.z() * local.z())
+                             : std::pow(1.0 - d * d / (p.cutoff * p.cutoff), 3);
+      const double n = p.repulsion, m = p.attraction;
+      const double phi = p.depth / (n - m) * (m * std::pow(p.distance / d, n) - n * std::pow(p.distance / d, m));
+      const double hotter = std::max({0.0, s.traits[i].temperature, s.traits[j].temperature});
+      const double strength = std::max(0.0, 1.0 - hotter / model.params().melting);
+      const double smooth = s.traits[i].is_smooth && s.traits[j].is_smooth ? 1.0 : 0.0;
+      sum += strength * (phi * on + smooth * psi *
+                                        (p.co_planarity * std::pow(ni.dot(r), 2) + p.co_normality * (ni - nj).squaredNorm() +
+                                         p.co_circularity * std::pow((ni + nj).dot(r), 2)));
+    }
+  return sum;
+}
+
+/// Central differences of fourth order of the energy as the model sums it, along every coordinate.
+void checkForcesAndTorques(const OrientedParticles& model, const State& state, bool in_plane = false) {
+  Points forces, torques;
+  evaluate(model, state, forces, torques);
+  const double lattice = state.size() * model.lattice().energy_per_particle;
+  const double published = sumOfPublishedEnergies(model, state);
+  EXPECT_NEAR(model.elasticEnergy(state) + lattice, published, 1e-12 * (std::abs(published) + std::abs(lattice)));
+  const double force_scale = largest(forces), torque_scale = std::max(largest(torques), 1e-300);
+  const double h = 1e-3;
+  for (Index i = 0; i < state.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const auto slope = [&](const auto& move) {
+        const auto energyAt = [&](double amount) {
+          State moved = state;
+          move(moved, amount);
+          return model.elasticEnergy(moved);
+        };
+        return (8.0 * (energyAt(h) - energyAt(-h)) - (energyAt(2 * h) - energyAt(-2 * h))) / (12.0 * h);
+      };
+      const Vec3 unit = Vec3::Unit(axis);
+      if (!in_plane || axis != 1) {
+        const double scale = 0.1 * kSpacing;
+        const double change = slope([&](State& s, double amount) { s.positions[i] += scale * amount * unit; }) / scale;
+        EXPECT_NEAR(forces[i][axis], -change, 1e-7 * force_scale) << "force " << i << " " << axis;
+      } else {
+        EXPECT_EQ(forces[i].y(), 0.0);
+      }
+      if (!in_plane || axis == 1) {
+        const double change =
+            slope([&](State& s, double amount) { s.orientations[i] = turnBy(amount * unit, s.orientations[i]); });
+        EXPECT_NEAR(torques[i][axis], -change, 1e-7 * torque_scale) << "torque " << i << " " << axis;
+      } else {
+        EXPECT_EQ(torques[i][axis], 0.0);
+      }
+    }
+}
+
+class OrientedParticlesWeightings : public testing::TestWithParam<ParticleWeighting> {};
+
+TEST_P(OrientedParticlesWeightings, ForcesAndTorquesAreMinusTheGradientOfThePublishedEnergies) {
+  for (unsigned seed = 1; seed <= 4; ++seed) checkForcesAndTorques(makeModel(12, allTerms(GetParam())), randomState(12, seed));
+}
+
+TEST_P(OrientedParticlesWeightings, EachTermAloneIsMinusAGradient) {
+  for (int terms = 0; terms < 8; ++terms) {
+    OrientedParticlesParams p = allTerms(GetParam());
+    p.co_planarity = terms & 1 ? 1.0 : 0.0;
+    p.co_normality = terms & 2 ? 1.0 : 0.0;
+    p.co_circularity = terms & 4 ? 1.0 : 0.0;
+    checkForcesAndTorques(makeModel(10, p), randomState(10, 20 + terms));
+  }
+}
+
+TEST_P(OrientedParticlesWeightings, HeatWeakensBondsAndUnorientedParticlesOnlyAttractAndRepel) {
+  State s = randomState(12, 5);
+  std::mt19937 generator(9);
+  for (Index i = 0; i < s.size(); ++i) {
+    s.traits[i].temperature = 600.0 * (1.0 + uniform(generator)) - 100.0;  // some below ambient, some beyond melting
+    s.traits[i].is_smooth = i % 4 != 0;
+  }
+  const OrientedParticles particles = makeModel(12, allTerms(GetParam()));
+  checkForcesAndTorques(particles, s);
+  Points forces, torques;
+  evaluate(particles, s, forces, torques);
+  for (Index i = 0; i < s.size(); i += 4) EXPECT_EQ(torques[i].norm(), 0.0);
+}
+
+TEST_P(OrientedParticlesWeightings, InThePlaneParticlesStayInThePlane) {
+  OrientedParticlesParams p = allTerms(GetParam());
+  p.mode = ParticleMode::kPlane;
+  for (unsigned seed = 1; seed <= 3; ++seed) checkForcesAndTorques(makeModel(9, p), randomState(9, seed, true), true);
+}
+
+TEST_P(OrientedParticlesWeightings, MomentumIsKept) {
+  const State s = randomState(14, 3);
+  Points forces, torques;
+  evaluate(makeModel(14, allTerms(GetParam())), s, forces, torques);
+  Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+  double sizes = 0.0, moments = 0.0;
+  for (Index i = 0; i < s.size(); ++i) {
+    sum += forces[i];
+    moment += torques[i] + s.positions[i].cross(forces[i]);
+    sizes += forces[i].norm();
+    moments += torques[i].norm() + s.positions[i].norm() * forces[i].norm();
+  }
+  ASSERT_GT(sizes, 0.0);
+  EXPECT_LT(sum.norm(), 1e-15 * 14 * sizes);
+  EXPECT_LT(moment.norm(), 1e-15 * 14 * moments);
+}
+
+/// The stiffness of positions and orientations over their masses, by differences of forces and torques.
+Eigen::MatrixXd measuredStiffness(const OrientedParticles& model, const State& state) {
+  const Index n = state.size();
+  Eigen::MatrixXd matrix(6 * n, 6 * n);
+  const double h = 1e-6;
+  for (Index i = 0; i < n; ++i)
+    for (int axis = 0; axis < 6; ++axis) {
+      Points forces[2], torques[2];
+      const double mass = axis < 3 ? model.masses()[i] : model.inertias()[i], step = axis < 3 ? h * kSpacing : h;
+      for (int side = 0; side < 2; ++side) {
+        State s = state;
+        const Vec3 move = (side ? step : -step) * Vec3::Unit(axis % 3);
+        if (axis < 3) {
+          s.positions[i] += move;
+        } else {
+          s.orientations[i] = turnBy(move, s.orientations[i]);
+        }
+        evaluate(model, s, forces[side], torques[side]);
+      }
+      for (Index j = 0; j < n; ++j) {
+        const double by_mass = std::sqrt(mass * model.masses()[j]), by_inertia = std::sqrt(mass * model.inertias()[j]);
+        matrix.block<3, 1>(6 * j, 6 * i + axis) = -(forces[1][j] - forces[0][j]) / (2.0 * step * by_mass);
+        matrix.block<3, 1>(6 * j + 3, 6 * i + axis) = -(torques[1][j] - torques[0][j]) / (2.0 * step * by_inertia);
+      }
+    }
+  return 0.5 * (matrix + matrix.transpose());
+}
+
+double measuredStableStep(const OrientedParticles& model, const State& state) {
+  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(measuredStiffness(model, state), Eigen::EigenvaluesOnly);
+  return 2.0 / std::sqrt(solver.eigenvalues().maxCoeff());
+}
+
+TEST_P(OrientedParticlesWeightings, TheStableStepIsBelowThatOfTheLargestFrequencyAndNotFarBelow) {
+  for (double thickness : {0.001, 0.04}) {
+    MaterialParams material;
+    material.thickness = thickness;
+    OrientedParticlesParams p = allTerms(GetParam());
+    for (unsigned seed = 1; seed <= 6; ++seed) {
+      const State s = randomState(12, seed);
+      const OrientedParticles particles = makeModel(12, p, material);
+      EXPECT_LT(particles.findStableStep(s), measuredStableStep(particles, s)) << seed << " " << thickness;
+    }
+    p.co_circularity = 0.0;
+    const State flat = hexagonalPatch(5, 6);
+    const OrientedParticles particles = makeModel(flat.size(), p, material);
+    const double bound = particles.findStableStep(flat), measured = measuredStableStep(particles, flat);
+    EXPECT_LT(bound, measured);
+    // A lattice's largest frequency is 1 / sqrt(2) of Gershgorin's bound, and an edge's particles have fewer neighbours.
+    EXPECT_GT(bound, 0.6 * measured) << thickness;
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Both, OrientedParticlesWeightings,
+                         testing::Values(ParticleWeighting::kIsotropic, ParticleWeighting::kAnisotropic),
+                         [](const auto& info) {
+                           return info.param == ParticleWeighting::kIsotropic ? "Isotropic" : "Anisotropic";
+                         });
+
+}  // namespace
+}  // namespace deformable_surface::test
