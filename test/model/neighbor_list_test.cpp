@@ -1,0 +1,134 @@
+#include "deformable_surface/model/oriented_particles/neighbor_list.h"
+
+#include "../support/surfaces.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using model::NeighborList;
+
+constexpr double kRadius = 0.1, kSkin = 0.02;
+
+std::vector<Index> listOf(const NeighborList& lists, Index i) { return {lists.begin(i), lists.end(i)}; }
+
+/// Every pair within the distance, by comparing all with all.
+std::vector<Index> findNear(const Points& points, Index i, double distance) {
+  std::vector<Index> near;
+  for (Index j = 0; j < static_cast<Index>(points.size()); ++j)
+    if (j != i && (points[j] - points[i]).squaredNorm() <= distance * distance) near.push_back(j);
+  return near;
+}
+
+void expectAllPairs(const Points& points) {
+  NeighborList lists(kRadius, kSkin);
+  ASSERT_TRUE(lists.update(points));
+  for (Index i = 0; i < static_cast<Index>(points.size()); ++i) EXPECT_EQ(listOf(lists, i), findNear(points, i, kRadius + kSkin)) << i;
+}
+
+Points randomPoints(Index n, double size, unsigned seed = 1) {
+  std::mt19937 generator(seed);
+  Points points(n);
+  for (Vec3& p : points) p = size * randomVector(generator);
+  return points;
+}
+
+TEST(NeighborList, HoldsWhatComparingAllWithAllFindsInAscendingOrder) {
+  expectAllPairs(randomPoints(2500, 0.6));                      // more than one block, and cells on both sides of zero
+  expectAllPairs(randomPoints(300, 0.05));                      // all in a few cells
+  expectAllPairs(randomPoints(3, 0.1));
+  expectAllPairs({Vec3(0.3, 0.2, 0.1)});
+  expectAllPairs({});
+  expectAllPairs(makeSphere(1500, 1.0).points);
+  Points clusters = randomPoints(900, 0.03);
+  for (std::size_t i = 0; i < clusters.size(); ++i) clusters[i] += Vec3(i % 3, 5.0 * (i % 2), -2.0 * (i % 5));
+  expectAllPairs(clusters);
+}
+
+TEST(NeighborList, ListsParticlesInOnePlace) { expectAllPairs(Points(500, Vec3(0.1, -0.2, 0.3))); }
+
+TEST(NeighborList, FindsPairsAcrossEveryBorderOfCells) {
+  // Pairs in all directions at just less and just more than the reach, at places of all kinds.
+  std::mt19937 generator(4);
+  for (double place : {0.0, 1.0, 1e3, 1e6}) {
+    Points points;
+    for (int k = 0; k < 200; ++k) {
+      const Vec3 p = place * Vec3(1.0, -1.0, 1.0) + 50.0 * randomVector(generator), direction = randomVector(generator).normalized();
+      points.push_back(p);
+      points.push_back(p + (k % 2 ? 0.999 : 1.001) * (kRadius + kSkin) * direction);
+    }
+    expectAllPairs(points);
+  }
+}
+
+TEST(NeighborList, FarFlungParticlesCostNothingAndAreStillFound) {
+  Points points = randomPoints(200, 0.3);
+  for (double far : {1e6, 1e12, 1e100, 1e300}) {
+    points.emplace_back(far, -far, 0.0);
+    points.emplace_back(-far, 0.0, 2.0 * far);
+  }
+  points.push_back(points.back());
+  expectAllPairs(points);
+}
+
+TEST(NeighborList, RefusesPlacesThatAreNoneAndHeaps) {
+  NeighborList lists(kRadius, kSkin);
+  Points points = randomPoints(50, 0.3);
+  points[7].y() = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_FALSE(lists.update(points));
+  points[7].y() = std::numeric_limits<double>::infinity();
+  EXPECT_FALSE(lists.update(points));
+  points[7].y() = 0.0;
+  EXPECT_TRUE(lists.update(points));
+  const Index most = NeighborList::kMostNeighbors + 1;
+  EXPECT_TRUE(lists.update(Points(most, Vec3::Zero())));
+  EXPECT_FALSE(lists.update(Points(most + 1, Vec3::Zero())));
+  EXPECT_FALSE(lists.update(Points(most + 1, Vec3::Zero())));  // and does not take the unchanged heap for a list that holds
+  EXPECT_TRUE(lists.update(points));
+}
+
+TEST(NeighborList, IsMadeAnewOnlyWhenSomethingHasMovedMoreThanHalfTheSkin) {
+  NeighborList lists(kRadius, kSkin);
+  Points points = randomPoints(400, 0.4);
+  lists.update(points);
+  std::mt19937 generator(2);
+  Index rebuilds = 1;
+  for (int step = 0; step < 60; ++step) {
+    for (Vec3& p : points) p += 0.1 * kSkin * randomVector(generator);
+    ASSERT_TRUE(lists.update(points));
+    for (Index i = 0; i < 400; ++i) {
+      const std::vector<Index> listed = listOf(lists, i), near = findNear(points, i, kRadius);
+      EXPECT_TRUE(std::includes(listed.begin(), listed.end(), near.begin(), near.end())) << step << " " << i;
+    }
+  }
+  EXPECT_GT(lists.numRebuilds(), rebuilds);
+  EXPECT_LT(lists.numRebuilds(), 40);
+  rebuilds = lists.numRebuilds();
+  lists.update(points);
+  EXPECT_EQ(lists.numRebuilds(), rebuilds);
+  points.pop_back();
+  lists.update(points);
+  EXPECT_EQ(lists.numRebuilds(), rebuilds + 1);
+}
+
+TEST(NeighborList, IsTheSameForEveryNumberOfThreads) {
+  const Points points = randomPoints(5000, 0.7);
+  std::vector<std::vector<Index>> first;
+  for (int threads : {1, 2, 3}) {
+    setNumThreads(threads);
+    NeighborList lists(kRadius, kSkin);
+    ASSERT_TRUE(lists.update(points));
+    std::vector<std::vector<Index>> all;
+    for (Index i = 0; i < 5000; ++i) all.push_back(listOf(lists, i));
+    if (first.empty()) first = all;
+    EXPECT_EQ(all, first) << threads;
+  }
+  setNumThreads(0);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
