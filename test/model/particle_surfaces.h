@@ -26,6 +26,13 @@ inline TestSurface makeHexagons(double spacing, double radius) {
   return sheet;
 }
 
+/// Particles that face +z.
+inline TestSurface makePositionsOf(const Points& positions) {
+  TestSurface surface;
+  for (const Vec3& p : positions) surface.add(p, Vec3::UnitZ());
+  return surface;
+}
+
 inline double distanceBetween(const TestSurface& surface, Index i, Index j) {
   return (surface.positions[i] - surface.positions[j]).norm();
 }

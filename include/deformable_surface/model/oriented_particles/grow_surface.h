@@ -1,0 +1,33 @@
+// Growing a surface through given particles: the two rules in turn until neither finds room, with the model's relaxation between them.
+#pragma once
+
+#include "deformable_surface/model/oriented_particles/growth.h"
+
+#include <functional>
+
+namespace deformable_surface::model {
+
+/// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. The rules assume that their surroundings
+/// are near equilibrium; doing nothing is allowed.
+using Relaxation = std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed)>;
+
+enum class GrowthEnd { kNoRoom, kMaxPasses, kMaxParticles };
+
+struct GrownSurface {
+  Points positions;                // the given particles in their order, then the new ones in theirs
+  Orientations orientations;
+  std::vector<NewParticle> added;  // as they were when added; parents as indices into positions
+  Index passes = 0;                // that added something
+  GrowthEnd end = GrowthEnd::kNoRoom;
+};
+
+/// Fits a surface to particles [Szeliski and Tonnesen 1991, sec. 7]. A pass applies the stretching rule, which interpolates; where it
+/// finds nothing at all, the growing rule. Particles of a row below params.edge_rows may grow into the open: given particles are row 0,
+/// one that grew is in the row after its parent's, one between two in the larger of theirs. Growth ends because rows are counted, what
+/// is added keeps its distance and a closed surface has no gaps; else at the stated maxima, and says so.
+/// Given particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow.
+/// Deterministic if relax is. Throws InputError.
+GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
+                         const Relaxation& relax);
+
+}  // namespace deformable_surface::model

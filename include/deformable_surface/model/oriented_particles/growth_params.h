@@ -1,0 +1,46 @@
+// Where oriented particles are added, and where not. Lengths are in spacings, so that the same values suit every sampling.
+#pragma once
+
+#include "deformable_surface/base/params.h"
+
+namespace deformable_surface::model {
+
+struct GrowthParams {
+  double min_gap = 2.0;         // spacings: d_min of the stretching rule
+  double max_gap = 2.5;         // spacings, >= min_gap: d_max; the widest gap that either rule closes
+  Index min_neighbors = 0;      // n_min of the growing rule
+  Index max_neighbors = 5;      // n_max, >= n_min: particles with more grow nothing
+  double min_angle = 1.75;      // rad: theta_min, the smallest gap between successive neighbours that is filled
+  double max_angle = 6.2832;    // rad, >= min_angle: theta_max
+  double neighbor_range = 1.5;  // spacings: who counts as a neighbour for n and theta
+  double clearance = 0.7;       // spacings: the growing rule adds nothing closer to another particle
+  Index edge_rows = 0;          // rows that may grow where there is no other side within max_gap
+  Index max_passes = 100;
+  Index max_particles = 20000;
+  bool fix_samples = true;      // the given particles stay where they are while the surface grows
+  bool release_samples = true;  // they move in a last relaxation
+  bool chain = false;           // particles of a curve in the plane y = 0
+};
+
+inline void visit(Fields& fields, GrowthParams& p) {
+  fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "two particles at least this far apart get one between them");
+  fields.number("max_gap", p.max_gap, "spacings", between(1.0, 100.0), "the widest gap that is closed");
+  fields.require(p.min_gap <= p.max_gap, "max_gap", "found less than min_gap; accepted: at least min_gap");
+  fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours grow nothing");
+  fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours grow nothing");
+  fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: at least as many");
+  fields.number("min_angle", p.min_angle, "rad", between(1.0, 6.2832), "smallest gap between successive neighbours that is filled");
+  fields.number("max_angle", p.max_angle, "rad", between(1.0, 6.2832), "largest gap between successive neighbours that is filled");
+  fields.require(p.min_angle <= p.max_angle, "max_angle", "found less than min_angle; accepted: at least min_angle");
+  fields.number("neighbor_range", p.neighbor_range, "spacings", between(1.0, 3.0), "up to which others count as neighbours");
+  fields.number("clearance", p.clearance, "spacings", between(0.3, 1.0), "what grows keeps this distance to every other particle");
+  fields.integer("edge_rows", p.edge_rows, "", between(0, 1000),
+                 "rows of particles that may grow at edges which face no other within max_gap");
+  fields.integer("max_passes", p.max_passes, "", between(1, 10000), "growth ends after so many passes at the latest");
+  fields.integer("max_particles", p.max_particles, "", between(1, kMaxPoints), "growth ends at so many particles at the latest");
+  fields.flag("fix_samples", p.fix_samples, "the given particles keep their places while others grow");
+  fields.flag("release_samples", p.release_samples, "the given particles move in a last relaxation, which takes their noise");
+  fields.flag("chain", p.chain, "the particles are a curve in the plane y = 0, and grow along it");
+}
+
+}  // namespace deformable_surface::model

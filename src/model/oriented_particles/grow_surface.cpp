@@ -1,0 +1,53 @@
+// The loop over passes; the rules are in growth.cpp.
+#include "deformable_surface/model/oriented_particles/grow_surface.h"
+
+#include <algorithm>
+
+namespace deformable_surface::model {
+
+GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
+                         const Relaxation& relax) {
+  GrownSurface surface;
+  surface.positions = positions;
+  surface.orientations = orientations;
+  std::vector<Index> row(positions.size(), 0);
+  std::vector<char> fixed(positions.size(), params.fix_samples);
+
+  const auto makeFlags = [&] {
+    std::vector<char> flags;
+    for (Index r : row) flags.push_back(r < params.edge_rows ? kFillsGaps | kExtendsEdge : kFillsGaps);
+    return flags;
+  };
+  const auto add = [&](const NewParticle& particle) {
+    const auto& [first, second] = particle.parents;
+    row.push_back(second < 0 ? row[first] + 1 : std::max(row[first], row[second]));
+    fixed.push_back(0);
+    surface.positions.push_back(particle.position);
+    surface.orientations.push_back(particle.orientation);
+    surface.added.push_back(particle);
+  };
+
+  for (;;) {
+    std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params);
+    if (found.empty()) found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params);
+    if (found.empty()) break;
+    if (surface.passes == params.max_passes) {
+      surface.end = GrowthEnd::kMaxPasses;
+      break;
+    }
+    if (surface.positions.size() + found.size() > static_cast<std::size_t>(params.max_particles)) {
+      surface.end = GrowthEnd::kMaxParticles;
+      break;
+    }
+    for (const NewParticle& particle : found) add(particle);
+    ++surface.passes;
+    relax(surface.positions, surface.orientations, fixed);
+  }
+
+  if (params.fix_samples && params.release_samples) {
+    relax(surface.positions, surface.orientations, std::vector<char>(surface.positions.size(), 0));
+  }
+  return surface;
+}
+
+}  // namespace deformable_surface::model

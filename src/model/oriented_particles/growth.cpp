@@ -1,0 +1,185 @@
+// The two rules: candidates of each particle in parallel, then the choice among those too close to each other, in a fixed order.
+#include "deformable_surface/model/oriented_particles/growth.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "local_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+
+namespace deformable_surface::model {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// The gap between successive neighbours of a hexagonal arrangement.
+constexpr double kEvenGap = kPi / 3.0;
+
+// Cosine of the smallest angle at a new particle between its parent and the other side of the gap. In a hexagonal sheet with a hole
+// the ends of the edge on which the parent lies are at 120 and 150 degrees; the other side is beyond.
+constexpr double kAhead = -0.9;
+
+// Share of d / 2 that a wide pair keeps clear: d_min / 2 at the published d_max.
+constexpr double kWideClearance = 0.8;
+
+constexpr Index kBlock = 64;
+
+struct Candidate {
+  double squared_gap;  // m^2: the order of candidates before their indices; the growing rule has none
+  NewParticle particle;
+};
+
+void check(std::size_t num_particles, const std::vector<char>& flags, double spacing, const GrowthParams& params) {
+  if (flags.size() != num_particles) {
+    throw InputError("found " + std::to_string(flags.size()) + " flags for " + std::to_string(num_particles) +
+                     " particles; accepted: one for each");
+  }
+  if (!(spacing > 0.0 && std::isfinite(spacing))) {
+    throw InputError("found a spacing of " + std::to_string(spacing) + " m; accepted: a length above 0");
+  }
+  const std::vector<std::string> problems = checkParams(params);
+  if (!problems.empty()) throw InputError(problems);
+}
+
+// Calls propose(i, scratch, out) for all particles and returns what they put out, in their order.
+template <class Propose>
+std::vector<Candidate> collect(Index num_particles, const Propose& propose) {
+  struct Scratch {
+    std::vector<cloud::Neighbor> near, found;
+  };
+  std::vector<std::vector<Candidate>> of_block(num_particles / kBlock + 1);
+  parallelFor(num_particles, kBlock, [&](Index begin, Index end) {
+    Scratch scratch;
+    for (Index i = begin; i < end; ++i) propose(i, scratch, of_block[begin / kBlock]);
+  });
+  std::vector<Candidate> all;
+  for (const auto& some : of_block) all.insert(all.end(), some.begin(), some.end());
+  return all;
+}
+
+// Those that are no closer than clearance to an earlier one that faces the same way.
+std::vector<NewParticle> chooseApart(std::vector<Candidate> candidates, double clearance) {
+  std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
+    return std::tie(a.squared_gap, a.particle.parents[0], a.particle.parents[1]) <
+           std::tie(b.squared_gap, b.particle.parents[0], b.particle.parents[1]);
+  });
+  Points positions, normals;
+  for (const Candidate& c : candidates) {
+    positions.push_back(c.particle.position);
+    normals.push_back(c.particle.orientation * Vec3::UnitZ());
+  }
+  const cloud::KdTree tree(positions);
+  std::vector<char> refused(candidates.size(), 0);
+  std::vector<NewParticle> chosen;
+  std::vector<cloud::Neighbor> near;
+  for (std::size_t c = 0; c < candidates.size(); ++c) {
+    if (refused[c]) continue;
+    chosen.push_back(candidates[c].particle);
+    tree.withinRadius(positions[c], (1.0 - kRounding) * clearance, near);
+    for (const cloud::Neighbor& q : near) {
+      if (normals[q.index].dot(normals[c]) > 0.0) refused[q.index] = 1;
+    }
+  }
+  return chosen;
+}
+
+// The directions, unit and in its tangent plane, in which particle i has room for a neighbour.
+void findOpenDirections(const LocalSurface& surface, Index i, const std::vector<cloud::Neighbor>& near, double range,
+                        const GrowthParams& params, std::vector<Vec3>& directions) {
+  directions.clear();
+  const Vec3 &origin = surface.positions()[i], &normal = surface.normals()[i];
+  const Vec3 x_axis = params.chain ? Vec3::UnitY().cross(normal).normalized() : surface.xAxis(i), y_axis = normal.cross(x_axis);
+  std::vector<double> angles;  // rad, -pi .. pi, of the neighbours from the x axis
+  for (const cloud::Neighbor& q : near) {
+    if (q.index == i || !(q.squared_distance <= range * range) || !surface.sees(i, q.index)) continue;
+    const Vec3 line = surface.positions()[q.index] - origin;
+    angles.push_back(std::atan2(line.dot(y_axis), line.dot(x_axis)));
+  }
+  const Index count = static_cast<Index>(angles.size());
+  if (count < params.min_neighbors || count > params.max_neighbors) return;
+
+  if (params.chain) {
+    for (double side : {1.0, -1.0}) {
+      const auto isHere = [&](double angle) { return side * std::cos(angle) > 0.0; };
+      if (std::none_of(angles.begin(), angles.end(), isHere)) directions.push_back(side * x_axis);
+    }
+    return;
+  }
+  if (angles.empty()) angles.push_back(0.0);
+  std::sort(angles.begin(), angles.end());
+  for (std::size_t a = 0; a < angles.size(); ++a) {
+    const double gap = a + 1 < angles.size() ? angles[a + 1] - angles[a] : angles.front() + 2.0 * kPi - angles.back();
+    if (!(gap >= params.min_angle && gap <= params.max_angle)) continue;
+    const int parts = static_cast<int>(std::lround(gap / kEvenGap));
+    for (int part = count == 0 ? 0 : 1; part < parts; ++part) {
+      const double angle = angles[a] + gap * part / parts;
+      directions.push_back(std::cos(angle) * x_axis + std::sin(angle) * y_axis);
+    }
+  }
+}
+
+}  // namespace
+
+std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
+                                          const std::vector<char>& flags, double spacing, const GrowthParams& params) {
+  check(positions.size(), flags, spacing, params);
+  const LocalSurface surface(positions, orientations);
+  const double min_clearance = 0.5 * params.min_gap * spacing;
+  const double min_gap = (1.0 - kRounding) * params.min_gap * spacing, max_gap = (1.0 + kRounding) * params.max_gap * spacing;
+
+  std::vector<Candidate> candidates = collect(surface.size(), [&](Index i, auto& scratch, std::vector<Candidate>& out) {
+    if (!(flags[i] & kFillsGaps)) return;
+    surface.tree().withinRadius(positions[i], max_gap, scratch.near);
+    for (const cloud::Neighbor& q : scratch.near) {
+      const Index j = q.index;
+      if (j <= i || !(flags[j] & kFillsGaps) || !(q.squared_distance >= min_gap * min_gap) || !surface.sees(i, j)) continue;
+      const Vec3 middle = 0.5 * (positions[i] + positions[j]), normal = surface.normals()[i] + surface.normals()[j];
+      const double half = 0.5 * std::sqrt(q.squared_distance);
+      const double clearance = (1.0 - kRounding) * std::max(min_clearance, kWideClearance * half);
+      const Index parents[2] = {i, j};
+      const auto isInTheWay = [&](const cloud::Neighbor& other) {  // all who can be are within max_gap of i
+        return other.index != i && other.index != j && surface.normals()[other.index].dot(normal) > 0.0 &&
+               (positions[other.index] - middle).squaredNorm() <= clearance * clearance;
+      };
+      if (std::any_of(scratch.near.begin(), scratch.near.end(), isInTheWay)) continue;
+      const Placed placed = surface.place(middle, half, parents, scratch.found);
+      if (!surface.isClear(placed.position, normal, min_clearance, parents, scratch.found)) continue;
+      out.push_back({q.squared_distance, {placed.position, placed.orientation, {i, j}}});
+    }
+  });
+  return chooseApart(std::move(candidates), min_clearance);
+}
+
+std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
+                                      double spacing, const GrowthParams& params) {
+  check(positions.size(), flags, spacing, params);
+  const LocalSurface surface(positions, orientations);
+  const double range = params.neighbor_range * spacing, max_gap = params.max_gap * spacing;
+  const double clearance = params.clearance * spacing;
+
+  std::vector<Candidate> candidates = collect(surface.size(), [&](Index i, auto& scratch, std::vector<Candidate>& out) {
+    if (flags[i] == kGrowsNothing) return;
+    const Vec3& normal = surface.normals()[i];
+    surface.tree().withinRadius(positions[i], std::max(range, max_gap), scratch.near);
+    std::vector<Vec3> directions;
+    findOpenDirections(surface, i, scratch.near, range, params, directions);
+    for (const Vec3& direction : directions) {
+      const auto isAhead = [&](const cloud::Neighbor& q) {
+        if (q.index == i || !(q.squared_distance <= max_gap * max_gap) || !surface.sees(i, q.index)) return false;
+        const Vec3 line = positions[q.index] - positions[i], on = line - line.dot(normal) * normal - spacing * direction;
+        return on.dot(-direction) <= kAhead * on.norm();
+      };
+      if (!(flags[i] & kExtendsEdge) && std::none_of(scratch.near.begin(), scratch.near.end(), isAhead)) continue;
+      const Index parents[2] = {i, -1};
+      Placed placed = surface.place(positions[i] + spacing * direction, spacing, parents, scratch.found);
+      placed.position = positions[i] + spacing * (placed.position - positions[i]).normalized();
+      if (!surface.isClear(placed.position, normal, clearance, parents, scratch.found)) continue;
+      out.push_back({0.0, {placed.position, placed.orientation, {i, -1}}});
+    }
+  });
+  return chooseApart(std::move(candidates), clearance);
+}
+
+}  // namespace deformable_surface::model
