@@ -3,6 +3,7 @@
 #include "deformable_surface/base/simd.h"
 #include "deformable_surface/base/timer.h"
 
+#include <algorithm>
 #include <cmath>
 #include <cstring>
 
@@ -12,6 +13,7 @@ namespace {
 // Of the stable step, which holds for small motions only: sheets that crumple gain energy with longer ones, as measured in
 // docs/decisions/0001-explicit-first.md.
 constexpr double kSafety = 0.5;
+constexpr double kSlowCost = 3.0;  // of a pass over the slow forces, in passes over the others: curvature beside triangles
 
 bool allFinite(const State& state) {
   // A sum is finite only if every term is, up to overflow, which is no sound state either.
@@ -26,6 +28,17 @@ Index countSubsteps(double step, double max_substep) {
   const double wanted = std::ceil(step / (kSafety * max_substep));
   if (!(wanted < 2e9)) return 2000000000;
   return wanted < 1.0 ? 1 : static_cast<Index>(wanted);
+}
+
+Substeps chooseSubsteps(double step, double max_substep, double max_slow_step, Index most_inner) {
+  const Index needed = countSubsteps(step, max_substep);
+  Substeps best{needed, 1};
+  const auto cost = [](const Substeps& s) { return s.outer * (s.inner + kSlowCost); };
+  for (Index inner = 2; inner <= std::min(most_inner, needed); ++inner) {
+    const Substeps cut{(needed - 1) / inner + 1, inner};
+    if (cut.outer >= countSubsteps(step, max_slow_step) && cost(cut) < cost(best)) best = cut;
+  }
+  return best;
 }
 
 SolveReport ExplicitEuler::advance(const System& system, double time, double step, double, State& state) {
@@ -71,21 +84,26 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
 
 namespace {
 
-// One number for each coordinate, so that the loops below run over plain arrays.
+// One number for each coordinate, so that the loops below run over plain arrays. force: at the beginning; next: what stands for
+// that at the end in the velocity predicted there.
 DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, const double* kick, const double* drift, const double* force,
-                                          double* velocity, double* predicted, double* position) {
+                                          const double* next, double* velocity, double* predicted, double* position) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) {
-    const double half_kick = kick[k] * force[k];
-    velocity[k] = decay * velocity[k] + half_kick;
+    velocity[k] = decay * velocity[k] + kick[k] * force[k];
     position[k] += drift[k] * velocity[k];
-    predicted[k] = decay * (velocity[k] + half_kick);
+    predicted[k] = decay * (velocity[k] + kick[k] * next[k]);
   }
 }
 
 DEFORMABLE_SURFACE_WIDE void kick(Index size, double decay, const double* kick, const double* force, double* velocity) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) velocity[k] = decay * (velocity[k] + kick[k] * force[k]);
+}
+
+DEFORMABLE_SURFACE_WIDE void addScaled(Index size, const double* force, double scale, const double* slow, double* sum) {
+#pragma GCC ivdep
+  for (Index k = 0; k < size; ++k) sum[k] = force[k] + scale * slow[k];
 }
 
 bool isSame(const Points& a, const Points& b) {
@@ -95,8 +113,10 @@ bool isSame(const Points& a, const Points& b) {
 }  // namespace
 
 SolveReport VelocityVerlet::advance(const System& system, double time, double step, double max_substep, State& state) {
+  const bool has_slow = system.hasSlowForces();
+  const Substeps cut = chooseSubsteps(step, max_substep, max_slow_step_, has_slow ? most_inner_ : 1);
   SolveReport report;
-  report.substeps = countSubsteps(step, max_substep);
+  report.substeps = cut.outer * cut.inner;
   const double dt = step / report.substeps;
   const double half_decay = std::exp(-0.5 * system.damping() * dt);
   const Index n = state.size();
@@ -112,18 +132,29 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i) && !state.velocities[i].isZero(0.0)) carried_.emplace_back(i, state.velocities[i]);
   const Timer timer;
-  // The internal forces at the beginning are those of the last end, if this is where it was.
-  if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions))
-    system.computeInternalForces(state, internal_forces_);
-  forces_ = internal_forces_;
+  // The model's forces at the beginning are those of the last end, if this is where it was.
+  if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions)) {
+    system.computeFastForces(state, fast_forces_);
+    if (has_slow) system.computeSlowForces(state, slow_forces_);
+  }
+  forces_ = fast_forces_;
   system.addLoads(time, state, forces_);
+  // What acts where an outer step begins or ends. The slow forces' kick is that of all its sub-steps.
+  const auto addSlow = [&] {
+    forces_with_slow_.resize(n);
+    addScaled(3 * n, forces_.data()->data(), static_cast<double>(cut.inner), slow_forces_.data()->data(),
+              forces_with_slow_.data()->data());
+  };
+  if (has_slow) addSlow();
   report.time_forces += timer.seconds();
   predicted_.velocities.resize(n);
   double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
   for (Index s = 0; s < report.substeps; ++s) {
+    const bool begins = has_slow && s % cut.inner == 0, ends = has_slow && (s + 1) % cut.inner == 0;
     // Half kick and drift. The velocity at the end is predicted with the acceleration of the beginning.
-    kickAndDrift(3 * n, half_decay, kick_.data(), drift_.data(), forces_.data()->data(), velocity, predicted,
-                 state.positions.data()->data());
+    if (ends && !begins) addSlow();
+    kickAndDrift(3 * n, half_decay, kick_.data(), drift_.data(), (begins ? forces_with_slow_ : forces_).data()->data(),
+                 (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted, state.positions.data()->data());
     for (const auto& [i, carrying] : carried_) {
       state.positions[i] += dt * carrying;
       predicted_.velocities[i] = carrying;
@@ -131,12 +162,16 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     // Forces at the new place, and the second half kick.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
-    system.computeInternalForces(predicted_, internal_forces_);
-    forces_ = internal_forces_;
+    system.computeFastForces(predicted_, fast_forces_);
+    forces_ = fast_forces_;
     system.addLoads(time + (s + 1) * dt, predicted_, forces_);
+    if (ends) {
+      system.computeSlowForces(predicted_, slow_forces_);
+      addSlow();
+    }
     predicted_.positions.swap(state.positions);
     report.time_forces += forces_timer.seconds();
-    kick(3 * n, half_decay, kick_.data(), forces_.data()->data(), velocity);
+    kick(3 * n, half_decay, kick_.data(), (ends ? forces_with_slow_ : forces_).data()->data(), velocity);
   }
   for (const auto& [i, carrying] : carried_) state.velocities[i] = carrying;
   last_positions_ = state.positions;

@@ -29,13 +29,21 @@ class SymplecticEuler : public Integrator {
 
 /// Half kick, drift, half kick. Second order, no drift of energy, exact in free fall. Forces that depend on velocity are
 /// taken at predicted velocities, which keeps the order; damping by mass is applied exactly, half before and half after.
+/// Slow forces may act in kicks at the ends of outer steps of several sub-steps (the impulse method r-RESPA [Tuckerman 1992]): it is
+/// symmetric, so the order stays, and symplectic.
 class VelocityVerlet : public Integrator {
  public:
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
+  void setSlowStep(double max_slow_step, Index most_inner) override {
+    max_slow_step_ = max_slow_step;
+    most_inner_ = most_inner;
+  }
 
  private:
-  Points internal_forces_, last_positions_;  // internal_forces_ belong to last_positions_ between steps
-  Points forces_;
+  double max_slow_step_ = 0.0;
+  Index most_inner_ = 1;
+  Points fast_forces_, slow_forces_, last_positions_;  // the forces belong to last_positions_ between steps
+  Points forces_, forces_with_slow_;                   // loads included
   State predicted_;
   std::vector<std::pair<Index, Vec3>> carried_;  // held points in motion and their velocities, m/s
   std::vector<double> kick_, drift_;         // (3 n) dt / 2 over mass, and dt; zero on held points

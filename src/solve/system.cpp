@@ -11,7 +11,8 @@ System::System(const model::DeformableModel& model, const std::vector<const Exte
     : model_(model), loads_(loads), held_(held), held_turns_(held_turns), damping_(damping) {}
 
 void System::computeForces(double time, const State& state, Points& forces) const {
-  computeInternalForces(state, forces);
+  forces.assign(state.positions.size(), Vec3::Zero());
+  model_.addForces(state, forces);
   addLoads(time, state, forces);
 }
 
@@ -29,9 +30,14 @@ void System::computeForcesAndTorques(double time, const State& state, Points& fo
     if (isTurnHeld(i)) torques[i].setZero();
 }
 
-void System::computeInternalForces(const State& state, Points& forces) const {
+void System::computeFastForces(const State& state, Points& forces) const {
   forces.assign(state.positions.size(), Vec3::Zero());
-  model_.addForces(state, forces);
+  model_.addFastForces(state, forces);
+}
+
+void System::computeSlowForces(const State& state, Points& forces) const {
+  forces.assign(state.positions.size(), Vec3::Zero());
+  model_.addSlowForces(state, forces);
 }
 
 void System::addLoads(double time, const State& state, Points& forces) const {

@@ -12,7 +12,10 @@ constexpr double kStretchMemory = 0.05;  // change of the largest stretch after 
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
 constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
+constexpr double kCalmSlow = 0.001;      // the same for outer steps, whose resonances then heat the surface by no more
 constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
+constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
+constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
 constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
@@ -53,7 +56,7 @@ void TimeMarch::restart() {
   integrators_.clear();
   guard_.restart();
   memory_.estimate_needed = true;
-  memory_.cautious = 0;
+  memory_.cautious = memory_.cautious_slow = 0;
 }
 
 // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
@@ -87,6 +90,7 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
   // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
   if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory) return;
   memory_.max_substep = stable_step_.estimate(time, state, system_);
+  memory_.max_slow_step = stable_step_.estimateSlow(state, system_);
   memory_.stretch_at_estimate = stretch;
   memory_.estimate_needed = false;
 }
@@ -132,8 +136,9 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     if (is_too_stiff_ || substeps_needed_ > 0) return total;
     const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
     portion_start_ = state;
-    const SolveReport report =
-        integrator(IntegratorType::kVerlet).advance(system_, time + done, portion, share * memory_.max_substep, state);
+    Integrator& verlet = integrator(IntegratorType::kVerlet);
+    verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
+    const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
     work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state);
     add(report, total);
     if (left <= kPortion || !report.finite) return total;
@@ -204,12 +209,19 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   if (estimatesStableStep()) refreshStableStep(time, state);
   outcome.notice = chooseIntegrator();
 
-  // Bold sub-steps as long as they keep the energy.
+  // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
+  most_inner_ = bold && memory_.cautious_slow == 0 ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
+  if (memory_.cautious_slow > 0) {
+    --memory_.cautious_slow;
+  } else if (!guard_.isCalm(kCalmSlow)) {
+    memory_.cautious_slow = kCautious;
+  }
   if (bold && !(sound && guard_.isCalm(kCalm))) {
+    most_inner_ = 1;
     memory_.cautious = kCautious;
     goBack(time, state);
     report = advance(time, 1.0, state);

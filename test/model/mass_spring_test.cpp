@@ -74,6 +74,16 @@ class MassSpringVariants : public testing::TestWithParam<Variant> {
 
 TEST_P(MassSpringVariants, RestIsAtRest) { checkRestIsAtRest(*mass_spring, surface.points, forceScale()); }
 
+TEST_P(MassSpringVariants, FastForcesAndThenSlowOnesAreAllForcesBitForBit) {
+  State state = stateAt(perturb(surface.points, 0.3 * kLength));
+  std::mt19937 generator(3);
+  for (Vec3& v : state.velocities) v = randomVector(generator);
+  Points parts(state.positions.size(), Vec3::Zero());
+  mass_spring->addFastForces(state, parts);
+  if (mass_spring->hasSlowForces()) mass_spring->addSlowForces(state, parts);
+  EXPECT_EQ(parts, forcesAt(*mass_spring, state));
+}
+
 TEST_P(MassSpringVariants, MomentumIsKept) {
   const bool angular = GetParam().params.damping == model::Damping::kAlongSpring;
   checkMomentumIsKept(*mass_spring, stateAt(perturb(surface.points, 0.3 * kLength)), angular);

@@ -16,6 +16,7 @@ using solve::IntegratorType;
 using solve::System;
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
+const std::vector<const solve::ExternalLoad*> kNoLoads;
 
 State startAt(const Vec3& x, const Vec3& v, Index n = 1) { return {Points(n, x), Points(n, v)}; }
 
@@ -97,6 +98,57 @@ TEST(Integrators, VerletNoticesThatPointsWereMovedOrLoadsChangedBetweenSteps) {
   compareWithFresh();
   world.loads.clear();
   compareWithFresh();
+}
+
+// The end of `duration` in n steps of eight sub-steps and two outer steps each, and what it evaluated.
+State runInOuterSteps(const SlowerOscillators& model, double damping, double duration, int n, State state) {
+  const std::vector<char> held(model.masses().size(), 0);
+  const System system(model, kNoLoads, held, damping);
+  const auto verlet = solve::makeIntegrator(IntegratorType::kVerlet, {});
+  const double dt = duration / n;
+  verlet->setSlowStep(kNoLimit, 4);
+  for (int k = 0; k < n; ++k) verlet->advance(system, k * dt, dt, 0.25 * dt, state);
+  return state;
+}
+
+TEST(Integrators, VerletKeepsItsOrderWithSlowForcesInOuterStepsAndBothKindsOfDamping) {
+  // x'' = -(9 + 1) x - (c + b) x' with c by mass and b viscous, of which 1 is slow.
+  const double c = 0.3, b = 0.2, decay = 0.5 * (c + b), w = std::sqrt(10.0 - decay * decay);
+  const SlowerOscillators model({9.0}, 1.0, 1.0, b);
+  const auto error = [&](int n) {
+    const State end = runInOuterSteps(model, c, 2.0, n, startAt(Vec3::UnitX(), Vec3::Zero()));
+    const double exact = std::exp(-2.0 * decay) * (std::cos(2.0 * w) + decay / w * std::sin(2.0 * w));
+    return std::abs(end.positions[0].x() - exact);
+  };
+  EXPECT_NEAR(std::log2(error(20) / error(40)), 2.0, 0.15);
+}
+
+TEST(Integrators, VerletsOuterStepsEvaluateSlowForcesOnceAndDoNotDrift) {
+  const SlowerOscillators model({9.0}, 1.0, 1.0);
+  const int steps = 5000;
+  const State end = runInOuterSteps(model, 0.0, 0.2 * steps, steps, startAt(Vec3::UnitX(), Vec3::Zero()));
+  EXPECT_EQ(model.evaluations, 8 * steps + 1);
+  EXPECT_EQ(model.slow_evaluations, 2 * steps + 1);
+  // What an outer step of 0.1 s conserves differs from the energy by about (0.1 s)^2 / 4 of the slow part.
+  EXPECT_NEAR(0.5 * (10.0 * end.positions[0].squaredNorm() + end.velocities[0].squaredNorm()), 5.0, 0.01);
+}
+
+TEST(Integrators, VerletsForcesKeptFromStepToStepGiveTheBitsOfAFreshStart) {
+  const SlowerOscillators model({9.0}, 1.0, 1.0);
+  const std::vector<char> held{0};
+  const System system(model, kNoLoads, held, 0.1);
+  const auto used = solve::makeIntegrator(IntegratorType::kVerlet, {});
+  State state = startAt(Vec3::UnitX(), Vec3::UnitY());
+  for (Index most_inner : {4, 4, 1, 1, 3}) {
+    const auto fresh = solve::makeIntegrator(IntegratorType::kVerlet, {});
+    State expected = state;
+    for (const auto* integrator : {&used, &fresh}) {
+      (*integrator)->setSlowStep(kNoLimit, most_inner);
+      (*integrator)->advance(system, 0.0, 0.2, 0.05, integrator == &used ? state : expected);
+    }
+    EXPECT_EQ(state.positions[0], expected.positions[0]);
+    EXPECT_EQ(state.velocities[0], expected.velocities[0]);
+  }
 }
 
 TEST(Integrators, FreeFallIsExactWithVerletAndLateByHalfAStepWithFirstOrderMethods) {
@@ -202,6 +254,29 @@ TEST(Integrators, SubstepsFillTheStepAndStayUnderTheStableOne) {
   EXPECT_EQ(solve::countSubsteps(0.01, 0.01), 2);
   EXPECT_EQ(solve::countSubsteps(0.01, 0.001), 20);
   EXPECT_EQ(solve::countSubsteps(0.01, 0.0), 2000000000);
+}
+
+TEST(Integrators, OuterStepsStayUnderTheStableOneOfTheSlowForces) {
+  const auto expectCut = [](double max_slow_step, Index most_inner, Index outer, Index inner) {
+    const solve::Substeps cut = solve::chooseSubsteps(0.016, 0.002, max_slow_step, most_inner);  // 16 sub-steps
+    EXPECT_EQ(cut.outer, outer);
+    EXPECT_EQ(cut.inner, inner);
+  };
+  expectCut(kNoLimit, 1, 16, 1);
+  expectCut(kNoLimit, 8, 2, 8);
+  expectCut(kNoLimit, 5, 4, 4);    // as five would need 20 sub-steps
+  expectCut(0.008001, 8, 4, 4);
+  expectCut(0.0039, 8, 16, 1);     // slow ones that are not slow
+}
+
+TEST(StableStep, OfSlowForcesIsTheirOwn) {
+  const SlowerOscillators model({100.0, 100.0}, 4.0, 1.0);
+  const std::vector<char> held(2, 0);
+  const System system(model, kNoLoads, held, 0.0);
+  solve::StableStep stable;
+  EXPECT_NEAR(stable.estimateSlow(startAt(Vec3::Zero(), Vec3::Zero(), 2), system), 1.0, 1e-9);
+  World without({100.0}, 1.0);
+  EXPECT_EQ(stable.estimateSlow(startAt(Vec3::Zero(), Vec3::Zero()), without.system), 0.0);
 }
 
 TEST(StableStep, IsTwoOverTheHighestFrequency) {

@@ -53,6 +53,32 @@ class Oscillators : public model::DeformableModel {
   std::vector<model::WeightedTriangle> no_triangles_;
 };
 
+/// The same with further springs to the origin whose forces are slow.
+class SlowerOscillators : public Oscillators {
+ public:
+  SlowerOscillators(std::vector<double> stiffness, double slow_stiffness, double mass, double viscosity = 0.0)
+      : Oscillators(std::move(stiffness), mass, viscosity), slow_stiffness_(slow_stiffness) {}
+
+  bool hasSlowForces() const override { return true; }
+  void addForces(const State& s, Points& forces) const override {
+    addFastForces(s, forces);
+    addSlowForces(s, forces);
+  }
+  void addFastForces(const State& s, Points& forces) const override { Oscillators::addForces(s, forces); }
+  void addSlowForces(const State& s, Points& forces) const override {
+    ++slow_evaluations;
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= slow_stiffness_ * s.positions[i];
+  }
+  void addSlowStiffness(const State& s, BlockSparse& k) const override {
+    for (Index i = 0; i < s.size(); ++i) k.add(i, i, slow_stiffness_ * Mat3::Identity());
+  }
+
+  mutable int slow_evaluations = 0;
+
+ private:
+  double slow_stiffness_;
+};
+
 /// A constant force per mass.
 class ConstantField : public solve::ExternalLoad {
  public:

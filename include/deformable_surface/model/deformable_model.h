@@ -61,6 +61,14 @@ class DeformableModel {
   /// False only if addForces() never looks at the velocities: the same positions then give the same forces.
   virtual bool forcesReadVelocities() const { return true; }
 
+  /// True if some of the elastic forces may bear a longer step than the others. addForces() is then addFastForces() and after it
+  /// addSlowForces(), bit for bit; the slow ones never read velocities.
+  virtual bool hasSlowForces() const { return false; }
+  virtual void addFastForces(const State& state, Points& forces) const { addForces(state, forces); }
+  virtual void addSlowForces(const State& /*state*/, Points& /*forces*/) const {}
+  /// Their part of addStiffness() with Hessian::kPositive.
+  virtual void addSlowStiffness(const State& /*state*/, BlockSparse& /*stiffness*/) const {}
+
   /// True if the points carry orientations, which torques turn: State then has the arrays for it.
   virtual bool isOriented() const { return false; }
   /// (n) kg m^2, positive: moments of inertia, the same about every axis. Only of oriented points.

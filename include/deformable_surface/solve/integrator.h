@@ -25,10 +25,21 @@ class Integrator {
   /// Advances state from time by step seconds. max_substep, s: the stable step of explicit methods (see StableStep); the
   /// step is cut in equal sub-steps no longer than a safe share of it. Implicit methods do not read it.
   virtual SolveReport advance(const System& system, double time, double step, double max_substep, State& state) = 0;
+
+  /// Allows the model's slow forces (see DeformableModel) to act once in up to most_inner sub-steps, as long as those together stay
+  /// within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every sub-step.
+  virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
 };
 
 /// Sub-steps that an explicit integrator takes of a step: enough that each is at most kSafety of the stable one.
 Index countSubsteps(double step, double max_substep);
+
+/// Outer steps of equal length, in which slow forces act once, and the sub-steps in each of them.
+struct Substeps {
+  Index outer, inner;
+};
+/// The cheapest cut of a step into sub-steps and outer steps that are both short enough, at most most_inner sub-steps an outer step.
+Substeps chooseSubsteps(double step, double max_substep, double max_slow_step, Index most_inner);
 
 /// type: not kAuto, which the simulation resolves; oriented: for a system that isOriented(), which has kVerlet and kStatic only.
 std::unique_ptr<Integrator> makeIntegrator(IntegratorType type, const IntegratorParams& params, bool oriented = false);

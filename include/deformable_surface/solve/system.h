@@ -30,9 +30,13 @@ class System {
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
   /// The same as the first, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
-  /// Forces in two parts: those of the model alone, on held points too, overwritten; and the loads added, zero on held points.
-  void computeInternalForces(const State& state, Points& forces) const;
+  /// Forces in parts: the fast and the slow ones of the model alone (see DeformableModel), on held points too, overwritten; and the
+  /// loads added, zero on held points.
+  bool hasSlowForces() const { return model_.hasSlowForces(); }
+  void computeFastForces(const State& state, Points& forces) const;
+  void computeSlowForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
+  void addSlowStiffness(const State& state, BlockSparse& stiffness) const { model_.addSlowStiffness(state, stiffness); }
   /// False: the model's forces are a function of the positions alone.
   bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }
   /// Only those that have a potential: the material's elastic ones and those of conservative loads. Velocities are not read.

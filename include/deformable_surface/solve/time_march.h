@@ -23,9 +23,11 @@ class TimeMarch {
   struct Memory {
     IntegratorType type = IntegratorType::kAuto;
     double max_substep = 0.0;          // s, the stable step
+    double max_slow_step = 0.0;        // s, that of the model's slow forces alone
     double stretch_at_estimate = 0.0;  // largest stretch when it was estimated
     bool estimate_needed = true;
     Index cautious = 0;                // steps that are still to be taken with safe sub-steps
+    Index cautious_slow = 0;           // steps in which slow forces are still to act in every sub-step
     EnergyGuard::Memory energy;
   };
   Memory memory() const;
@@ -79,6 +81,7 @@ class TimeMarch {
 
   // Scratch.
   State before_, portion_start_;
+  Index most_inner_ = 1;       // sub-steps in which slow forces may act once
   bool is_too_stiff_ = false;  // for auto: more sub-steps than max_substeps
   Index substeps_needed_ = 0;  // if there are too many of them to be taken
   double work_ = 0.0;          // J, put in during the step by loads without a potential

@@ -149,6 +149,20 @@ bool MassSpring::setHeld(const std::vector<char>& held) {
 }
 
 void MassSpring::addForces(const State& state, Points& forces) const {
+  addFastForces(state, forces);
+  bending_.addForces(positions_, forces);
+}
+
+void MassSpring::addSlowForces(const State& state, Points& forces) const {
+  positions_.assign(state.positions);
+  bending_.addForces(positions_, forces);
+}
+
+void MassSpring::addSlowStiffness(const State& state, BlockSparse& stiffness) const {
+  bending_.addStiffness(state, Hessian::kPositive, stiffness);
+}
+
+void MassSpring::addFastForces(const State& state, Points& forces) const {
   const bool springs = membrane_ == Membrane::kSprings;
   positions_.assign(state.positions);
   if (springs || along_damping_ > 0.0) stretching_.addForces(state, positions_, springs, along_damping_, forces);
@@ -158,7 +172,6 @@ void MassSpring::addForces(const State& state, Points& forces) const {
     bending_springs_.addRelativeDamping(state, relative_damping_, forces);
   }
   if (!springs) membrane_triangles_.addForces(state, positions_, forces);
-  bending_.addForces(positions_, forces);
   if (volume_stiffness_ > 0.0) {
     computeVolumeGradient(state, volume_gradient_);
     const double pressure = -volume_stiffness_ * (enclosedVolume(state) - rest_volume_) / rest_volume_;

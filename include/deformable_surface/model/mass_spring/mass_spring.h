@@ -33,6 +33,11 @@ class MassSpring : public DeformableModel {
   bool setHeld(const std::vector<char>& held) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
+  /// The curvature energy's: where a surface is thin beside the spacing of its points it bends slowly beside how it stretches.
+  bool hasSlowForces() const override { return !bending_rest_.points.empty(); }
+  void addFastForces(const State& state, Points& forces) const override;
+  void addSlowForces(const State& state, Points& forces) const override;
+  void addSlowStiffness(const State& state, BlockSparse& stiffness) const override;
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
