@@ -9,8 +9,6 @@
 
 namespace deformable_surface::model {
 
-/// (n) unit quaternions; their rotations take z to the normal.
-using Orientations = std::vector<Eigen::Quaterniond>;
 
 /// What a particle may do in a pass. Those that may do nothing are in the way and shape the surface around them.
 enum GrowthFlag : char {
