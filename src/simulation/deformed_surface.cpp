@@ -59,7 +59,9 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   if (!state.traits.empty()) followPopulation(state);
   const transfer::Transfer& transfer = survivors_ ? *survivors_ : rest_.transfer;
   const Points& positions = state.traits.empty() ? state.positions : first_positions_;
-  if (with_normals) {
+  if (!state.traits.empty() && rest_.points.size() == rest_.dense.positions.size()) {
+    takeParticles(state, with_normals);
+  } else if (with_normals) {
     transfer.apply(positions, dense_now_, dense_normals_now_);
   } else {
     transfer.apply(positions, dense_now_);
@@ -115,6 +117,16 @@ void DeformedSurface::followPopulation(const model::State& state) {
   first_positions_ = rest_.points;
   for (Index id = 0; id < first; ++id)
     if (point_of_id_[id] != kGone) first_positions_[id] = state.positions[point_of_id_[id]];
+}
+
+// Where every point is a particle, nothing has to follow anything.
+void DeformedSurface::takeParticles(const model::State& state, bool with_normals) {
+  dense_now_ = first_positions_;
+  if (!with_normals) return;
+  dense_normals_now_.assign(dense_now_.size(), Eigen::Vector3f::UnitZ());
+  for (std::size_t id = 0; id < dense_now_.size(); ++id)
+    if (point_of_id_[id] != kGone)
+      dense_normals_now_[id] = (state.orientations[point_of_id_[id]] * Vec3::UnitZ()).cast<float>();
 }
 
 // Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.

@@ -32,6 +32,7 @@ class DeformedSurface {
 
  private:
   void followPopulation(const model::State& state);
+  void takeParticles(const model::State& state, bool with_normals);
   void analyseNormals();
   void moveInserted(const Points& positions, bool with_normals);
   void expand(bool with_normals);

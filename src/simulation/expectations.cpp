@@ -1,6 +1,8 @@
 #include "deformable_surface/simulation/expectations.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/model/oriented_particles/particle_triangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -28,24 +30,60 @@ double computeVolumeRatio(const Simulation& simulation) {
   return simulation.model().enclosedVolume(simulation.state()) / rest.model().enclosedVolume(rest.state());
 }
 
+// What oriented particles make: kind of surface, distances to the nearest other particle, who came and went.
+std::optional<double> findParticleQuantity(const std::string& name, const Simulation& simulation) {
+  static const char* const kNames[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "spacing_mean",
+                                       "spacing_cv", "spacing_max", "born", "gone"};
+  if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
+  const model::OrientedParticles* particles = simulation.particles();
+  if (!particles) throw InputError(name + ": found a model without particles; accepted: model: oriented_particles");
+  const model::State& state = simulation.state();
+  const Index first = simulation.numFirst();
+  if (name == "born") return state.next_id - first;
+  if (name == "gone") return state.next_id - state.size();
+  if (name.rfind("spacing", 0) == 0) {
+    double sum = 0.0, squares = 0.0, largest = 0.0;
+    const Lists nearest = cloud::nearestNeighbors(state.positions, 1);
+    for (Index i = 0; i < nearest.size(); ++i) {
+      const double d = (state.positions[*nearest.begin(i)] - state.positions[i]).norm();
+      sum += d;
+      squares += d * d;
+      largest = std::max(largest, d);
+    }
+    const double n = nearest.size(), mean = sum / n;
+    if (name == "spacing_mean") return mean;
+    return name == "spacing_max" ? largest : std::sqrt(std::max(0.0, squares / n - mean * mean)) / mean;
+  }
+  particles->refreshDisplay(state);
+  const bool chains = particles->params().mode == model::ParticleMode::kPlane;
+  const model::ParticleTopology topology = chains ? model::measureTopology(state.size(), particles->stretchLinks())
+                                                  : model::measureTopology(state.size(), particles->triangles());
+  if (name == "components") return topology.components;
+  if (name == "boundary_loops") return topology.boundary_loops;
+  return name == "isolated" ? topology.isolated : topology.euler_characteristic;
+}
+
 }  // namespace
 
 double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> statistic = findStatistic(name, simulation.statistics())) return *statistic;
   if (name == "volume_ratio") return computeVolumeRatio(simulation);
 
+  if (const std::optional<double> particles = findParticleQuantity(name, simulation)) return *particles;
+
   const Surface& surface = simulation.surface(false);
   double max_displacement = 0.0, sum = 0.0, sum_of_squares = 0.0, count = 0.0;
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (std::size_t i = 0; i < surface.positions.size(); ++i) {
     if (!surface.positions[i].allFinite()) continue;
+    low = low.cwiseMin(surface.positions[i]);
+    high = high.cwiseMax(surface.positions[i]);
     const double displacement = surface.displacement[i];
+    if (std::isnan(displacement)) continue;  // a particle that was born has no rest
     max_displacement = std::max(max_displacement, displacement);
     sum += displacement;
     sum_of_squares += displacement * displacement;
     count += 1.0;
-    low = low.cwiseMin(surface.positions[i]);
-    high = high.cwiseMax(surface.positions[i]);
   }
   if (name == "max_displacement") return max_displacement;
   if (name == "mean_displacement") return sum / count;

@@ -97,6 +97,27 @@ bool actsInAStep(const ForceParams& force, double time_step, double duration) {
   return first + rounding < duration && first + rounding < force.end;
 }
 
+void AnchorLoad::renumber(const std::vector<Index>& new_index) {
+  for (Anchor& anchor : anchors_) anchor.point = new_index[anchor.point];
+  anchors_.erase(std::remove_if(anchors_.begin(), anchors_.end(), [](const Anchor& a) { return a.point < 0; }), anchors_.end());
+}
+
+void NamedForces::renumber(const std::vector<Index>& new_index) {
+  for (Named& force : forces_) {
+    std::size_t kept = 0;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < force.points.size(); ++k) {
+      if (new_index[force.points[k]] < 0) continue;
+      sum += force.shares[k];
+      force.points[kept] = new_index[force.points[k]];
+      force.shares[kept++] = force.shares[k];
+    }
+    force.points.resize(kept);
+    force.shares.resize(kept);
+    for (double& share : force.shares) share /= sum;
+  }
+}
+
 void NamedForces::set(const ForceParams& force) {
   remove(force.id);
   if (force.force.isZero(0.0)) return;

@@ -36,6 +36,20 @@ std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, RestS
   return std::move(boundary.is_corner);
 }
 
+// Of a curve in the plane y = 0: across the line through the two nearest neighbours, on the side of +z, where none are given. No
+// corners.
+std::vector<char> completeCurveNormals(RestSurface& s) {
+  const Points& x = s.dense.positions;
+  for (Index i = 0; s.dense.normals.size() < x.size(); ++i) {
+    const Index* near = s.dense_neighbors.begin(i);
+    const Vec3 along = x[near[0]] - (s.dense_neighbors.count(i) > 1 && (x[near[1]] - x[i]).dot(x[near[0]] - x[i]) < 0.0 ? x[near[1]] : x[i]);
+    Vec3 normal(-along.z(), 0.0, along.x());
+    if (normal.z() < 0.0) normal = -normal;
+    s.dense.normals.push_back(normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ());
+  }
+  return std::vector<char>(x.size(), 0);
+}
+
 // Points that no simplification may take: of every pinned region three that are far from each other.
 std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense) {
   std::vector<Index> chosen;
@@ -83,17 +97,21 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 
+void take(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s) {
+  s.dense_index = kept;
+  s.points.clear();
+  s.normals.clear();
+  for (Index i : kept) {
+    s.points.push_back(dense.positions[i]);
+    s.normals.push_back(dense.normals[i]);
+  }
+}
+
 // Makes the simulation points and their rings; those that belong to no surface (far outliers, hairs) are dropped and ride along.
 void connect(const SceneParams& params, const cloud::CleanCloud& dense, std::vector<Index> kept, RestSurface& s) {
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
-    s.dense_index = kept;
-    s.points.clear();
-    s.normals.clear();
-    for (Index i : kept) {
-      s.points.push_back(dense.positions[i]);
-      s.normals.push_back(dense.normals[i]);
-    }
+    take(dense, kept, s);
     // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
     const Lists neighbors = cloud::nearestNeighbors(s.points, params.neighbors.k);
     if (kept.size() < dense.positions.size()) {
@@ -122,6 +140,19 @@ double measureDenseArea(const RestSurface& s) {
   return std::accumulate(rings.area.begin(), rings.area.end(), 0.0);
 }
 
+// Of points to the nearest other one.
+double findMedianDistance(const Points& points) {
+  const Lists nearest = cloud::nearestNeighbors(points, 1);
+  std::vector<double> distances;
+  for (Index i = 0; i < nearest.size(); ++i)
+    if (nearest.count(i) > 0) distances.push_back((points[*nearest.begin(i)] - points[i]).norm());
+  if (distances.empty()) return 0.0;
+  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
+  return distances[distances.size() / 2];
+}
+
+void applyPins(const SceneParams& params, RestSurface& s);
+
 // Model and pins on the simulation points.
 void buildModel(const SceneParams& params, RestSurface& s) {
   auto mass_spring = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
@@ -132,12 +163,39 @@ void buildModel(const SceneParams& params, RestSurface& s) {
     s.notes.push_back(count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
   s.model = std::move(mass_spring);
 
+  applyPins(params, s);
+}
+
+// Oriented particles on the simulation points, which need not be a surface yet.
+void buildParticles(const SceneParams& params, RestSurface& s) {
+  const Index m = static_cast<Index>(s.points.size());
+  double spacing = 0.0;
+  if (params.oriented_particles.spacing.is_auto) {
+    if (params.oriented_particles.mode == model::ParticleMode::kPlane) {
+      spacing = findMedianDistance(s.points);
+    } else {
+      if (!(s.area > 0.0)) s.area = measureDenseArea(s);
+      spacing = model::OrientedParticles::findSpacing(s.area, m);
+    }
+    if (!(spacing > 0.0))
+      throw InputError("oriented_particles.spacing: found auto, but the " + count(m, "points span no surface; accepted: a number"));
+  }
+  auto particles = std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles);
+  s.notes.push_back("oriented particles " + formatReal(particles->lattice().spacing) + " m apart");
+  s.particles = particles.get();
+  s.model = std::move(particles);
+  applyPins(params, s);
+}
+
+void applyPins(const SceneParams& params, RestSurface& s) {
   s.pinned.assign(s.points.size(), 0);
+  s.pinned_turns.assign(s.points.size(), 0);
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
     bool holds_any = false;
     for (std::size_t i = 0; i < s.points.size(); ++i) {
       if (!params.pins[p].region.contains(s.points[i])) continue;
       s.pinned[i] = 1;
+      if (params.pins[p].orientation) s.pinned_turns[i] = 1;
       holds_any = true;
     }
     if (!holds_any)
@@ -160,20 +218,25 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
 
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
-  const std::vector<char> is_corner = completeNormals(input, params.neighbors.k, s);
+  const bool is_curve = params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
+  const std::vector<char> is_corner = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
   std::vector<Index> kept = chooseSimulationPoints(params, pin_points, is_corner, coarsest, s);
   if (choose) {
     s.area = measureDenseArea(s);
     kept = s.order.keepCount(choose(s));
   }
-  connect(params, s.dense, std::move(kept), s);
-
-  // The area of the full surface; where every point is simulated it is that of the rings.
-  const bool is_all = static_cast<Index>(s.points.size()) == n;
-  s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
-
-  buildModel(params, s);
+  if (params.model == ModelKind::kOrientedParticles) {
+    std::sort(kept.begin(), kept.end());
+    take(s.dense, kept, s);
+    buildParticles(params, s);
+  } else {
+    connect(params, s.dense, std::move(kept), s);
+    // The area of the full surface; where every point is simulated it is that of the rings.
+    const bool is_all = static_cast<Index>(s.points.size()) == n;
+    s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
+    buildModel(params, s);
+  }
   s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1), params.transfer);
   if (s.transfer.numDegenerate() > 0)
     s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));

@@ -6,6 +6,7 @@
 #include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/grips.h"
 #include "deformable_surface/simulation/loads.h"
+#include "deformable_surface/simulation/particle_life.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/solve/time_march.h"
 
@@ -60,7 +61,7 @@ struct Snapshot::Contents {
   std::uint64_t scene;  // see Simulation::Impl::identify()
   State state;
   std::uint64_t steps;
-  std::vector<char> pinned;
+  std::vector<char> pinned, pinned_turns;
   Vec3 gravity;
   std::vector<NamedForces::Named> forces;
   std::vector<tool::ToolParams> tools;
@@ -87,7 +88,8 @@ struct Simulation::Impl {
   Grips grips;
   std::vector<const solve::ExternalLoad*> loads;
   std::vector<char> pinned, pinned_turns;
-  std::vector<char> held;  // pinned or gripped
+  std::vector<char> held, held_turns;  // pinned, gripped or too cold
+  std::unique_ptr<ParticleLife> life;  // null: no particles
   solve::System system;
 
   // What a snapshot holds (with the pins, forces and grips above).
@@ -117,7 +119,7 @@ struct Simulation::Impl {
         forces(rest.model->masses()),
         contact(rest.model->masses()),
         friction(contact),
-        system(*rest.model, loads, held, params.material.damping, &pinned_turns),
+        system(*rest.model, loads, held, params.material.damping, &held_turns),
         march(system, *rest.model, params.integrator),
         surface(rest, input, params) {
     reset();
@@ -156,6 +158,12 @@ struct Simulation::Impl {
     rest.model->beginAtRest(state);
     steps = 0;
     pinned = rest.pinned;
+    pinned_turns = rest.pinned_turns;
+    anchors = AnchorLoad(makeAnchors());
+    if (rest.particles) {
+      life = std::make_unique<ParticleLife>(*rest.particles);
+      if (params.oriented_particles.fit) fit(params.oriented_particles.growth);
+    }
     clampHeld();
     gravity.gravity = params.gravity;
     forces.clear();
@@ -186,7 +194,7 @@ struct Simulation::Impl {
 
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-        identify(), state, steps, pinned, gravity.gravity, forces.all(), tools, grips.all(), march.memory(),
+        identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), march.memory(),
         surface.saveInserted(), statistics});
   }
 
@@ -195,6 +203,7 @@ struct Simulation::Impl {
     rest.model->adopt(state);
     steps = saved.steps;
     pinned = saved.pinned;
+    pinned_turns = saved.pinned_turns;
     clampHeld();
     gravity.gravity = saved.gravity;
     forces.restore(saved.forces);
@@ -222,7 +231,16 @@ struct Simulation::Impl {
   // Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
   void clampHeld() {
     held = pinned;
+    held_turns = pinned_turns;
     if (rest.model->setHeld(pinned)) march.restart();
+    const double cold = params.oriented_particles.hold_below;
+    if (!life || !(cold > 0.0)) return;
+    for (Index i = 0; i < state.size(); ++i) {
+      if (state.traits[i].temperature >= cold) continue;
+      held[i] = held_turns[i] = 1;
+      state.velocities[i].setZero();
+      state.spins[i].setZero();
+    }
   }
 
   // One step, in this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer,
@@ -234,6 +252,8 @@ struct Simulation::Impl {
     StepOutcome outcome;
 
     // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
+    std::string news;
+    if (life) news = live(now, dt);
     clampHeld();
     NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
     Grips::Update grip;
@@ -243,7 +263,7 @@ struct Simulation::Impl {
     const solve::TimeMarch::Outcome taken = march.step(now, state);
     const solve::SolveReport& report = taken.report;
     outcome.notice = std::move(update.notice);
-    for (const std::string& more : {grip.notice, taken.notice})
+    for (const std::string& more : {news, grip.notice, taken.notice})
       if (!more.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + more;
     if (!taken.ok) {
       outcome.ok = false;
@@ -271,9 +291,46 @@ struct Simulation::Impl {
   Grips::Update updateGrips(double now, double dt) {
     system.computeForcesOnAll(now, state, forces_on_all);
     const Grips::Update update = grips.update(now, 1e-6 * dt, state, pinned, forces_on_all);
-    held = pinned;
     grips.carry(now, dt, state, held);
     return update;
+  }
+
+  // Particles cool, go and are born; those that are too cold are held.
+  std::string live(double now, double dt) {
+    const double interval = params.oriented_particles.growth_interval;
+    const bool looks = std::floor((now + 1e-6 * dt) / interval) > std::floor((now - (1.0 - 1e-6) * dt) / interval);
+    const ParticleLife::Changes changes = life->update(now, dt, looks, tools, state);
+    // Heat changes the energy of bonds.
+    if (changes.are_hot) march.restart();
+    follow(changes);
+    return changes.notice;
+  }
+
+  ParticleLife::Changes fit(const model::GrowthParams& growth) {
+    const ParticleLife::Changes changes = life->fit(growth, pinned, state);
+    follow(changes);
+    return changes;
+  }
+
+  // Everything that is by point follows a change of the population.
+  void follow(const ParticleLife::Changes& changes) {
+    if (!changes.new_index.empty()) {
+      forces.renumber(changes.new_index);
+      anchors.renumber(changes.new_index);
+      grips.renumber(changes.new_index);
+      for (std::vector<char>* flags : {&pinned, &pinned_turns}) {
+        std::vector<char> kept;
+        for (std::size_t i = 0; i < changes.new_index.size(); ++i)
+          if (changes.new_index[i] >= 0) kept.push_back((*flags)[i]);
+        *flags = std::move(kept);
+      }
+    }
+    if (changes.new_index.empty() && changes.born == 0) return;
+    pinned.resize(state.positions.size(), 0);
+    pinned_turns.resize(state.positions.size(), 0);
+    rest.model->adopt(state);
+    march.restart();
+    surface.invalidate();
   }
 
   // The copies take the same step.
@@ -296,9 +353,9 @@ struct Simulation::Impl {
     statistics.simulation_time = time();
     statistics.step = steps;
     statistics.points = static_cast<std::uint32_t>(input.positions.size());
-    statistics.simulation_points = static_cast<std::uint32_t>(rest.points.size());
+    statistics.simulation_points = static_cast<std::uint32_t>(state.size());
     statistics.springs = static_cast<std::uint32_t>(rest.model->stretchLinks().size() + rest.model->bendLinks().size());
-    statistics.awake = static_cast<std::uint32_t>(rest.points.size() - std::count(pinned.begin(), pinned.end(), 1));
+    statistics.awake = static_cast<std::uint32_t>(state.size() - std::count(held.begin(), held.end(), 1));
     statistics.kinetic_energy = system.kineticEnergy(state);
     statistics.elastic_energy = rest.model->elasticEnergy(state);
     statistics.potential_energy = system.loadPotential(time(), state);
@@ -347,7 +404,7 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   RestSurface rest = buildChosen(params, input, choice);
   impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest));
   impl_->choice = std::move(choice);
-  if (!params.accuracy.estimate) return;
+  if (!params.accuracy.estimate || impl_->rest.particles) return;
   try {
     estimateError(impl_->rest);
   } catch (const InputError& problem) {
@@ -438,7 +495,7 @@ Index Simulation::lastSubsteps() const { return static_cast<Index>(impl_->statis
 
 void Simulation::setTool(const tool::ToolParams& tool) {
   std::vector<std::string> problems = checkParams(tool);
-  if (!hasToolMode(impl_->params.model, tool.mode)) problems.push_back(sayToolModes(impl_->params.model));
+  if (!hasToolMode(impl_->params.model, tool.mode)) problems.push_back(std::string("mode: ") + kToolModes);
   for (std::string& problem : problems) problem = "tool " + quote(tool.id) + " " + problem;
   if (!problems.empty()) throw InputError(std::move(problems));
   std::vector<tool::ToolParams> tools = impl_->tools;
@@ -474,15 +531,16 @@ std::vector<ToolReaction> Simulation::toolReactions() const {
   return reactions;
 }
 
-Index Simulation::pin(const geometry::Region& region) {
+Index Simulation::pin(const geometry::Region& region, bool orientation) {
   Index changed = 0;
   for (Index i = 0; i < impl_->state.size(); ++i) {
     if (!region.contains(impl_->state.positions[i])) continue;
     impl_->pinned[i] = 1;
+    if (!impl_->pinned_turns.empty() && orientation) impl_->pinned_turns[i] = 1;
     impl_->state.velocities[i].setZero();
     ++changed;
   }
-  impl_->forward([&](Simulation& copy) { copy.pin(region); });
+  impl_->forward([&](Simulation& copy) { copy.pin(region, orientation); });
   return changed;
 }
 
@@ -490,7 +548,7 @@ Index Simulation::unpin(const geometry::Region& region) {
   Index changed = 0;
   for (Index i = 0; i < impl_->state.size(); ++i)
     if (impl_->pinned[i] && region.contains(impl_->state.positions[i])) {
-      impl_->pinned[i] = 0;
+      impl_->pinned[i] = impl_->pinned_turns[i] = 0;
       ++changed;
     }
   impl_->forward([&](Simulation& copy) { copy.unpin(region); });
@@ -515,13 +573,15 @@ Statistics Simulation::statistics() const {
 std::uint64_t Simulation::stateHash() const { return impl_->hash(); }
 const model::State& Simulation::state() const { return impl_->state; }
 const model::DeformableModel& Simulation::model() const { return *impl_->rest.model; }
+const model::OrientedParticles* Simulation::particles() const { return impl_->rest.particles; }
+Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
 const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
 
 void Simulation::computeSimulationNormals(Points& normals) const {
   impl_->rest.model->computeAreaVectors(impl_->state, normals);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const double area = normals[i].norm();
-    normals[i] = area > 0.0 ? Vec3(normals[i] / area) : impl_->rest.normals[i];
+    normals[i] = area > 0.0 ? Vec3(normals[i] / area) : impl_->rest.normals[std::min(i, impl_->rest.normals.size() - 1)];
   }
 }
 

@@ -17,7 +17,8 @@ void System::computeForces(double time, const State& state, Points& forces) cons
 }
 
 void System::computeForcesOnAll(double time, const State& state, Points& forces) const {
-  computeInternalForces(state, forces);
+  forces.assign(state.positions.size(), Vec3::Zero());
+  model_.addForces(state, forces);
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
 }
 

@@ -28,6 +28,7 @@ struct State {
   Orientations orientations{};           // (n) unit, from the point's frame to the world: its z axis is the normal
   Points spins{};                        // (n x 3) angular velocity, rad/s
   std::vector<ParticleTraits> traits{};  // (n)
+  Index next_id = 0;                     // of the particle that is born next
 
   Index size() const { return static_cast<Index>(positions.size()); }
 };

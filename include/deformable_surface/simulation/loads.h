@@ -71,6 +71,8 @@ class AnchorLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
+  /// Points have got other indices: new_index (of those before), -1 = gone.
+  void renumber(const std::vector<Index>& new_index);
   double storedEnergy(double time, const State& state) const override { return potential(time, state); }
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
@@ -114,6 +116,8 @@ class NamedForces : public solve::ExternalLoad {
   /// All there are, by ascending id: what a snapshot holds.
   const std::vector<Named>& all() const { return forces_; }
   void restore(const std::vector<Named>& forces) { forces_ = forces; }
+  /// Points have got other indices: new_index (of those before), -1 = gone. Those left share the force.
+  void renumber(const std::vector<Index>& new_index);
 
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;

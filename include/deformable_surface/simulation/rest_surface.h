@@ -4,7 +4,7 @@
 #include "deformable_surface/cloud/clean.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
-#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/transfer/transfer.h"
 
@@ -27,8 +27,10 @@ struct RestSurface {
   double area = 0.0;               // m^2, of the dense surface
   bool closed = false;             // the dense surface has no boundary
   std::unique_ptr<model::DeformableModel> model;
+  model::OrientedParticles* particles = nullptr;  // the model, if it is this one
   transfer::Transfer transfer;
   std::vector<char> pinned;        // (m) by the scene's pins
+  std::vector<char> pinned_turns;  // (m) those whose orientation is held too
   std::vector<std::string> notes;  // what a user should know: counts, rules, choices of auto
 };
 

@@ -8,6 +8,7 @@
 #include "deformable_surface/geometry/region.h"
 #include "deformable_surface/model/mass_spring/mass_spring_params.h"
 #include "deformable_surface/model/material_params.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/tool/tool_params.h"
@@ -21,15 +22,14 @@
 
 namespace deformable_surface::simulation {
 
-enum class ModelKind { kMassSpring };
+enum class ModelKind { kMassSpring, kOrientedParticles };
 
 /// Which tools a model knows.
-inline bool hasToolMode(ModelKind, tool::Mode mode) {
-  return mode == tool::Mode::kSolid || mode == tool::Mode::kAttract || mode == tool::Mode::kMove;
+inline bool hasToolMode(ModelKind model, tool::Mode mode) {
+  return model == ModelKind::kOrientedParticles || mode == tool::Mode::kSolid || mode == tool::Mode::kAttract ||
+         mode == tool::Mode::kMove;
 }
-inline std::string sayToolModes(ModelKind) {
-  return "mode: found one that is not built for mass_spring; accepted: solid, attract, move";
-}
+constexpr char kToolModes[] = "found one that is not built for mass_spring; accepted: solid, attract, move";
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
@@ -108,6 +108,7 @@ struct SceneParams {
   cloud::NeighborsParams neighbors;
   cloud::SimplificationParams simplification;
   model::MassSpringParams mass_spring;
+  model::OrientedParticlesParams oriented_particles;
   transfer::TransferParams transfer;
   solve::IntegratorParams integrator;
   AccuracyParams accuracy;
@@ -137,7 +138,8 @@ inline std::vector<std::string> expectQuantities() {
     if (std::is_arithmetic<std::decay_t<decltype(value)>>::value && name != "state_hash") names.push_back(name);
   });
   for (const char* name : {"max_displacement", "mean_displacement", "rms_displacement", "min_x", "max_x", "min_y", "max_y",
-                           "min_z", "max_z", "volume_ratio"}) {
+                           "min_z", "max_z", "volume_ratio", "components", "boundary_loops", "euler_characteristic", "isolated",
+                           "spacing_mean", "spacing_cv", "spacing_max", "born", "gone"}) {
     names.emplace_back(name);
   }
   return names;
@@ -205,7 +207,6 @@ inline void visit(Fields& fields, PinParams& p) {
   fields.require(is_box != is_sphere, "",
                  std::string("found ") + (is_box ? "both" : "neither") + " of box and sphere; accepted: one");
   fields.flag("orientation", p.orientation, "also clamp the tangent plane; needs a model with orientation");
-  fields.require(!p.orientation, "orientation", "found true, but mass_spring has no orientation; accepted: false");
 }
 
 inline void visit(Fields& fields, AnchorParams& p) {
@@ -248,8 +249,9 @@ inline void visit(Fields& fields, InputParams& p) {
 }
 
 inline void visit(Fields& fields, SceneParams& p) {
-  fields.required().choice("model", p.model, {{"mass_spring", ModelKind::kMassSpring}}, "what the surface is made of",
-                           {"oriented_particles", "elastic_solid"});
+  fields.required().choice("model", p.model,
+                           {{"mass_spring", ModelKind::kMassSpring}, {"oriented_particles", ModelKind::kOrientedParticles}},
+                           "what the surface is made of", {"elastic_solid"});
   fields.text("frame_id", p.frame_id, "frame of the outputs; empty = the cloud's frame");
   fields.section("cloud", p.cloud, "Where `simulate` takes its cloud from; the node takes `~cloud_in`.");
   fields.section("material", p.material, "What the surface is made of, in the units of the laboratory.");
@@ -266,10 +268,16 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(p.mass_spring.damping == model::Damping::kAlongSpring || p.material.spring_damping > 0.0, "mass_spring.damping",
                  "found relative_velocity with material.spring_damping: 0, which damps nothing; accepted: along_spring, or a "
                  "spring_damping above 0");
-  fields.notBuilt("oriented_particles", "oriented particles");
+  fields.section("oriented_particles", p.oriented_particles, "Choices within the model of oriented particles (docs/oriented_particles.md).");
   fields.notBuilt("elastic_solid", "elastic solids");
   fields.section("integrator", p.integrator, "How time is stepped.");
+  const bool has_method = p.integrator.type == solve::IntegratorType::kAuto || p.integrator.type == solve::IntegratorType::kVerlet ||
+                          p.integrator.type == solve::IntegratorType::kStatic;
+  fields.require(p.model == ModelKind::kMassSpring || has_method, "integrator.type",
+                 "found one that oriented_particles has not; accepted: auto, verlet, static");
   fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
+  fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
+                 "found a wish, but oriented_particles has no error estimate; accepted: 0");
   const cloud::SimplificationParams& how = p.simplification;
   const bool is_number_free =
       how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && how.threshold.is_auto;
@@ -281,6 +289,9 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");
   fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "on the current area along the outward normal");
   fields.list("pins", p.pins, "Each fixes the simulation points whose rest position lies in a closed box or sphere.");
+  for (std::size_t i = 0; i < p.pins.size(); ++i)
+    fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles, "pins[" + std::to_string(i) + "].orientation",
+                   "found true, but mass_spring has no orientation; accepted: false");
   fields.list("anchors", p.anchors, "World springs.");
   fields.list("forces", p.forces, "Named forces on the surface near a point.");
   std::set<std::string> ids;
@@ -298,7 +309,7 @@ inline void visit(Fields& fields, SceneParams& p) {
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
   for (std::size_t i = 0; i < p.tools.size(); ++i)
-    fields.require(hasToolMode(p.model, p.tools[i].mode), "tools[" + std::to_string(i) + "]." + "mode", sayToolModes(p.model).substr(6));
+    fields.require(hasToolMode(p.model, p.tools[i].mode), "tools[" + std::to_string(i) + "].mode", kToolModes);
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");

@@ -5,7 +5,7 @@
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/point_cloud.h"
 #include "deformable_surface/cloud/rings.h"
-#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/scene_params.h"
@@ -88,8 +88,8 @@ class Simulation {
   const std::vector<tool::ToolParams>& tools() const;
   /// What the surface does to each tool now, in the order of tools().
   std::vector<ToolReaction> toolReactions() const;
-  /// Fixes (or frees) the simulation points whose current position lies in the region, where they are. Returns how many.
-  Index pin(const geometry::Region& region);
+  /// Fixes (or frees) the simulation points whose current position lies in the region, where they are; orientation: and their orientations, where they have any. Returns how many.
+  Index pin(const geometry::Region& region, bool orientation = false);
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
 
@@ -114,6 +114,9 @@ class Simulation {
   // For display and simulation_points output.
   const model::State& state() const;
   const model::DeformableModel& model() const;
+  /// The model if it is that of oriented particles, else null.
+  const model::OrientedParticles* particles() const;
+  Index numFirst() const;                                    // simulation points at time 0
   const std::vector<char>& pinned() const;                   // (m)
   void computeSimulationNormals(Points& normals) const;      // (m x 3)
   /// Named forces acting now: point of attack (mean of the loaded points) and force.

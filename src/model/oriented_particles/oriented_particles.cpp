@@ -1,6 +1,7 @@
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/model/oriented_particles/particle_triangles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -12,6 +13,7 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr double kSkin = 0.3;         // of the distance r0: a good trade between listing too much and listing too often
 constexpr double kLinkLength = 1.3;   // of the spacing: between the first neighbours of a lattice and the second
+constexpr double kLongestEdge = 1.75;  // of the spacing, of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 Vec3 normalOf(const Quaternion& q) {
@@ -56,6 +58,7 @@ void OrientedParticles::beginAtRest(State& state) {
     state.orientations[i] = turnFromZ(normal);
     state.traits[i].id = static_cast<Index>(i);
   }
+  state.next_id = static_cast<Index>(n);
   adopt(state);
 }
 
@@ -182,7 +185,17 @@ void OrientedParticles::addRowBounds(const State& state, std::vector<double>& st
 
 void OrientedParticles::refreshDisplay(const State& state) const {
   links_.clear();
+  triangles_.clear();
   if (!prepare(state)) return;
+  Points normals;
+  normals.reserve(state.orientations.size());
+  for (const Quaternion& q : state.orientations) normals.push_back(normalOf(q));
+  const double longest = kLongestEdge * lattice_.spacing;
+  if (params_.mode == ParticleMode::kPlane) {
+    links_ = linkChains(state.positions, normals, longest);
+    return;
+  }
+  triangles_ = triangulateParticles(state.positions, normals, longest);
   for (Index i = 0; i < state.size(); ++i)
     forEachNear(i, kLinkLength * lattice_.spacing, [&](Index j, double) {
       if (i < j) links_.emplace_back(i, j);

@@ -39,8 +39,10 @@ DEFORMABLE_SURFACE_INLINE void evaluatePair(const PairPotentials& p, Pair<T>& pa
   T on, on_slope, phi, slope;
   switchOff(p, d, on, on_slope);
   evaluateLennardJones(p, d, on, on_slope, phi, slope);
-  pair.level = 2.0 * pair.strength * phi;
-  pair.c_r = 2.0 * pair.strength * slope * inverse;
+  // What holds the pair together melts; that they keep apart does not.
+  const T outside = d > p.distance + zero ? one : zero, held = outside * phi - (one - outside) * p.depth;
+  pair.level = 2.0 * (phi - held + pair.strength * held);
+  pair.c_r = 2.0 * (one - outside + outside * pair.strength) * slope * inverse;
   pair.c_i = pair.c_j = pair.twist = zero;
   if (!kPlanarity && !kNormality && !kCircularity) return;
 
@@ -234,7 +236,7 @@ PairStiffness boundStiffness(const PairPotentials& p, const PackedParticles& par
   double on, on_slope, phi, slope;
   switchOff(p, d, on, on_slope);
   evaluateLennardJones(p, d, on, on_slope, phi, slope);
-  k.x = 2.0 * strength * std::max({0.0, findLennardJonesCurvature(p, d), slope / std::max(d, p.core)});
+  k.x = 2.0 * (d > p.distance ? strength : 1.0) * std::max({0.0, findLennardJonesCurvature(p, d), slope / std::max(d, p.core)});
   const double smooth = strength * normal_i[3] * normal_j[3];
   if (!p.bends() || !(smooth > 0.0)) return k;
 

@@ -19,7 +19,7 @@ struct GrowthParams {
   Index max_particles = 20000;
   bool fix_samples = true;      // the given particles stay where they are while the surface grows
   bool release_samples = true;  // they move in a last relaxation
-  bool chain = false;           // particles of a curve in the plane y = 0
+  bool chain = false;           // particles of a curve in the plane y = 0; follows from the model's mode, no field
 };
 
 inline void visit(Fields& fields, GrowthParams& p) {
@@ -40,7 +40,6 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.integer("max_particles", p.max_particles, "", between(1, kMaxPoints), "growth ends at so many particles at the latest");
   fields.flag("fix_samples", p.fix_samples, "the given particles keep their places while others grow");
   fields.flag("release_samples", p.release_samples, "the given particles move in a last relaxation, which takes their noise");
-  fields.flag("chain", p.chain, "the particles are a curve in the plane y = 0, and grow along it");
 }
 
 }  // namespace deformable_surface::model

@@ -46,7 +46,7 @@ class OrientedParticles : public DeformableModel {
   void computeVolumeGradient(const State& state, Points& gradient) const override;
   double maxStretch(const State& state) const override;
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
-  /// Those of the last refreshDisplay().
+  /// Those of the last refreshDisplay(), as the triangles.
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
   const std::vector<WeightedTriangle>& triangles() const override { return triangles_; }

@@ -4,6 +4,7 @@
 #include "deformable_surface/base/or_auto.h"
 #include "deformable_surface/base/params.h"
 #include "deformable_surface/base/types.h"
+#include "deformable_surface/model/oriented_particles/growth_params.h"
 
 #include <cmath>
 
@@ -20,6 +21,9 @@ enum class ParticleWeighting { kIsotropic, kAnisotropic };
 /// the least absolute one [eq. 15].
 enum class PrincipalDirection { kSigned, kAbsolute };
 
+/// Where particles are born by themselves: nowhere, in gaps that face another side, or at open edges as well.
+enum class Growing { kNone, kGaps, kEdges };
+
 struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
   OrAuto<double> spacing;         // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
@@ -30,13 +34,20 @@ struct OrientedParticlesParams {
   double co_circularity = 0.0;    // >= 0, on the scale of co-planarity
   double spin = 0.0;              // >= 0, on the scale of co-planarity: torque about the normals
   PrincipalDirection principal = PrincipalDirection::kSigned;
-  Vec2 exponents{12.0, 6.0};      // of repulsion and attraction, whole, the first the larger
+  Vec2 exponents{8.0, 4.0};       // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
   double melting = 1000.0;        // K above ambient, > 0: bonds weaken linearly until there
   double cooling = 0.0;           // 1/s, >= 0: rate at which temperatures fall to the ambient one
+  double hold_below = 0.0;        // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
+  bool delete_trapped = false;    // particles inside two solid tools at once go
+  bool stretching = false;        // particles are born between those that were drawn apart
+  Growing growing = Growing::kNone;
+  double growth_interval = 0.02;  // s, > 0: between two looks for room
+  bool fit = false;               // before time 0 a surface is grown through the particles
+  GrowthParams growth;
 };
 
 inline void visit(Fields& fields, OrientedParticlesParams& p) {
@@ -74,6 +85,16 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("melting", p.melting, "K", between(1e-6, 1e9),
                 "above ambient, where bonds are gone; they weaken linearly until then");
   fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures fall to the ambient one");
+  fields.number("hold_below", p.hold_below, "K", between(0.0, 1e9),
+                "above ambient: cooler particles neither move nor turn, so that only what is heated can be shaped; 0 = all may");
+  fields.flag("delete_trapped", p.delete_trapped, "particles that are inside two solid tools at once go");
+  fields.flag("stretching", p.stretching, "particles are born between neighbours that were drawn apart (the stretching rule)");
+  fields.choice("growing", p.growing, {{"none", Growing::kNone}, {"gaps", Growing::kGaps}, {"edges", Growing::kEdges}},
+                "particles are born around those with few neighbours (the growing rule): in `gaps` that face another side, or at open "
+                "`edges` too");
+  fields.number("growth_interval", p.growth_interval, "s", between(1e-9, 1e9), "between two looks for room to be born in");
+  fields.flag("fit", p.fit, "before time 0 a surface is grown through the particles, as by `~fit`");
+  fields.section("growth", p.growth, "The two rules: lengths in spacings of the particles.");
 }
 
 }  // namespace deformable_surface::model

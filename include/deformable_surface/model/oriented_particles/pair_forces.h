@@ -22,7 +22,9 @@ struct PackedParticles {
 /// With r = p_j - p_i, d = |r|, u = n.r for either normal, s = u_i + u_j, Q = |n_i - n_j|^2 the energy of a pair, both orders
 /// summed, is
 ///   E = 2 phi(d) + psi_i (aP u_i^2 + aN Q + aC s^2) + psi_j (aP u_j^2 + aN Q + aC s^2)
-/// [Szeliski 1991, eq. 5 to 8, 11], times the strength of the weaker particle's bonds, psi also times 0 if one is not smooth;
+/// [Szeliski 1991, eq. 5 to 8, 11]. The strength of the weaker particle's bonds multiplies psi and what attracts in phi: all of it beyond its
+/// minimum, and its depth; the repulsion nearer than that stays, so that melted particles do not come to lie in each other. psi is
+/// also times 0 if one is not smooth;
 /// psi_i = psi_j = psi(d), or [eq. 10] exp(-(d^2 - u^2) / 2 a^2 - u^2 / 2 b^2) times the switch. Then
 ///   f_i = c_r r + c_i n_i + c_j n_j,  tau_i = (c_i r + 2 aN (psi_i + psi_j) (n_i - n_j)) x n_i,
 ///   c_k = 2 aP u_k psi_k + 2 aC s (psi_i + psi_j) + dE/dpsi_k dpsi_k/du_k,  c_r d = dE/dd.

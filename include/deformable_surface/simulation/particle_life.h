@@ -1,0 +1,42 @@
+// What happens to oriented particles between steps: they cool and are heated, are born where there is room and go where tools take
+// them. Apart from their model, which knows forces only, and from the simulation, which only says when.
+#pragma once
+
+#include "deformable_surface/model/oriented_particles/growth.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "deformable_surface/tool/tool.h"
+
+#include <string>
+
+namespace deformable_surface::simulation {
+
+class ParticleLife {
+ public:
+  /// Kept by reference.
+  explicit ParticleLife(const model::OrientedParticles& model) : model_(model) {}
+
+  struct Changes {
+    std::vector<Index> new_index;  // of the particles before; -1 = gone; empty if none went
+    Index born = 0;                // they are the last of the state
+    bool are_hot = false;          // some particles are above the ambient temperature
+    std::string notice;
+  };
+
+  /// Before the step from time (s) to time + step: temperatures, then who goes, then who is born. looks: whether it is time to look
+  /// for room to be born in.
+  Changes update(double time, double step, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state) const;
+
+  /// Grows a surface through the particles there are (sec. 7 of [Szeliski 1991]), with relaxation in between; held (n, 1 = fixed in
+  /// place) stay in any case. Returns what it did as one sentence, and the changes.
+  Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, model::State& state) const;
+
+ private:
+  void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
+  void remove(double time, const std::vector<tool::ToolParams>& tools, model::State& state, Changes& changes) const;
+  void append(const model::NewParticle& particle, model::State& state) const;
+  model::GrowthParams growthParams() const;
+
+  const model::OrientedParticles& model_;
+};
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,165 @@
+#include "deformable_surface/simulation/particle_life.h"
+
+#include "deformable_surface/model/oriented_particles/grow_surface.h"
+#include "deformable_surface/solve/integrator.h"
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using model::State;
+using tool::Mode;
+using tool::ToolParams;
+
+constexpr Index kRelaxationIterations = 5;  // hundreds of steps between two passes of growth: near equilibrium is enough
+
+// Distance of a point from a tool, m; negative inside.
+double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
+  return tool::findSignedDistance(tool.shape, pose, point).distance;
+}
+
+// Keeps the particles that are not gone, in their order.
+template <class T>
+void keep(const std::vector<Index>& new_index, std::vector<T>& items) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < new_index.size(); ++i)
+    if (new_index[i] >= 0) items[kept++] = items[i];
+  items.resize(kept);
+}
+
+}  // namespace
+
+model::GrowthParams ParticleLife::growthParams() const {
+  model::GrowthParams growth = model_.params().growth;
+  growth.chain = model_.params().mode == model::ParticleMode::kPlane;
+  return growth;
+}
+
+// Cooling over the step, then what tools heat: they hold their temperature. A knife melts what it touches.
+void ParticleLife::heat(double time, double step, const std::vector<ToolParams>& tools, State& state) const {
+  for (model::ParticleTraits& particle : state.traits)
+    if (particle.temperature > 0.0) particle.temperature = model_.coolDown(particle.temperature, step);
+  for (const ToolParams& tool : tools) {
+    if (!tool::isActive(tool, time) || (tool.mode != Mode::kHeat && tool.mode != Mode::kCut)) continue;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    const bool cuts = tool.mode == Mode::kCut;
+    const double temperature = cuts ? model_.params().melting : tool.strength;
+    const double reach = cuts ? 0.5 * model_.lattice().spacing : 0.0;  // half a spacing: the particle as a disc
+    for (Index i = 0; i < state.size(); ++i)
+      if (distanceTo(tool, pose, state.positions[i]) <= reach)
+        state.traits[i].temperature = std::max(state.traits[i].temperature, temperature);
+  }
+}
+
+void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, State& state, Changes& changes) const {
+  std::vector<char> is_gone(state.positions.size(), 0), inside(state.positions.size(), 0);
+  for (const ToolParams& tool : tools) {
+    const bool solid = model_.params().delete_trapped && (tool.mode == Mode::kSolid || tool.mode == Mode::kCut);
+    if (!tool::isActive(tool, time) || !(solid || tool.mode == Mode::kErase)) continue;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    for (Index i = 0; i < state.size(); ++i) {
+      // A solid tool keeps particles at its surface: a disc that reaches into it is in contact.
+      const double reach = solid ? 0.5 * model_.lattice().spacing : 0.0;
+      if (distanceTo(tool, pose, state.positions[i]) > reach) continue;
+      is_gone[i] = is_gone[i] || !solid || inside[i];
+      inside[i] = solid;
+    }
+  }
+  if (std::count(is_gone.begin(), is_gone.end(), 1) == 0) return;
+  Index kept = 0;
+  for (const char gone : is_gone) changes.new_index.push_back(gone ? -1 : kept++);
+  keep(changes.new_index, state.positions);
+  keep(changes.new_index, state.velocities);
+  keep(changes.new_index, state.orientations);
+  keep(changes.new_index, state.spins);
+  keep(changes.new_index, state.traits);
+}
+
+// A newborn moves, turns and is as hot as its parents in the mean.
+void ParticleLife::append(const model::NewParticle& particle, State& state) const {
+  const Index a = particle.parents[0], b = particle.parents[1] >= 0 ? particle.parents[1] : a;
+  model::ParticleTraits traits;
+  traits.id = state.next_id++;
+  traits.parents[0] = state.traits[a].id;
+  traits.parents[1] = particle.parents[1] >= 0 ? state.traits[b].id : model::kNoParent;
+  traits.temperature = 0.5 * (state.traits[a].temperature + state.traits[b].temperature);
+  state.positions.push_back(particle.position);
+  state.velocities.push_back(0.5 * (state.velocities[a] + state.velocities[b]));
+  state.orientations.push_back(particle.orientation);
+  state.spins.push_back(0.5 * (state.spins[a] + state.spins[b]));
+  state.traits.push_back(traits);
+}
+
+ParticleLife::Changes ParticleLife::update(double time, double step, bool looks, const std::vector<ToolParams>& tools,
+                                           State& state) const {
+  Changes changes;
+  heat(time, step, tools, state);
+  changes.are_hot = std::any_of(state.traits.begin(), state.traits.end(),
+                                [](const model::ParticleTraits& particle) { return particle.temperature > 0.0; });
+  remove(time, tools, state, changes);
+  const model::OrientedParticlesParams& params = model_.params();
+  if (!looks || state.size() == 0 || state.size() >= params.growth.max_particles) return changes;
+  const model::GrowthParams growth = growthParams();
+  std::vector<model::NewParticle> newborn;
+  std::vector<char> flags(state.positions.size(), model::kGrowsNothing);
+  for (Index i = 0; i < state.size(); ++i)
+    if (state.traits[i].is_smooth) flags[i] = model::kFillsGaps;
+  if (params.stretching)
+    newborn = model::proposeStretched(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
+  if (newborn.empty() && params.growing != model::Growing::kNone) {
+    if (params.growing == model::Growing::kEdges)
+      for (char& flag : flags) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
+    newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
+  }
+  for (const model::NewParticle& particle : newborn) {
+    if (state.size() >= growth.max_particles) break;
+    append(particle, state);
+    ++changes.born;
+  }
+  if (state.size() >= growth.max_particles)
+    changes.notice = "growth has reached oriented_particles.growth.max_particles, " + std::to_string(growth.max_particles);
+  return changes;
+}
+
+ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, State& state) const {
+  model::GrowthParams growth = given;
+  growth.chain = growthParams().chain;
+  // A world of its own for the relaxation: the particles alone, without loads.
+  model::OrientedParticles particles = model_;
+  std::vector<char> fixed;
+  const std::vector<const solve::ExternalLoad*> no_loads;
+  const solve::System system(particles, no_loads, fixed, 0.0, &fixed);
+  solve::IntegratorParams params;
+  params.max_iterations = kRelaxationIterations;
+  State trial = state;
+  const auto relax = [&](Points& positions, Orientations& orientations, const std::vector<char>& still) {
+    fixed = still;
+    for (std::size_t i = 0; i < held.size(); ++i) fixed[i] = fixed[i] || held[i];
+    trial.positions = positions;
+    trial.orientations = orientations;
+    trial.velocities.assign(positions.size(), Vec3::Zero());
+    trial.spins.assign(positions.size(), Vec3::Zero());
+    trial.traits.resize(positions.size());
+    particles.adopt(trial);
+    const auto fire = solve::makeIntegrator(solve::IntegratorType::kStatic, params, true);
+    fire->advance(system, 0.0, 1.0, particles.findStableStep(trial), trial);
+    positions = trial.positions;
+    orientations = trial.orientations;
+  };
+  const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, model_.lattice().spacing, growth, relax);
+
+  Changes changes;
+  const std::size_t before = state.positions.size();
+  for (const model::NewParticle& particle : grown.added) append(particle, state);
+  state.positions = grown.positions;
+  state.orientations = grown.orientations;
+  changes.born = static_cast<Index>(state.positions.size() - before);
+  static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
+                                      "until growth.max_particles was reached"};
+  changes.notice = "fit: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) + " in " +
+                   std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
+  return changes;
+}
+
+}  // namespace deformable_surface::simulation
