@@ -27,7 +27,8 @@ std::vector<Index> findNear(const Points& points, Index i, double distance) {
 void expectAllPairs(const Points& points) {
   NeighborList lists(kRadius, kSkin);
   ASSERT_TRUE(lists.update(points));
-  for (Index i = 0; i < static_cast<Index>(points.size()); ++i) EXPECT_EQ(listOf(lists, i), findNear(points, i, kRadius + kSkin)) << i;
+  for (Index i = 0; i < static_cast<Index>(points.size()); ++i)
+    EXPECT_EQ(listOf(lists, i), findNear(points, i, kRadius + kSkin)) << i;
 }
 
 Points randomPoints(Index n, double size, unsigned seed = 1) {

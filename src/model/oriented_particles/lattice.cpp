@@ -101,7 +101,14 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
   const double by_normals = (is_row ? 2.0 : 1.0) / area * sum([&](double d) { return d * d * weigh(d); });
   const double by_planes = (is_row ? 0.5 : 3.0 / 16.0) / area * sum([&](double d) { return d * d * d * d * weigh(d); });
   const double depth = material.young_modulus * material.thickness / by_depth;
-  const double half_rigidity = 0.5 * material.bendingRigidity();
+  // Beyond first neighbours the outer bonds pull and the inner ones push: bent, when chords are shorter than arcs, that gives back
+  // energy, for which the other potentials make up.
+  const double given_back = (is_row ? 1.0 / 12.0 : 1.0 / 32.0) / area * sum([&](double d) {
+    double value, slope;
+    evaluate(pair, d, value, slope);
+    return d * d * d * slope;
+  });
+  const double half_rigidity = 0.5 * (material.bendingRigidity() + params.lennard_jones * depth * given_back);
   const double planarity = half_rigidity / by_planes;
   lattice.spin_scale = planarity;
   pair.co_planarity = params.co_planarity * planarity;
