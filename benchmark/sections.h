@@ -25,6 +25,7 @@ void runAccuracySection(const Options& options, Report& report);
 void runStaticsSection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);
+void runParticlesSection(const Options& options, Report& report);
 void runCalibrationSection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark

@@ -58,7 +58,8 @@ TEST(NeighborList, FindsPairsAcrossEveryBorderOfCells) {
   for (double place : {0.0, 1.0, 1e3, 1e6}) {
     Points points;
     for (int k = 0; k < 200; ++k) {
-      const Vec3 p = place * Vec3(1.0, -1.0, 1.0) + 50.0 * randomVector(generator), direction = randomVector(generator).normalized();
+      const Vec3 p = place * Vec3(1.0, -1.0, 1.0) + 50.0 * randomVector(generator);
+      const Vec3 direction = randomVector(generator).normalized();
       points.push_back(p);
       points.push_back(p + (k % 2 ? 0.999 : 1.001) * (kRadius + kSkin) * direction);
     }

@@ -28,7 +28,8 @@ inline OrientedParticlesParams allTerms(ParticleWeighting weighting = ParticleWe
   return p;
 }
 
-inline OrientedParticles makeModel(Index n, const OrientedParticlesParams& params, const MaterialParams& material = thickSheet()) {
+inline OrientedParticles makeModel(Index n, const OrientedParticlesParams& params,
+                                   const MaterialParams& material = thickSheet()) {
   return OrientedParticles(Points(n, Vec3::Zero()), Points(n, Vec3::UnitZ()), kSpacing, material, params);
 }
 
@@ -75,6 +76,16 @@ inline State hexagonalPatch(Index rows, Index columns, double spacing = kSpacing
     for (Index j = 0; j < columns; ++j)
       s.positions[i * columns + j] = spacing * Vec3(j + 0.5 * (i % 2), 0.5 * std::sqrt(3.0) * i, 0.0);
   return s;
+}
+
+/// On a cylinder of the curvature (1/m) about the y axis turned by angle about z, arc lengths kept.
+inline void rollUp(double curvature, double angle, Vec3& p, Quaternion& q) {
+  const Quaternion turn(Eigen::AngleAxisd(angle, Vec3::UnitZ()));
+  const Vec3 flat = turn.conjugate() * p;
+  const double a = curvature * flat.x();
+  const double x = a == 0.0 ? flat.x() : std::sin(a) / curvature, z = a == 0.0 ? 0.0 : (std::cos(a) - 1.0) / curvature;
+  p = turn * Vec3(x, flat.y(), z);
+  q = turn * Quaternion(Eigen::AngleAxisd(a, Vec3::UnitY())) * turn.conjugate();
 }
 
 inline void evaluate(const OrientedParticles& model, const State& state, Points& forces, Points& torques) {

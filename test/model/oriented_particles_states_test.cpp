@@ -1,0 +1,292 @@
+// What oriented particles do in time, and what they make of states of all kinds.
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/solve/integrator.h"
+#include "deformable_surface/solve/time_march.h"
+#include "particle_states.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using solve::IntegratorParams;
+using solve::IntegratorType;
+
+struct World {
+  explicit World(OrientedParticles& model, double damping = 0.0)
+      : held(model.masses().size(), 0), system(model, loads, held, damping) {}
+  std::vector<const solve::ExternalLoad*> loads;
+  std::vector<char> held;
+  solve::System system;
+};
+
+void relax(OrientedParticles& model, State& state) {
+  IntegratorParams params;
+  params.tolerance = 1e-9;
+  World world(model);
+  const auto fire = solve::makeIntegrator(IntegratorType::kStatic, params, true);
+  const solve::SolveReport report = fire->advance(world.system, 0.0, 1.0, model.findStableStep(state), state);
+  EXPECT_TRUE(report.converged) << report.residual;
+}
+
+TEST(OrientedParticlesStates, APatchThatWasSqueezedAndShakenFindsItsSpacing) {
+  State s = hexagonalPatch(6, 7, 0.97 * kSpacing);
+  OrientedParticles particles = makeModel(s.size(), {});
+  s.positions = perturb(s.positions, 0.03 * kSpacing);
+  relax(particles, s);
+  // All first neighbours alone: nothing pulls an edge together.
+  EXPECT_LT(particles.maxStretch(s), 1e-6);
+  particles.refreshDisplay(s);
+  EXPECT_EQ(particles.stretchLinks().size(), 6 * 6 + 5 * 13);
+}
+
+TEST(OrientedParticlesStates, WithoutDampingEnergyStaysAndMomentaAreKept) {
+  State s = hexagonalPatch(4, 4);
+  OrientedParticles particles = makeModel(s.size(), allTerms());
+  const double at_rest = particles.elasticEnergy(s), most = 0.02 / particles.findStableStep(s);
+  std::mt19937 generator(5);
+  for (Index i = 0; i < s.size(); i += 2) {
+    const Vec3 speed = most * kSpacing * randomVector(generator);
+    s.velocities[i] = speed;
+    s.velocities[i + 1] = -speed;  // so that the patch stays near the origin, of which angular momentum is taken
+    s.spins[i] = most * randomVector(generator);
+  }
+  World world(particles);
+  const auto energyOf = [&] { return particles.elasticEnergy(s) + world.system.kineticEnergy(s); };
+  const auto momenta = [&](Vec3& linear, Vec3& angular) {
+    linear.setZero();
+    angular.setZero();
+    for (Index i = 0; i < s.size(); ++i) {
+      const Vec3 momentum = particles.masses()[i] * s.velocities[i];
+      linear += momentum;
+      angular += s.positions[i].cross(momentum) + particles.inertias()[i] * s.spins[i];
+    }
+  };
+  Vec3 linear, angular;
+  momenta(linear, angular);
+  const double step = 0.5 * particles.findStableStep(s), first = energyOf(), excess = first - at_rest;
+  const auto verlet = solve::makeIntegrator(IntegratorType::kVerlet, {}, true);
+  double lowest = first, highest = first;
+  for (int k = 0; k < 1000; ++k) {
+    ASSERT_TRUE(verlet->advance(world.system, 0.0, 100.0 * 0.5 * step, step, s).finite);
+    const double now = energyOf();
+    lowest = std::min(lowest, now);
+    highest = std::max(highest, now);
+  }
+  // The error of the second-order method stays that of the first oscillations: bounded, however many there are.
+  EXPECT_LT(highest - lowest, 0.01 * excess);
+  EXPECT_LT(largest(s.positions), 10.0 * kSpacing);  // it held together
+  Vec3 linear_after, angular_after;
+  momenta(linear_after, angular_after);
+  // Rounding of a hundred thousand sub-steps.
+  const double size = particles.masses()[0] * most * kSpacing;
+  EXPECT_LT((linear_after - linear).norm(), 1e-11 * size);
+  EXPECT_LT((angular_after - angular).norm(), 1e-11 * size * kSpacing);
+}
+
+TEST(OrientedParticlesStates, TimeRunsBackwardsAsWell) {
+  State s = hexagonalPatch(4, 5);
+  s.positions = perturb(s.positions, 0.02 * kSpacing);
+  std::mt19937 generator(8);
+  for (Quaternion& q : s.orientations) q = turnBy(0.1 * randomVector(generator), q);
+  OrientedParticles particles = makeModel(s.size(), allTerms());
+  World world(particles);
+  const State start = s;
+  const double step = 0.5 * particles.findStableStep(s);
+  const auto verlet = solve::makeIntegrator(IntegratorType::kVerlet, {}, true);
+  for (int way = 0; way < 2; ++way) {
+    verlet->advance(world.system, 0.0, 100.0 * 0.5 * step, step, s);
+    if (way == 0) {
+      EXPECT_GT((s.positions[0] - start.positions[0]).norm(), 1e-3 * kSpacing);
+    }
+    for (Index i = 0; i < s.size(); ++i) {
+      s.velocities[i] = -s.velocities[i];
+      s.spins[i] = -s.spins[i];
+    }
+  }
+  // Rounding of two hundred sub-steps, which vibration in so many ways multiplies.
+  for (Index i = 0; i < s.size(); ++i) {
+    EXPECT_LT((s.positions[i] - start.positions[i]).norm(), 1e-11 * kSpacing);
+    EXPECT_LT(s.orientations[i].angularDistance(start.orientations[i]), 1e-7);  // an arc cosine's rounding
+    EXPECT_LT((s.orientations[i].coeffs() - start.orientations[i].coeffs()).norm(), 1e-11);
+  }
+}
+
+/// A sheet with waves, for the tests of what must not change the bits.
+State wavyPatch() {
+  State s = hexagonalPatch(40, 40);
+  std::mt19937 generator(6);
+  for (Index i = 0; i < s.size(); ++i) {
+    s.positions[i] += 0.1 * kSpacing * randomVector(generator);
+    s.positions[i].z() += 0.5 * kSpacing * std::sin(2.0 * s.positions[i].x() / kSpacing);
+    s.orientations[i] = turnBy(0.3 * randomVector(generator), s.orientations[i]);
+    s.traits[i].temperature = 100.0 * (i % 5);
+    s.traits[i].is_smooth = i % 7 != 0;
+  }
+  return s;
+}
+
+bool areSame(const Points& a, const Points& b) {
+  return a.size() == b.size() && std::equal(a.begin(), a.end(), b.begin(), [](const Vec3& x, const Vec3& y) { return x == y; });
+}
+
+TEST(OrientedParticlesStates, TheBitsDoNotDependOnThreadsNorOnWhenListsWereMade) {
+  for (ParticleWeighting weighting : {ParticleWeighting::kIsotropic, ParticleWeighting::kAnisotropic}) {
+    const State s = wavyPatch();
+    Points forces, torques, first_forces, first_torques;
+    double energy = 0.0, step = 0.0;
+    evaluate(makeModel(s.size(), allTerms(weighting)), s, first_forces, first_torques);
+    for (int threads : {1, 2, 3}) {
+      setNumThreads(threads);
+      const OrientedParticles particles = makeModel(s.size(), allTerms(weighting));
+      // Lists made at another state, of which these are not yet half a skin away.
+      State before = s;
+      before.positions = perturb(s.positions, 0.05 * kSpacing, threads);
+      evaluate(particles, before, forces, torques);
+      EXPECT_FALSE(areSame(forces, first_forces));
+      evaluate(particles, s, forces, torques);
+      EXPECT_TRUE(areSame(forces, first_forces)) << threads;
+      EXPECT_TRUE(areSame(torques, first_torques)) << threads;
+      if (energy == 0.0) {
+        energy = particles.elasticEnergy(s);
+        step = particles.findStableStep(s);
+      }
+      EXPECT_EQ(particles.elasticEnergy(s), energy) << threads;
+      EXPECT_EQ(particles.findStableStep(s), step) << threads;
+    }
+  }
+  setNumThreads(0);
+}
+
+TEST(OrientedParticlesStates, NoStateGivesForcesThatAreNotFinite) {
+  const double far = 1e12;
+  for (ParticleWeighting weighting : {ParticleWeighting::kIsotropic, ParticleWeighting::kAnisotropic}) {
+    for (int kind = 0; kind < 4; ++kind) {
+      State s = randomState(20, 1);
+      std::mt19937 generator(kind);
+      for (Index i = 0; i < s.size(); ++i) {
+        if (kind == 0) s.positions[i].setConstant(0.3);                              // all in one place
+        if (kind == 1) s.positions[i] = s.positions[i / 2];                          // each twice
+        if (kind == 2) s.positions[i] = 1e-9 * kSpacing * randomVector(generator);   // next to one place
+        if (kind == 3) s.positions[i] = (i % 3 ? 1.0 : far) * randomVector(generator);
+      }
+      const OrientedParticles particles = makeModel(20, allTerms(weighting));
+      Points forces, torques;
+      evaluate(particles, s, forces, torques);
+      EXPECT_TRUE(std::isfinite(largest(forces)) && std::isfinite(largest(torques))) << kind;
+      EXPECT_TRUE(std::isfinite(particles.elasticEnergy(s))) << kind;
+      EXPECT_GT(particles.findStableStep(s), 0.0) << kind;
+    }
+  }
+}
+
+TEST(OrientedParticlesStates, StepsFromBrokenStatesEndFiniteOrAreRefusedWithTheStateAsItWas) {
+  IntegratorParams params;
+  params.type = IntegratorType::kVerlet;
+  params.time_step = 1e-3;
+  for (int kind = 0; kind < 4; ++kind) {
+    State s = randomState(20, 1);
+    for (Index i = 0; i < s.size(); ++i) {
+      if (kind == 0) s.positions[i].setConstant(0.3);
+      if (kind == 1) s.positions[i] = s.positions[i / 2] + 1e-3 * kSpacing * Vec3(i % 2, 0.0, 0.0);
+      if (kind == 2) s.velocities[i] = 1e6 * Vec3(i % 3 - 1.0, i % 5 - 2.0, 0.0);
+      if (kind == 3 && i == 4) s.positions[i].x() = std::numeric_limits<double>::quiet_NaN();
+    }
+    OrientedParticles particles = makeModel(20, allTerms());
+    World world(particles, 1.0);
+    solve::TimeMarch march(world.system, particles, params);
+    for (int k = 0; k < 5; ++k) {
+      const Points before = s.positions;
+      const solve::TimeMarch::Outcome outcome = march.step(k * params.time_step, s);
+      if (kind == 3) {
+        EXPECT_FALSE(outcome.ok);
+      }
+      for (Index i = 0; i < s.size(); ++i) {
+        if (outcome.ok) {
+          EXPECT_TRUE(s.positions[i].allFinite() && s.orientations[i].coeffs().allFinite()) << kind;
+        } else if (kind != 3) {
+          EXPECT_EQ(s.positions[i], before[i]) << kind;
+        }
+      }
+    }
+  }
+}
+
+TEST(OrientedParticlesStates, AHeapThatListsCannotHoldIsRefused) {
+  const Index n = model::NeighborList::kMostNeighbors + 2;
+  const OrientedParticles particles = makeModel(n, {});
+  const State s = emptyState(n);
+  Points forces, torques;
+  evaluate(particles, s, forces, torques);
+  EXPECT_TRUE(std::isnan(forces[0].x()));
+  EXPECT_TRUE(std::isnan(particles.elasticEnergy(s)));
+}
+
+TEST(OrientedParticlesStates, ParticlesMayComeAndGo) {
+  OrientedParticles particles = makeModel(30, {});
+  Points forces, torques;
+  for (Index rows : {5, 7, 3}) {
+    const State s = hexagonalPatch(rows, 6);
+    particles.adopt(s);
+    EXPECT_EQ(static_cast<Index>(particles.masses().size()), s.size());
+    EXPECT_EQ(static_cast<Index>(particles.inertias().size()), s.size());
+    evaluate(particles, s, forces, torques);
+    EXPECT_LT(largest(forces), 1e-9);
+    Points fresh, fresh_torques;
+    const State moved = {perturb(s.positions, 0.1 * kSpacing), s.velocities, s.orientations, s.spins, s.traits};
+    evaluate(particles, moved, forces, torques);
+    evaluate(makeModel(s.size(), {}), moved, fresh, fresh_torques);
+    EXPECT_TRUE(areSame(forces, fresh));
+  }
+}
+
+TEST(OrientedParticlesStates, ItBeginsWithFramesWhoseZAxesAreTheNormals) {
+  std::mt19937 generator(3);
+  Points normals{Vec3::UnitZ(), -Vec3::UnitZ(), Vec3(1e-9, 0.0, -1.0).normalized()};
+  while (normals.size() < 60) normals.push_back(randomVector(generator).normalized());
+  OrientedParticles particles(Points(60, Vec3::Zero()), normals, kSpacing, thickSheet(), {});
+  State s{Points(60, Vec3::Zero()), Points(60, Vec3::Zero())};
+  particles.beginAtRest(s);
+  for (Index i = 0; i < 60; ++i) {
+    EXPECT_LT((s.orientations[i] * Vec3::UnitZ() - normals[i]).norm(), 1e-8) << i;
+    EXPECT_NEAR(s.orientations[i].norm(), 1.0, 1e-15);
+    EXPECT_EQ(s.traits[i].id, i);
+    EXPECT_EQ(s.spins[i], Vec3::Zero());
+  }
+  EXPECT_EQ(s.orientations[1] * Vec3::UnitX(), Vec3::UnitX());
+}
+
+TEST(OrientedParticlesStates, TheSpinTorqueTurnsXAxesToAPrincipalDirectionAndMovesNothingElse) {
+  // A cylinder about y, normals outwards, frames turned about them. Outside its axis a cylinder falls off: the least signed
+  // curvature is across, the least absolute one along.
+  for (model::PrincipalDirection principal : {model::PrincipalDirection::kSigned, model::PrincipalDirection::kAbsolute}) {
+    State s = hexagonalPatch(9, 9);
+    for (Index i = 0; i < s.size(); ++i) {
+      s.positions[i] -= Vec3(4.25, 4.0 * 0.5 * std::sqrt(3.0), 0.0) * kSpacing;
+      rollUp(0.2 / kSpacing, 0.0, s.positions[i], s.orientations[i]);
+      s.orientations[i] = s.orientations[i] * Quaternion(Eigen::AngleAxisd(0.6, Vec3::UnitZ()));
+    }
+    OrientedParticlesParams p;
+    Points forces, torques, still_forces, still_torques;
+    evaluate(makeModel(s.size(), p), s, still_forces, still_torques);
+    p.spin = 1.0;
+    p.principal = principal;
+    evaluate(makeModel(s.size(), p), s, forces, torques);
+    EXPECT_TRUE(areSame(forces, still_forces));
+    const Index middle = 4 * 9 + 4;
+    for (Index i = 0; i < s.size(); ++i) {
+      const Vec3 normal = s.orientations[i] * Vec3::UnitZ(), spin = torques[i] - still_torques[i];
+      EXPECT_LT(spin.cross(normal).norm(), 1e-12 * largest(torques)) << i;
+      if (i == middle) {
+        // From 0.6 rad off the curved direction: back for the signed one, on to a right angle for the absolute one.
+        EXPECT_LT(spin.dot(normal) * (principal == model::PrincipalDirection::kSigned ? 1.0 : -1.0), 0.0);
+      }
+    }
+  }
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
