@@ -1,5 +1,5 @@
-// Part 9: what a force pass of the oriented particles costs, pair by pair, and how it grows with their number, beside the sum over all
-// pairs of the paper's section 4.2, which is also the truth that the forces are compared with.
+// Part 9: what a force pass of the oriented particles costs, pair by pair, and how it grows with their number, beside the sum over
+// all pairs of the paper's section 4.2, which is also the truth that the forces are compared with.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "sections.h"
@@ -131,8 +131,8 @@ double fitExponent(const std::vector<double>& sizes, const std::vector<double>& 
 void runParticlesSection(const Options& options, Report& report) {
   setNumThreads(1);
   report.begin("particles", "9. Oriented particles: a force pass with all four potentials on one core",
-               {"particles", "order", "weighting", "pairs", "wall_ms", "spread_%", "cpu_ms", "ns_per_pair", "rebuild_cpu_ms", "bytes_per_particle",
-                "force_error"});
+               {"particles", "order", "weighting", "pairs", "wall_ms", "spread_%", "cpu_ms", "ns_per_pair",
+                "rebuild_cpu_ms", "bytes_per_particle", "force_error"});
   std::vector<Index> sizes{1000, 4000, 16000, 64000};
   if (options.large) sizes.insert(sizes.end(), {250000, 1000000});
   std::vector<double> counts, passes;
@@ -177,7 +177,8 @@ void runParticlesSection(const Options& options, Report& report) {
               " of them, over the largest force; bytes: lists and copies, without the state");
   report.note("cpu time grows as n to the power " + show(fitExponent(counts, passes)));
 
-  report.begin("particles_all_pairs", "The same forces by the sum over all pairs", {"particles", "wall_ms", "spread_%", "cpu_ms"});
+  report.begin("particles_all_pairs", "The same forces by the sum over all pairs",
+               {"particles", "wall_ms", "spread_%", "cpu_ms"});
   counts.clear();
   passes.clear();
   for (Index n : {1000, 2000, 4000}) {
