@@ -70,7 +70,7 @@ Vec3 sumOverAll(const PairPotentials& p, const Points& positions, const Points& 
     const double d = std::sqrt(squared);
     double on, on_slope, phi, phi_slope;
     model::switchOff(p, d, on, on_slope);
-    model::evaluateLennardJones(p, d, on, on_slope, phi, phi_slope);
+    model::evaluateLennardJones(p, d, 1.0 / d, on, on_slope, phi, phi_slope);
     force += 2.0 * phi_slope / d * r;
     for (const Vec3* n : {&normals[i], &normals[j]}) {
       const double u = n->dot(r), s = (normals[i] + normals[j]).dot(r), q = (normals[i] - normals[j]).squaredNorm();

@@ -9,7 +9,7 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr double kCoreShare = 0.5;        // of the spacing: far nearer than any sound state brings two particles
-constexpr double kDensest = 0.1;          // of r0: a lattice that is denser has more neighbours than lists hold
+constexpr double kDensest = 0.3;          // of r0: a lattice that is denser has more neighbours than lists hold
 
 // Sum of term(distance) over all lattice points but the origin within the cutoff, in the order of the rows.
 template <class Term>
@@ -27,7 +27,7 @@ double sumOverLattice(bool is_row, double spacing, double cutoff, const Term& te
 void evaluate(const PairPotentials& pair, double d, double& value, double& slope) {
   double on, on_slope;
   switchOff(pair, d, on, on_slope);
-  evaluateLennardJones(pair, d, on, on_slope, value, slope);
+  evaluateLennardJones(pair, d, 1.0 / d, on, on_slope, value, slope);
 }
 
 // Half the derivative of the energy per particle by the logarithm of the spacing.

@@ -49,18 +49,18 @@ DEFORMABLE_SURFACE_INLINE void switchOff(const PairPotentials& p, const T& d, T&
 }
 
 /// phi = e0 (m / (n - m) (r0 / d)^n - n / (n - m) (r0 / d)^m), J, and its slope, N: with the switch's value and slope at d (m)
-/// and, nearer than the core, continued as a straight line.
+/// and, nearer than the core, continued as a straight line. inverse: 1 / d, not read nearer than the core.
 template <class T>
-DEFORMABLE_SURFACE_INLINE void evaluateLennardJones(const PairPotentials& p, const T& d, const T& on, const T& on_slope, T& value,
-                                                    T& slope) {
+DEFORMABLE_SURFACE_INLINE void evaluateLennardJones(const PairPotentials& p, const T& d, const T& inverse, const T& on,
+                                                    const T& on_slope, T& value, T& slope) {
   const double share = p.depth / (p.repulsion - p.attraction);
-  const T core = d - d + p.core;
-  const T outside = d > core ? d : core;
-  const T ratio = p.distance / outside;
+  const T core = d - d + p.core, core_inverse = d - d + 1.0 / p.core;
+  const T outside = d > core ? d : core, outside_inverse = d > core ? inverse : core_inverse;
+  const T ratio = p.distance * outside_inverse;
   T repulsion, attraction;
   raise(ratio, p.repulsion, repulsion);
   raise(ratio, p.attraction, attraction);
-  const T line = (share * p.repulsion * p.attraction) * (attraction - repulsion) / outside;
+  const T line = (share * p.repulsion * p.attraction) * (attraction - repulsion) * outside_inverse;
   const T level = share * (p.attraction * repulsion - p.repulsion * attraction) + line * (d - outside);
   value = level * on;
   slope = line * on + level * on_slope;
@@ -82,7 +82,9 @@ DEFORMABLE_SURFACE_INLINE void weighByDistance(const PairPotentials& p, const T&
 inline double findLennardJonesCurvature(const PairPotentials& p, double d) {
   if (!(d < p.cutoff)) return 0.0;
   const double at = d > p.core ? d : p.core, n = p.repulsion, m = p.attraction, share = p.depth / (n - m);
-  const double repulsion = std::pow(p.distance / at, n), attraction = std::pow(p.distance / at, m);
+  double repulsion, attraction;
+  raise(p.distance / at, p.repulsion, repulsion);
+  raise(p.distance / at, p.attraction, attraction);
   const double value = share * (m * repulsion - n * attraction), slope = share * n * m * (attraction - repulsion) / at;
   const double curvature = share * n * m * ((n + 1.0) * repulsion - (m + 1.0) * attraction) / (at * at);
   double on, on_slope;
