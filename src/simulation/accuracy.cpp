@@ -5,6 +5,7 @@
 #include "error_estimator.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -22,6 +23,7 @@ constexpr double kNewtonCost = 30.0;
 // Cost of an explicit step by the number of points: the sub-steps grow with its root.
 constexpr double kCostExponent = 1.5;
 constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only ever makes them slower
+constexpr int kSettled = 25;    // steps of a probe that fits: the last ones see a surface in motion, whose sub-steps are finer
 
 std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
 
@@ -86,27 +88,37 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
   return choice.points;
 }
 
-double timeStep(const SceneParams& params, const RestSurface& full, Index points) {
+// What the step of a probe costs, s.
+double timeProbe(const SceneParams& params, const RestSurface& full, Index points) {
   SceneParams quiet = params;
   quiet.accuracy = AccuracyParams{};
   Simulation simulation(quiet, buildCoarser(quiet, full, points));
   if (params.accuracy.estimate) simulation.estimateError(full);
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k <= kTimedSteps; ++k) {
-    if (!simulation.step().ok) return std::numeric_limits<double>::infinity();
-    const double seconds = simulation.statistics().time_total;
-    if (k > 0) least = std::min(least, seconds);  // the first step also makes what later ones keep
-    if (seconds > kTimedSteps * params.accuracy.step_budget) return k > 0 ? least : seconds;
-  }
-  return least;
+  const auto step = [&] {
+    return simulation.step().ok ? simulation.statistics().time_total : std::numeric_limits<double>::infinity();
+  };
+  return timeSteps(step, params.accuracy.step_budget);
 }
 
-// The most points whose measured step fits.
-Index chooseByTime(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
-  const Index n = static_cast<Index>(full.dense.positions.size());
-  const double budget = params.accuracy.step_budget;
+}  // namespace
+
+double timeSteps(const std::function<double()>& step, double budget) {
+  std::array<double, kTimedSteps> last;
+  last.fill(std::numeric_limits<double>::infinity());
+  double spent = 0.0;
+  for (int k = 0; k <= kTimedSteps || (k < kSettled && spent < kSettled * budget); ++k) {
+    const double seconds = step();
+    if (!std::isfinite(seconds)) return seconds;
+    if (k == 0) continue;  // it also makes what later ones keep
+    last[k % kTimedSteps] = seconds;
+    spent += seconds;
+  }
+  return *std::min_element(last.begin(), last.end());
+}
+
+Index chooseByTime(Index n, double budget, const std::function<double(Index)>& time_step, AccuracyChoice& choice) {
   const auto attempt = [&](Index points) {
-    choice.candidates.push_back({points, 0.0, timeStep(params, full, points)});
+    choice.candidates.push_back({points, 0.0, time_step(points)});
     return choice.candidates.back().step_time;
   };
   Candidate best;
@@ -134,8 +146,6 @@ Index chooseByTime(const SceneParams& params, const RestSurface& full, AccuracyC
   return choice.points;
 }
 
-}  // namespace
-
 RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice) {
   const AccuracyParams& wish = params.accuracy;
   choice = AccuracyChoice{};
@@ -143,7 +153,9 @@ RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& inpu
   const Index coarsest = choice.is_asked || wish.estimate ? kCoarsestPoints : kMaxIndex;
   if (!choice.is_asked) return buildRestSurface(params, input, coarsest);
   RestSurface rest = buildRestSurface(params, input, coarsest, [&](const RestSurface& full) {
-    return wish.position_error > 0.0 ? chooseByError(params, full, choice) : chooseByTime(params, full, choice);
+    if (wish.position_error > 0.0) return chooseByError(params, full, choice);
+    const auto time_step = [&](Index points) { return timeProbe(params, full, points); };
+    return chooseByTime(static_cast<Index>(full.dense.positions.size()), wish.step_budget, time_step, choice);
   });
   rest.notes.push_back(choice.sentence);
   return rest;

@@ -4,10 +4,20 @@
 #include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
+#include <functional>
+
 namespace deformable_surface::simulation {
 
 /// The rest surface with the number of simulation points that params.accuracy leads to; without a wish, the one that params
 /// state. Throws InputError.
 RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice);
+
+/// What a step costs, s: the least of the last few that step() takes, each of which returns its time. The first never counts,
+/// whatever it took. A probe that fits the budget (s) is taken farther than one that does not. Infinite if a step is.
+double timeSteps(const std::function<double()>& step, double budget);
+
+/// The most of n points whose step fits the budget (s), by what time_step(points) says a step costs (s): doubled until it does
+/// not fit, then once in between.
+Index chooseByTime(Index n, double budget, const std::function<double(Index)>& time_step, AccuracyChoice& choice);
 
 }  // namespace deformable_surface::simulation

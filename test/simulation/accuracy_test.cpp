@@ -1,5 +1,6 @@
 // The error estimate and what is chosen by it: the estimate covers the truth, wishes are honoured or refused in words, and a
 // surface that buckles is not given a number.
+#include "../../src/simulation/accuracy.h"
 #include "../support/random_scene.h"
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
@@ -226,6 +227,41 @@ TEST(AccuracyChoice, FitsATimeBudgetWithTheMostPointsAndSaysWhatThatCosts) {
   EXPECT_FALSE(none.accuracyChoice().is_met);
   EXPECT_LT(none.state().size(), all.state().size());
   EXPECT_NE(none.accuracyChoice().sentence.find("cannot be met"), std::string::npos) << none.accuracyChoice().sentence;
+}
+
+TEST(AccuracyChoice, TimesNeitherTheFirstStepNorWhatOtherWorkOnTheMachineHoldsUp) {
+  int steps = 0;
+  const auto step = [&] {
+    ++steps;
+    return steps == 1 ? 5.0 : steps % 3 == 0 ? 0.1 : 0.001;
+  };
+  EXPECT_EQ(simulation::timeSteps(step, 0.002), 0.001);
+  steps = 0;
+  EXPECT_TRUE(std::isinf(simulation::timeSteps([&] { return ++steps < 4 ? 0.001 : INFINITY; }, 0.002)));
+}
+
+TEST(AccuracyChoice, TimesASurfaceInMotionWhereThatFits) {
+  // Each step is dearer than the one before, as where sub-steps get finer while a surface stretches.
+  const auto growingFrom = [](double seconds) {
+    int steps = 0;
+    return [=]() mutable { return seconds * (1.0 + 0.1 * steps++); };
+  };
+  EXPECT_GT(simulation::timeSteps(growingFrom(0.001), 0.01), 0.0025);
+  int steps = 0;
+  simulation::timeSteps([&] { return ++steps, 1.0; }, 0.01);
+  EXPECT_LT(steps, 10);  // what does not fit is not run for long
+}
+
+TEST(AccuracyChoice, FillsATimeBudgetByWhatStepsCost) {
+  const auto cost = [](Index points) { return 2e-3 * std::pow(points / 1100.0, 1.5); };
+  simulation::AccuracyChoice choice;
+  const Index points = simulation::chooseByTime(4000, 2e-3, cost, choice);
+  EXPECT_GE(points, 1090);
+  EXPECT_LE(points, 1100);
+  EXPECT_TRUE(choice.is_met);
+  EXPECT_EQ(simulation::chooseByTime(900, 2e-3, cost, choice), 900);
+  EXPECT_EQ(simulation::chooseByTime(4000, 1e-6, cost, choice), 128);
+  EXPECT_FALSE(choice.is_met);
 }
 
 TEST(AccuracyChoice, WithoutAWishIsAThousandPoints) {
