@@ -16,16 +16,16 @@ constexpr Index kRatio = 4;
 constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws by other seeds; see docs/accuracy_control.md.
-constexpr double kSpaceFactor = 1.6;  // also of what transfer loses
-constexpr double kVerletFactor = 3.0, kFirstOrderFactor = 1.5;
+constexpr double kSpaceFactor = 1.75;  // also of what transfer loses
+constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
 // The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
 // those of simplification or, where all points are simulated, of time stepping.
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
 // The twin's distance, over the spacing, that ends the estimate. Smooth motions let the larger disturbance grow by a few times.
 constexpr double kChaoticDistance = 0.05;
-// Of the classical buckling strain of a shell, at the most compressed link.
-constexpr double kBuckling = 1.2;
+// The copies' sub-steps are never too many for Verlet where those of the simulation were not.
+constexpr Index kAnyNumber = 1000000000;
 
 double findLargestDistance(const Points& a, const Points& b) {
   double squared = 0.0;
@@ -33,7 +33,9 @@ double findLargestDistance(const Points& a, const Points& b) {
   return std::sqrt(squared);
 }
 
-bool isFirstOrder(IntegratorType type) {
+// Methods whose steps damp, so that Verlet's, beside them, have no error worth counting: those of first order, and the implicit
+// one, whose second order shows only in what it resolves.
+bool isDamping(IntegratorType type) {
   return type == IntegratorType::kImplicit || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
@@ -64,76 +66,97 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   }
   refine_ = transfer::Transfer(level.points, level.normals, surface.points, usable, params.transfer);
   coarse_now_ = surface.points;
+  const IntegratorType type = params.integrator.type;
+  const Index max_substeps = coarse.integrator.max_substeps;
+  coarse.integrator.max_substeps = kAnyNumber;
   shadow_ = std::make_unique<Simulation>(coarse, std::move(surface));
   twin_ = std::make_unique<Simulation>(coarse, buildCoarser(coarse, full, points));
-  const IntegratorType type = params.integrator.type;
-  if (isFirstOrder(type) || type == IntegratorType::kAuto) {
+  if (isDamping(type) || type == IntegratorType::kAuto) {
     // Auto leaves Verlet where it would need too many sub-steps.
     coarse.integrator.type = IntegratorType::kAuto;
+    coarse.integrator.max_substeps = max_substeps;
     verlet_ = std::make_unique<Simulation>(coarse, buildCoarser(coarse, full, points));
   }
-  findBucklingStrain(params, level);
+  if (params.mass_spring.bending == model::Bending::kCurvature)
+    dents_ = DentWatch(params.material, level.points, level.model->triangles(), level.area, num_full);
   reset();
-}
-
-// A shell of mean curvature k buckles under the compressive force 2 k sqrt(D E h) per length [Timoshenko 1961, 11.1],
-// in dents as long as a few (D / (E h k^2))^(1/4). Where the points lie farther apart than that, neither they nor their copies can
-// show the dents that the full surface gets; so they watch for the strain.
-void ErrorEstimator::findBucklingStrain(const SceneParams& params, const RestSurface& level) {
-  if (!is_simplified_ || params.mass_spring.bending != model::Bending::kCurvature) return;
-  const model::MaterialParams& m = params.material;
-  const double stretching = m.young_modulus * m.thickness, rigidity = m.bendingRigidity();
-  double curvature = 0.0;
-  for (const auto& link : level.model->stretchLinks()) {
-    rest_length_.push_back((level.points[link.second] - level.points[link.first]).norm());
-    curvature += (level.normals[link.second] - level.normals[link.first]).norm() / rest_length_.back();
-  }
-  curvature /= static_cast<double>(rest_length_.size());
-  const double spacing = std::sqrt(level.area / static_cast<double>(level.points.size()));
-  if (!(std::pow(rigidity / stretching, 0.25) < std::sqrt(curvature) * spacing)) return;
-  links_ = level.model->stretchLinks();
-  buckling_strain_ = kBuckling * 2.0 * curvature * std::sqrt(rigidity / stretching);
-}
-
-bool ErrorEstimator::isBuckling(const Points& positions) const {
-  for (std::size_t l = 0; l < links_.size(); ++l) {
-    const double length = (positions[links_[l].second] - positions[links_[l].first]).norm();
-    if (rest_length_[l] - length > buckling_strain_ * rest_length_[l]) return true;
-  }
-  return false;
 }
 
 void ErrorEstimator::reset() {
   forward([](Simulation& copy) { copy.reset(); });
   twin_->disturb(disturbance_);
-  space_ = transfer_ = time_ = twin_distance_ = 0.0;
-  steps_ = substeps_ = shadow_substeps_ = twin_substeps_ = 0;
-  follows_verlet_ = is_lost_ = is_chaotic_ = has_buckled_ = false;
+  dents_.reset();
+  seen_ = Seen();
+}
+
+std::shared_ptr<const ErrorEstimator::Memory> ErrorEstimator::memory() const {
+  return std::make_shared<const Memory>(Memory{seen_, dents_.growth(), shadow_->params().integrator.type,
+                                               twin_->params().integrator.type, shadow_->snapshot(), twin_->snapshot(),
+                                               verlet_ ? verlet_->snapshot() : Snapshot()});
+}
+
+void ErrorEstimator::setMemory(const Memory& saved) {
+  seen_ = saved.seen;
+  dents_.setGrowth(saved.dents);
+  shadow_->setIntegrator(saved.shadow_type);
+  twin_->setIntegrator(saved.twin_type);
+  shadow_->restore(saved.shadow);
+  twin_->restore(saved.twin);
+  if (verlet_) verlet_->restore(saved.verlet);
+}
+
+void ErrorEstimator::setState(const model::State& state) {
+  if (seen_.is_lost) return;
+  if (std::count(common_.begin(), common_.end(), Index{-1}) > 0) return lose();
+  forward([&](Simulation& copy) {
+    model::State coarse;
+    for (std::size_t i = 0; i < common_.size(); ++i) {
+      coarse.positions.push_back(state.positions[common_[i]]);
+      coarse.velocities.push_back(copy.pinned()[i] ? Vec3::Zero().eval() : state.velocities[common_[i]]);
+    }
+    copy.setState(coarse);
+  });
+  twin_->disturb(disturbance_);
+  dents_.reset();
+  const bool followed_verlet = seen_.follows_verlet;
+  const std::uint64_t steps = seen_.steps;
+  seen_ = Seen();
+  seen_.steps = steps;
+  seen_.follows_verlet = followed_verlet;
 }
 
 // False if one of them took no sound step or cannot be compared.
-bool ErrorEstimator::stepCopies(IntegratorType type) {
-  shadow_->setIntegrator(type);
-  twin_->setIntegrator(type);
-  twin_->setFineness(type == IntegratorType::kVerlet ? kFineness : 1);
-  if (!shadow_->step().ok || !twin_->step().ok) return false;
-  shadow_substeps_ += shadow_->lastSubsteps();
-  twin_substeps_ += twin_->lastSubsteps();
-  if (steps_++ == 0) follows_verlet_ = isFirstOrder(type);
-  if (!follows_verlet_) return !isFirstOrder(type);
+bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
+  // Where Verlet's steps go wrong, auto rescues them.
+  const bool is_verlet = type == IntegratorType::kVerlet;
+  for (Simulation* copy : {shadow_.get(), twin_.get()}) copy->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
+  twin_->setFineness(is_verlet ? kFineness : 1);
+  const StepOutcome shadow = shadow_->step(), twin = twin_->step();
+  if (!shadow.ok || !twin.ok) return false;
+  if (shadow.notice.empty() && twin.notice.empty()) {
+    seen_.substeps += substeps;
+    seen_.shadow_substeps += shadow_->lastSubsteps();
+    seen_.twin_substeps += twin_->lastSubsteps();
+  }
+  if (seen_.steps++ == 0) seen_.follows_verlet = isDamping(type);
+  if (!seen_.follows_verlet) return !isDamping(type);
   return verlet_->step().ok && verlet_->lastIntegrator() == IntegratorType::kVerlet;
 }
 
+// Steps watch for dents as they grow, equilibria for what is past them.
+bool ErrorEstimator::isDenting(const Points& positions, IntegratorType type) {
+  return type == IntegratorType::kStatic ? dents_.isOverloaded(positions) : dents_.followStep(positions, step_);
+}
+
 std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps) {
-  if (is_lost_) return "";
-  if (!stepCopies(type)) {
-    is_lost_ = true;
+  if (seen_.is_lost) return "";
+  if (!stepCopies(type, substeps)) {
+    seen_.is_lost = true;
     return std::string("the error cannot be estimated until the next reset: ") +
-           (isFirstOrder(type) ? "Verlet's steps, which show what the integrator damps, do not fit max_substeps on a quarter of "
-                                 "the points either"
-                               : "a coarser copy could take no sound step");
+           (isDamping(type) ? "Verlet's steps, which show what the integrator damps, do not fit max_substeps on a quarter of "
+                              "the points either"
+                            : "a coarser copy could take no sound step");
   }
-  substeps_ += substeps;
 
   // How far the simulation is from its shadow at the points of both, and what is lost where the others follow these.
   const Points& shadow = shadow_->state().positions;
@@ -151,36 +174,37 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   // An oscillating difference passes through zero, the error need not: the largest so far counts while damping lets it last.
   const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * damping_ * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
-  hold(space_, kSpaceFactor * unresolved_ * apart);
-  hold(transfer_, kSpaceFactor * unresolved_ * lost);
-  if (type != IntegratorType::kStatic) hold(time_, measureTime(type));
-  hold(twin_distance_, findLargestDistance(shadow, twin_->state().positions));
+  hold(seen_.space, kSpaceFactor * unresolved_ * apart);
+  hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
+  if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
+  hold(seen_.twin_distance, findLargestDistance(shadow, twin_->state().positions));
 
-  const bool was_chaotic = is_chaotic_;
-  is_chaotic_ = twin_distance_ > chaotic_distance_;
-  if (!has_buckled_ && isBuckling(positions)) {
-    has_buckled_ = true;
-    return "the error cannot be estimated until the next reset: the surface is compressed beyond its buckling strain, and its "
-           "points are too far apart to show the dents";
+  const bool was_chaotic = seen_.is_chaotic;
+  seen_.is_chaotic = seen_.twin_distance > chaotic_distance_;
+  if (!seen_.has_dented && isDenting(positions, type)) {
+    seen_.has_dented = true;
+    return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
+           "short for its points to show";
   }
-  if (!is_chaotic_ || was_chaotic) return "";
+  if (!seen_.is_chaotic || was_chaotic) return "";
   return "the error cannot be estimated: two runs on a quarter of the points that began " + std::to_string(1e3 * disturbance_) +
-         " mm apart are " + std::to_string(1e3 * twin_distance_) + " mm apart, as where a surface buckles or crumples";
+         " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }
 
-// Beside a first-order method, Verlet's has no error worth counting, and the method's own is as its sub-steps; else the errors of
+// Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps; else the errors of
 // shadow and twin are as the squares of their sub-steps.
 double ErrorEstimator::measureTime(IntegratorType type) const {
   const Points& shadow = shadow_->state().positions;
-  const double own = static_cast<double>(substeps_), coarse = static_cast<double>(shadow_substeps_) / own,
-               fine = static_cast<double>(twin_substeps_) / own;
-  if (isFirstOrder(type)) return kFirstOrderFactor * coarse * findLargestDistance(shadow, verlet_->state().positions);
+  const double own = static_cast<double>(std::max<std::uint64_t>(1, seen_.substeps));
+  const double coarse = seen_.substeps > 0 ? static_cast<double>(seen_.shadow_substeps) / own : 1.0;
+  if (isDamping(type)) return kDampingFactor * coarse * findLargestDistance(shadow, verlet_->state().positions);
+  const double fine = seen_.substeps > 0 ? static_cast<double>(seen_.twin_substeps) / own : static_cast<double>(kFineness);
   return kVerletFactor * findLargestDistance(shadow, twin_->state().positions) / (1.0 / (coarse * coarse) - 1.0 / (fine * fine));
 }
 
 double ErrorEstimator::total() const {
-  if (is_lost_ || is_chaotic_ || has_buckled_) return std::numeric_limits<double>::infinity();
-  return space_ + transfer_ + time_;
+  if (seen_.is_lost || seen_.is_chaotic || seen_.has_dented) return std::numeric_limits<double>::infinity();
+  return seen_.space + seen_.transfer + seen_.time;
 }
 
 }  // namespace deformable_surface::simulation

@@ -5,6 +5,7 @@
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
 #include "deformable_surface/solve/integrator_params.h"
+#include "dent_watch.h"
 
 #include <memory>
 #include <string>
@@ -23,6 +24,16 @@ class ErrorEstimator {
 
   void reset();
 
+  /// What a snapshot must hold: a run that continues from it has the same estimate, bit for bit.
+  struct Memory;
+  std::shared_ptr<const Memory> memory() const;
+  void setMemory(const Memory& saved);
+
+  /// The simulation has been given a state (of the level). The copies take it at the points that they have in common, the twin
+  /// disturbed, and what has been seen is forgotten: from now on the estimate is that of what this state becomes. An estimate
+  /// that is lost stays so.
+  void setState(const model::State& state);
+
   /// Gives a command to every copy, as the simulation got it.
   template <class Command>
   void forward(const Command& command) {
@@ -30,24 +41,33 @@ class ErrorEstimator {
       if (copy) command(*copy);
   }
 
-  /// The simulation has left for a state that the copies do not know: there is no estimate until the next reset.
-  void lose() { is_lost_ = true; }
+  /// The simulation has left for a moment that the copies do not know: there is no estimate until the next reset.
+  void lose() { seen_.is_lost = true; }
 
   /// Follows a step that the simulation has taken: positions after it, the integrator (not auto) and the sub-steps. Allocates
   /// nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing.
   std::string follow(const Points& positions, solve::IntegratorType type, Index substeps);
 
-  double space() const { return space_; }        // m
-  double transfer() const { return transfer_; }  // m
-  double time() const { return time_; }          // m
+  double space() const { return seen_.space; }        // m
+  double transfer() const { return seen_.transfer; }  // m
+  double time() const { return seen_.time; }          // m
   /// Their sum, m; infinite while small differences have grown so much that runs of this scene do not resemble each other.
   double total() const;
 
  private:
-  void findBucklingStrain(const SceneParams& params, const RestSurface& level);
-  bool isBuckling(const Points& positions) const;
-  bool stepCopies(solve::IntegratorType type);
+  // What has been seen since the last reset.
+  struct Seen {
+    double space = 0.0, transfer = 0.0, time = 0.0;  // m
+    double twin_distance = 0.0;                      // m
+    std::uint64_t steps = 0;
+    std::uint64_t substeps = 0, shadow_substeps = 0, twin_substeps = 0;  // in steps that all took as they meant to
+    bool follows_verlet = false;                     // verlet_ has taken every step
+    bool is_lost = false, is_chaotic = false, has_dented = false;
+  };
+
+  bool stepCopies(solve::IntegratorType type, Index substeps);
   double measureTime(solve::IntegratorType type) const;
+  bool isDenting(const Points& positions, solve::IntegratorType type);
 
   // Constants.
   bool is_simplified_ = false;         // the level has fewer points than the surface
@@ -55,24 +75,24 @@ class ErrorEstimator {
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin
   double chaotic_distance_ = 0.0;      // m, of the twin from the shadow
-  std::vector<std::pair<Index, Index>> links_;  // of the level, whose compression is watched; empty: it is not
-  std::vector<double> rest_length_;             // m
-  double buckling_strain_ = 0.0;                // compression from which on the surface buckles between the points
   std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
   transfer::Transfer refine_;          // from the copies' points to the level's
 
   // Copies of fewer points: one like the simulation; one from disturbed positions and, where the integrator is Verlet's, in finer
-  // sub-steps; and one that takes Verlet's steps beside an integrator of first order.
+  // sub-steps; and one that takes Verlet's steps beside an integrator that damps.
   std::unique_ptr<Simulation> shadow_, twin_, verlet_;
 
-  // What has been seen since the last reset.
-  double space_ = 0.0, transfer_ = 0.0, time_ = 0.0;   // m
-  double twin_distance_ = 0.0;                         // m
-  std::uint64_t steps_ = 0, substeps_ = 0, shadow_substeps_ = 0, twin_substeps_ = 0;
-  bool follows_verlet_ = false;                        // verlet_ has taken every step
-  bool is_lost_ = false, is_chaotic_ = false, has_buckled_ = false;
+  DentWatch dents_;
+  Seen seen_;
   // Scratch.
   Points coarse_now_, refined_;
+};
+
+struct ErrorEstimator::Memory {
+  Seen seen;
+  std::vector<double> dents;
+  solve::IntegratorType shadow_type, twin_type;  // that the copies were told to take
+  Snapshot shadow, twin, verlet;
 };
 
 }  // namespace deformable_surface::simulation

@@ -68,6 +68,7 @@ struct Snapshot::Contents {
   std::vector<Grips::Grip> grips;
   solve::TimeMarch::Memory march;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
+  std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
   Statistics statistics;
 };
 
@@ -131,6 +132,15 @@ struct Simulation::Impl {
     return list;
   }
 
+  // On the points that are there.
+  void placeAnchors() {
+    anchors = AnchorLoad(makeAnchors());
+    if (state.traits.empty()) return;
+    std::vector<Index> index_of_id(state.next_id, -1);
+    for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
+    anchors.renumber(index_of_id);
+  }
+
   // Only the loads that can act are evaluated.
   void chooseLoads() {
     loads = {&gravity, &forces};
@@ -159,7 +169,7 @@ struct Simulation::Impl {
     steps = 0;
     pinned = rest.pinned;
     pinned_turns = rest.pinned_turns;
-    anchors = AnchorLoad(makeAnchors());
+    placeAnchors();
     if (rest.particles) {
       life = std::make_unique<ParticleLife>(*rest.particles);
       if (params.oriented_particles.fit) fit(params.oriented_particles.growth);
@@ -195,12 +205,13 @@ struct Simulation::Impl {
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
         identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), march.memory(),
-        surface.saveInserted(), statistics});
+        surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
   }
 
   void restore(const Snapshot::Contents& saved) {
     state = saved.state;
     rest.model->adopt(state);
+    placeAnchors();
     steps = saved.steps;
     pinned = saved.pinned;
     pinned_turns = saved.pinned_turns;
@@ -210,7 +221,8 @@ struct Simulation::Impl {
     setTools(saved.tools);
     grips.restore(saved.grips);
     march.setMemory(saved.march);
-    if (estimator) estimator->lose();
+    if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
+    if (estimator && !saved.estimate) estimator->lose();
     surface.restoreInserted(saved.resampler.get());
     statistics = saved.statistics;
   }
@@ -456,7 +468,7 @@ void Simulation::setState(const model::State& state) {
   impl_->state.positions = state.positions;
   impl_->state.velocities = state.velocities;
   impl_->march.restart();
-  if (impl_->estimator) impl_->estimator->lose();
+  if (impl_->estimator) impl_->estimator->setState(state);
   impl_->surface.invalidate();
 }
 

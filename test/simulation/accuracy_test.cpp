@@ -171,6 +171,106 @@ TEST(ErrorEstimate, OfASheetThatBucklesIsInfiniteAndSaysWhy) {
   EXPECT_NE(said.find("buckles"), std::string::npos) << said;
 }
 
+TEST(ErrorEstimate, OfASphereThatDentsBetweenItsPointsIsInfiniteAndSaysWhy) {
+  // Pressed together from outside by three times the classical buckling load, all at once; the points are too few for the dents.
+  SceneParams p;
+  p.cloud.shape = simulation::CloudParams::Shape::kSphere;
+  p.cloud.points = 1200;
+  p.cloud.radius = 0.5;
+  p.material.young_modulus = 1e6;
+  p.material.thickness = 0.001;
+  p.material.density = 500.0;
+  p.material.damping = 1.0;
+  p.material.bending_rigidity.is_auto = false;
+  p.material.bending_rigidity.value = 1e-3;
+  p.integrator.type = IntegratorType::kVerlet;
+  p.integrator.time_step = 0.005;
+  p.simplification.target_points = 150;
+  p.gravity.setZero();
+  const double classical = 4.0 * std::sqrt(1e3 * 1e-3) / (0.5 * 0.5);
+  for (double load : {0.2, 3.0}) {
+    p.pressure = -load * classical;
+    Simulation s(p, io::makeShape(p.cloud));
+    std::string said;
+    for (int k = 0; k < 20; ++k) said += s.step().notice;
+    EXPECT_EQ(std::isinf(s.statistics().error_estimate), load > 1.0) << load;
+    EXPECT_EQ(said.find("dents") != std::string::npos, load > 1.0) << said;
+  }
+}
+
+void expectTheSame(const simulation::Statistics& a, const simulation::Statistics& b) {
+  EXPECT_EQ(a.error_estimate, b.error_estimate);
+  EXPECT_EQ(a.error_space, b.error_space);
+  EXPECT_EQ(a.error_transfer, b.error_transfer);
+  EXPECT_EQ(a.error_time, b.error_time);
+}
+
+TEST(ErrorEstimate, GoesOnBitForBitFromASnapshot) {
+  using Type = IntegratorType;
+  for (Type type : {Type::kVerlet, Type::kAuto, Type::kImplicit, Type::kStatic}) {
+    SceneParams p = saggingStrip(type);
+    p.simplification.target_points = 150;
+    Simulation s(p, strip());
+    run(s, 4);
+    s.setForce({"pull", Vec3(0.5, 0.0, 0.0), Vec3(0.0, 0.0, 0.02), 0.1, 0.0, 1e300});
+    run(s, 4);
+    const simulation::Snapshot snapshot = s.snapshot();
+    const simulation::Statistics then = s.statistics();
+    ASSERT_TRUE(std::isfinite(then.error_estimate));
+    run(s, 6);
+    const simulation::Statistics expected = s.statistics();
+    EXPECT_GT(expected.error_estimate, 0.0);
+
+    // After it went elsewhere, with commands that the copies got too; and in one made anew.
+    s.setGravity(Vec3(0.0, 30.0, 0.0));
+    s.removeForce("pull");
+    run(s, 3);
+    s.restore(snapshot);
+    expectTheSame(s.statistics(), then);
+    run(s, 6);
+    expectTheSame(s.statistics(), expected);
+    Simulation other(p, strip());
+    other.restore(snapshot);
+    run(other, 6);
+    expectTheSame(other.statistics(), expected);
+  }
+}
+
+TEST(ErrorEstimate, BeginsAnewFromAGivenState) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  p.simplification.target_points = 150;
+  Simulation fresh(p, strip());
+  const model::State rest = fresh.state();
+  run(fresh, 10);
+  // At rest, but later: what follows is what followed the first time, the copies included.
+  Simulation s(p, strip());
+  run(s, 5);
+  s.setState(rest);
+  EXPECT_EQ(s.statistics().error_estimate, 0.0);
+  run(s, 10);
+  expectTheSame(s.statistics(), fresh.statistics());
+
+  // In the middle of a motion: the estimate covers the distance from a full surface that was given the same state.
+  SceneParams all = p;
+  all.accuracy.estimate = false;
+  all.simplification.method = cloud::SimplificationMethod::kNone;
+  Simulation truth(all, strip());
+  const Points places = s.surface(false).positions;
+  model::State given;
+  given.positions = places;
+  given.velocities.assign(places.size(), Vec3::Zero());
+  truth.setState(given);
+  model::State stopped = s.state();
+  stopped.velocities.assign(stopped.velocities.size(), Vec3::Zero());
+  s.setState(stopped);
+  run(s, 10);
+  run(truth, 10);
+  const double error = findLargestDistance(s.surface(false).positions, truth.surface(false).positions);
+  EXPECT_GT(error, 0.0);
+  EXPECT_LE(error, s.statistics().error_estimate);
+  EXPECT_LT(s.statistics().error_estimate, 25.0 * error);
+}
+
 TEST(AccuracyChoice, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   const cloud::PointCloud cloud = strip();

@@ -1,0 +1,147 @@
+#include "dent_watch.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kPi = 3.14159265358979323846;
+
+// Lengths of the waves that are looked at: copies of a quarter of the points show what is longer than eight spacings of the
+// simulation points, and the full cloud nothing shorter than four of its own.
+constexpr double kLongest = 8.0, kShortest = 4.0;
+constexpr int kDirections = 8;  // along which waves are looked at, over half a turn
+
+// Fitted on scenes that benchmark/calibration_section.cpp draws; see docs/accuracy_control.md.
+constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times, as the full cloud's forces peak higher than coarse ones
+constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
+constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
+
+// Along and across a wave, in the tangent plane.
+struct Direction {
+  Vec2 along, across;
+};
+
+std::array<Direction, kDirections> makeDirections() {
+  std::array<Direction, kDirections> directions;
+  for (int d = 0; d < kDirections; ++d) {
+    const double angle = kPi * d / kDirections;
+    directions[d] = {Vec2(std::cos(angle), std::sin(angle)), Vec2(-std::sin(angle), std::cos(angle))};
+  }
+  return directions;
+}
+
+const std::array<Direction, kDirections> kDirectionsOfWaves = makeDirections();
+
+}  // namespace
+
+DentWatch::DentWatch(const model::MaterialParams& material, const Points& points,
+                     const std::vector<model::WeightedTriangle>& triangles, double area, Index num_full)
+    : stretching_(material.young_modulus * material.thickness),
+      rigidity_(material.bendingRigidity()),
+      poisson_(material.poisson_ratio),
+      mass_(material.density * material.thickness),
+      damping_(material.damping) {
+  for (const model::WeightedTriangle& t : triangles) {
+    const Vec3 first = points[t.corner[1]] - points[t.corner[0]], second = points[t.corner[2]] - points[t.corner[0]];
+    const double length = first.norm(), along = second.dot(first) / length, height = (second - along / length * first).norm();
+    if (!(height > 1e-6 * length)) continue;  // of no area
+    Mat2 edges;
+    edges << length, along, 0.0, height;
+    triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), t.weight});
+  }
+  normals_.resize(points.size());
+  findNormals(points);
+  double curvature = 0.0;  // the mean of the mean curvature's size
+  for (const Triangle& t : triangles_) curvature += 0.5 * std::abs(measure(t, points).curvature.trace());
+  curvature /= static_cast<double>(triangles_.size());
+  const double spacing = std::sqrt(area / static_cast<double>(points.size())), full_spacing = std::sqrt(area / num_full);
+  if (!(std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing)) triangles_.clear();
+  const double least = 2.0 * kPi / (kLongest * spacing), largest = 2.0 * kPi / (kShortest * full_spacing);
+  least_ = least * least;
+  largest_ = largest * largest;
+  reset();
+}
+
+void DentWatch::reset() { growth_.assign(triangles_.size(), 0.0); }
+
+// The sum of the cross products of the edges at a point, each over the squares of their lengths: on a sphere that is its normal,
+// whatever the triangles [Max 1999].
+void DentWatch::findNormals(const Points& positions) {
+  std::fill(normals_.begin(), normals_.end(), Vec3::Zero());
+  for (const Triangle& t : triangles_) {
+    Vec3 edge[3];  // opposite each corner
+    for (int c = 0; c < 3; ++c) edge[c] = positions[t.corner[(c + 2) % 3]] - positions[t.corner[(c + 1) % 3]];
+    const Vec3 area = t.weight * edge[0].cross(edge[1]);
+    const double squared[3] = {edge[0].squaredNorm(), edge[1].squaredNorm(), edge[2].squaredNorm()};
+    for (int c = 0; c < 3; ++c) normals_[t.corner[c]] += area / (squared[(c + 1) % 3] * squared[(c + 2) % 3]);
+  }
+  for (Vec3& normal : normals_) {
+    const double size = normal.norm();
+    if (size > 0.0) normal /= size;
+  }
+}
+
+// The membrane force by Green's strain, and the change of the normals along the surface.
+DentWatch::Local DentWatch::measure(const Triangle& t, const Points& positions) const {
+  Eigen::Matrix<double, 3, 2> edges, turns;
+  for (int c = 0; c < 2; ++c) {
+    edges.col(c) = positions[t.corner[c + 1]] - positions[t.corner[0]];
+    turns.col(c) = normals_[t.corner[c + 1]] - normals_[t.corner[0]];
+  }
+  const Eigen::Matrix<double, 3, 2> gradient = edges * t.inverse;
+  const Mat2 strain = 0.5 * (gradient.transpose() * gradient - Mat2::Identity());
+  const Mat2 bent = gradient.transpose() * (turns * t.inverse);
+  return {stretching_ / (1.0 - poisson_ * poisson_) *
+              ((1.0 - poisson_) * strain + poisson_ * strain.trace() * Mat2::Identity()),
+          0.5 * (bent + bent.transpose())};
+}
+
+// The right side of the equation over rho at the direction and k that make it largest, 1/s^2.
+double DentWatch::findAcceleration(const Local& local) const {
+  double largest = -std::numeric_limits<double>::infinity();
+  for (const Direction& d : kDirectionsOfWaves) {
+    const double force = d.along.dot(local.force * d.along), b = d.across.dot(local.curvature * d.across);
+    const double k2 = std::min(std::max(-0.5 * force / rigidity_, least_), largest_);
+    largest = std::max(largest, -(rigidity_ * k2 * k2 + stretching_ * b * b + force * k2) / mass_);
+  }
+  return largest;
+}
+
+// The compression over the least at which a wave of some k grows, in the direction where that is largest.
+double DentWatch::findLoad(const Local& local) const {
+  double largest = 0.0;
+  for (const Direction& d : kDirectionsOfWaves) {
+    const double force = d.along.dot(local.force * d.along), b = d.across.dot(local.curvature * d.across);
+    const double k2 = std::min(std::max(std::sqrt(stretching_ / rigidity_) * std::abs(b), least_), largest_);
+    largest = std::max(largest, -force * k2 / (rigidity_ * k2 * k2 + stretching_ * b * b));
+  }
+  return largest;
+}
+
+bool DentWatch::followStep(const Points& positions, double step) {
+  if (triangles_.empty()) return false;
+  findNormals(positions);
+  bool has_grown = false;
+  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+    const Local local = measure(triangles_[i], positions);
+    const bool is_tense = local.force.determinant() >= 0.0 && local.force.trace() >= 0.0;
+    const double acceleration = is_tense ? 0.0 : std::max(0.0, findAcceleration(local));
+    const double rate = std::sqrt(0.25 * damping_ * damping_ + acceleration) - 0.5 * damping_;
+    growth_[i] = std::max(0.0, growth_[i] + (acceleration > 0.0 ? rate : -0.5 * damping_) * step);
+    has_grown = has_grown || growth_[i] > kGrown;
+  }
+  return has_grown;
+}
+
+bool DentWatch::isOverloaded(const Points& positions) {
+  if (triangles_.empty()) return false;
+  findNormals(positions);
+  return std::any_of(triangles_.begin(), triangles_.end(),
+                     [&](const Triangle& t) { return findLoad(measure(t, positions)) > kOverloaded; });
+}
+
+}  // namespace deformable_surface::simulation

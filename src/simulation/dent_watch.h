@@ -1,0 +1,63 @@
+// Whether a curved surface dents between its simulation points, where neither they nor coarser copies can show it: how fast dents
+// would grow on the full surface under the forces that the simulation points feel. Apart from the error estimator, which only asks.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/material_params.h"
+
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+/// A shallow shell of rigidity D (N m), membrane stiffness S = E h (N/m), mass rho (kg/m^2) and damping c (1/s), in which the
+/// membrane force is N (N/m, a tensor), answers a small wave of number k (1/m) along the unit vector t with
+///   rho (s^2 + c s) = -(D k^4 + S b^2 + (t.N t) k^2),
+/// where b is the curvature across t: the wave grows as exp(s time) where the right side is positive, and for some k that is where
+/// -t.N t exceeds 2 b sqrt(S D), the classical buckling load [Timoshenko 1961, 11.1]. Looked at are waves that the full cloud can
+/// show and coarser copies of the simulation cannot. N and b are those of the triangles between the simulation points.
+class DentWatch {
+ public:
+  DentWatch() = default;  // sees nothing
+  /// points (m x 3) and triangles: the simulation points at rest; area: of the surface, m^2; num_full: points of the full cloud.
+  /// Only a curved surface whose dents would be too short for the spacing of the points is watched.
+  DentWatch(const model::MaterialParams& material, const Points& points, const std::vector<model::WeightedTriangle>& triangles,
+            double area, Index num_full);
+
+  void reset();
+
+  /// After a step of so many seconds: whether dents have had the time to grow out of next to nothing.
+  bool followStep(const Points& positions, double step);
+  /// Of an equilibrium: whether it is compressed well beyond the load at which dents begin.
+  bool isOverloaded(const Points& positions);
+
+  /// What a snapshot must hold: of each triangle the logarithm of the growth so far.
+  const std::vector<double>& growth() const { return growth_; }
+  void setGrowth(const std::vector<double>& growth) { growth_ = growth; }
+
+ private:
+  struct Triangle {
+    Index corner[3];
+    Mat2 inverse;  // of the rest edges (columns) in the triangle's plane
+    double weight;
+  };
+  struct Local {
+    Mat2 force;      // N/m
+    Mat2 curvature;  // 1/m
+  };
+  void findNormals(const Points& positions);
+  Local measure(const Triangle& t, const Points& positions) const;
+  double findAcceleration(const Local& local) const;
+  double findLoad(const Local& local) const;
+
+  // Constants.
+  std::vector<Triangle> triangles_;  // empty: nothing is watched
+  double stretching_ = 0.0, rigidity_ = 0.0, poisson_ = 0.0, mass_ = 0.0, damping_ = 0.0;
+  double least_ = 0.0, largest_ = 0.0;  // k^2, 1/m^2
+  // What has been seen.
+  std::vector<double> growth_;
+  // Scratch.
+  Points normals_;
+};
+
+}  // namespace deformable_surface::simulation
