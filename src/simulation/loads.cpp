@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/loads.h"
 
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -11,10 +12,19 @@ namespace {
 // Far more forces than a scene uses; names that keep changing must not fill the memory.
 constexpr std::size_t kMaxTold = 1000;
 
+DEFORMABLE_SURFACE_WIDE void addWeights(Index size, const double* mass, double x, double y, double z, double* force) {
+#pragma GCC ivdep
+  for (Index i = 0; i < size; ++i) {
+    force[3 * i] += mass[i] * x;
+    force[3 * i + 1] += mass[i] * y;
+    force[3 * i + 2] += mass[i] * z;
+  }
+}
+
 }  // namespace
 
 void GravityLoad::addForces(double, const State&, Points& forces) const {
-  for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += masses_[i] * gravity;
+  addWeights(static_cast<Index>(forces.size()), masses_.data(), gravity.x(), gravity.y(), gravity.z(), forces.data()->data());
 }
 
 double GravityLoad::potential(double, const State& state) const {

@@ -96,6 +96,19 @@ DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, const double
   }
 }
 
+// The end of one sub-step and the beginning of the next.
+DEFORMABLE_SURFACE_WIDE void kickTwiceAndDrift(Index size, double decay, const double* kick, const double* drift,
+                                               const double* force, const double* next, double* velocity, double* predicted,
+                                               double* position) {
+#pragma GCC ivdep
+  for (Index k = 0; k < size; ++k) {
+    const double half_kick = kick[k] * force[k];
+    velocity[k] = decay * (decay * (velocity[k] + half_kick)) + half_kick;
+    position[k] += drift[k] * velocity[k];
+    predicted[k] = decay * (velocity[k] + kick[k] * next[k]);
+  }
+}
+
 DEFORMABLE_SURFACE_WIDE void kick(Index size, double decay, const double* kick, const double* force, double* velocity) {
 #pragma GCC ivdep
   for (Index k = 0; k < size; ++k) velocity[k] = decay * (velocity[k] + kick[k] * force[k]);
@@ -149,21 +162,24 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   report.time_forces += timer.seconds();
   predicted_.velocities.resize(n);
   double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
+  bool slow_acts = has_slow;  // at this end of a sub-step
   for (Index s = 0; s < report.substeps; ++s) {
-    const bool begins = has_slow && s % cut.inner == 0, ends = has_slow && (s + 1) % cut.inner == 0;
-    // Half kick and drift. The velocity at the end is predicted with the acceleration of the beginning.
-    if (ends && !begins) addSlow();
-    kickAndDrift(3 * n, half_decay, kick_.data(), drift_.data(), (begins ? forces_with_slow_ : forces_).data()->data(),
-                 (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted, state.positions.data()->data());
+    // Half kicks and drift. The velocity at the end is predicted with the acceleration of the beginning.
+    const bool ends = has_slow && (s + 1) % cut.inner == 0;
+    if (ends && !slow_acts) addSlow();
+    (s == 0 ? kickAndDrift : kickTwiceAndDrift)(3 * n, half_decay, kick_.data(), drift_.data(),
+                                                (slow_acts ? forces_with_slow_ : forces_).data()->data(),
+                                                (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted,
+                                                state.positions.data()->data());
     for (const auto& [i, carrying] : carried_) {
       state.positions[i] += dt * carrying;
       predicted_.velocities[i] = carrying;
     }
-    // Forces at the new place, and the second half kick.
+    // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
-    system.computeFastForces(predicted_, fast_forces_);
-    forces_ = fast_forces_;
+    system.computeFastForces(predicted_, forces_);
+    if (s + 1 == report.substeps) fast_forces_ = forces_;
     system.addLoads(time + (s + 1) * dt, predicted_, forces_);
     if (ends) {
       system.computeSlowForces(predicted_, slow_forces_);
@@ -171,8 +187,9 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     }
     predicted_.positions.swap(state.positions);
     report.time_forces += forces_timer.seconds();
-    kick(3 * n, half_decay, kick_.data(), (ends ? forces_with_slow_ : forces_).data()->data(), velocity);
+    slow_acts = ends;
   }
+  kick(3 * n, half_decay, kick_.data(), (has_slow ? forces_with_slow_ : forces_).data()->data(), velocity);
   for (const auto& [i, carrying] : carried_) state.velocities[i] = carrying;
   last_positions_ = state.positions;
   report.finite = allFinite(state);

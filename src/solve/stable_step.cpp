@@ -21,7 +21,7 @@ double limit(double w, double rate) {
 }  // namespace
 
 // Largest eigenvalue of D K D (D = 1 / sqrt(mass), zero on held points), plus the residual that bounds its error.
-double StableStep::largestEigenvalue(const BlockSparse& stiffness) {
+double StableStep::largestEigenvalue() {
   const Eigen::Index n = scale_.size();
   // A start that has a part of every mode and is always the same.
   std::uint32_t seed = 12345u;
@@ -41,7 +41,7 @@ double StableStep::largestEigenvalue(const BlockSparse& stiffness) {
   int m = 0;
   while (m < kLanczosSteps) {
     product_ = scale_.cwiseProduct(v_);
-    stiffness.multiply(product_, w_);
+    stiffness_.multiply(product_, w_);
     w_ = scale_.cwiseProduct(w_);
     if (m > 0) {
       w_ -= beta * previous_;
@@ -60,31 +60,17 @@ double StableStep::largestEigenvalue(const BlockSparse& stiffness) {
   return solver.eigenvalues()[m - 1] + beta * std::abs(solver.eigenvectors()(m - 1, m - 1));
 }
 
-void StableStep::findScale(const System& system) {
-  scale_.resize(3 * system.size());
-  for (Index i = 0; i < system.size(); ++i)
-    scale_.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));
-}
-
-double StableStep::estimateSlow(const State& state, const System& system) {
-  if (!system.hasSlowForces()) return 0.0;
-  slow_stiffness_.begin(system.size());
-  system.addSlowStiffness(state, slow_stiffness_);
-  slow_stiffness_.finish();
-  findScale(system);
-  const double w = std::sqrt(std::max(0.0, largestEigenvalue(slow_stiffness_)));
-  return w > 0.0 ? 2.0 / w : std::numeric_limits<double>::infinity();
-}
-
 double StableStep::estimate(double time, const State& state, const System& system) {
   const double known = system.findStableStep(state);
   if (known > 0.0) return limit(std::sqrt(4.0 / (known * known) + system.loadStiffness(time, state)), system.dampingRate(time, state));
   const Index n = system.size();
   stiffness_.begin(n);
   system.addStiffness(time, state, 0.0, model::Hessian::kPositive, stiffness_);
+  scale_.resize(3 * n);
+  for (Index i = 0; i < n; ++i)
+    scale_.segment<3>(3 * i).setConstant(system.isHeld(i) ? 0.0 : 1.0 / std::sqrt(system.masses()[i]));
   stiffness_.finish();
-  findScale(system);
-  double eigenvalue = std::max(0.0, largestEigenvalue(stiffness_));
+  double eigenvalue = std::max(0.0, largestEigenvalue());
   const double coefficient = system.rankOneStiffness(state, rank_one_);
   if (coefficient > 0.0)
     for (Index i = 0; i < n; ++i) eigenvalue += coefficient * rank_one_[i].squaredNorm() / system.masses()[i];

@@ -4,11 +4,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace deformable_surface::solve {
 namespace {
 
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
+constexpr double kWider = 1.2;           // by which the stable step must exceed that in use for longer sub-steps to pay,
+constexpr Index kWideFor = 100;          // for so many steps: a change every few seconds costs no energy that counts
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
 constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
@@ -56,6 +59,8 @@ void TimeMarch::restart() {
   integrators_.clear();
   guard_.restart();
   memory_.estimate_needed = true;
+  memory_.max_substep = std::numeric_limits<double>::infinity();
+  memory_.wider = 0;
   memory_.cautious = memory_.cautious_slow = 0;
 }
 
@@ -89,10 +94,20 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
   const double stretch = model_.maxStretch(state);
   // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
   if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory) return;
-  memory_.max_substep = stable_step_.estimate(time, state, system_);
-  memory_.max_slow_step = stable_step_.estimateSlow(state, system_);
+  memory_.stable_step = stable_step_.estimate(time, state, system_);
+  memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
+  memory_.max_slow_step = 2.0 / std::sqrt(system_.boundSlowRate(state));
   memory_.stretch_at_estimate = stretch;
   memory_.estimate_needed = false;
+}
+
+// Verlet keeps its energy over long times only with sub-steps of one length. So they become longer only when for long they could
+// have been longer by far, or where the account begins anew.
+void TimeMarch::lengthenSubsteps() {
+  memory_.wider = memory_.stable_step > kWider * memory_.max_substep ? memory_.wider + 1 : 0;
+  if (memory_.wider < kWideFor) return;
+  memory_.max_substep = memory_.stable_step;
+  memory_.wider = 0;
 }
 
 // Advances the state by one step, in fineness_ parts of as many sub-steps as the whole of it would have.
@@ -167,6 +182,7 @@ SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state)
 void TimeMarch::goBack(double time, State& state) {
   state = before_;
   if (!estimatesStableStep()) return;
+  memory_.max_substep = max_substep_before_;
   memory_.estimate_needed = true;
   refreshStableStep(time, state);
 }
@@ -206,7 +222,11 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   SolveReport& report = outcome.report;
   before_ = state;
   guard_.beginStep(system_, time, state);
-  if (estimatesStableStep()) refreshStableStep(time, state);
+  if (estimatesStableStep()) {
+    refreshStableStep(time, state);
+    lengthenSubsteps();
+  }
+  max_substep_before_ = memory_.max_substep;
   outcome.notice = chooseIntegrator();
 
   // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.

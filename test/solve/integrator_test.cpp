@@ -269,16 +269,6 @@ TEST(Integrators, OuterStepsStayUnderTheStableOneOfTheSlowForces) {
   expectCut(0.0039, 8, 16, 1);     // slow ones that are not slow
 }
 
-TEST(StableStep, OfSlowForcesIsTheirOwn) {
-  const SlowerOscillators model({100.0, 100.0}, 4.0, 1.0);
-  const std::vector<char> held(2, 0);
-  const System system(model, kNoLoads, held, 0.0);
-  solve::StableStep stable;
-  EXPECT_NEAR(stable.estimateSlow(startAt(Vec3::Zero(), Vec3::Zero(), 2), system), 1.0, 1e-9);
-  World without({100.0}, 1.0);
-  EXPECT_EQ(stable.estimateSlow(startAt(Vec3::Zero(), Vec3::Zero()), without.system), 0.0);
-}
-
 TEST(StableStep, IsTwoOverTheHighestFrequency) {
   World world({1.0, 40.0, 900.0, 25.0}, 1.0);
   solve::StableStep stable;

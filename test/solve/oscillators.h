@@ -69,9 +69,6 @@ class SlowerOscillators : public Oscillators {
     ++slow_evaluations;
     for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= slow_stiffness_ * s.positions[i];
   }
-  void addSlowStiffness(const State& s, BlockSparse& k) const override {
-    for (Index i = 0; i < s.size(); ++i) k.add(i, i, slow_stiffness_ * Mat3::Identity());
-  }
 
   mutable int slow_evaluations = 0;
 

@@ -67,8 +67,8 @@ class DeformableModel {
   virtual bool hasSlowForces() const { return false; }
   virtual void addFastForces(const State& state, Points& forces) const { addForces(state, forces); }
   virtual void addSlowForces(const State& /*state*/, Points& /*forces*/) const {}
-  /// Their part of addStiffness() with Hessian::kPositive.
-  virtual void addSlowStiffness(const State& /*state*/, BlockSparse& /*stiffness*/) const {}
+  /// Upper bound of the largest eigenvalue of M^-1 K, with K their part of addStiffness() with Hessian::kPositive, 1/s^2.
+  virtual double boundSlowRate(const State& /*state*/) const { return 0.0; }
 
   /// True if the points carry orientations, which torques turn: State then has the arrays for it.
   virtual bool isOriented() const { return false; }

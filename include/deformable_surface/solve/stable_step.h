@@ -13,14 +13,11 @@ class StableStep {
   /// Lanczos iteration with its error bound added, and that of the rank-one part of the stiffness (the sum bounds the eigenvalue of
   /// the sum [Weyl]); or it is the model's own, with a bound for the loads, where a model knows it. Infinite if nothing is stiff. Allocates nothing once the stiffness has its pattern.
   double estimate(double time, const State& state, const System& system);
-  /// The same of the model's slow forces alone; zero if it has none.
-  double estimateSlow(const State& state, const System& system);
 
  private:
-  void findScale(const System& system);
-  double largestEigenvalue(const BlockSparse& stiffness);
+  double largestEigenvalue();
 
-  BlockSparse stiffness_, slow_stiffness_;
+  BlockSparse stiffness_;
   Points rank_one_;
   Eigen::VectorXd scale_, v_, w_, previous_, product_;  // (3 n)
 };

@@ -36,7 +36,7 @@ class System {
   void computeFastForces(const State& state, Points& forces) const;
   void computeSlowForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
-  void addSlowStiffness(const State& state, BlockSparse& stiffness) const { model_.addSlowStiffness(state, stiffness); }
+  double boundSlowRate(const State& state) const { return model_.boundSlowRate(state); }
   /// False: the model's forces are a function of the positions alone.
   bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }
   /// Only those that have a potential: the material's elastic ones and those of conservative loads. Velocities are not read.

@@ -6,6 +6,7 @@
 #include "deformable_surface/solve/integrator.h"
 #include "deformable_surface/solve/stable_step.h"
 
+#include <limits>
 #include <map>
 #include <string>
 
@@ -22,8 +23,10 @@ class TimeMarch {
   /// What a snapshot must hold: a run that continues from it with the same state gives the same bits.
   struct Memory {
     IntegratorType type = IntegratorType::kAuto;
-    double max_substep = 0.0;          // s, the stable step
-    double max_slow_step = 0.0;        // s, that of the model's slow forces alone
+    double stable_step = 0.0;          // s, as estimated last
+    double max_substep = std::numeric_limits<double>::infinity();  // s, at most that: what sub-steps are cut by
+    Index wider = 0;                   // steps in a row in which the stable step was well above it
+    double max_slow_step = 0.0;        // s, a stable step of the model's slow forces alone
     double stretch_at_estimate = 0.0;  // largest stretch when it was estimated
     bool estimate_needed = true;
     Index cautious = 0;                // steps that are still to be taken with safe sub-steps
@@ -59,6 +62,7 @@ class TimeMarch {
   std::string chooseIntegrator();
   Integrator& integrator(IntegratorType type);
   void refreshStableStep(double time, const State& state);
+  void lengthenSubsteps();
   SolveReport advance(double time, double share, State& state);
   SolveReport advancePart(double time, double part, double share, State& state);
   SolveReport advanceImplicitly(double time, Index parts, State& state);
@@ -81,6 +85,7 @@ class TimeMarch {
 
   // Scratch.
   State before_, portion_start_;
+  double max_substep_before_ = 0.0;
   Index most_inner_ = 1;       // sub-steps in which slow forces may act once
   bool is_too_stiff_ = false;  // for auto: more sub-steps than max_substeps
   Index substeps_needed_ = 0;  // if there are too many of them to be taken

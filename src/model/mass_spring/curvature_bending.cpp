@@ -406,6 +406,25 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
   }
 }
 
+// x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no eigenvalue
+// of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of the 3 x 3 matrix
+// D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
+double CurvatureBending::boundRate(const State& state, const std::vector<double>& masses) const {
+  rate_.assign(masses.size(), 0.0);
+  for (Index i = 0; i < neighbors_.size(); ++i) {
+    if (weight_[i] == 0.0) continue;
+    const Shape shape = shapeAt(i, state);
+    Mat3 matrix = Mat3::Zero();
+    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
+      const Vec3 change = kMultiplicity.cwiseSqrt().cwiseProduct(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
+      matrix += change * change.transpose() / masses[neighbors_.items[r]];
+    }
+    const double largest = weight_[i] * matrix.norm();
+    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) rate_[neighbors_.items[r]] += largest;
+  }
+  return *std::max_element(rate_.begin(), rate_.end());
+}
+
 void CurvatureBending::addRowBounds(std::vector<double>& stiffness) const {
   for (Index i = 0; i < neighbors_.size(); ++i) {
     Vec3 sum = Vec3::Zero();

@@ -158,10 +158,6 @@ void MassSpring::addSlowForces(const State& state, Points& forces) const {
   bending_.addForces(positions_, forces);
 }
 
-void MassSpring::addSlowStiffness(const State& state, BlockSparse& stiffness) const {
-  bending_.addStiffness(state, Hessian::kPositive, stiffness);
-}
-
 void MassSpring::addFastForces(const State& state, Points& forces) const {
   const bool springs = membrane_ == Membrane::kSprings;
   positions_.assign(state.positions);

@@ -27,6 +27,8 @@ class CurvatureBending {
   /// kPositive: the Gauss-Newton part alone, which is positive semidefinite.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
+  /// Upper bound of the largest eigenvalue of M^-1 K, with K the Gauss-Newton part at a state, 1/s^2. masses (n), kg.
+  double boundRate(const State& state, const std::vector<double>& masses) const;
 
   Index numWithoutFit() const { return num_without_fit_; }
 
@@ -62,6 +64,7 @@ class CurvatureBending {
   // Scratch: minus the force on each neighbour along the normal of the fit's point, (neighbours x 4) a group, and those normals,
   // padded to four numbers.
   mutable std::vector<double> along_, normals_;
+  mutable std::vector<double> rate_;  // (n)
 };
 
 }  // namespace deformable_surface::model

@@ -37,7 +37,7 @@ class MassSpring : public DeformableModel {
   bool hasSlowForces() const override { return !bending_rest_.points.empty(); }
   void addFastForces(const State& state, Points& forces) const override;
   void addSlowForces(const State& state, Points& forces) const override;
-  void addSlowStiffness(const State& state, BlockSparse& stiffness) const override;
+  double boundSlowRate(const State& state) const override { return bending_.boundRate(state, masses_); }
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
