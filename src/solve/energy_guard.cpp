@@ -44,11 +44,11 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   // By how much either limit is broken; NaN breaks them.
   const double beyond = std::max(excess_ - kSwing * next_.vibration - kick_, gain - allowance.gain * next_.vibration - kick_);
   if (beyond <= 0.0) return std::isfinite(after_);
-  // Rounding: positions wrong by a unit in the last place, times the forces there, which are at least those that this makes.
+  // Rounding: positions wrong by a unit in the last place, times the forces there.
   double reach = 0.0;
   for (const Vec3& x : state.positions) reach = std::max(reach, x.lpNorm<Eigen::Infinity>());
-  const double force = std::max(system.largestForce(time, state), system.roundingForce(time, state));
-  const double rounding = kRounding * std::numeric_limits<double>::epsilon() * state.size() * reach * force;
+  const double rounding =
+      kRounding * std::numeric_limits<double>::epsilon() * state.size() * reach * system.largestForce(time, state);
   return beyond <= rounding && std::isfinite(after_);
 }
 

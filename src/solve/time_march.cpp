@@ -11,7 +11,7 @@ namespace {
 
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
 constexpr double kWider = 1.2;           // by which the stable step must exceed that in use for longer sub-steps to pay,
-constexpr Index kWideFor = 100;          // for so many steps: a change every few seconds costs no energy that counts
+constexpr Index kWideFor = 100;          // for so many steps: the stretch of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
 constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on

@@ -84,6 +84,32 @@ TEST_P(MassSpringVariants, FastForcesAndThenSlowOnesAreAllForcesBitForBit) {
   EXPECT_EQ(parts, forcesAt(*mass_spring, state));
 }
 
+TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
+  for (const Surface& surface : {makeSphere(120, 0.3), makeSheet(9, 8, 0.8, 0.7, 0.3)}) {
+    const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0);
+    const Index n = static_cast<Index>(surface.points.size());
+    std::vector<double> masses;
+    for (Index i = 0; i < n; ++i) masses.push_back(1.0 + 0.1 * (i % 7));
+    for (double amount : {0.0, 0.03}) {
+      const State state = stateAt(perturb(surface.points, amount));
+      BlockSparse stiffness;
+      stiffness.begin(n);
+      bending.addStiffness(state, model::Hessian::kPositive, stiffness);
+      stiffness.finish();
+      Eigen::MatrixXd matrix = makeDense(stiffness);
+      for (Index i = 0; i < n; ++i) {
+        matrix.middleRows<3>(3 * i) /= std::sqrt(masses[i]);
+        matrix.middleCols<3>(3 * i) /= std::sqrt(masses[i]);
+      }
+      const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+      const double bound = bending.boundRate(state, masses);
+      EXPECT_GE(bound, largest);
+      // No fit alone is stiffer than all of them, and about seventeen meet in a point.
+      EXPECT_LE(bound, 17.0 * largest);
+    }
+  }
+}
+
 TEST_P(MassSpringVariants, MomentumIsKept) {
   const bool angular = GetParam().params.damping == model::Damping::kAlongSpring;
   checkMomentumIsKept(*mass_spring, stateAt(perturb(surface.points, 0.3 * kLength)), angular);

@@ -1,0 +1,79 @@
+// How long the sub-steps of a step are, and in how many of them slow forces act, as the stable step and the energy account change.
+#include "deformable_surface/solve/time_march.h"
+#include "oscillators.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+// Its stable step is what it says, and a change of its stretch makes that be asked for.
+class KnownStep : public SlowerOscillators {
+ public:
+  explicit KnownStep(double stiffness) : SlowerOscillators({stiffness}, 1e-3, 1.0) {}
+  double findStableStep(const State&) const override { return stable_step; }
+  double maxStretch(const State&) const override { return stretch; }
+
+  void change(double step) {
+    stable_step = step;
+    stretch += 1.0;
+  }
+  double stable_step = 0.01, stretch = 0.0;
+};
+
+struct March {
+  explicit March(double stiffness) : model(stiffness), system(model, loads, held, 0.0), march(system, model, params) {}
+
+  Index countSubsteps() { return march.step(0.0, state).report.substeps; }
+
+  KnownStep model;
+  std::vector<const solve::ExternalLoad*> loads;
+  std::vector<char> held{0};
+  solve::System system;
+  solve::IntegratorParams params;
+  solve::TimeMarch march;
+  State state{{Vec3(1.0, 0.0, 0.0)}, {Vec3::Zero()}};
+};
+
+TEST(TimeMarch, ShortensSubstepsAtOnceAndLengthensThemOnlyWhenTheyCouldLongHaveBeenLonger) {
+  March m(1.0);
+  EXPECT_EQ(m.countSubsteps(), 2);
+  m.model.change(0.002);
+  EXPECT_EQ(m.countSubsteps(), 6);
+  for (int swing = 0; swing < 3; ++swing) {
+    m.model.change(0.01);
+    for (int k = 0; k < 99; ++k) ASSERT_EQ(m.countSubsteps(), 6) << k;
+    m.model.change(0.00235);  // with which five would do, but that is not worth a change
+    for (int k = 0; k < 101; ++k) ASSERT_EQ(m.countSubsteps(), 6) << k;
+  }
+  m.model.change(0.01);
+  for (int k = 0; k < 99; ++k) m.countSubsteps();
+  EXPECT_EQ(m.countSubsteps(), 2);
+  m.model.change(0.002);
+  m.march.restart();
+  m.countSubsteps();
+  m.model.change(0.01);
+  m.march.restart();
+  EXPECT_EQ(m.countSubsteps(), 2);
+}
+
+TEST(TimeMarch, SlowForcesActInOuterStepsWhileTheEnergyIsCalm) {
+  March m(1.0);
+  m.model.change(0.001);
+  EXPECT_EQ(m.countSubsteps(), 12);
+  EXPECT_EQ(m.model.evaluations, 13);
+  EXPECT_EQ(m.model.slow_evaluations, 3);
+}
+
+TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheEnergyIsNotCalm) {
+  // w h = 0.3: the energy of Verlet oscillates by some hundredths.
+  March m(300.0 * 300.0);
+  m.model.change(0.001);
+  for (int k = 0; k < 20; ++k) m.countSubsteps();
+  const int before = m.model.slow_evaluations;
+  EXPECT_EQ(m.countSubsteps(), 20);
+  EXPECT_EQ(m.model.slow_evaluations - before, 20);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
