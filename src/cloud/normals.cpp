@@ -3,12 +3,12 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "spanning_forest.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
-#include <cstddef>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -153,20 +153,10 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
       }
     }
   });
-  // The lightest links join nearly all points, so the others are mostly dropped before they are sorted. Portions double, so that
-  // there are few of them where the weights tie and little can be dropped.
   SignedSets sets(n);
-  const auto isJoined = [&](const Link& link) { return sets.find(link.i) == sets.find(link.j); };
-  for (std::ptrdiff_t begin = 0, portion = n; begin < static_cast<std::ptrdiff_t>(links.size()); portion *= 2) {
-    const auto first = links.begin() + begin, last = first + std::min(portion, links.end() - first);
-    std::nth_element(first, last, links.end());
-    std::sort(first, last);
-    for (auto link = first; link != last; ++link) {
-      sets.join(link->i, link->j, normals[link->i].dot(normals[link->j]) < 0.0 ? -1 : 1);
-    }
-    begin = last - links.begin();
-    links.erase(std::remove_if(last, links.end(), isJoined), links.end());
-  }
+  visitSpanningForest(
+      links, n, [&](const Link& link) { return sets.find(link.i) == sets.find(link.j); },
+      [&](const Link& link) { sets.join(link.i, link.j, normals[link.i].dot(normals[link.j]) < 0.0 ? -1 : 1); });
   std::vector<Index> root(n);
   for (Index i = 0; i < n; ++i) {
     root[i] = sets.find(i);

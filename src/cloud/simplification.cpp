@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/rings.h"
@@ -11,6 +12,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 #include <queue>
 #include <utility>
 
@@ -19,6 +21,8 @@ namespace {
 
 // Fewer points span no surface, so no part is thinned further.
 constexpr Index kMinPartPoints = 3;
+// At a gap the tree is asked for up to so many lists' lengths: what is still missing then is not worth searching for.
+constexpr Index kMaxAsked = 4;
 
 // What a neighbour is asked for, in one cache line.
 struct alignas(64) Sample {
@@ -35,10 +39,10 @@ struct Scratch {
 
 class Thinning {
  public:
-  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors)
-      : k_(k), samples_(positions.size()), tree_(positions), lists_(std::move(neighbors)),
+  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, bool over_surface)
+      : k_(k), over_surface_(over_surface), samples_(positions.size()), tree_(positions), lists_(std::move(neighbors)),
         alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
-        part_(labelParts(positions, normals)), stored_(positions.size()) {
+        part_(labelParts(positions, normals)), stored_(positions.size()), place_(over_surface ? positions.size() : 0) {
     const Index n = num_alive_;
     for (Index i = 0; i < n; ++i) {
       samples_[i] = {positions[i], normals[i]};
@@ -182,11 +186,51 @@ class Thinning {
       for (Index asked = lists_.count(i) + 1;; asked = std::min(2 * asked, num_alive_)) {
         tree_.nearest(samples_[i].position, asked, found);
         found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
+        if (over_surface_) eraseUnreached(i, found);
         if (static_cast<Index>(found.size()) >= wanted || asked >= num_alive_) break;
+        if (over_surface_ && asked > kMaxAsked * lists_.count(i)) break;
       }
     }
     stored_[i] = std::min(lists_.count(i), static_cast<Index>(found.size()));
     for (Index s = 0; s < stored_[i]; ++s) lists_.items[lists_.offsets[i] + s] = found[s].index;
+  }
+
+  // Erases what no short way over stored links leads to. All of these were reached so before, the first ones over the surface
+  // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first, and
+  // only until all are reached; if that leaves any, once more with the shortest of these ways.
+  void eraseUnreached(Index i, std::vector<Neighbor>& found) {
+    const Index num_found = static_cast<Index>(found.size());
+    for (Index f = 0; f < num_found; ++f) place_[found[f].index] = f;
+    reached_.resize(num_found);
+    for (const bool is_hasty : {true, false}) {
+      bound_.assign(num_found, std::numeric_limits<double>::infinity());
+      std::fill(reached_.begin(), reached_.end(), 0);
+      Index num_missing = num_found;
+      const auto relax = [&](Index from, double to_from, Index max_steps) {
+        const Index* end = lists_.begin(from) + std::min(max_steps, stored_[from]);
+        for (const Index* j = lists_.begin(from); j != end; ++j) {
+          const Index f = place_[*j];
+          if (f >= num_found || found[f].index != *j || (is_hasty && reached_[f])) continue;
+          const double bound = to_from + (samples_[*j].position - samples_[from].position).norm();
+          if (!(bound < bound_[f])) continue;
+          bound_[f] = bound;
+          if (reached_[f] || !(bound * bound <= kKeptDetour * kKeptDetour * found[f].squared_distance)) continue;
+          reached_[f] = 1;
+          --num_missing;
+        }
+      };
+      relax(i, 0.0, stored_[i]);
+      for (Index f = 0; f < num_found && num_missing > 0; ++f) {
+        const Index from = found[f].index;
+        if (bound_[f] < std::numeric_limits<double>::infinity()) relax(from, bound_[f], is_hasty ? k_ : stored_[from]);
+      }
+      if (num_missing == 0) return;
+    }
+    Index kept = 0;
+    for (Index f = 0; f < num_found; ++f) {
+      if (reached_[f]) found[kept++] = found[f];
+    }
+    found.resize(kept);
   }
 
   void remove(Index i) {
@@ -202,6 +246,7 @@ class Thinning {
   }
 
   const Index k_;
+  const bool over_surface_;
   std::vector<Sample> samples_;     // (n)
   KdTree tree_;                     // of the alive points
   Lists lists_;                     // nearest neighbours of the same part; some dead
@@ -212,6 +257,9 @@ class Thinning {
   std::vector<Index> stored_;       // (n) entries of lists_ in use
   Lists members_;                   // (num_parts)
   std::vector<Index> num_in_part_;  // alive
+  std::vector<Index> place_;        // (n) scratch: where a point stands among those found; stale where another stands there
+  std::vector<double> bound_;       // scratch: lengths of ways to those found
+  std::vector<char> reached_;       // scratch: whether they are no detour
 };
 
 std::vector<Index> keepAllBut(Index num_points, const Index* begin, const Index* end) {
@@ -241,11 +289,12 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
   Lists neighbors = nearestNeighbors(positions, 2 * std::max(k, Index{3}));
   std::vector<char> is_corner;
   if (positions.size() == normals.size() && k >= 3) is_corner = findBoundary(positions, normals, neighbors, k).is_corner;
-  return simplify(positions, normals, k, min_points, protected_points, std::move(neighbors), is_corner);
+  return simplify(positions, normals, k, min_points, protected_points, std::move(neighbors), is_corner, false);
 }
 
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
-                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner) {
+                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner,
+                        bool over_surface) {
   const Index n = static_cast<Index>(positions.size());
   std::vector<std::string> problems;
   if (positions.size() != normals.size()) {
@@ -260,7 +309,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
     break;
   }
   if (!problems.empty()) throw InputError(std::move(problems));
-  return Thinning(positions, normals, k, std::move(neighbors)).run(min_points, is_corner, protected_points);
+  return Thinning(positions, normals, k, std::move(neighbors), over_surface).run(min_points, is_corner, protected_points);
 }
 
 }  // namespace deformable_surface::cloud

@@ -1,12 +1,15 @@
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/cloud/geodesic_cells.h"
+#include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 
 namespace deformable_surface::simulation {
@@ -16,7 +19,31 @@ constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few
 constexpr Index kPinPoints = 3;      // that hold a pinned region: fewer would let it turn
 constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
 
+constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
+constexpr Index kGapShare = 1000;    // fewer points at gaps than this part of all are holes of the sampling
+
+bool isZero(const Vec3& v) { return v.isZero(0.0); }
+
 std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
+
+// The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
+// what the neighbours in space show.
+void findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
+  if (params.areEuclidean()) return;
+  cloud::SurfaceSides sides;
+  const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
+  sides.oriented = is_given;
+  sides.normals = is_given ? s.dense.normals : cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
+  const Points& positions = s.dense.positions;
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesicness);
+  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
+  s.dense_neighbors = std::move(found.lists);
+  if (found.margin < kClearMargin && found.num_at_gaps > s.dense_neighbors.size() / kGapShare)
+    s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
+                      "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +
+                      " times as wide as what counts as surface");
+}
 
 // Normals of the dense points: those given, estimated where none is given, all on one consistent side. Returns the corners.
 std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, RestSurface& s) {
@@ -93,7 +120,7 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
   const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
   if (last < n)
     s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, protected_points, s.dense_neighbors,
-                              is_corner);
+                              is_corner, !params.neighbors.areEuclidean());
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 
@@ -108,12 +135,18 @@ void take(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSu
 }
 
 // Makes the simulation points and their rings; those that belong to no surface (far outliers, hairs) are dropped and ride along.
-void connect(const SceneParams& params, const cloud::CleanCloud& dense, std::vector<Index> kept, RestSurface& s) {
+// Returns their cells on the dense points, or none if neighbourhoods are Euclidean.
+cloud::GeodesicCells connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors,
+                             std::vector<Index> kept, RestSurface& s) {
+  cloud::GeodesicCells cells;
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
     take(dense, kept, s);
     // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
-    const Lists neighbors = cloud::nearestNeighbors(s.points, params.neighbors.k);
+    const Index k = params.neighbors.k;
+    const bool is_euclidean = params.neighbors.areEuclidean();
+    if (!is_euclidean) cells = cloud::findGeodesicCells(dense.positions, dense_neighbors, kept, k);
+    const Lists neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
     if (kept.size() < dense.positions.size()) {
       const Points fine = std::move(s.normals);
       s.normals = cloud::estimateNormals(s.points, neighbors);
@@ -133,6 +166,7 @@ void connect(const SceneParams& params, const cloud::CleanCloud& dense, std::vec
                      count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
   const Index dropped = before - static_cast<Index>(kept.size());
   if (dropped > 0) s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
+  return cells;
 }
 
 double measureDenseArea(const RestSurface& s) {
@@ -217,7 +251,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
   if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
 
-  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  findNeighbors(params.neighbors, s);
   const bool is_curve = params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
   const std::vector<char> is_corner = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
@@ -226,18 +260,23 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     s.area = measureDenseArea(s);
     kept = s.order.keepCount(choose(s));
   }
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  cloud::GeodesicCells cells;
   if (params.model == ModelKind::kOrientedParticles) {
     std::sort(kept.begin(), kept.end());
     take(s.dense, kept, s);
+    if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, kept, params.neighbors.k);
     buildParticles(params, s);
   } else {
-    connect(params, s.dense, std::move(kept), s);
+    cells = connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
     // The area of the full surface; where every point is simulated it is that of the rings.
     const bool is_all = static_cast<Index>(s.points.size()) == n;
     s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
     buildModel(params, s);
   }
-  s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1), params.transfer);
+  const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(cells, s.dense.positions, params.transfer.k);
+  s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1),
+                                  params.transfer, is_euclidean ? nullptr : &followed);
   if (s.transfer.numDegenerate() > 0)
     s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
@@ -250,7 +289,7 @@ RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index
   RestSurface s;
   s.area = of.area;
   s.closed = of.closed;
-  connect(params, of.dense, of.order.keepCount(target), s);
+  connect(params, of.dense, of.dense_neighbors, of.order.keepCount(target), s);
   buildModel(params, s);
   return s;
 }

@@ -135,7 +135,7 @@ void storeRow(const Row& row, std::size_t count, double sum, float* out, std::si
 }
 
 void check(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
-           const TransferParams& params) {
+           const TransferParams& params, const Lists* followed) {
   std::vector<std::string> problems;
   if (normals.size() != dense.size()) {
     problems.push_back("transfer: " + std::to_string(normals.size()) + " normals for " + std::to_string(dense.size()) +
@@ -152,7 +152,17 @@ void check(const Points& dense, const Points& normals, const Points& simulation,
     problems.push_back("transfer: gaussian_width is " + std::to_string(params.gaussian_width) +
                        " m; it must be 0 (mean distance of the neighbours) or positive");
   }
+  if (followed && followed->size() != static_cast<Index>(dense.size())) {
+    problems.push_back("transfer: " + std::to_string(followed->size()) + " lists of followed points for " +
+                       std::to_string(dense.size()) + " dense points; there must be one for each");
+  }
   if (!problems.empty()) throw InputError(problems);
+  for (Index i = 0; followed && i < followed->size(); ++i) {
+    const auto isUsable = [&](Index j) { return j >= 0 && static_cast<std::size_t>(j) < usable.size() && usable[j]; };
+    if (followed->count(i) <= params.k && std::all_of(followed->begin(i), followed->end(i), isUsable)) continue;
+    throw InputError("transfer: dense point " + std::to_string(i) +
+                     " follows more than k simulation points, or one that is not usable");
+  }
   // Normals of a float cloud are unit to a few 1e-7; a thousandth tells them from what was never normalised.
   for (std::size_t i = 0; i < dense.size(); ++i) {
     if (dense[i].allFinite() && std::abs(normals[i].squaredNorm() - 1.0) < 1e-3) continue;
@@ -163,9 +173,9 @@ void check(const Points& dense, const Points& normals, const Points& simulation,
 }  // namespace
 
 Transfer::Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
-                   const TransferParams& params)
+                   const TransferParams& params, const Lists* followed)
     : rest_(dense), simulation_rest_(simulation), usable_(usable) {
-  check(dense, normals, simulation, usable, params);
+  check(dense, normals, simulation, usable, params, followed);
 
   // Neighbours are searched among the usable points only.
   std::vector<Index> used;
@@ -188,9 +198,13 @@ Transfer::Transfer(const Points& dense, const Points& normals, const Points& sim
     std::vector<Index> found;
     int degenerate = 0;
     for (Index i = begin; i < end; ++i) {
-      tree.nearest(dense[i], k_, nearest);
-      found.clear();
-      for (const cloud::Neighbor& neighbor : nearest) found.push_back(used[neighbor.index]);
+      if (followed) {
+        found.assign(followed->begin(i), followed->end(i));
+      } else {
+        tree.nearest(dense[i], k_, nearest);
+        found.clear();
+        for (const cloud::Neighbor& neighbor : nearest) found.push_back(used[neighbor.index]);
+      }
       if (!fitRow(i, normals[i], simulation, found, params)) ++degenerate;
     }
     return static_cast<double>(degenerate);

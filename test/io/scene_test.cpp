@@ -206,7 +206,7 @@ TEST(ReadScene, RefusesWrongKinds) {
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
   for (const char* text : {"oriented_particles: {spin: 1.0}", "elastic_solid: {fill: true}",
-                           "neighbors: {geodesicness: 2}", "neighbors: {radius: 0.1}", "input: {policy: track}"}) {
+                           "neighbors: {radius: 0.1}", "input: {policy: track}"}) {
     EXPECT_TRUE(contains(problemOf(text), "not built yet; accepted: ")) << text << ": " << problemOf(text);
   }
   EXPECT_TRUE(contains(problemsOf("model: elastic_solid")[0], "not built yet; accepted: mass_spring"));

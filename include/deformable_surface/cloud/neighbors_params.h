@@ -9,16 +9,17 @@ namespace deformable_surface::cloud {
 
 struct NeighborsParams {
   Index k = 16;                 // 6 .. 64: nearest neighbours among which a ring is found [Su 2007: 10 .. 20]
-  OrAuto<double> geodesicness;  // 1 = Euclidean neighbourhoods; other values and what auto will mean belong to a later version
+  OrAuto<double> geodesicness;  // 1 = Euclidean neighbourhoods, > 1 = the published exponent, auto = without a parameter
+
+  bool areEuclidean() const { return !geodesicness.is_auto && geodesicness.value == 1.0; }
   OrAuto<double> radius;        // m; only auto (by k) is built
 };
 
 inline void visit(Fields& fields, NeighborsParams& p) {
   fields.integer("k", p.k, "", between(6, 64), "nearest neighbours among which a point's ring is found");
   fields.number("geodesicness", p.geodesicness, "", between(1.0, 64.0),
-                "1 = Euclidean neighbourhoods, which is also what `auto` means now; other values are not built yet");
-  fields.require(p.geodesicness.is_auto || p.geodesicness.value == 1.0, "geodesicness",
-                 "found a value other than 1, which is not built yet; accepted: 1 or auto");
+                "1 = neighbours in space; above 1 = those near on the surface by shortest paths of links |x_i - x_j|^geodesicness, "
+                "as published; `auto` = by paths whose links are trusted up to what holds the surface together");
   fields.number("radius", p.radius, "m", between(1e-9, kMaxLength), "`auto` = by k; other values are not built yet");
   fields.require(p.radius.is_auto, "radius", "found a number, which is not built yet; accepted: auto");
 }

@@ -26,7 +26,10 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
                         const std::vector<Index>& protected_points);
 
 /// The same for those who have found the neighbours (2k of every point, nearest first; used up) and the corners already.
+/// over_surface: the neighbours are those over the surface (keepGeodesicNeighbors), and stars never look across a gap that they
+/// tell, however far apart the points left are.
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
-                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner);
+                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner,
+                        bool over_surface);
 
 }  // namespace deformable_surface::cloud

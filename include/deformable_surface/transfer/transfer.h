@@ -19,8 +19,10 @@ class Transfer {
 
   /// dense (n x 3), normals (n x 3, unit), simulation (m x 3): all at rest. Only simulation points with usable[j] != 0 are
   /// taken. InputError if arrays do not fit, points are not finite or an option is out of range. Parallel; O(n (log m + k)).
+  /// followed: (n) the simulation points that each dense point follows, at most k, nearest first, all usable; if null, they are the
+  /// k nearest in space.
   Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
-           const TransferParams& params);
+           const TransferParams& params, const Lists* followed = nullptr);
 
   /// positions (m x 3) of the simulation points now -> dense positions (n x 3) and, if wanted, unit normals (n x 3 float).
   /// A normal whose transferred tangents are parallel keeps its rest direction. At rest the positions are the rest positions to

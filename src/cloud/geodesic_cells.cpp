@@ -1,0 +1,138 @@
+// One search from all chosen points at once divides the surface into cells; the rest happens on the few.
+#include "deformable_surface/cloud/geodesic_cells.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <algorithm>
+#include <functional>
+#include <limits>
+#include <queue>
+#include <utility>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
+// Listed neighbours that the search goes on to: with more, paths are straighter by next to nothing.
+constexpr Index kSteps = 16;
+
+const Index* endOfSteps(const Lists& neighbors, Index i) { return neighbors.begin(i) + std::min(kSteps, neighbors.count(i)); }
+
+// The chosen points whose cells touch without a detour between the points, with their distance in space as cost.
+GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const std::vector<double>& distance,
+                        const GeodesicCells& cells) {
+  std::vector<std::vector<std::pair<Index, double>>> beside(cells.chosen.size());
+  const auto insert = [&](Index a, Index b, double length) {
+    for (const auto& known : beside[a]) {
+      if (known.first == b) return;
+    }
+    beside[a].push_back({b, length});
+  };
+  for (Index u = 0; u < neighbors.size(); ++u) {
+    const Index a = cells.owner[u];
+    if (a < 0) continue;
+    for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) {
+      const Index b = cells.owner[*v];
+      if (b < 0 || b == a) continue;
+      const double path = distance[u] + (positions[*v] - positions[u]).norm() + distance[*v];
+      const double length = (cells.chosen[b] - cells.chosen[a]).norm();
+      if (!(path <= kKeptDetour * length)) continue;
+      insert(a, b, length);
+      insert(b, a, length);
+    }
+  }
+  GeodesicGraph graph;
+  graph.cost_is_distance = true;
+  for (const auto& list : beside) {
+    for (const auto& [b, length] : list) {
+      graph.links.items.push_back(b);
+      graph.cost.push_back(length);
+    }
+    graph.links.offsets.push_back(static_cast<Index>(graph.links.items.size()));
+  }
+  return graph;
+}
+
+}  // namespace
+
+GeodesicCells findGeodesicCells(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen, Index k) {
+  const Index n = neighbors.size();
+  GeodesicCells cells;
+  cells.owner.assign(n, -1);
+  for (Index i : chosen) cells.chosen.push_back(positions[i]);
+
+  // Dijkstra from all chosen points, ties by index.
+  std::vector<double> distance(n, std::numeric_limits<double>::infinity());
+  using Entry = std::pair<double, Index>;
+  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
+  for (std::size_t a = 0; a < chosen.size(); ++a) {
+    distance[chosen[a]] = 0.0;
+    cells.owner[chosen[a]] = static_cast<Index>(a);
+    queue.push({0.0, chosen[a]});
+  }
+  while (!queue.empty()) {
+    const auto [d, u] = queue.top();
+    queue.pop();
+    if (d > distance[u]) continue;
+    for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) {
+      const double to = d + (positions[*v] - positions[u]).norm();
+      if (!(to < distance[*v])) continue;
+      distance[*v] = to;
+      cells.owner[*v] = cells.owner[u];
+      queue.push({to, *v});
+    }
+  }
+
+  const GeodesicGraph graph = joinCells(positions, neighbors, distance, cells);
+  cells.neighbors = keepGeodesicNeighbors(graph, cells.chosen, {}, nearestNeighbors(cells.chosen, k)).lists;
+  return cells;
+}
+
+Lists findChosenNear(const GeodesicCells& cells, const Points& positions, Index k) {
+  const Index n = static_cast<Index>(positions.size());
+  const Lists& neighbors = cells.neighbors;
+  const auto measure = [&](Index a, Index b) { return (cells.chosen[b] - cells.chosen[a]).norm(); };
+  const auto lists = [&](Index a, Index b) {
+    return std::find(neighbors.begin(a), neighbors.end(a), b) != neighbors.end(a);
+  };
+  const auto isNear = [&](Index a, Index b) {
+    if (a == b || lists(a, b)) return true;
+    const double longest = kKeptDetour * measure(a, b);
+    return std::any_of(neighbors.begin(a), neighbors.end(a),
+                       [&](Index m) { return lists(m, b) && measure(a, m) + measure(m, b) <= longest; });
+  };
+
+  const KdTree tree(cells.chosen);
+  std::vector<std::vector<Index>> found((n + kBlock - 1) / kBlock);
+  std::vector<Index> count(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<Neighbor> near;
+    for (Index i = begin; i < end; ++i) {
+      tree.nearest(positions[i], k, near);
+      const Index a = cells.owner[i];
+      const auto isApart = [&](const Neighbor& other) { return !isNear(a, other.index); };
+      const auto kept = a < 0 ? near.end() : std::remove_if(near.begin(), near.end(), isApart);
+      if (kept != near.end()) {
+        // Others in their place.
+        near.erase(kept, near.end());
+        const auto add = [&](Index b) { near.push_back({(cells.chosen[b] - positions[i]).squaredNorm(), b}); };
+        add(a);
+        std::for_each(neighbors.begin(a), neighbors.end(a), add);
+        std::sort(near.begin(), near.end());
+        const auto same = [](const Neighbor& x, const Neighbor& y) { return x.index == y.index; };
+        near.erase(std::unique(near.begin(), near.end(), same), near.end());
+        if (static_cast<Index>(near.size()) > k) near.resize(k);
+      }
+      count[i] = static_cast<Index>(near.size());
+      for (const Neighbor& other : near) found[begin / kBlock].push_back(other.index);
+    }
+  });
+  Lists result;
+  for (Index i = 0; i < n; ++i) result.offsets.push_back(result.offsets[i] + count[i]);
+  for (const std::vector<Index>& part : found) result.items.insert(result.items.end(), part.begin(), part.end());
+  return result;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,150 @@
+// The graph that geodesics run on: what a link costs, and which links there are. Searching it is another matter.
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/geodesics.h"
+#include "trust_radii.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
+
+// How fast the cost grows beyond the trust radius: a link of one and a half radii costs six times its length.
+constexpr double kCostSlope = 4.0;
+// From this exponent on a path over a point inside the ball on a link as diameter is never dearer than the link: a^2 + b^2 <=
+// c^2 gives a^g + b^g <= c^g for g >= 2.
+constexpr double kBallExponent = 2.0;
+
+double findMedianSpacing(const Points& positions, const Lists& neighbors) {
+  std::vector<double> nearest;
+  for (Index i = 0; i < neighbors.size(); ++i) {
+    if (neighbors.count(i) > 0) nearest.push_back((positions[neighbors.begin(i)[0]] - positions[i]).norm());
+  }
+  if (nearest.empty()) return 1.0;
+  const auto middle = nearest.begin() + nearest.size() / 2;
+  std::nth_element(nearest.begin(), middle, nearest.end());
+  return *middle > 0.0 ? *middle : 1.0;
+}
+
+// The links that keep(i, j, cost) takes, made symmetric.
+template <class Keep>
+void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph) {
+  const Index n = neighbors.size();
+  struct Part {
+    std::vector<Index> items;
+    std::vector<double> cost;
+  };
+  std::vector<Part> parts((n + kBlock - 1) / kBlock);
+  std::vector<Index> count(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Part& part = parts[begin / kBlock];
+    for (Index i = begin; i < end; ++i) {
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        double cost;
+        if (!keep(i, *j, cost)) continue;
+        part.items.push_back(*j);
+        part.cost.push_back(cost);
+        ++count[i];
+      }
+    }
+  });
+
+  // What is missing the other way round.
+  Lists kept;
+  std::vector<double> kept_cost;
+  for (Index i = 0; i < n; ++i) kept.offsets.push_back(kept.offsets[i] + count[i]);
+  kept.items.reserve(kept.offsets[n]);
+  kept_cost.reserve(kept.offsets[n]);
+  for (Part& part : parts) {
+    kept.items.insert(kept.items.end(), part.items.begin(), part.items.end());
+    kept_cost.insert(kept_cost.end(), part.cost.begin(), part.cost.end());
+    part = {};
+  }
+  std::vector<char> is_missing(kept.items.size());
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      for (const Index* j = kept.begin(i); j != kept.end(i); ++j) {
+        is_missing[j - kept.items.data()] = std::find(kept.begin(*j), kept.end(*j), i) == kept.end(*j);
+      }
+    }
+  });
+  for (std::size_t e = 0; e < kept.items.size(); ++e) count[kept.items[e]] += is_missing[e];
+
+  graph.links.offsets.assign(1, 0);
+  for (Index i = 0; i < n; ++i) graph.links.offsets.push_back(graph.links.offsets[i] + count[i]);
+  graph.links.items.resize(graph.links.offsets[n]);
+  graph.cost.resize(graph.links.offsets[n]);
+  std::vector<Index> next(n);
+  for (Index i = 0; i < n; ++i) {
+    next[i] = graph.links.offsets[i] + kept.count(i);
+    std::copy(kept.begin(i), kept.end(i), graph.links.items.begin() + graph.links.offsets[i]);
+    std::copy(kept_cost.begin() + kept.offsets[i], kept_cost.begin() + kept.offsets[i + 1],
+              graph.cost.begin() + graph.links.offsets[i]);
+  }
+  for (Index i = 0; i < n; ++i) {
+    for (Index e = kept.offsets[i]; e < kept.offsets[i + 1]; ++e) {
+      if (!is_missing[e]) continue;
+      const Index to = next[kept.items[e]]++;
+      graph.links.items[to] = i;
+      graph.cost[to] = kept_cost[e];
+    }
+  }
+}
+
+}  // namespace
+
+GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
+                                 const OrAuto<double>& geodesicness) {
+  const Index n = neighbors.size();
+  if (static_cast<Index>(positions.size()) != n || (!sides.normals.empty() && static_cast<Index>(sides.normals.size()) != n)) {
+    throw InputError("buildGeodesicGraph: " + std::to_string(positions.size()) + " positions, " +
+                     std::to_string(sides.normals.size()) + " normals and " + std::to_string(n) +
+                     " neighbour lists; the three numbers must be equal, or there must be no normals");
+  }
+  if (!geodesicness.is_auto && !(geodesicness.value >= 1.0)) {
+    throw InputError("buildGeodesicGraph: geodesicness is " + std::to_string(geodesicness.value) + "; it must be at least 1");
+  }
+
+  GeodesicGraph graph;
+  if (!geodesicness.is_auto) {
+    const double gamma = geodesicness.value, spacing = findMedianSpacing(positions, neighbors);
+    collectLinks(
+        neighbors,
+        [&](Index i, Index j, double& cost) {
+          const double squared = (positions[j] - positions[i]).squaredNorm();
+          cost = std::pow(std::sqrt(squared) / spacing, gamma);
+          if (!std::isfinite(cost)) return false;
+          if (gamma < kBallExponent) return true;
+          for (const Index* m = neighbors.begin(i); *m != j; ++m) {
+            const double way = (positions[*m] - positions[i]).squaredNorm() + (positions[*m] - positions[j]).squaredNorm();
+            if (way < squared) return false;
+          }
+          return true;
+        },
+        graph);
+    return graph;
+  }
+
+  graph.cost_is_distance = true;
+  graph.trust_radius = findTrustRadii(positions, sides, neighbors);
+  const std::vector<double>& radius = graph.trust_radius;
+  std::vector<double> reach(n, 0.0);  // m, of the lists
+  for (Index i = 0; i < n; ++i) {
+    if (neighbors.count(i) > 0) reach[i] = (positions[neighbors.end(i)[-1]] - positions[i]).norm();
+  }
+  collectLinks(
+      neighbors,
+      [&](Index i, Index j, double& cost) {
+        const double squared = measureSquaredLength(positions, sides, i, j), trust = std::max(radius[i], radius[j]);
+        cost = std::sqrt(squared) * (1.0 + kCostSlope * std::max(0.0, squared / (trust * trust) - 1.0));
+        return cost <= kLongestDetour * std::max(reach[i], reach[j]);
+      },
+      graph);
+  return graph;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,335 @@
+// Shortest paths around single points, and what follows from them for lists of neighbours and weights of links.
+#include "deformable_surface/cloud/geodesics.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "trust_radii.h"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+#include <string>
+#include <tuple>
+#include <utility>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 256;  // points per task: about a millisecond of work
+// Detour beyond which a point belongs to another part of the surface.
+constexpr double kApartDetour = 1.5 * kKeptDetour;
+// A list is filled up from so many times its length of points met: at a fold most of them belong to other sheets.
+constexpr std::size_t kMaxMet = 4;
+// A point is at a gap if so many among it and the nearest around it see others that are apart.
+constexpr int kMinSeeing = 3;
+constexpr Index kAround = 12;
+// The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.
+constexpr double kMarginQuantile = 0.05;
+
+// Numbers for the few points that one search meets, in the order in which they are met.
+class PointMap {
+ public:
+  PointMap() : table_(kSmallest, kNone) {}
+
+  void clear() {
+    std::fill(table_.begin(), table_.end(), kNone);
+    points_.clear();
+  }
+
+  // The number of the point, or -1.
+  Index find(Index point) const { return table_[findPlace(point)]; }
+
+  Index add(Index point) {
+    if (2 * (points_.size() + 1) > table_.size()) grow();
+    points_.push_back(point);
+    return table_[findPlace(point)] = static_cast<Index>(points_.size()) - 1;
+  }
+
+  const std::vector<Index>& points() const { return points_; }
+
+ private:
+  static constexpr Index kNone = -1;
+  static constexpr std::size_t kSmallest = 256;
+
+  std::size_t findPlace(Index point) const {
+    std::size_t place = static_cast<std::uint32_t>(point) * 2654435769u >> 7;  // Fibonacci hashing
+    for (place &= table_.size() - 1; table_[place] != kNone && points_[table_[place]] != point;) {
+      place = (place + 1) & (table_.size() - 1);
+    }
+    return place;
+  }
+
+  void grow() {
+    table_.assign(2 * table_.size(), kNone);
+    std::vector<Index> points;
+    points.swap(points_);
+    for (Index point : points) add(point);
+  }
+
+  std::vector<Index> table_;  // places, a power of two
+  std::vector<Index> points_;
+};
+
+// Dijkstra's search in the order of cost, ties by index.
+class Search {
+ public:
+  Search(const GeodesicGraph& graph, const Points& positions) : graph_(graph), positions_(positions) {}
+
+  // Calls visit(point, distance) for the points in the order of cost, the source first, until it returns false, or one is
+  // farther than reach.
+  template <class Visit>
+  void run(Index source, double reach, const Visit& visit) {
+    met_.clear();
+    states_.clear();
+    queue_.clear();
+    offer(source, 0.0, 0.0);
+    while (!queue_.empty()) {
+      const Index point = queue_.front().second;
+      std::pop_heap(queue_.begin(), queue_.end(), std::greater<Entry>());
+      queue_.pop_back();
+      State& state = states_[met_.find(point)];
+      if (state.settled) continue;
+      state.settled = true;
+      const double cost = state.cost, length = state.length;
+      const double distance = graph_.cost_is_distance ? cost : length;
+      if (!(distance <= reach) || !visit(point, distance)) return;
+      for (Index e = graph_.links.offsets[point]; e < graph_.links.offsets[point + 1]; ++e) {
+        const Index to = graph_.links.items[e];
+        offer(to, cost + graph_.cost[e], length + (positions_[to] - positions_[point]).norm());
+      }
+    }
+  }
+
+ private:
+  using Entry = std::pair<double, Index>;  // cost, point
+  struct State {
+    double cost, length;
+    bool settled;
+  };
+
+  void offer(Index point, double cost, double length) {
+    Index number = met_.find(point);
+    if (number < 0) {
+      number = met_.add(point);
+      states_.push_back({std::numeric_limits<double>::infinity(), 0.0, false});
+    }
+    State& state = states_[number];
+    if (!(std::tie(cost, length) < std::tie(state.cost, state.length))) return;
+    if (cost < state.cost) {
+      queue_.push_back({cost, point});
+      std::push_heap(queue_.begin(), queue_.end(), std::greater<Entry>());
+    }
+    state.cost = cost;
+    state.length = length;
+  }
+
+  const GeodesicGraph& graph_;
+  const Points& positions_;
+  PointMap met_;
+  std::vector<State> states_;
+  std::vector<Entry> queue_;
+};
+
+// True if paths over listed neighbours alone, taken nearest first, already show that none of them needs more than a detour: an
+// upper bound of the distances that is nearly always enough, at a fraction of a search.
+class QuickCheck {
+ public:
+  explicit QuickCheck(const GeodesicGraph& graph) : graph_(graph) {}
+
+  bool run(Index i, const Points& positions, const Index* begin, const Index* end, double max_detour) {
+    met_.clear();
+    for (const Index* j = begin; j != end; ++j) met_.add(*j);
+    bound_.assign(end - begin, std::numeric_limits<double>::infinity());
+    relax(i, 0.0);
+    for (std::size_t m = 0; m < bound_.size(); ++m) {
+      if (bound_[m] < std::numeric_limits<double>::infinity()) relax(begin[m], bound_[m]);
+    }
+    for (std::size_t m = 0; m < bound_.size(); ++m) {
+      if (!(bound_[m] <= max_detour * (positions[begin[m]] - positions[i]).norm())) return false;
+    }
+    return true;
+  }
+
+ private:
+  void relax(Index from, double cost) {
+    for (Index e = graph_.links.offsets[from]; e < graph_.links.offsets[from + 1]; ++e) {
+      const Index to = met_.find(graph_.links.items[e]);
+      if (to >= 0) bound_[to] = std::min(bound_[to], cost + graph_.cost[e]);
+    }
+  }
+
+  const GeodesicGraph& graph_;
+  PointMap met_;
+  std::vector<double> bound_;
+};
+
+// Of each point, length over trust radius of its nearest neighbour that is clearly apart; infinite if none is.
+std::vector<float> findApart(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides,
+                             const Lists& neighbors) {
+  const Index n = neighbors.size();
+  std::vector<float> apart(n, std::numeric_limits<float>::infinity());
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    QuickCheck check(graph);
+    Search search(graph, positions);
+    std::vector<Index> wanted, met;
+    for (Index i = begin; i < end; ++i) {
+      const Index *first = neighbors.begin(i), *last = neighbors.end(i);
+      if (first == last || (graph.cost_is_distance && check.run(i, positions, first, last, kApartDetour))) continue;
+      wanted.assign(first, last);
+      std::sort(wanted.begin(), wanted.end());
+      met.clear();
+      search.run(i, kApartDetour * (positions[last[-1]] - positions[i]).norm(), [&](Index point, double distance) {
+        if (distance <= kApartDetour * (positions[point] - positions[i]).norm() &&
+            std::binary_search(wanted.begin(), wanted.end(), point)) {
+          met.push_back(point);
+        }
+        return met.size() < wanted.size();
+      });
+      std::sort(met.begin(), met.end());
+      for (const Index* j = first; j != last; ++j) {
+        if (std::binary_search(met.begin(), met.end(), *j)) continue;
+        double ratio = 0.0;
+        if (!graph.trust_radius.empty()) {
+          ratio = std::sqrt(measureSquaredLength(positions, sides, i, *j)) /
+                  std::max(graph.trust_radius[i], graph.trust_radius[*j]);
+        }
+        apart[i] = std::min(apart[i], static_cast<float>(ratio));
+      }
+    }
+  });
+  return apart;
+}
+
+// True where some of the points around see others that are apart; fewer are a hole of the sampling.
+std::vector<char> findAtGap(const std::vector<float>& apart, const Lists& neighbors) {
+  const auto sees = [&](Index i) { return apart[i] < std::numeric_limits<float>::infinity() ? 1 : 0; };
+  std::vector<char> at_gap(apart.size());
+  for (Index i = 0; i < neighbors.size(); ++i) {
+    int count = sees(i);
+    const Index* last = neighbors.begin(i) + std::min(kAround, neighbors.count(i));
+    for (const Index* j = neighbors.begin(i); j != last; ++j) count += sees(*j);
+    at_gap[i] = count >= kMinSeeing;
+  }
+  return at_gap;
+}
+
+// What one block finds, for it is not known before how much that is.
+struct Found {
+  std::vector<Index> items;
+  Index num_refused = 0;
+};
+
+}  // namespace
+
+std::vector<double> findGeodesicDistances(const GeodesicGraph& graph, const Points& positions, const Lists& links,
+                                          double max_detour) {
+  const Index n = graph.links.size();
+  if (links.size() != n || static_cast<Index>(positions.size()) != n) {
+    throw InputError("findGeodesicDistances: " + std::to_string(links.size()) + " lists and " + std::to_string(positions.size()) +
+                     " positions on a graph of " + std::to_string(n) + " points; the three numbers must be equal");
+  }
+  std::vector<double> distance(links.items.size(), std::numeric_limits<double>::infinity());
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Search search(graph, positions);
+    std::vector<std::pair<Index, Index>> wanted;  // point, place in the lists
+    for (Index i = begin; i < end; ++i) {
+      wanted.clear();
+      for (Index e = links.offsets[i]; e < links.offsets[i + 1]; ++e) wanted.push_back({links.items[e], e});
+      std::sort(wanted.begin(), wanted.end());
+      std::size_t missing = wanted.size();
+      if (missing == 0) continue;
+      double longest = 0.0;
+      for (const auto& pair : wanted) longest = std::max(longest, (positions[pair.first] - positions[i]).norm());
+      search.run(i, max_detour * longest, [&](Index point, double d) {
+        auto w = std::lower_bound(wanted.begin(), wanted.end(), std::make_pair(point, Index{0}));
+        for (; w != wanted.end() && w->first == point; ++w, --missing) distance[w->second] = d;
+        return missing > 0;
+      });
+    }
+  });
+  return distance;
+}
+
+double weighDetour(double detour) {
+  const double t = std::min(std::max((detour - kFreeDetour) / (kLongestDetour - kFreeDetour), 0.0), 1.0);
+  return 1.0 - t * t * (3.0 - 2.0 * t);
+}
+
+std::vector<double> geodesicWeights(const GeodesicGraph& graph, const Points& positions, const Lists& links) {
+  std::vector<double> weight = findGeodesicDistances(graph, positions, links, kLongestDetour);
+  for (Index i = 0; i < links.size(); ++i) {
+    for (Index e = links.offsets[i]; e < links.offsets[i + 1]; ++e) {
+      const double length = (positions[links.items[e]] - positions[i]).norm();
+      weight[e] = length > 0.0 ? weighDetour(weight[e] / length) : 1.0;
+    }
+  }
+  return weight;
+}
+
+GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides,
+                                        Lists neighbors) {
+  const Index n = neighbors.size();
+  if (graph.links.size() != n || static_cast<Index>(positions.size()) != n) {
+    throw InputError("keepGeodesicNeighbors: " + std::to_string(n) + " lists and " + std::to_string(positions.size()) +
+                     " positions on a graph of " + std::to_string(graph.links.size()) +
+                     " points; the three numbers must be equal");
+  }
+  const std::vector<float> apart = findApart(graph, positions, sides, neighbors);
+  const std::vector<char> at_gap = findAtGap(apart, neighbors);
+  std::vector<Found> found((n + kBlock - 1) / kBlock);
+  std::vector<Index> count(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Found& out = found[begin / kBlock];
+    Search search(graph, positions);
+    std::vector<Neighbor> kept;
+    for (Index i = begin; i < end; ++i) {
+      const Index *first = neighbors.begin(i), *last = neighbors.end(i);
+      const std::size_t wanted = last - first;
+      if (!at_gap[i] || wanted == 0) {
+        out.items.insert(out.items.end(), first, last);
+        count[i] = neighbors.count(i);
+        continue;
+      }
+      kept.clear();
+      std::size_t met = 0;
+      const double reach = kKeptDetour * (positions[last[-1]] - positions[i]).norm();
+      search.run(i, kNoLimit, [&](Index point, double distance) {
+        if (point == i) return true;
+        const double squared = (positions[point] - positions[i]).squaredNorm();
+        if (distance * distance <= kKeptDetour * kKeptDetour * squared) kept.push_back({squared, point});
+        ++met;
+        return !(distance > reach && (kept.size() >= wanted || met >= kMaxMet * wanted));
+      });
+      std::sort(kept.begin(), kept.end());
+      for (const Index* j = first; j != last; ++j) {
+        const Neighbor listed{(positions[*j] - positions[i]).squaredNorm(), *j};
+        out.num_refused += !std::binary_search(kept.begin(), kept.end(), listed);
+      }
+      count[i] = static_cast<Index>(std::min(kept.size(), wanted));
+      for (Index m = 0; m < count[i]; ++m) out.items.push_back(kept[m].index);
+    }
+  });
+
+  GeodesicNeighbors result;
+  std::vector<float> gaps;
+  for (Index i = 0; i < n; ++i) {
+    if (at_gap[i] && apart[i] < std::numeric_limits<float>::infinity()) gaps.push_back(apart[i]);
+  }
+  result.num_at_gaps = static_cast<Index>(gaps.size());
+  if (!gaps.empty() && !graph.trust_radius.empty()) {
+    const auto quantile = gaps.begin() + static_cast<std::ptrdiff_t>(kMarginQuantile * gaps.size());
+    std::nth_element(gaps.begin(), quantile, gaps.end());
+    result.margin = *quantile;
+  }
+  result.lists = std::move(neighbors);
+  result.lists.items.clear();
+  for (const Found& part : found) {
+    result.num_refused += part.num_refused;
+    result.lists.items.insert(result.lists.items.end(), part.items.begin(), part.items.end());
+  }
+  for (Index i = 0; i < n; ++i) result.lists.offsets[i + 1] = result.lists.offsets[i] + count[i];
+  return result;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,192 @@
+// The lengths that hold a surface together around each point: from the minimum spanning tree, and from how points are surrounded.
+#include "trust_radii.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/links.h"
+#include "spanning_forest.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
+
+// A step off the mean tangent plane counts this much: a sheet half a spacing away is then beyond the trust radius with jitter,
+// too, while bends and noise of a tenth of the spacing are next to nothing. Chosen on stacked sheets and folded garments
+// (docs/geodesics.md).
+constexpr double kOffPlaneScale = 0.35;
+// The same between points whose oriented normals oppose each other: two sides of a body, however thin. More than rounding of
+// normals and positions, so that a wrongly flipped normal on a flat sheet does no harm.
+constexpr double kOppositeScale = 0.05;
+// Cosine of 60 degrees. Steeper bends from point to point do not tell which way unoriented normals belong together.
+constexpr double kBendCosine = 0.5;
+
+// Of the lengths around a point: the tenth above may be the few bridges between parts.
+constexpr double kTreeQuantile = 0.9;
+// The trust radius over that length. With less, jittered samplings lose links that are theirs; with more, narrower gaps are
+// bridged (docs/geodesics.md).
+constexpr double kTreeFactor = 1.16;
+// Widest angle (rad) without neighbours around a point that is surrounded: less than at a straight edge, and no less than a jittered
+// sampling leaves at its nearest neighbours.
+constexpr double kCoverGap = 2.8;
+// Of the lengths around a point: points at a gap or an edge are surrounded only from across it, if at all, so that all but the
+// shortest may be too long. A sampling that is denser in one direction has none that are short.
+constexpr double kCoverQuantile = 0.1;
+// More than this over the spanning tree's length is not a matter of direction.
+constexpr double kMaxCover = 2.0;
+// A link stretched more than this by its step off the plane does not count as surrounding.
+constexpr double kMaxCoverStretch = 2.0;  // of the squared length
+// Around a point: as many as lie within two spacings.
+constexpr Index kAround = 12;
+// Links of a point that are offered to the spanning tree: a hexagon's.
+constexpr Index kTreeLinks = 6;
+
+struct Link {
+  float squared_length;
+  Index i, j;
+  bool operator<(const Link& other) const {
+    return std::tie(squared_length, i, j) < std::tie(other.squared_length, other.i, other.j);
+  }
+};
+
+std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
+  const Index n = neighbors.size();
+  std::vector<std::size_t> first(n + 1, 0);
+  for (Index i = 0; i < n; ++i) first[i + 1] = first[i] + std::min(kTreeLinks, neighbors.count(i));
+  std::vector<Link> links(first[n]);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<Link> own;
+    for (Index i = begin; i < end; ++i) {
+      own.clear();
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        own.push_back({static_cast<float>(measureSquaredLength(positions, sides, i, *j)), std::min(i, *j), std::max(i, *j)});
+      }
+      const auto last = own.begin() + (first[i + 1] - first[i]);
+      if (last != own.end()) std::nth_element(own.begin(), last, own.end());
+      std::copy(own.begin(), last, links.begin() + first[i]);
+    }
+  });
+
+  // Union-find in which the smaller index is the root.
+  std::vector<Index> parent(n);
+  std::iota(parent.begin(), parent.end(), 0);
+  const auto findRoot = [&](Index i) {
+    while (parent[i] != i) i = parent[i] = parent[parent[i]];
+    return i;
+  };
+  std::vector<Link> tree;
+  tree.reserve(n);
+  visitSpanningForest(
+      links, n, [&](const Link& link) { return findRoot(link.i) == findRoot(link.j); },
+      [&](const Link& link) {
+        const Index a = findRoot(link.i), b = findRoot(link.j);
+        if (a == b) return;
+        parent[std::max(a, b)] = std::min(a, b);
+        tree.push_back(link);
+      });
+  return tree;
+}
+
+// Squared length at which neighbours, taken nearest first, leave no wide angle; infinite if they always do.
+// angles: scratch.
+float findSquaredCover(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, Index i,
+                       std::vector<double>& angles) {
+  constexpr double kFullTurn = 6.28318530717958648;
+  const TangentPlane plane(positions[i], sides.normals[i]);
+  double longest = 0.0;
+  angles.clear();
+  for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+    const double squared = measureSquaredLength(positions, sides, i, *j);
+    if (squared > kMaxCoverStretch * (positions[*j] - positions[i]).squaredNorm()) continue;
+    longest = std::max(longest, squared);
+    const Vec2 q = plane.project(positions[*j]);
+    const double angle = std::atan2(q.y(), q.x());
+    angles.insert(std::lower_bound(angles.begin(), angles.end(), angle), angle);
+    double widest = angles.front() + kFullTurn - angles.back();
+    for (std::size_t a = 1; a < angles.size(); ++a) widest = std::max(widest, angles[a] - angles[a - 1]);
+    if (widest <= kCoverGap) return static_cast<float>(longest);
+  }
+  return std::numeric_limits<float>::infinity();
+}
+
+// The value below which the share of values lies. values is reordered and not empty.
+float findQuantile(std::vector<float>& values, double share) {
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
+  return *at;
+}
+
+}  // namespace
+
+double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j) {
+  const Vec3 d = positions[j] - positions[i];
+  const double squared = d.squaredNorm();
+  if (sides.normals.empty()) return squared;
+  const double along_i = d.dot(sides.normals[i]), along_j = d.dot(sides.normals[j]);
+  const double cosine = sides.normals[i].dot(sides.normals[j]);
+  // The component along the mean normal: zero on any circular arc, for it rises at one end as much as it falls at the other.
+  const auto square = [](double x) { return x * x; };
+  const auto measureSame = [&] { return square(along_i + along_j) / (2.0 + 2.0 * cosine); };
+  const auto measureOpposite = [&] { return square(along_i - along_j) / (2.0 - 2.0 * cosine); };
+  double off_plane, scale = kOffPlaneScale;
+  if (cosine >= kBendCosine || (sides.oriented && cosine > -kBendCosine)) {
+    off_plane = measureSame();
+  } else if (cosine <= -kBendCosine) {
+    off_plane = measureOpposite();
+    if (sides.oriented) scale = kOppositeScale;
+  } else {
+    off_plane = std::min(measureSame(), measureOpposite());
+  }
+  // Rounding must not make a component longer than the whole.
+  return squared + std::min(off_plane, squared) * (1.0 / (scale * scale) - 1.0);
+}
+
+std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
+  const Index n = neighbors.size();
+  const std::vector<Link> tree = findSpanningTree(positions, sides, neighbors);
+
+  // The tree's links at each point.
+  std::vector<Index> offset(n + 1, 0);
+  for (const Link& link : tree) {
+    ++offset[link.i + 1];
+    ++offset[link.j + 1];
+  }
+  std::partial_sum(offset.begin(), offset.end(), offset.begin());
+  std::vector<float> squared(offset[n]);
+  std::vector<Index> next(offset.begin(), offset.end() - 1);
+  for (const Link& link : tree) squared[next[link.i]++] = squared[next[link.j]++] = link.squared_length;
+
+  std::vector<float> squared_cover(sides.normals.empty() ? 0 : n);
+  parallelFor(static_cast<Index>(squared_cover.size()), kBlock, [&](Index begin, Index end) {
+    std::vector<double> angles;
+    for (Index i = begin; i < end; ++i) squared_cover[i] = findSquaredCover(positions, sides, neighbors, i, angles);
+  });
+
+  std::vector<double> radius(n, 0.0);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<float> around;
+    for (Index i = begin; i < end; ++i) {
+      const Index* last = neighbors.begin(i) + std::min(kAround, neighbors.count(i));
+      around.assign(squared.begin() + offset[i], squared.begin() + offset[i + 1]);
+      for (const Index* j = neighbors.begin(i); j != last; ++j) {
+        around.insert(around.end(), squared.begin() + offset[*j], squared.begin() + offset[*j + 1]);
+      }
+      if (around.empty()) continue;
+      const double from_tree = kTreeFactor * std::sqrt(findQuantile(around, kTreeQuantile));
+      radius[i] = from_tree;
+      if (squared_cover.empty()) continue;
+      around.assign(1, squared_cover[i]);
+      for (const Index* j = neighbors.begin(i); j != last; ++j) around.push_back(squared_cover[*j]);
+      const double cover = std::sqrt(findQuantile(around, kCoverQuantile));
+      if (std::isfinite(cover)) radius[i] = std::max(from_tree, std::min(cover, kMaxCover * from_tree));
+    }
+  });
+  return radius;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,17 @@
+// How long a link counts when normals say which way the surface goes, and up to which length it is trusted: what the costs of the
+// geodesic graph are made of.
+#pragma once
+
+#include "deformable_surface/cloud/geodesics.h"
+
+namespace deformable_surface::cloud {
+
+/// The squared anisotropic length of a link (m^2), symmetric in its ends. See GeodesicGraph.
+double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j);
+
+/// (n) m: the larger of two lengths around each point. A little more than the ninth decile of the minimum spanning tree's links
+/// there; and, with normals, the first decile of the lengths at which points are surrounded by neighbours, at most twice the
+/// first: a sampling that is denser in one direction is held together across it. Parallel; O(n k).
+std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors);
+
+}  // namespace deformable_surface::cloud

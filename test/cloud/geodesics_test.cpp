@@ -1,0 +1,351 @@
+// What is close in space and far along the surface is not linked; what belongs together is.
+#include "deformable_surface/cloud/geodesics.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/geodesic_cells.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/cloud/rings.h"
+#include "deformable_surface/cloud/simplification.h"
+#include "gaps.h"
+#include "test_surfaces.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kListed = 32;  // twice the default k, as in a set-up
+
+// What is promised (docs/geodesics.md).
+constexpr double kLeastWithin = 0.95, kMostAcross = 0.02;
+
+Lists findWithin(const Points& points, double radius) {
+  const KdTree tree(points);
+  std::vector<Neighbor> found;
+  Lists lists;
+  for (Index i = 0; i < tree.size(); ++i) {
+    tree.withinRadius(points[i], radius, found);
+    for (const Neighbor& other : found)
+      if (other.index != i) lists.items.push_back(other.index);
+    lists.offsets.push_back(static_cast<Index>(lists.items.size()));
+  }
+  return lists;
+}
+
+Coupling couple(const Gapped& cloud, const Lists& links, const SurfaceSides& sides, const OrAuto<double>& geodesicness = {}) {
+  const GeodesicGraph graph = buildGeodesicGraph(cloud.positions, sides, links, geodesicness);
+  return measureCoupling(cloud, links, geodesicWeights(graph, cloud.positions, links));
+}
+
+SurfaceSides estimateSides(const Points& positions) {
+  return {estimateNormals(positions, nearestNeighbors(positions, kListed)), false};
+}
+
+TEST(Geodesics, BarsOneAndAHalfSpacingsApartAreToldApartWithAndWithoutJitter) {
+  for (double jitter : {0.0, 0.1, 0.2}) {
+    for (double gap : {1.5, 2.0, 2.5}) {
+      const Gapped bars = makeTwoBars(gap, jitter);
+      for (const SurfaceSides& sides : {SurfaceSides(), SurfaceSides{bars.normals, false}}) {
+        const Coupling coupling = couple(bars, findWithin(bars.positions, 3.0), sides);
+        EXPECT_GE(coupling.within, kLeastWithin) << "gap " << gap << ", jitter " << jitter;
+        EXPECT_LE(coupling.across, kMostAcross) << "gap " << gap << ", jitter " << jitter;
+      }
+    }
+  }
+}
+
+TEST(Geodesics, ThickBarsOneAndAHalfSpacingsApartAreToldApart) {
+  for (double jitter : {0.0, 0.2}) {
+    const Gapped bars = makeTwoBars(1.5, jitter, 3);
+    const Coupling coupling = couple(bars, findWithin(bars.positions, 3.0), {});
+    EXPECT_GE(coupling.within, kLeastWithin) << "jitter " << jitter;
+    EXPECT_LE(coupling.across, kMostAcross) << "jitter " << jitter;
+  }
+}
+
+TEST(Geodesics, ANarrowingGapIsBridgedStepByStep) {
+  double last = 0.0;
+  double largest_step = 0.0;
+  for (double gap = 1.7; gap > 0.95; gap -= 0.05) {
+    double across = 0.0;
+    for (unsigned seed : {1u, 2u}) {
+      const Gapped bars = makeTwoBars(gap, 0.2, 1, seed);
+      across += 0.5 * couple(bars, findWithin(bars.positions, 3.0), {}).across;
+    }
+    // Other gaps are other clouds: pairs come and go at the radius, by a few per cent.
+    EXPECT_GE(across, last - 0.03) << "gap " << gap;
+    largest_step = std::max(largest_step, across - last);
+    last = across;
+  }
+  EXPECT_GT(last, 0.9);
+  EXPECT_LT(largest_step, 0.4) << "a twentieth of the spacing must not decide between apart and together";
+}
+
+TEST(Geodesics, SheetsHalfASpacingApartAreToldApartByTheirNormals) {
+  for (double jitter : {0.0, 0.2}) {
+    const Gapped stack = makeStack(2, 0.5, jitter, false);
+    const Lists links = nearestNeighbors(stack.positions, kListed);
+    const SurfaceSides estimated = estimateSides(stack.positions);
+    const Coupling coupling = couple(stack, links, estimated);
+    EXPECT_GE(coupling.within, kLeastWithin) << "jitter " << jitter;
+    EXPECT_LE(coupling.across, kMostAcross) << "jitter " << jitter;
+    EXPECT_GT(couple(stack, links, {}).across, 0.5) << "without normals nothing could tell";
+  }
+}
+
+TEST(Geodesics, SidesOfAThinBodyAreToldApartByOrientedNormalsAtATenthOfTheSpacing) {
+  const Gapped body = makeStack(2, 0.1, 0.1, true);
+  const Lists links = nearestNeighbors(body.positions, kListed);
+  const Coupling coupling = couple(body, links, {body.normals, true});
+  EXPECT_GE(coupling.within, kLeastWithin);
+  EXPECT_LE(coupling.across, kMostAcross);
+  EXPECT_GT(couple(body, links, {body.normals, false}).across, 0.5);
+}
+
+TEST(Geodesics, NormalsFlippedAtRandomDoNoHarm) {
+  const TestSurface sheet = makeSheet(40, 0.2);
+  const Lists links = nearestNeighbors(sheet.positions, kListed);
+  std::mt19937 random(1);
+  SurfaceSides flipped{sheet.normals, true};
+  for (Vec3& normal : flipped.normals)
+    if (random() & 1u) normal = -normal;
+  const auto weigh = [&](const SurfaceSides& sides) {
+    return geodesicWeights(buildGeodesicGraph(sheet.positions, sides, links, {}), sheet.positions, links);
+  };
+  const std::vector<double> found = weigh(flipped), expected = weigh({sheet.normals, true});
+  for (std::size_t e = 0; e < found.size(); ++e) ASSERT_NEAR(found[e], expected[e], 1e-9);
+}
+
+TEST(Geodesics, LeavesOfAFoldedSheetAreToldApartAndItsBendHolds) {
+  const Gapped fold = makeFold(1.5, 0.1);
+  const Lists links = nearestNeighbors(fold.positions, kListed);
+  const GeodesicGraph graph = buildGeodesicGraph(fold.positions, {fold.normals, false}, links, {});
+  const Coupling coupling = measureCoupling(fold, links, geodesicWeights(graph, fold.positions, links));
+  EXPECT_GE(coupling.within, kLeastWithin);
+  EXPECT_LE(coupling.across, kMostAcross);
+  Index components = 0;
+  labelComponents(buildRings(fold.positions, fold.normals,
+                             keepGeodesicNeighbors(graph, fold.positions, {fold.normals, false}, links).lists), components);
+  EXPECT_EQ(components, 1);
+}
+
+TEST(Geodesics, ListsOfSurfacesWithoutGapsStayAsTheyAre) {
+  for (const TestSurface& surface : {makeSheet(40), makeSheet(40, 0.1), makeSphere(2000), makeTorus(80, 32, 0.1), makeDisc(20)}) {
+    const Lists links = nearestNeighbors(surface.positions, kListed);
+    const SurfaceSides sides{estimateNormals(surface.positions, links), false};
+    const GeodesicNeighbors kept =
+        keepGeodesicNeighbors(buildGeodesicGraph(surface.positions, sides, links, {}), surface.positions, sides, links);
+    EXPECT_EQ(kept.num_refused, 0);
+    EXPECT_EQ(kept.lists.items, links.items);
+    EXPECT_EQ(kept.margin, kNoLimit);
+  }
+}
+
+TEST(Geodesics, ListsAtAGapAreFilledFromTheirOwnSide) {
+  const Gapped bars = makeTwoBars(2.0, 0.1);
+  const Lists links = nearestNeighbors(bars.positions, kListed);
+  const SurfaceSides sides{bars.normals, false};
+  const GeodesicNeighbors kept =
+      keepGeodesicNeighbors(buildGeodesicGraph(bars.positions, sides, links, {}), bars.positions, sides, links);
+  Index across = 0;
+  for (Index i = 0; i < kept.lists.size(); ++i) {
+    EXPECT_EQ(kept.lists.count(i), kListed);
+    for (const Index* j = kept.lists.begin(i); j != kept.lists.end(i); ++j) {
+      across += bars.is_asked[i] && bars.is_asked[*j] && bars.part[i] != bars.part[*j];
+    }
+  }
+  EXPECT_EQ(across, 0);
+  EXPECT_GT(kept.num_refused, 0);
+}
+
+TEST(Geodesics, MarginGrowsWithTheGap) {
+  double last = 0.0;
+  for (double gap : {1.5, 2.0, 2.5}) {
+    const Gapped bars = makeTwoBars(gap, 0.1);
+    const Lists links = nearestNeighbors(bars.positions, kListed);
+    const SurfaceSides sides{bars.normals, false};
+    const double margin =
+        keepGeodesicNeighbors(buildGeodesicGraph(bars.positions, sides, links, {}), bars.positions, sides, links).margin;
+    EXPECT_GT(margin, last + 0.2) << "gap " << gap;
+    EXPECT_LT(margin, gap) << "the trust radius is above the spacing";
+    last = margin;
+  }
+}
+
+TEST(Geodesics, UnitsDoNotMatter) {
+  const Gapped bars = makeTwoBars(1.5, 0.2);
+  Points millimetres = bars.positions;
+  for (Vec3& p : millimetres) p *= 1000.0;
+  const Lists links = nearestNeighbors(bars.positions, kListed);
+  for (const OrAuto<double>& geodesicness : {OrAuto<double>(), OrAuto<double>(15.0), OrAuto<double>(60.0)}) {
+    const std::vector<double> in_metres =
+        geodesicWeights(buildGeodesicGraph(bars.positions, {}, links, geodesicness), bars.positions, links);
+    const std::vector<double> in_millimetres =
+        geodesicWeights(buildGeodesicGraph(millimetres, {}, links, geodesicness), millimetres, links);
+    // Weights vary by about one per unit of detour; the trust radii come from float lengths.
+    for (std::size_t e = 0; e < in_metres.size(); ++e) ASSERT_NEAR(in_metres[e], in_millimetres[e], 1e-5);
+  }
+}
+
+TEST(Geodesics, AnExponentOfSixtyNeitherUnderflowsNorOverflows) {
+  // A chain of short hops around, a jump across: sixty powers of a micrometre are 1e-360.
+  Points points;
+  for (int i = 0; i <= 10; ++i) points.emplace_back(1e-6 * i, 0.0, 0.0);
+  for (int i = 1; i <= 2; ++i) points.emplace_back(1e-5, 1e-6 * i, 0.0);
+  for (int i = 10; i >= 0; --i) points.emplace_back(1e-6 * i, 3e-6, 0.0);
+  const Index last = static_cast<Index>(points.size()) - 1;
+  const Lists links = findWithin(points, 3.5e-6);
+  const GeodesicGraph graph = buildGeodesicGraph(points, {}, links, 60.0);
+  const std::vector<double> distance = findGeodesicDistances(graph, points, links);
+  Index asked = 0;
+  for (Index e = links.offsets[0]; e < links.offsets[1]; ++e) {
+    if (links.items[e] == last) {
+      EXPECT_NEAR(distance[e], 23e-6, 1e-12) << "the way round, hop by hop";
+      ++asked;
+    }
+    if (links.items[e] == 3) {
+      EXPECT_NEAR(distance[e], 3e-6, 1e-12);
+      ++asked;
+    }
+  }
+  EXPECT_EQ(asked, 2);
+}
+
+TEST(Geodesics, AnExponentOfOneGivesEuclideanDistances) {
+  const Gapped bars = makeTwoBars(1.5, 0.2);
+  const Lists links = nearestNeighbors(bars.positions, kListed);
+  const std::vector<double> distance =
+      findGeodesicDistances(buildGeodesicGraph(bars.positions, {}, links, 1.0), bars.positions, links);
+  for (Index i = 0; i < links.size(); ++i) {
+    for (Index e = links.offsets[i]; e < links.offsets[i + 1]; ++e) {
+      ASSERT_NEAR(distance[e], (bars.positions[links.items[e]] - bars.positions[i]).norm(), 1e-12);
+    }
+  }
+}
+
+TEST(Geodesics, DistancesAreThoseOfAllPathsOverTheGraph) {
+  // Floyd's algorithm on the graph's costs.
+  const Gapped bars = makeTwoBars(1.25, 0.2);
+  const Index n = 120;
+  const Points points(bars.positions.begin(), bars.positions.begin() + n);
+  const Lists links = nearestNeighbors(points, 12);
+  const GeodesicGraph graph = buildGeodesicGraph(points, {}, links, {});
+  std::vector<double> all(n * n, kNoLimit);
+  for (Index i = 0; i < n; ++i) {
+    all[i * n + i] = 0.0;
+    for (Index e = graph.links.offsets[i]; e < graph.links.offsets[i + 1]; ++e) all[i * n + graph.links.items[e]] = graph.cost[e];
+  }
+  for (Index m = 0; m < n; ++m)
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < n; ++j) all[i * n + j] = std::min(all[i * n + j], all[i * n + m] + all[m * n + j]);
+  const std::vector<double> distance = findGeodesicDistances(graph, points, links);
+  for (Index i = 0; i < n; ++i)
+    for (Index e = links.offsets[i]; e < links.offsets[i + 1]; ++e)
+      ASSERT_NEAR(distance[e], all[i * n + links.items[e]], 1e-12 * distance[e]);
+}
+
+TEST(Geodesics, EveryNumberOfThreadsGivesTheSameBits) {
+  const Gapped bars = makeTwoBars(1.4, 0.3, 3);
+  const auto run = [&](int threads) {
+    setNumThreads(threads);
+    const Lists links = nearestNeighbors(bars.positions, kListed);
+    const SurfaceSides sides{estimateNormals(bars.positions, links), false};
+    const GeodesicGraph graph = buildGeodesicGraph(bars.positions, sides, links, {});
+    const GeodesicNeighbors kept = keepGeodesicNeighbors(graph, bars.positions, sides, links);
+    const std::vector<double> weight = geodesicWeights(graph, bars.positions, links);
+    setNumThreads(0);
+    return std::make_tuple(graph.links.items, graph.cost, weight, kept.lists.items, kept.margin);
+  };
+  EXPECT_EQ(run(1), run(2));
+  EXPECT_EQ(run(1), run(5));
+}
+
+TEST(Geodesics, WeightsFallSmoothlyFromOneToNothing) {
+  EXPECT_EQ(weighDetour(1.0), 1.0);
+  EXPECT_EQ(weighDetour(kFreeDetour), 1.0);
+  EXPECT_NEAR(weighDetour(kKeptDetour), 0.5, 1e-15);
+  EXPECT_EQ(weighDetour(kLongestDetour), 0.0);
+  EXPECT_EQ(weighDetour(kNoLimit), 0.0);
+}
+
+TEST(Geodesics, WrongSizesAndExponentsAreRefused) {
+  const TestSurface sheet = makeSheet(5);
+  const Lists links = nearestNeighbors(sheet.positions, 8);
+  EXPECT_THROW(buildGeodesicGraph(sheet.positions, {Points(3, Vec3::UnitZ()), false}, links, {}), InputError);
+  EXPECT_THROW(buildGeodesicGraph(sheet.positions, {}, links, 0.5), InputError);
+  EXPECT_THROW(buildGeodesicGraph(sheet.positions, {}, links, std::nan("")), InputError);
+  EXPECT_THROW(findGeodesicDistances(GeodesicGraph(), sheet.positions, links), InputError);
+}
+
+// Bars whose gap is narrower than the spacing of the points that are left.
+struct Thinned {
+  Gapped bars = makeTwoBars(2.0, 0.1);
+  Lists neighbors;
+  std::vector<Index> kept;
+
+  Thinned() {
+    const Lists listed = nearestNeighbors(bars.positions, kListed);
+    const SurfaceSides sides{bars.normals, false};
+    neighbors = keepGeodesicNeighbors(buildGeodesicGraph(bars.positions, sides, listed, {}), bars.positions, sides, listed).lists;
+    const std::vector<char> is_corner = findBoundary(bars.positions, bars.normals, neighbors, kListed / 2).is_corner;
+    kept = simplify(bars.positions, bars.normals, kListed / 2, 60, {}, neighbors, is_corner, true).keepCount(60);
+  }
+};
+
+TEST(GeodesicCells, CoarsePointsOnBothSidesOfANarrowGapAreNoNeighbours) {
+  const Thinned thinned;
+  const GeodesicCells cells = findGeodesicCells(thinned.bars.positions, thinned.neighbors, thinned.kept, 16);
+  Index across = 0, within = 0;
+  for (Index a = 0; a < cells.neighbors.size(); ++a) {
+    for (const Index* b = cells.neighbors.begin(a); b != cells.neighbors.end(a); ++b) {
+      const Index i = thinned.kept[a], j = thinned.kept[*b];
+      if (!thinned.bars.is_asked[i] || !thinned.bars.is_asked[j]) continue;
+      ++(thinned.bars.part[i] == thinned.bars.part[j] ? within : across);
+    }
+  }
+  EXPECT_EQ(across, 0);
+  EXPECT_GT(within, 100);
+}
+
+TEST(GeodesicCells, PointsFollowTheirOwnSideOfANarrowGap) {
+  const Thinned thinned;
+  const GeodesicCells cells = findGeodesicCells(thinned.bars.positions, thinned.neighbors, thinned.kept, 16);
+  const Lists followed = findChosenNear(cells, thinned.bars.positions, 8);
+  Index across = 0;
+  for (Index i = 0; i < followed.size(); ++i) {
+    EXPECT_GE(followed.count(i), 3);
+    for (const Index* a = followed.begin(i); a != followed.end(i); ++a) {
+      const Index j = thinned.kept[*a];
+      across += thinned.bars.is_asked[i] && thinned.bars.is_asked[j] && thinned.bars.part[i] != thinned.bars.part[j];
+    }
+  }
+  EXPECT_EQ(across, 0);
+}
+
+TEST(GeodesicCells, WithoutGapsTheNearestInSpaceAreFound) {
+  const TestSurface sphere = makeSphere(3000);
+  const Lists neighbors = nearestNeighbors(sphere.positions, kListed);
+  const std::vector<Index> kept = simplify(sphere.positions, sphere.normals, 16, 300, {}).keepCount(300);
+  const GeodesicCells cells = findGeodesicCells(sphere.positions, neighbors, kept, 16);
+  EXPECT_EQ(cells.neighbors.items, nearestNeighbors(cells.chosen, 16).items);
+  const Lists followed = findChosenNear(cells, sphere.positions, 8);
+  const KdTree tree(cells.chosen);
+  std::vector<Neighbor> nearest;
+  for (Index i = 0; i < sphere.size(); ++i) {
+    tree.nearest(sphere.positions[i], 8, nearest);
+    for (Index m = 0; m < 8; ++m) ASSERT_EQ(followed.begin(i)[m], nearest[m].index);
+  }
+}
+
+TEST(GeodesicSimplification, WithoutGapsItIsThatOfSpace) {
+  const TestSurface sheet = makeSheet(50, 0.2);
+  const Lists neighbors = nearestNeighbors(sheet.positions, kListed);
+  const std::vector<char> is_corner = findBoundary(sheet.positions, sheet.normals, neighbors, 16).is_corner;
+  EXPECT_EQ(simplify(sheet.positions, sheet.normals, 16, 50, {}, neighbors, is_corner, true).removed,
+            simplify(sheet.positions, sheet.normals, 16, 50, {}, neighbors, is_corner, false).removed);
+}
+
+}  // namespace
+}  // namespace deformable_surface::cloud
