@@ -178,6 +178,8 @@ TEST(OrientedParticlesMaterial, SurfacesThatWouldCollapseAndParametersThatMakeNo
   p.exponents = Vec2(2.0, 1.0);
   p.cutoff = 4.0;
   EXPECT_THROW(makeModel(5, p), InputError);
+  for (double spacing : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN()})
+    EXPECT_THROW(OrientedParticles({}, {}, spacing, thickSheet(), {}), InputError) << spacing;
   EXPECT_TRUE(checkParams(OrientedParticlesParams{}).empty());
   const auto isRefused = [](const std::function<void(OrientedParticlesParams&)>& change) {
     OrientedParticlesParams params;

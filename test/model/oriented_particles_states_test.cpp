@@ -215,6 +215,21 @@ TEST(OrientedParticlesStates, StepsFromBrokenStatesEndFiniteOrAreRefusedWithTheS
   }
 }
 
+TEST(OrientedParticlesStates, WhatIsNotANumberIsNotTakenForOne) {
+  for (int kind = 0; kind < 3; ++kind) {
+    State s = hexagonalPatch(4, 4);
+    const double nan = std::numeric_limits<double>::quiet_NaN();
+    if (kind == 0) s.traits[5].temperature = nan;
+    if (kind == 1) s.orientations[5].x() = nan;
+    if (kind == 2) s.positions[5].z() = nan;
+    const OrientedParticles particles = makeModel(16, {});
+    Points forces, torques;
+    evaluate(particles, s, forces, torques);
+    EXPECT_FALSE(forces[5].allFinite()) << kind;
+    EXPECT_FALSE(std::isfinite(particles.elasticEnergy(s))) << kind;
+  }
+}
+
 TEST(OrientedParticlesStates, AHeapThatListsCannotHoldIsRefused) {
   const Index n = model::NeighborList::kMostNeighbors + 2;
   const OrientedParticles particles = makeModel(n, {});

@@ -60,6 +60,9 @@ double findRestSpacing(const PairPotentials& unit, bool is_row) {
 }  // namespace
 
 Lattice calibrateLattice(double spacing, const MaterialParams& material, const OrientedParticlesParams& params) {
+  if (!(spacing > 0.0 && spacing <= kMaxLength))
+    throw InputError("oriented_particles.spacing: found " + formatReal(spacing) + " m; accepted: above 0, to " +
+                     formatReal(kMaxLength) + " m");
   const bool is_row = params.mode == ParticleMode::kPlane;
   PairPotentials unit;
   unit.depth = unit.distance = 1.0;

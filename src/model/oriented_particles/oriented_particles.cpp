@@ -80,7 +80,8 @@ bool OrientedParticles::prepare(const State& state) const {
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const ParticleTraits& traits = state.traits[i];
-      const double strength = std::min(1.0, std::max(0.0, 1.0 - traits.temperature / params_.melting));
+      const double share = 1.0 - traits.temperature / params_.melting;
+      const double strength = share > 1.0 ? 1.0 : (share < 0.0 ? 0.0 : share);  // what is not a number stays that
       const Vec3 &p = state.positions[i], normal = normalOf(state.orientations[i]);
       Eigen::Map<Vec4>(packed_.places.data() + 4 * static_cast<std::ptrdiff_t>(i)) << p, strength;
       Eigen::Map<Vec4>(packed_.normals.data() + 4 * static_cast<std::ptrdiff_t>(i)) << normal, (traits.is_smooth ? 1.0 : 0.0);

@@ -19,7 +19,7 @@ struct Lattice {
 };
 
 /// The potentials with which the lattice has that spacing (m), Young's modulus times thickness and bending rigidity of the
-/// material, each times its weight. Throws InputError if the exponents and the cutoff let a surface collapse.
+/// material, each times its weight. Throws InputError if the exponents and the cutoff let a surface collapse, or for no spacing.
 Lattice calibrateLattice(double spacing, const MaterialParams& material, const OrientedParticlesParams& params);
 
 }  // namespace deformable_surface::model
