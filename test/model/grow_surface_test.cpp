@@ -1,4 +1,5 @@
-// Growth until it ends: sparse samples become closed surfaces, holes fill up to the limit, edges stay, limits are reported; real scans.
+// Growth until it ends: sparse samples become closed surfaces, holes fill up to the limit, edges stay, limits are reported;
+// real scans.
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 
 #include "deformable_surface/base/error.h"
@@ -15,7 +16,8 @@ namespace {
 // After growth no gap of d_max is left, so that this edge spans what there is.
 constexpr double kMaxEdge = 2.5;
 
-GrownSurface growFrom(const TestSurface& samples, double spacing, const GrowthParams& params, const Relaxation& relax = relaxNothing) {
+GrownSurface growFrom(const TestSurface& samples, double spacing, const GrowthParams& params,
+                      const Relaxation& relax = relaxNothing) {
   return growSurface(samples.positions, orientTo(samples.normals), spacing, params, relax);
 }
 
@@ -208,6 +210,69 @@ TEST(GrowSurface, DoesNotDependOnTheNumberOfThreads) {
 TEST(GrowSurface, PositionsWithoutOrientationsAreRefused) {
   EXPECT_THROW(growSurface({Vec3::Zero()}, {}, 0.1, {}, relaxNothing), InputError);
   EXPECT_TRUE(growSurface({}, {}, 0.1, {}, relaxNothing).positions.empty());
+}
+
+constexpr const char* kNoData = "no real data: set DEFORMABLE_SURFACE_DATA to its folder";
+
+TEST(GrowSurface, SparseSamplesOfARealScanBecomeASurfaceOfItsGenus) {
+  const TestSurface scan = readRealData("cgal_points/kitten.xyz");
+  if (scan.size() == 0) GTEST_SKIP() << kNoData;
+  // Every sample is at least twice the spacing from the others: they alone span nothing.
+  TestSurface samples;
+  for (Index i = 0; i < scan.size(); ++i) {
+    const auto isFar = [&](const Vec3& p) { return (p - scan.positions[i]).norm() >= 0.06; };
+    if (std::all_of(samples.positions.begin(), samples.positions.end(), isFar)) samples.add(scan.positions[i], scan.normals[i]);
+  }
+  const double spacing = 0.03;
+  const GrownSurface grown = growFrom(samples, spacing, upTo(5.0), makeRelaxation(spacing, 20));
+  EXPECT_EQ(grown.end, GrowthEnd::kNoRoom);
+  const ParticleTopology topology = measure(grown, spacing);
+  EXPECT_TRUE(topology.closed);
+  EXPECT_EQ(topology.components, 1);
+  EXPECT_EQ(topology.genus, 1);
+
+  // Off the scan's tangent planes: samples two to four spacings apart leave the tips of the ears to guesswork, and no more.
+  const cloud::KdTree tree(scan.positions);
+  std::vector<cloud::Neighbor> nearest;
+  double sum = 0.0;
+  for (const Vec3& p : grown.positions) {
+    tree.nearest(p, 1, nearest);
+    const Index i = nearest[0].index;
+    const double height = (p - scan.positions[i]).dot(scan.normals[i]);
+    sum += height * height;
+  }
+  EXPECT_LT(std::sqrt(sum / grown.positions.size()), 0.2 * spacing);
+}
+
+TEST(GrowSurface, FullySampledRealSphereStaysClosed) {
+  const TestSurface scan = readRealData("cgal_points/sphere_1k.xyz");
+  if (scan.size() == 0) GTEST_SKIP() << kNoData;
+  const double spacing = measureSpacing(scan);
+  const GrownSurface grown = growFrom(scan, spacing, upTo(4.0));
+  EXPECT_LT(grown.added.size(), 0.02 * scan.size());
+  const ParticleTopology topology = measure(grown, spacing);
+  EXPECT_TRUE(topology.closed);
+  EXPECT_EQ(topology.euler_characteristic, 2);
+  for (const NewParticle& p : grown.added) EXPECT_NEAR(p.position.norm(), 1.0, 0.02);  // the samples' radii are 0.983 to 1.008
+}
+
+TEST(GrowSurface, HolesOfARangeViewAreFilledUpToTheLimit) {
+  const TestSurface scan = readRealData("pcl_scans/bun0.pcd");
+  if (scan.size() == 0) GTEST_SKIP() << kNoData;
+  const double spacing = measureSpacing(scan);
+  const ParticleTopology before =
+      measureTopology(scan.size(), triangulateParticles(scan.positions, scan.normals, kMaxEdge * spacing));
+  const GrownSurface grown = growFrom(scan, spacing, upTo(2.5), makeRelaxation(spacing, 20));
+  EXPECT_EQ(grown.end, GrowthEnd::kNoRoom);
+  const ParticleTopology after = measure(grown, spacing);
+  EXPECT_GT(before.boundary_loops, 10);
+  EXPECT_LE(2 * after.boundary_loops, before.boundary_loops);
+  EXPECT_LE(after.isolated, before.isolated);
+  for (const NewParticle& p : grown.added) {
+    double nearest = HUGE_VAL;
+    for (const Vec3& q : scan.positions) nearest = std::min(nearest, (q - p.position).norm());
+    EXPECT_LT(nearest, 2.25 * spacing);  // no farther than rows of half the limit and one more may reach
+  }
 }
 
 }  // namespace

@@ -13,11 +13,13 @@ namespace {
 
 Vec3 normalOf(const NewParticle& particle) { return particle.orientation * Vec3::UnitZ(); }
 
-std::vector<NewParticle> stretch(const TestSurface& surface, double spacing, const GrowthParams& params = {}, char flag = kFillsGaps) {
+std::vector<NewParticle> stretch(const TestSurface& surface, double spacing, const GrowthParams& params = {},
+                                 char flag = kFillsGaps) {
   return proposeStretched(surface.positions, orientTo(surface.normals), std::vector<char>(surface.size(), flag), spacing, params);
 }
 
-std::vector<NewParticle> grow(const TestSurface& surface, double spacing, const GrowthParams& params = {}, char flag = kFillsGaps) {
+std::vector<NewParticle> grow(const TestSurface& surface, double spacing, const GrowthParams& params = {},
+                              char flag = kFillsGaps) {
   return proposeGrown(surface.positions, orientTo(surface.normals), std::vector<char>(surface.size(), flag), spacing, params);
 }
 
@@ -178,8 +180,8 @@ TEST(GrowingRule, PublishedExampleOfAnEdgeHasFourNeighborsAndAGapOfAStraightAngl
 }
 
 TEST(GrowingRule, FollowsTheCurvatureOfTheNeighborhood) {
-  // The rim of a spherical cap grows: new particles stay near the sphere though their neighbours are on one side only. Flat growth
-  // would leave it by r0^2 / 2R = 0.005.
+  // The rim of a spherical cap grows: new particles stay near the sphere though their neighbours are on one side only. Flat
+  // growth would leave it by r0^2 / 2R = 0.005.
   const TestSurface all = cloud::makeSphere(1600);
   const double spacing = measureSpacing(all);
   TestSurface cap;
@@ -258,8 +260,8 @@ TEST(Growth, ChainsStayInTheirPlane) {
   for (const NewParticle& p : ends) {
     EXPECT_EQ(p.position.y(), 0.0);
     EXPECT_NEAR(normalOf(p).y(), 0.0, 1e-15);
-    // The straight continuation would miss the circle by r0^2 / 2R = 0.02. Two particles in line tell their slope but for the few per
-    // cent that the fit takes for being unique, which counts twice: in the normal and in the height.
+    // The straight continuation would miss the circle by r0^2 / 2R = 0.02. Two particles in line tell their slope but for the
+    // few per cent that the fit takes for being unique, which counts twice: in the normal and in the height.
     EXPECT_NEAR(p.position.norm(), 1.0, 0.15 * 0.02);
   }
 }

@@ -1,5 +1,5 @@
-// A relaxation for the tests of growth, which needs no forces: particles push each other apart to the spacing, move along their normals
-// to where they are co-circular with their neighbours, and turn to the normals that mirror theirs.
+// A relaxation for the tests of growth, which needs no forces: particles push each other apart to the spacing, move along their
+// normals to where they are co-circular with their neighbours, and turn to the normals that mirror theirs.
 #pragma once
 
 #include "deformable_surface/cloud/kd_tree.h"

@@ -130,7 +130,9 @@ TEST(ParticleTriangles, SheetsThatFaceTheSameWayStaySeparateAtOneSpacing) {
 TEST(ParticleTriangles, SphereOfAnObtuseTrianglePassesThroughAllCorners) {
   // The longest edge's own sphere would contain nobody but the obtuse corner: the triangle would be accepted, and overlap others.
   TestSurface four;
-  for (const Vec3& p : {Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.5, 0.0), Vec3(0.0, -1.1, 0.0)}) four.add(p, Vec3::UnitZ());
+  for (const Vec3& p : {Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.5, 0.0), Vec3(0.0, -1.1, 0.0)}) {
+    four.add(p, Vec3::UnitZ());
+  }
   const std::vector<WeightedTriangle> triangles = triangulate(four, 10.0);
   expectManifold(four, triangles);
   ASSERT_EQ(triangles.size(), 2u);

@@ -15,7 +15,10 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
 
   const auto makeFlags = [&] {
     std::vector<char> flags;
-    for (Index r : row) flags.push_back(r < params.edge_rows ? kFillsGaps | kExtendsEdge : kFillsGaps);
+    for (Index r : row) {
+      const bool fills = r < params.edge_rows + 0.5 * params.max_gap + 1.0, extends = r < params.edge_rows;
+      flags.push_back((fills ? kFillsGaps : kGrowsNothing) | (extends ? kExtendsEdge : kGrowsNothing));
+    }
     return flags;
   };
   const auto add = [&](const NewParticle& particle) {

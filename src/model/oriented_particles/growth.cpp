@@ -17,8 +17,8 @@ constexpr double kPi = 3.14159265358979323846;
 // The gap between successive neighbours of a hexagonal arrangement.
 constexpr double kEvenGap = kPi / 3.0;
 
-// Cosine of the smallest angle at a new particle between its parent and the other side of the gap. In a hexagonal sheet with a hole
-// the ends of the edge on which the parent lies are at 120 and 150 degrees; the other side is beyond.
+// Cosine of the smallest angle at a new particle between its parent and the other side of the gap. In a hexagonal sheet with a
+// hole the ends of the edge on which the parent lies are at 120 and 150 degrees; the other side is beyond.
 constexpr double kAhead = -0.9;
 
 // Share of d / 2 that a wide pair keeps clear: d_min / 2 at the published d_max.
@@ -145,6 +145,7 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
       };
       if (std::any_of(scratch.near.begin(), scratch.near.end(), isInTheWay)) continue;
       const Placed placed = surface.place(middle, half, parents, scratch.found);
+      if (!surface.sees(i, placed) || !surface.sees(j, placed)) continue;
       if (!surface.isClear(placed.position, normal, min_clearance, parents, scratch.found)) continue;
       out.push_back({q.squared_distance, {placed.position, placed.orientation, {i, j}}});
     }
@@ -175,6 +176,7 @@ std::vector<NewParticle> proposeGrown(const Points& positions, const Orientation
       const Index parents[2] = {i, -1};
       Placed placed = surface.place(positions[i] + spacing * direction, spacing, parents, scratch.found);
       placed.position = positions[i] + spacing * (placed.position - positions[i]).normalized();
+      if (!surface.sees(i, placed)) continue;
       if (!surface.isClear(placed.position, normal, clearance, parents, scratch.found)) continue;
       out.push_back({0.0, {placed.position, placed.orientation, {i, -1}}});
     }

@@ -27,6 +27,12 @@ constexpr double kRidge = 0.01;
 // Sum of the x axes over the weights below which they do not agree on a direction.
 constexpr double kMinAxis = 0.1;
 
+bool see(const Vec3& position_i, const Vec3& normal_i, const Vec3& position_j, const Vec3& normal_j) {
+  if (!(normal_i.dot(normal_j) > 0.0)) return false;
+  const Vec3 mean = normal_i + normal_j, line = position_j - position_i;
+  return std::abs(mean.dot(line)) <= kMaxSlope * mean.norm() * line.norm();
+}
+
 const Points& checked(const Points& positions, const Orientations& orientations) {
   if (positions.size() != orientations.size()) {
     throw InputError("found " + std::to_string(positions.size()) + " positions and " + std::to_string(orientations.size()) +
@@ -49,10 +55,10 @@ LocalSurface::LocalSurface(const Points& positions, const Orientations& orientat
   for (const Eigen::Quaterniond& q : orientations) normals_.push_back(q * Vec3::UnitZ());
 }
 
-bool LocalSurface::sees(Index i, Index j) const {
-  if (!(normals_[i].dot(normals_[j]) > 0.0)) return false;
-  const Vec3 mean = normals_[i] + normals_[j], line = positions_[j] - positions_[i];
-  return std::abs(mean.dot(line)) <= kMaxSlope * mean.norm() * line.norm();
+bool LocalSurface::sees(Index i, Index j) const { return see(positions_[i], normals_[i], positions_[j], normals_[j]); }
+
+bool LocalSurface::sees(Index i, const Placed& placed) const {
+  return see(positions_[i], normals_[i], placed.position, placed.orientation * Vec3::UnitZ());
 }
 
 bool LocalSurface::isClear(const Vec3& point, const Vec3& normal, double radius, const Index (&parents)[2],

@@ -1,4 +1,5 @@
-// Components, boundary, Euler characteristic and genus of the triangles and links of particles, with the counting of cloud/rings.h.
+// Components, boundary, Euler characteristic and genus of the triangles and links of particles, with the counting of
+// cloud/rings.h.
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"

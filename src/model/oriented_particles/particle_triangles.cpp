@@ -13,15 +13,16 @@
 namespace deformable_surface::model {
 namespace {
 
-// Cosine of the angle between a triangle's plane and the tangent plane of a corner: the slope that links may have (cloud/links.h).
+// Cosine of the angle between a triangle's plane and the tangent plane of a corner: the slope that links may have
+// (cloud/links.h).
 constexpr double kMinAgreement = 0.5;
 
 // Share of a sphere's radius by which a particle may miss it and still count as lying on it: far above the rounding of float
 // coordinates, far below what tells one lattice from another.
 constexpr double kTie = 0.01;
 
-// Share of the radius that a particle may lie inside the sphere of a triangle which closes a gap. Where a surface is curved or noisy
-// the spheres of both pairs of triangles in a quadrilateral may contain its fourth corner, though by little.
+// Share of the radius that a particle may lie inside the sphere of a triangle which closes a gap. Where a surface is curved or
+// noisy the spheres of both pairs of triangles in a quadrilateral may contain its fourth corner, though by little.
 constexpr double kMaxDepth = 0.3;
 
 constexpr Index kBlock = 256;
@@ -50,7 +51,8 @@ Sphere findSphere(const Vec3& a, const Vec3& b, const Vec3& c) {
   return {a + to_center, to_center.norm()};
 }
 
-// Share of the radius that the deepest particle facing `normal` lies inside the sphere; negative if all are outside. Corners do not count.
+// Share of the radius that the deepest particle facing `normal` lies inside the sphere; negative if all are outside. Corners do
+// not count.
 template <std::size_t N>
 double findDepth(const Points& positions, const Points& normals, const Vec3& normal, const Sphere& sphere,
                  const std::vector<cloud::Neighbor>& near, const Index (&corners)[N]) {
@@ -118,7 +120,8 @@ class Candidates {
 // The triangles chosen so far, as the sectors that they cover at each corner.
 class Manifold {
  public:
-  Manifold(const Points& positions, const Points& normals) : positions_(positions), normals_(normals), sectors_(positions.size()) {}
+  Manifold(const Points& positions, const Points& normals)
+      : positions_(positions), normals_(normals), sectors_(positions.size()) {}
 
   // Adds the triangle unless it overlaps another at a corner, or has fewer edges in common with others than asked for.
   bool add(const Index (&corner)[3], int min_joined) {
@@ -130,7 +133,8 @@ class Manifold {
       sector[s] = {from, to, findAngle(plane, from), findAngle(plane, to)};
       if (!(sector[s].width() < 0.5 * kTwoPi)) return false;  // seen along this normal it is turned over
       for (const Sector& other : sectors_[at]) {
-        if (turn(sector[s].begin, other.begin) < sector[s].width() || turn(other.begin, sector[s].begin) < other.width()) return false;
+        if (turn(sector[s].begin, other.begin) < sector[s].width()) return false;
+        if (turn(other.begin, sector[s].begin) < other.width()) return false;
         joined += other.to == from;
       }
     }
@@ -202,7 +206,8 @@ std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const P
     std::sort(near.begin(), near.end(), [](const cloud::Neighbor& a, const cloud::Neighbor& b) { return a.index < b.index; });
     for (const cloud::Neighbor& q : near) {
       const Index j = q.index;
-      if (j <= i || !(normals[i].dot(normals[j]) > 0.0) || !cloud::isFlat(positions[j] - positions[i], normals[i], normals[j])) continue;
+      if (j <= i || !(normals[i].dot(normals[j]) > 0.0)) continue;
+      if (!cloud::isFlat(positions[j] - positions[i], normals[i], normals[j])) continue;
       const Sphere sphere{0.5 * (positions[i] + positions[j]), 0.5 * std::sqrt(q.squared_distance)};
       tree.withinRadius(sphere.center, sphere.radius, in_sphere);
       const Index ends[2] = {i, j};

@@ -1,4 +1,5 @@
-// Growing a surface through given particles: the two rules in turn until neither finds room, with the model's relaxation between them.
+// Growing a surface through given particles: the two rules in turn until neither finds room, with the model's relaxation between
+// them.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/growth.h"
@@ -7,8 +8,8 @@
 
 namespace deformable_surface::model {
 
-/// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. The rules assume that their surroundings
-/// are near equilibrium; doing nothing is allowed.
+/// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. The rules assume surroundings near
+/// equilibrium; doing nothing is allowed.
 using Relaxation = std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed)>;
 
 enum class GrowthEnd { kNoRoom, kMaxPasses, kMaxParticles };
@@ -21,12 +22,13 @@ struct GrownSurface {
   GrowthEnd end = GrowthEnd::kNoRoom;
 };
 
-/// Fits a surface to particles [Szeliski and Tonnesen 1991, sec. 7]. A pass applies the stretching rule, which interpolates; where it
-/// finds nothing at all, the growing rule. Particles of a row below params.edge_rows may grow into the open: given particles are row 0,
-/// one that grew is in the row after its parent's, one between two in the larger of theirs. Growth ends because rows are counted, what
-/// is added keeps its distance and a closed surface has no gaps; else at the stated maxima, and says so.
-/// Given particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow.
-/// Deterministic if relax is. Throws InputError.
+/// Fits a surface to particles [Szeliski and Tonnesen 1991, sec. 7]. A pass applies the stretching rule, which interpolates;
+/// where it finds nothing at all, the growing rule. Rows are counted: given particles are row 0, one that grew is in the row
+/// after its parent's, one between two in the larger of theirs. Rows below params.edge_rows grow into the open; particles fill
+/// gaps up to half of max_gap and one row beyond, which is as far as a gap's sides are from its middle. So growth ends: what is
+/// added is near the samples, keeps its distance, and a closed surface has no gaps; else it ends at the stated maxima, and says
+/// so. Given particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow. Deterministic
+/// if relax is. Throws InputError.
 GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
                          const Relaxation& relax);
 

@@ -1,5 +1,5 @@
-// Where a surface of oriented particles gets new ones: the stretching rule, the growing rule, and the place of a new particle on the
-// surface that its neighbourhood suggests. One pass each, as pure geometry: forces and time belong to the caller.
+// Where a surface of oriented particles gets new ones: the stretching rule, the growing rule, and the place of a new particle
+// on the surface that its neighbourhood suggests. One pass each, as pure geometry: forces and time belong to the caller.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -27,20 +27,20 @@ struct NewParticle {
 /// halfway between them if no other lies within d_min / 2 of it. Pairs farther apart than the published d_max of 2.5 spacings
 /// (params.max_gap above it) keep four fifths of d / 2 clear, which is no more than the published rule up to there: only the two
 /// sides of a gap are joined. The pair must see each other: normals less than 90 degrees apart, and their line at most 30 degrees
-/// from the plane of the mean normal. Of candidates closer than d_min / 2 to each other the one with the smaller d stays, then
-/// that with the smaller indices.
+/// from the plane of the mean normal; so must each of them and the new one. Of candidates closer than d_min / 2 to each other
+/// the one with the smaller d stays, then that with the smaller indices.
 ///
-/// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0. In the order of acceptance. Parallel; O(n (log n + k^2)) for k
-/// particles within max_gap. Throws InputError.
+/// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0. In the order of acceptance. Parallel; O(n (log n + k^2))
+/// for k particles within max_gap. Throws InputError.
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
                                           const std::vector<char>& flags, double spacing, const GrowthParams& params);
 
 /// The growing rule [sec. 7]: a particle with n_min to n_max neighbours (within neighbor_range, and seen) fills every gap between
-/// successive neighbours of theta_min to theta_max, seen along its normal, with round(gap / 60 degrees) - 1 particles at r0, evenly.
-/// Without a neighbour the gap is the full turn, from its x axis. A particle with kFillsGaps grows towards others within max_gap (the
-/// new one sees the two at an angle of 154 degrees or more), one with kExtendsEdge also into the open. What is closer than clearance to a particle is left out;
-/// of two that are so close to each other the one from the smaller index, then from the earlier gap, stays.
-/// In a chain the directions are the two of the curve, each open if it has no neighbour.
+/// successive neighbours of theta_min to theta_max, seen along its normal, with round(gap / 60 degrees) - 1 particles at r0,
+/// evenly. Without a neighbour the gap is the full turn, from its x axis. A particle with kFillsGaps grows towards others
+/// within max_gap (the new one sees the two at an angle of 154 degrees or more), one with kExtendsEdge also into the open. What
+/// is closer than clearance to a particle is left out; of two that are so close to each other the one from the smaller index,
+/// then from the earlier gap, stays. In a chain the directions are the two of the curve, each open if it has no neighbour.
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
                                       double spacing, const GrowthParams& params);
 

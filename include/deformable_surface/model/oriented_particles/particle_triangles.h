@@ -1,5 +1,5 @@
-// The triangles that oriented particles span, and what kind of surface they make of it. Particles have no connectivity of their own:
-// this is found anew from positions and normals whenever somebody wants to see or measure the surface.
+// The triangles that oriented particles span, and what kind of surface they make of it. Particles have no connectivity of their
+// own: this is found anew from positions and normals whenever somebody wants to see or measure the surface.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -10,24 +10,24 @@
 namespace deformable_surface::model {
 
 /// The surface triangulation of [Szeliski and Tonnesen 1991, sec. 5]: a triangle belongs to the surface if no other particle lies
-/// within its smallest circumscribing sphere. That is the smallest sphere through its three corners, centre in the triangle's plane,
-/// for obtuse triangles too: in the plane this is Delaunay's rule (the smallest sphere that merely contains an obtuse triangle is
-/// not: it accepts triangles that overlap). Only particles that face the triangle's way can be in the way, so that the two sides of
-/// something thin do not disturb each other.
+/// within its smallest circumscribing sphere. That is the smallest sphere through its three corners, centre in the triangle's
+/// plane, for obtuse triangles too: in the plane this is Delaunay's rule (the smallest sphere that merely contains an obtuse
+/// triangle is not: it accepts triangles that overlap). Only particles that face the triangle's way can be in the way, so that
+/// the two sides of something thin do not disturb each other.
 ///
-/// Further rules: no edge, and no sphere's radius, is longer than max_edge (m, > 0); the triangle's plane is at most 60 degrees from
-/// the tangent plane of each corner; triangles overlap at no corner, seen along its normal, so that they are a manifold. Among
-/// triangles that would overlap those with an empty sphere come first, then those with particles on the sphere (cocircular
-/// particles; the square of a grid gets one diagonal), then those that close a gap between others; equals in the order of their
-/// corners.
+/// Further rules: no edge, and no sphere's radius, is longer than max_edge (m, > 0); the triangle's plane is at most 60 degrees
+/// from the tangent plane of each corner; triangles overlap at no corner, seen along its normal, so that they are a manifold.
+/// Among triangles that would overlap those with an empty sphere come first, then those with particles on the sphere
+/// (cocircular particles; the square of a grid gets one diagonal), then those that close a gap between others; equals in the
+/// order of their corners.
 ///
-/// positions, normals (n x 3, unit). Corners are counter-clockwise seen from the tip of the normals, the smallest index first; all
-/// weights are 1; sorted by corners. Parallel but for the choice among overlapping triangles; O(n k^2) for k particles within
-/// max_edge. Throws InputError.
+/// positions, normals (n x 3, unit). Corners are counter-clockwise seen from the tip of the normals, the smallest index first;
+/// all weights are 1; sorted by corners. Parallel but for the choice among overlapping triangles; O(n k^2) for k particles
+/// within max_edge. Throws InputError.
 std::vector<WeightedTriangle> triangulateParticles(const Points& positions, const Points& normals, double max_edge);
 
-/// The links of particles in a plane curve ("chains", sec. 6): pairs (smaller index first, sorted) of at most max_edge (m) with no
-/// other particle within the sphere whose diameter they are, under the same rules for normals; the triangulation's rule, one
+/// The links of particles in a plane curve ("chains", sec. 6): pairs (smaller index first, sorted) of at most max_edge (m) with
+/// no other particle within the sphere whose diameter they are, under the same rules for normals; the triangulation's rule, one
 /// dimension lower.
 std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const Points& normals, double max_edge);
 
