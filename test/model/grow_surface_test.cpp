@@ -217,7 +217,7 @@ constexpr const char* kNoData = "no real data: set DEFORMABLE_SURFACE_DATA to it
 TEST(GrowSurface, SparseSamplesOfARealScanBecomeASurfaceOfItsGenus) {
   const TestSurface scan = readRealData("cgal_points/kitten.xyz");
   if (scan.size() == 0) GTEST_SKIP() << kNoData;
-  // Every sample is at least twice the spacing from the others: they alone span nothing.
+  // Every sample is at least twice the spacing from the others. Which samples these are matters (docs/oriented_particles.md).
   TestSurface samples;
   for (Index i = 0; i < scan.size(); ++i) {
     const auto isFar = [&](const Vec3& p) { return (p - scan.positions[i]).norm() >= 0.06; };
@@ -231,7 +231,7 @@ TEST(GrowSurface, SparseSamplesOfARealScanBecomeASurfaceOfItsGenus) {
   EXPECT_EQ(topology.components, 1);
   EXPECT_EQ(topology.genus, 1);
 
-  // Off the scan's tangent planes: samples two to four spacings apart leave the tips of the ears to guesswork, and no more.
+  // Distance from the scan's tangent planes, a tenth of that of the samples: they tell the curvature, not how it changes.
   const cloud::KdTree tree(scan.positions);
   std::vector<cloud::Neighbor> nearest;
   double sum = 0.0;

@@ -118,7 +118,8 @@ TEST(StretchingRule, DoesNotJoinTwoSheetsThatLieClose) {
       for (Vec3& n : other.normals) n *= side;
       both.append(other, Vec3(0.03, 0.02, 0.1 * distance));
       for (const NewParticle& p : stretch(both, 0.1)) {
-        EXPECT_LT(std::min(std::abs(p.position.z()), std::abs(p.position.z() - 0.1 * distance)), 1e-12) << distance << " " << side;
+        const double z = p.position.z();
+        EXPECT_LT(std::min(std::abs(z), std::abs(z - 0.1 * distance)), 1e-12) << distance << " " << side;
       }
     }
   }

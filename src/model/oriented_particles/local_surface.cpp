@@ -69,12 +69,14 @@ bool LocalSurface::isClear(const Vec3& point, const Vec3& normal, double radius,
   });
 }
 
-Placed LocalSurface::place(const Vec3& point, double scale, const Index (&parents)[2], std::vector<cloud::Neighbor>& found) const {
+Placed LocalSurface::place(const Vec3& point, double scale, const Index (&parents)[2],
+                           std::vector<cloud::Neighbor>& found) const {
   const auto isPart = [&](Index j) {
     return std::any_of(parents, parents + 2, [&](Index p) { return p >= 0 && (p == j || sees(p, j)); });
   };
   tree_.withinRadius(point, kReach * scale, found);
-  found.erase(std::remove_if(found.begin(), found.end(), [&](const cloud::Neighbor& q) { return !isPart(q.index); }), found.end());
+  const auto isNoPart = [&](const cloud::Neighbor& q) { return !isPart(q.index); };
+  found.erase(std::remove_if(found.begin(), found.end(), isNoPart), found.end());
   const auto weigh = [&](const cloud::Neighbor& q) { return std::exp(-q.squared_distance / (2.0 * scale * scale)); };
 
   Vec3 mean = Vec3::Zero();

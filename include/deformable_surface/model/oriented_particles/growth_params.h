@@ -23,17 +23,17 @@ struct GrowthParams {
 };
 
 inline void visit(Fields& fields, GrowthParams& p) {
-  fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "two particles at least this far apart get one between them");
+  fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "particles this far apart get one between them");
   fields.number("max_gap", p.max_gap, "spacings", between(1.0, 100.0), "the widest gap that is closed");
   fields.require(p.min_gap <= p.max_gap, "max_gap", "found less than min_gap; accepted: at least min_gap");
   fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours grow nothing");
   fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours grow nothing");
-  fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: at least as many");
-  fields.number("min_angle", p.min_angle, "rad", between(1.0, 6.2832), "smallest gap between successive neighbours that is filled");
-  fields.number("max_angle", p.max_angle, "rad", between(1.0, 6.2832), "largest gap between successive neighbours that is filled");
+  fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: as many or more");
+  fields.number("min_angle", p.min_angle, "rad", between(1.0, 6.2832), "smallest gap between successive neighbours to fill");
+  fields.number("max_angle", p.max_angle, "rad", between(1.0, 6.2832), "largest gap between successive neighbours to fill");
   fields.require(p.min_angle <= p.max_angle, "max_angle", "found less than min_angle; accepted: at least min_angle");
   fields.number("neighbor_range", p.neighbor_range, "spacings", between(1.0, 3.0), "up to which others count as neighbours");
-  fields.number("clearance", p.clearance, "spacings", between(0.3, 1.0), "what grows keeps this distance to every other particle");
+  fields.number("clearance", p.clearance, "spacings", between(0.3, 1.0), "what grows keeps this distance to all others");
   fields.integer("edge_rows", p.edge_rows, "", between(0, 1000),
                  "rows of particles that may grow at edges which face no other within max_gap");
   fields.integer("max_passes", p.max_passes, "", between(1, 10000), "growth ends after so many passes at the latest");
