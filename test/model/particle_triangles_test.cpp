@@ -96,6 +96,19 @@ TEST(ParticleTriangles, SpheresAreClosed) {
   }
 }
 
+TEST(ParticleTriangles, NoisySpheresAreClosed) {
+  for (unsigned seed = 1; seed <= 5; ++seed) {
+    TestSurface sphere = cloud::makeSphere(600);
+    const double spacing = measureSpacing(sphere);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shift(-0.2 * spacing, 0.2 * spacing);
+    for (Vec3& p : sphere.positions) {
+      for (int axis = 0; axis < 3; ++axis) p[axis] += shift(random);
+    }
+    expectTopology(sphere, 2.4 * spacing, 1, 0, 2);
+  }
+}
+
 TEST(ParticleTriangles, TorusHasAHandle) {
   for (double jitter : {0.0, 0.1, 0.2}) {
     const TestSurface torus = cloud::makeTorus(60, 24, jitter);
