@@ -16,7 +16,7 @@ constexpr double kLongest = 8.0, kShortest = 4.0;
 constexpr int kDirections = 8;  // along which waves are looked at, over half a turn
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws; see docs/accuracy_control.md.
-constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times, as the full cloud's forces peak higher than coarse ones
+constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times; the full cloud's forces peak higher
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
 

@@ -24,6 +24,8 @@ constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
 // The twin's distance, over the spacing, that ends the estimate. Smooth motions let the larger disturbance grow by a few times.
 constexpr double kChaoticDistance = 0.05;
+// And of a twin that takes halved steps of a method that damps, and is apart by what these change as well.
+constexpr double kChaoticDistanceHalved = 0.5;
 // The copies' sub-steps are never too many for Verlet where those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
 
@@ -53,9 +55,8 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   coarse.output.resample = false;
   const Index points = std::max(kCoarsestPoints, n / kRatio);
   RestSurface surface = buildCoarser(coarse, full, points);
-  const double spacing = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
-  disturbance_ = (is_simplified_ ? kDisturbance : kDisturbanceOfFull) * spacing;
-  chaotic_distance_ = kChaoticDistance * spacing;
+  spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
+  disturbance_ = (is_simplified_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
   std::vector<char> usable;
   for (Index i : surface.dense_index) {
@@ -125,22 +126,23 @@ void ErrorEstimator::setState(const model::State& state) {
   seen_.follows_verlet = followed_verlet;
 }
 
-// False if one of them took no sound step or cannot be compared.
+// False if one of them took no sound step.
 bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
+  if (seen_.steps++ == 0) seen_.follows_verlet = isDamping(type);
+  if (seen_.follows_verlet)
+    seen_.follows_verlet = verlet_->step().ok && verlet_->lastIntegrator() == IntegratorType::kVerlet;
   // Where Verlet's steps go wrong, auto rescues them.
   const bool is_verlet = type == IntegratorType::kVerlet;
   for (Simulation* copy : {shadow_.get(), twin_.get()}) copy->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
-  twin_->setFineness(is_verlet ? kFineness : 1);
+  seen_.is_halved = isDamping(type) && !seen_.follows_verlet;
+  twin_->setFineness(is_verlet || seen_.is_halved ? kFineness : 1);
   const StepOutcome shadow = shadow_->step(), twin = twin_->step();
-  if (!shadow.ok || !twin.ok) return false;
   if (shadow.notice.empty() && twin.notice.empty()) {
     seen_.substeps += substeps;
     seen_.shadow_substeps += shadow_->lastSubsteps();
     seen_.twin_substeps += twin_->lastSubsteps();
   }
-  if (seen_.steps++ == 0) seen_.follows_verlet = isDamping(type);
-  if (!seen_.follows_verlet) return !isDamping(type);
-  return verlet_->step().ok && verlet_->lastIntegrator() == IntegratorType::kVerlet;
+  return shadow.ok && twin.ok;
 }
 
 // Steps watch for dents as they grow, equilibria for what is past them.
@@ -150,12 +152,10 @@ bool ErrorEstimator::isDenting(const Points& positions, IntegratorType type) {
 
 std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps) {
   if (seen_.is_lost) return "";
+  const bool was_halved = seen_.is_halved;
   if (!stepCopies(type, substeps)) {
     seen_.is_lost = true;
-    return std::string("the error cannot be estimated until the next reset: ") +
-           (isDamping(type) ? "Verlet's steps, which show what the integrator damps, do not fit max_substeps on a quarter of "
-                              "the points either"
-                            : "a coarser copy could take no sound step");
+    return "the error cannot be estimated until the next reset: a coarser copy could take no sound step";
   }
 
   // How far the simulation is from its shadow at the points of both, and what is lost where the others follow these.
@@ -180,24 +180,32 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   hold(seen_.twin_distance, findLargestDistance(shadow, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;
-  seen_.is_chaotic = seen_.twin_distance > chaotic_distance_;
+  seen_.is_chaotic = seen_.twin_distance > (seen_.is_halved ? kChaoticDistanceHalved : kChaoticDistance) * spacing_;
   if (!seen_.has_dented && isDenting(positions, type)) {
     seen_.has_dented = true;
     return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
            "short for its points to show";
   }
+  if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
+    return "the error of the time steps is estimated from halved ones: Verlet's, which show what the integrator damps, do not fit "
+           "max_substeps on a quarter of the points either";
   if (!seen_.is_chaotic || was_chaotic) return "";
   return "the error cannot be estimated: two runs on a quarter of the points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }
 
-// Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps; else the errors of
-// shadow and twin are as the squares of their sub-steps.
+// Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps. Where Verlet's steps
+// do not fit, half of it is what the method differs by from itself in halved steps. Else the errors of shadow and twin are as
+// the squares of their sub-steps.
 double ErrorEstimator::measureTime(IntegratorType type) const {
   const Points& shadow = shadow_->state().positions;
   const double own = static_cast<double>(std::max<std::uint64_t>(1, seen_.substeps));
   const double coarse = seen_.substeps > 0 ? static_cast<double>(seen_.shadow_substeps) / own : 1.0;
-  if (isDamping(type)) return kDampingFactor * coarse * findLargestDistance(shadow, verlet_->state().positions);
+  if (isDamping(type)) {
+    const double error = seen_.is_halved ? 2.0 * findLargestDistance(shadow, twin_->state().positions)
+                                         : findLargestDistance(shadow, verlet_->state().positions);
+    return kDampingFactor * coarse * error;
+  }
   const double fine = seen_.substeps > 0 ? static_cast<double>(seen_.twin_substeps) / own : static_cast<double>(kFineness);
   return kVerletFactor * findLargestDistance(shadow, twin_->state().positions) / (1.0 / (coarse * coarse) - 1.0 / (fine * fine));
 }

@@ -62,6 +62,7 @@ class ErrorEstimator {
     std::uint64_t steps = 0;
     std::uint64_t substeps = 0, shadow_substeps = 0, twin_substeps = 0;  // in steps that all took as they meant to
     bool follows_verlet = false;                     // verlet_ has taken every step
+    bool is_halved = false;                          // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
   };
 
@@ -74,12 +75,12 @@ class ErrorEstimator {
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin
-  double chaotic_distance_ = 0.0;      // m, of the twin from the shadow
+  double spacing_ = 0.0;               // m, of the copies
   std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
   transfer::Transfer refine_;          // from the copies' points to the level's
 
-  // Copies of fewer points: one like the simulation; one from disturbed positions and, where the integrator is Verlet's, in finer
-  // sub-steps; and one that takes Verlet's steps beside an integrator that damps.
+  // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
+  // they fit; and one from disturbed positions and, where there is no such copy, in finer sub-steps.
   std::unique_ptr<Simulation> shadow_, twin_, verlet_;
 
   DentWatch dents_;

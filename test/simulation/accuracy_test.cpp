@@ -236,6 +236,44 @@ TEST(ErrorEstimate, GoesOnBitForBitFromASnapshot) {
   }
 }
 
+TEST(ErrorEstimate, OfImplicitStepsIsFromHalvedOnesWhereVerletsDoNotFitAndSaysSo) {
+  SceneParams p = saggingStrip(IntegratorType::kImplicit);
+  p.simplification.target_points = 150;
+  Simulation by_verlet(p, strip());
+  run(by_verlet, 30);
+  p.integrator.max_substeps = 1;
+  Simulation s(p, strip());
+  int times_said = 0;
+  for (int k = 0; k < 30; ++k) times_said += s.step().notice.find("halved") != std::string::npos;
+  EXPECT_EQ(times_said, 1);
+  EXPECT_EQ(s.stateHash(), by_verlet.stateHash());
+  // Two ways to the same error; each has a factor of safety of two.
+  EXPECT_GT(s.statistics().error_time, by_verlet.statistics().error_time / 2.0);
+  EXPECT_LT(s.statistics().error_time, by_verlet.statistics().error_time * 2.0);
+  EXPECT_LE(findLargestDistance(s.surface(false).positions, findTruth(p, strip())), s.statistics().error_estimate);
+}
+
+TEST(ErrorEstimate, SurvivesThatAutoLeavesVerlet) {
+  // The strip is pulled so hard that it gets too stiff for the sub-steps that are allowed.
+  SceneParams p = saggingStrip(IntegratorType::kAuto);
+  p.simplification.target_points = 150;
+  Simulation s(p, strip());
+  run(s, 2);
+  const Index before = static_cast<Index>(s.statistics().substeps);
+  p.integrator.max_substeps = before + 1;
+  p.forces.push_back({"pull", Vec3(0.5, 0.0, 0.0), Vec3(150.0, 0.0, 0.0), 0.1, 0.05, 1e300});
+  Simulation pulled(p, strip());
+  bool has_left = false;
+  for (int k = 0; k < 20; ++k) {
+    const simulation::StepOutcome outcome = pulled.step();
+    ASSERT_TRUE(outcome.ok) << outcome.problem;
+    has_left = has_left || outcome.notice.find("implicit is used") != std::string::npos;
+    EXPECT_EQ(outcome.notice.find("the error cannot be estimated"), std::string::npos) << outcome.notice;
+  }
+  EXPECT_TRUE(has_left);
+  EXPECT_TRUE(std::isfinite(pulled.statistics().error_estimate));
+}
+
 TEST(ErrorEstimate, BeginsAnewFromAGivenState) {
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.simplification.target_points = 150;
