@@ -234,9 +234,9 @@ void runCalibrationSection(const Options& options, Report& report) {
               " others flagged");
   const auto counts = std::count_if(truth_moved.begin(), truth_moved.end(), [](double x) { return x > kIsTruth; });
   report.note("the truth in twice as many sub-steps, " + std::to_string(truth_moved.size()) + " looks of every " +
-              std::to_string(kSample) + "th scene: it moves by " + show(findQuantile(truth_moved, 0.5)) + " of the error in the median, " +
-              show(findQuantile(truth_moved, 0.95)) + " at the 95th percentile, and by more than " + show(kIsTruth) + " at " +
-              std::to_string(counts) + " looks");
+              std::to_string(kSample) + "th scene: it moves by " + show(findQuantile(truth_moved, 0.5)) +
+              " of the error in the median, " + show(findQuantile(truth_moved, 0.95)) +
+              " at the 95th percentile, and by more than " + show(kIsTruth) + " at " + std::to_string(counts) + " looks");
   report.begin("calibration_chaotic", "Scenes counted apart, with the growth of a disturbance of the truth", {"scene", "growth"});
   for (const auto& scene : apart) report.add({scene.first, show(scene.second)});
   report.end();

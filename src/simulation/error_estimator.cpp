@@ -16,7 +16,7 @@ constexpr Index kRatio = 4;
 constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws by other seeds; see docs/accuracy_control.md.
-constexpr double kSpaceFactor = 1.75;  // also of what transfer loses
+constexpr double kSpaceFactor = 1.6;  // also of what transfer loses
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
 // The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
@@ -187,16 +187,16 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
            "short for its points to show";
   }
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
-    return "the error of the time steps is estimated from halved ones: Verlet's, which show what the integrator damps, do not fit "
-           "max_substeps on a quarter of the points either";
+    return "the error of the time steps is estimated from halved ones: Verlet's, which show what the integrator damps, do not "
+           "fit max_substeps on a quarter of the points either";
   if (!seen_.is_chaotic || was_chaotic) return "";
   return "the error cannot be estimated: two runs on a quarter of the points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }
 
-// Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps. Where Verlet's steps
-// do not fit, half of it is what the method differs by from itself in halved steps. Else the errors of shadow and twin are as
-// the squares of their sub-steps.
+// Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps. Where Verlet's do
+// not fit, half of it is what the method differs by from itself in halved steps. Else the errors of shadow and twin are as the
+// squares of their sub-steps.
 double ErrorEstimator::measureTime(IntegratorType type) const {
   const Points& shadow = shadow_->state().positions;
   const double own = static_cast<double>(std::max<std::uint64_t>(1, seen_.substeps));

@@ -38,7 +38,8 @@ struct Surface {
 };
 
 /// Everything that a simulation needs to go on from where it was, bit for bit: positions, velocities, steps, pins, gravity, forces with
-/// the points they took, what the integrator and the energy account remember, inserted points. Copies share it.
+/// the points they took, what the integrator and the energy account remember, inserted points, the error estimate with its copies.
+/// Copies of a snapshot share it.
 class Snapshot {
  public:
   Snapshot() = default;  // of nothing
@@ -75,9 +76,10 @@ class Simulation {
   /// cloud, material or way to step; a simulation made anew from the same cloud and scene is the same).
   void restore(const Snapshot& snapshot);
 
-  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. What the energy was before is
-  /// forgotten. Throws InputError, and changes nothing, on another number of points, on values that are not finite or beyond
-  /// any surface's (more than kMaxLength, a third of the speed of light), and on a velocity of a pinned point.
+  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. What the energy was before
+  /// is forgotten, and the error estimate begins anew at zero, for the state that was given. Throws InputError, and changes nothing,
+  /// on another number of points, on values that are not finite or beyond any surface's (more than kMaxLength, a third of the speed
+  /// of light), and on a velocity of a pinned point.
   void setState(const model::State& state);
 
   // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
