@@ -8,13 +8,28 @@
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
-#include "gaps.h"
+#include "support/gaps.h"
 #include "test_surfaces.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
+#include <cstdlib>
+#include <fstream>
+#include <map>
+#include <optional>
+#include <set>
+#include <sstream>
+
 namespace deformable_surface::cloud {
 namespace {
+
+using test::Coupling;
+using test::Gapped;
+using test::makeFold;
+using test::makeStack;
+using test::makeTwoBars;
+using test::measureCoupling;
 
 constexpr Index kListed = 32;  // twice the default k, as in a set-up
 
@@ -345,6 +360,108 @@ TEST(GeodesicSimplification, WithoutGapsItIsThatOfSpace) {
   const std::vector<char> is_corner = findBoundary(sheet.positions, sheet.normals, neighbors, 16).is_corner;
   EXPECT_EQ(simplify(sheet.positions, sheet.normals, 16, 50, {}, neighbors, is_corner, true).removed,
             simplify(sheet.positions, sheet.normals, 16, 50, {}, neighbors, is_corner, false).removed);
+}
+
+// A mesh of a real garment: its edges, and those across them, give the true distances.
+struct Garment {
+  Points positions, normals;
+  GeodesicGraph truth;
+};
+
+std::optional<Garment> readGarment(const std::string& name) {
+  const char* folder = std::getenv("DEFORMABLE_SURFACE_DATA");
+  std::ifstream file(std::string(folder ? folder : "") + "/" + name);
+  if (!folder || !file) return std::nullopt;
+  Garment garment;
+  std::vector<std::array<Index, 3>> faces;
+  for (std::string line; std::getline(file, line);) {
+    std::istringstream words(line);
+    std::string key;
+    words >> key;
+    if (key == "v") {
+      Vec3 p;
+      words >> p[0] >> p[1] >> p[2];
+      garment.positions.push_back(p);
+    } else if (key == "f") {
+      std::array<Index, 3> face{};
+      for (Index& corner : face) {
+        words >> key;
+        corner = std::stoi(key) - 1;
+      }
+      faces.push_back(face);
+    }
+  }
+  garment.normals.assign(garment.positions.size(), Vec3::Zero());
+  std::vector<std::set<Index>> linked(garment.positions.size());
+  std::map<std::pair<Index, Index>, Index> opposite;
+  for (const auto& face : faces) {
+    const Vec3 &a = garment.positions[face[0]], &b = garment.positions[face[1]], &c = garment.positions[face[2]];
+    for (int s = 0; s < 3; ++s) {
+      const Index i = face[s], j = face[(s + 1) % 3], k = face[(s + 2) % 3];
+      garment.normals[i] += (b - a).cross(c - a);
+      linked[i].insert(j);
+      linked[j].insert(i);
+      const auto [other, is_new] = opposite.emplace(std::minmax(i, j), k);
+      if (is_new) continue;
+      linked[k].insert(other->second);
+      linked[other->second].insert(k);
+    }
+  }
+  for (Vec3& normal : garment.normals) normal.normalize();
+  for (std::size_t i = 0; i < linked.size(); ++i) {
+    for (Index j : linked[i]) {
+      garment.truth.links.items.push_back(j);
+      garment.truth.cost.push_back((garment.positions[j] - garment.positions[i]).norm());
+    }
+    garment.truth.links.offsets.push_back(static_cast<Index>(garment.truth.links.items.size()));
+  }
+  return garment;
+}
+
+// Shares of the sixteen nearest that keep half of their weight: of those near on the mesh, and of those three times as far.
+Coupling measureKept(const Garment& garment, bool with_normals) {
+  const Lists links = nearestNeighbors(garment.positions, 16), listed = nearestNeighbors(garment.positions, kListed);
+  const std::vector<double> truth = findGeodesicDistances(garment.truth, garment.positions, links, 4.0);
+  const SurfaceSides sides = with_normals ? SurfaceSides{garment.normals, true} : estimateSides(garment.positions);
+  const std::vector<double> weight =
+      geodesicWeights(buildGeodesicGraph(garment.positions, sides, listed, {}), garment.positions, links);
+  Coupling kept, all;
+  for (Index i = 0; i < links.size(); ++i) {
+    for (Index e = links.offsets[i]; e < links.offsets[i + 1]; ++e) {
+      const double detour = truth[e] / (garment.positions[links.items[e]] - garment.positions[i]).norm();
+      if (detour < kFreeDetour) {
+        all.within += 1.0;
+        kept.within += weight[e] >= 0.5;
+      } else if (detour > 3.0) {
+        all.across += 1.0;
+        kept.across += weight[e] >= 0.5;
+      }
+    }
+  }
+  return {kept.within / all.within, kept.across / all.across};
+}
+
+TEST(GeodesicsOfGarments, LegsOfTrousersAreToldApart) {
+  const std::optional<Garment> trousers = readGarment("trousers_cc0/trousers_cc0_legs_close.obj");
+  if (!trousers) GTEST_SKIP() << "DEFORMABLE_SURFACE_DATA names no folder that holds the trousers";
+  const Coupling given = measureKept(*trousers, true);
+  EXPECT_GE(given.within, kLeastWithin);
+  EXPECT_LE(given.across, 0.03);
+  // The gap is one to three local spacings wide, and normals estimated across it tell less.
+  const Coupling estimated = measureKept(*trousers, false);
+  EXPECT_GE(estimated.within, kLeastWithin);
+  EXPECT_LE(estimated.across, 0.2);
+}
+
+TEST(GeodesicsOfGarments, FrontAndBackOfAShirtThatLiesFlatAreToldApart) {
+  const std::optional<Garment> shirt = readGarment("diffcloth_garments/tshirt1900-flattened.obj");
+  if (!shirt) GTEST_SKIP() << "DEFORMABLE_SURFACE_DATA names no folder that holds the shirt";
+  const Coupling given = measureKept(*shirt, true);
+  EXPECT_LE(given.across, kMostAcross);
+  EXPECT_GE(given.within, 0.88) << "seams and wrinkles turn by more than the sampling shows";
+  const Coupling estimated = measureKept(*shirt, false);
+  EXPECT_LE(estimated.across, kMostAcross);
+  EXPECT_GE(estimated.within, 0.8);
 }
 
 }  // namespace

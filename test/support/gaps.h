@@ -8,7 +8,7 @@
 #include <cmath>
 #include <random>
 
-namespace deformable_surface::cloud {
+namespace deformable_surface::test {
 
 struct Gapped {
   Points positions, normals;
@@ -124,4 +124,4 @@ inline Coupling measureCoupling(const Gapped& cloud, const Lists& links, const s
   return {sum.within / all.within, all.across > 0.0 ? sum.across / all.across : 0.0};
 }
 
-}  // namespace deformable_surface::cloud
+}  // namespace deformable_surface::test
