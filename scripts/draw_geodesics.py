@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""Draws what is left of the coupling within parts and across gaps, one panel a cloud, from the CSV of `scripts/benchmark --geodesics`.
+"""Draws what is left of the coupling within parts and across gaps, one panel a cloud, from the CSV of
+`scripts/benchmark --geodesics`.
   draw_geodesics.py geodesics_gaps.csv PICTURE.png"""
 import csv
 import sys
@@ -9,7 +10,7 @@ import matplotlib
 matplotlib.use("Agg")
 import matplotlib.pyplot as plt
 
-COLOURS = {"auto": "black", "4": "tab:orange", "8": "tab:red", "15": "tab:purple", "25": "tab:blue", "60": "tab:green"}
+COLOURS = {"auto": "black", "4": "tab:orange", "8": "tab:red", "15": "tab:purple", "25": "tab:blue"}
 JITTER = "0.2"  # the rows that are drawn; all are in the file
 
 
