@@ -294,6 +294,25 @@ TEST(Geodesics, WrongSizesAndExponentsAreRefused) {
   EXPECT_THROW(findGeodesicDistances(GeodesicGraph(), sheet.positions, links), InputError);
 }
 
+TEST(Geodesics, PointsInLineFarOutliersAndSinglePointsHaveDistances) {
+  Points points;
+  for (int i = 0; i < 40; ++i) points.emplace_back(0.1 * i, 0.0, 0.0);
+  points.emplace_back(1e5, 0.0, 0.0);
+  for (const OrAuto<double>& geodesicness : {OrAuto<double>(), OrAuto<double>(64.0)}) {
+    const Lists links = nearestNeighbors(points, 8);
+    const GeodesicGraph graph = buildGeodesicGraph(points, {}, links, geodesicness);
+    const std::vector<double> distance = findGeodesicDistances(graph, points, links);
+    for (Index e = links.offsets[5]; e < links.offsets[6]; ++e) {
+      EXPECT_NEAR(distance[e], 0.1 * std::abs(links.items[e] - 5), 1e-12);
+    }
+    for (double weight : geodesicWeights(graph, points, links)) EXPECT_TRUE(weight >= 0.0 && weight <= 1.0);
+    EXPECT_EQ(keepGeodesicNeighbors(graph, points, {}, links).lists.size(), 41);
+  }
+  const Points single(1, Vec3::Zero());
+  const Lists none = nearestNeighbors(single, 8);
+  EXPECT_EQ(keepGeodesicNeighbors(buildGeodesicGraph(single, {}, none, {}), single, {}, none).lists.count(0), 0);
+}
+
 // Bars whose gap is narrower than the spacing of the points that are left.
 struct Thinned {
   Gapped bars = makeTwoBars(2.0, 0.1);

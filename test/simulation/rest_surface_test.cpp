@@ -1,0 +1,88 @@
+// What is built on a cloud with a gap, by the way its neighbourhoods are chosen.
+#include "deformable_surface/io/shapes.h"
+#include "deformable_surface/simulation/rest_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::RestSurface;
+using simulation::SceneParams;
+
+// Bars of nine rows; three hundred simulation points are twice as far from each other as the points of the cloud.
+SceneParams makeScene(double gap, const OrAuto<double>& geodesicness) {
+  SceneParams scene;
+  scene.cloud.shape = simulation::CloudParams::Shape::kTwoBars;
+  scene.cloud.points = 1500;
+  scene.cloud.size = Vec2(1.0, 0.1);
+  scene.cloud.gap = gap;
+  scene.cloud.jitter = 0.1;
+  scene.simplification.target_points = 300;
+  scene.neighbors.geodesicness = geodesicness;
+  return scene;
+}
+
+RestSurface build(double gap, const OrAuto<double>& geodesicness) {
+  const SceneParams scene = makeScene(gap, geodesicness);
+  return simulation::buildRestSurface(scene, io::makeShape(scene.cloud));
+}
+
+// Ring links from one bar to the other, beyond the joint.
+int countAcross(const RestSurface& s) {
+  int count = 0;
+  for (Index i = 0; i < s.rings.ring.size(); ++i)
+    for (const Index* j = s.rings.ring.begin(i); j != s.rings.ring.end(i); ++j)
+      count += s.points[i].x() > 0.3 && s.points[i].z() * s.points[*j].z() < 0.0;
+  return count;
+}
+
+// Dense points of the lower bar that move when the upper one does, beyond the joint.
+int countCarriedAlong(const RestSurface& s) {
+  Points moved = s.points;
+  for (Vec3& p : moved)
+    if (p.z() > 0.0) p.y() += 1.0;
+  Points dense;
+  s.transfer.apply(moved, dense);
+  int count = 0;
+  for (std::size_t i = 0; i < dense.size(); ++i) {
+    const Vec3& rest = s.dense.positions[i];
+    count += rest.x() > 0.3 && rest.z() < 0.0 && (dense[i] - rest).norm() > 1e-6;
+  }
+  return count;
+}
+
+bool hasNoteOfGaps(const RestSurface& s) {
+  return std::any_of(s.notes.begin(), s.notes.end(), [](const std::string& note) { return note.find("gap") != std::string::npos; });
+}
+
+TEST(RestSurface, AGapNarrowerThanTheSimulationPointsAreApartStaysOpen) {
+  for (double gap : {0.02, 0.03}) {
+    const RestSurface s = build(gap, {});
+    EXPECT_EQ(countAcross(s), 0) << "gap " << gap;
+    EXPECT_EQ(countCarriedAlong(s), 0) << "gap " << gap;
+    EXPECT_FALSE(hasNoteOfGaps(s)) << "gap " << gap;
+  }
+}
+
+TEST(RestSurface, EuclideanNeighbourhoodsBridgeIt) {
+  const RestSurface s = build(0.02, 1.0);
+  EXPECT_GT(countAcross(s), 50);
+  EXPECT_GT(countCarriedAlong(s), 50);
+}
+
+TEST(RestSurface, CoarserCopiesKeepTheGapOpen) {
+  const SceneParams scene = makeScene(0.02, {});
+  const RestSurface s = simulation::buildRestSurface(scene, io::makeShape(scene.cloud), 100);
+  EXPECT_EQ(countAcross(simulation::buildCoarser(scene, s, 100)), 0);
+}
+
+TEST(RestSurface, AGapThatTheSamplingHardlyResolvesIsNoted) {
+  // 1.4 spacings.
+  EXPECT_TRUE(hasNoteOfGaps(build(0.0175, {})));
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
