@@ -328,6 +328,32 @@ TEST(Transfer, DoesNotDependOnTheNumberOfThreadsNorOnWantedNormals) {
   EXPECT_EQ(normals_one, normals_three);
 }
 
+TEST(Transfer, PointsFollowWhatTheyAreToldTo) {
+  // Two layers, each followed by its own: the other one moves and changes nothing.
+  const Surface dense = makeSheet(20, 1), coarse = makeSheet(6, 2);
+  Points both = coarse.positions;
+  for (const Vec3& p : coarse.positions) both.push_back(p + Vec3(0.0, 0.0, 0.01));
+  const std::vector<char> usable(both.size(), 1);
+  const Index num_below = static_cast<Index>(coarse.positions.size());
+  Lists followed;
+  for (std::size_t i = 0; i < dense.positions.size(); ++i) {
+    for (Index j = 0; j < 5; ++j) followed.items.push_back((static_cast<Index>(i) + 7 * j) % num_below);
+    followed.offsets.push_back(static_cast<Index>(followed.items.size()));
+  }
+  const Transfer transfer(dense.positions, dense.normals, both, usable, {}, &followed);
+  Points moved = both, now;
+  for (std::size_t j = num_below; j < moved.size(); ++j) moved[j].z() += 1.0;
+  transfer.apply(moved, now);
+  // Displacements are kept as float, less their mean of a half.
+  for (std::size_t i = 0; i < now.size(); ++i) EXPECT_LT((now[i] - dense.positions[i]).norm(), 1e-5);
+
+  Lists too_few = followed, wrong = followed;
+  too_few.offsets.pop_back();
+  EXPECT_THROW(Transfer(dense.positions, dense.normals, both, usable, {}, &too_few), InputError);
+  wrong.items[3] = static_cast<Index>(both.size());
+  EXPECT_THROW(Transfer(dense.positions, dense.normals, both, usable, {}, &wrong), InputError);
+}
+
 TEST(Transfer, RefusesWhatItCannotUse) {
   const Surface dense = makeSheet(4, 1), simulation = makeSheet(3, 2);
   const std::vector<char> usable(9, 1);
