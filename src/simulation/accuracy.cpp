@@ -150,7 +150,8 @@ RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& inpu
   const AccuracyParams& wish = params.accuracy;
   choice = AccuracyChoice{};
   choice.is_asked = wish.position_error > 0.0 || wish.step_budget > 0.0;
-  const Index coarsest = choice.is_asked || wish.estimate ? kCoarsestPoints : kMaxIndex;
+  const bool needs_coarser = choice.is_asked || wish.estimate || params.integrator.type == solve::IntegratorType::kStatic;
+  const Index coarsest = needs_coarser ? kCoarsestPoints : kMaxIndex;
   if (!choice.is_asked) return buildRestSurface(params, input, coarsest);
   RestSurface rest = buildRestSurface(params, input, coarsest, [&](const RestSurface& full) {
     if (wish.position_error > 0.0) return chooseByError(params, full, choice);

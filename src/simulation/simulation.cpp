@@ -17,6 +17,7 @@
 #include "accuracy.h"
 #include "deformed_surface.h"
 #include "error_estimator.h"
+#include "nested_start.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -255,6 +256,20 @@ struct Simulation::Impl {
     }
   }
 
+  // A first equilibrium is looked for from that of fewer points. Returns whether the state was changed.
+  bool beginNested() {
+    if (params.integrator.type != solve::IntegratorType::kStatic || system.isOriented() || steps > 0) return false;
+    if (pinned != rest.pinned || state.positions != rest.points) return false;
+    SceneParams scene = params;
+    scene.gravity = gravity.gravity;
+    scene.forces.clear();
+    for (const NamedForces::Named& force : forces.all()) scene.forces.push_back(force.params);
+    Points start = findNestedStart(scene, rest);
+    if (start.empty()) return false;
+    state.positions = std::move(start);
+    return true;
+  }
+
   // One step, in this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer,
   // normals, markers) is made when somebody asks for it.
   StepOutcome step() {
@@ -272,7 +287,13 @@ struct Simulation::Impl {
     if (!grips.isEmpty()) grip = updateGrips(now, dt);
     if (update.changed || grip.changed) march.loadsChanged();
 
-    const solve::TimeMarch::Outcome taken = march.step(now, state);
+    const bool is_nested = beginNested();
+    solve::TimeMarch::Outcome taken = march.step(now, state);
+    if (is_nested && !taken.ok) {
+      state.positions = rest.points;
+      march.restart();
+      taken = march.step(now, state);
+    }
     const solve::SolveReport& report = taken.report;
     outcome.notice = std::move(update.notice);
     for (const std::string& more : {news, grip.notice, taken.notice})
