@@ -32,7 +32,8 @@ void EnergyGuard::beginStep(const System& system, double time, const State& stat
 bool EnergyGuard::accepts(const System& system, double time, const State& state, double substep, double work,
                           const Allowance& allowance) {
   next_elastic_ = system.elasticEnergy(state);
-  const double moving = next_elastic_ + system.kineticEnergy(state);
+  kinetic_ = system.kineticEnergy(state);
+  const double moving = next_elastic_ + kinetic_;
   const double vibration = moving + system.storedEnergy(time, state);
   after_ = moving + system.loadPotential(time, state);
   const double gain = after_ - before_ - work;

@@ -16,6 +16,7 @@ constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last ret
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
 constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
 constexpr double kCalmSlow = 0.001;      // the same for outer steps, whose resonances then heat the surface by no more
+constexpr double kRest = 1e-6;           // of the same in motion: such a surface settles, and outer steps hold it off its balance
 constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
 constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
@@ -235,10 +236,10 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   most_inner_ = bold && memory_.cautious_slow == 0 ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
-  if (memory_.cautious_slow > 0) {
-    --memory_.cautious_slow;
-  } else if (!guard_.isCalm(kCalmSlow)) {
+  if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {
     memory_.cautious_slow = kCautious;
+  } else if (memory_.cautious_slow > 0) {
+    --memory_.cautious_slow;
   }
   if (bold && !(sound && guard_.isCalm(kCalm))) {
     most_inner_ = 1;

@@ -22,7 +22,8 @@ class KnownStep : public SlowerOscillators {
 };
 
 struct March {
-  explicit March(double stiffness) : model(stiffness), system(model, loads, held, 0.0), march(system, model, params) {}
+  explicit March(double stiffness, double damping = 0.0)
+      : model(stiffness), system(model, loads, held, damping), march(system, model, params) {}
 
   Index countSubsteps() { return march.step(0.0, state).report.substeps; }
 
@@ -63,6 +64,18 @@ TEST(TimeMarch, SlowForcesActInOuterStepsWhileTheEnergyIsCalm) {
   EXPECT_EQ(m.countSubsteps(), 12);
   EXPECT_EQ(m.model.evaluations, 13);
   EXPECT_EQ(m.model.slow_evaluations, 3);
+}
+
+TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheSurfaceSettlesSoThatItReachesItsBalance) {
+  March m(400.0, 40.0);
+  const ConstantField gravity(m.model.masses(), Vec3(0.0, 0.0, -9.81));
+  m.loads.push_back(&gravity);
+  m.model.change(0.001);
+  for (int k = 0; k < 300; ++k) m.countSubsteps();
+  const int before = m.model.slow_evaluations;
+  EXPECT_EQ(m.countSubsteps(), 12);
+  EXPECT_EQ(m.model.slow_evaluations - before, 12);
+  EXPECT_NEAR(m.state.positions[0].z(), -9.81 / 400.001, 1e-12);
 }
 
 TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheEnergyIsNotCalm) {

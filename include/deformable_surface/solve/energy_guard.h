@@ -52,6 +52,8 @@ class EnergyGuard {
   /// Whether the excess is at most this share of the energy in motion and stretch (beside the error of a first step), as accepts() saw
   /// it last.
   bool isCalm(double share) const { return excess_ <= share * next_.vibration + kick_; }
+  /// Whether the kinetic energy is at most this share of the same.
+  bool isNearRest(double share) const { return kinetic_ <= share * next_.vibration; }
   /// Takes what accepts() saw last as the state that the next step begins with.
   void commit();
 
@@ -64,7 +66,7 @@ class EnergyGuard {
  private:
   Memory memory_, next_;
   bool elastic_known_ = false;
-  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, excess_ = 0.0, kick_ = 0.0;
+  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, excess_ = 0.0, kick_ = 0.0, kinetic_ = 0.0;
   Points forces_;
 };
 
