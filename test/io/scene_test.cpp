@@ -118,7 +118,7 @@ TEST(ReadScene, AcceptsWhatItPrints) {
 
 TEST(ReadScene, NeedsAModelAndNothingElse) {
   ASSERT_EQ(problemsOf("duration: 1").size(), 1u);
-  EXPECT_EQ(problemsOf("duration: 1")[0], "model: missing; accepted: mass_spring");
+  EXPECT_EQ(problemsOf("duration: 1")[0], "model: missing; accepted: mass_spring, oriented_particles");
   EXPECT_EQ(problemOf(""), "accepted");
 }
 
@@ -205,11 +205,11 @@ TEST(ReadScene, RefusesWrongKinds) {
 }
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
-  for (const char* text : {"oriented_particles: {spin: 1.0}", "elastic_solid: {fill: true}",
+  for (const char* text : {"elastic_solid: {fill: true}",
                            "neighbors: {radius: 0.1}", "input: {policy: track}"}) {
     EXPECT_TRUE(contains(problemOf(text), "not built yet; accepted: ")) << text << ": " << problemOf(text);
   }
-  EXPECT_TRUE(contains(problemsOf("model: elastic_solid")[0], "not built yet; accepted: mass_spring"));
+  EXPECT_TRUE(contains(problemsOf("model: elastic_solid")[0], "not built yet; accepted: mass_spring, oriented_particles"));
   EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "no orientation"));
 }
 

@@ -67,6 +67,8 @@ TEST(OrientedParticlesMaterial, TheSpacingOfTheLatticeIsThatOfItsSums) {
   // Spacing over r0 with first neighbours alone, and with those within three r0, whose switch weakens the outer ones a little.
   OrientedParticlesParams p;
   EXPECT_NEAR(kSpacing / makeModel(1, p).lattice().pair.distance, 1.0, 1e-9);
+  p.exponents = Vec2(12.0, 6.0);
+  EXPECT_NEAR(kSpacing / makeModel(1, p).lattice().pair.distance, 1.0, 1e-9);
   p.cutoff = 3.0;
   EXPECT_NEAR(kSpacing / makeModel(1, p).lattice().pair.distance, 0.990626, 1e-3);
 }

@@ -27,9 +27,12 @@ double sumOfPublishedEnergies(const OrientedParticles& model, const State& s) {
       const double hotter = std::max({0.0, s.traits[i].temperature, s.traits[j].temperature});
       const double strength = std::max(0.0, 1.0 - hotter / model.params().melting);
       const double smooth = s.traits[i].is_smooth && s.traits[j].is_smooth ? 1.0 : 0.0;
-      sum += strength * (phi * on + smooth * psi *
-                                        (p.co_planarity * std::pow(ni.dot(r), 2) + p.co_normality * (ni - nj).squaredNorm() +
-                                         p.co_circularity * std::pow((ni + nj).dot(r), 2)));
+      // Heat takes what binds, not what keeps apart.
+      const double binding = d > p.distance ? phi * on : -p.depth;
+      sum += phi * on - (1.0 - strength) * binding;
+      sum += strength * smooth * psi *
+             (p.co_planarity * std::pow(ni.dot(r), 2) + p.co_normality * (ni - nj).squaredNorm() +
+              p.co_circularity * std::pow((ni + nj).dot(r), 2));
     }
   return sum;
 }

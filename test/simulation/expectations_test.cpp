@@ -53,9 +53,40 @@ TEST(Expectations, KnowEveryNameThatTheSchemaKnows) {
   SceneParams params = makeFallingSheet();
   params.cloud.shape = CloudParams::Shape::kSphere;
   Simulation simulation = runSteps(params, 1);
-  for (const std::string& name : expectQuantities()) EXPECT_NO_THROW(computeQuantity(name, simulation)) << name;
+  params.model = ModelKind::kOrientedParticles;
+  Simulation particles = runSteps(params, 1);
+  for (const std::string& name : expectQuantities()) {
+    // Each is one of the sphere or of its particles.
+    bool is_known = true;
+    try {
+      computeQuantity(name, simulation);
+    } catch (const InputError&) {
+      is_known = false;
+    }
+    if (!is_known) {
+      EXPECT_NO_THROW(computeQuantity(name, particles)) << name;
+    }
+  }
   EXPECT_THROW(computeQuantity("max_displacment", simulation), InputError);
   EXPECT_THROW(computeQuantity("state_hash", simulation), InputError);
+}
+
+TEST(Expectations, MeasureWhatKindOfSurfaceParticlesAre) {
+  SceneParams params = makeFallingSheet();
+  params.cloud.shape = CloudParams::Shape::kSphere;
+  params.cloud.points = 400;
+  params.simplification = {};
+  params.simplification.method = cloud::SimplificationMethod::kNone;
+  params.model = ModelKind::kOrientedParticles;
+  params.gravity.setZero();
+  Simulation sphere = runSteps(params, 1);
+  EXPECT_EQ(computeQuantity("components", sphere), 1.0);
+  EXPECT_EQ(computeQuantity("boundary_loops", sphere), 0.0);
+  EXPECT_EQ(computeQuantity("euler_characteristic", sphere), 2.0);
+  EXPECT_EQ(computeQuantity("isolated", sphere), 0.0);
+  EXPECT_EQ(computeQuantity("born", sphere), 0.0);
+  EXPECT_EQ(computeQuantity("gone", sphere), 0.0);
+  EXPECT_GE(computeQuantity("spacing_max", sphere), computeQuantity("spacing_mean", sphere));
 }
 
 TEST(Expectations, MeasureTheVolumeOfClosedSurfacesOnly) {

@@ -14,6 +14,9 @@ TEST(Tool, MovesStraightAndTurnsEvenlyBetweenWaypointsAndRestsOutside) {
   EXPECT_EQ(interpolate(path, 0.0).position, Vec3::Zero());
   EXPECT_EQ(interpolate(path, 9.0).position, Vec3(2.0, 0.0, 4.0));
   EXPECT_TRUE(interpolate(path, 2.0).position.isApprox(Vec3(1.0, 0.0, 2.0), 1e-15));
+  EXPECT_TRUE(tool::findMotion(path, 1.5).velocity.isApprox(Vec3(1.0, 0.0, 2.0), 1e-15));
+  EXPECT_TRUE(tool::findMotion(path, 1.5).angular_velocity.isApprox(Vec3(0.0, 0.0, 0.25 * M_PI), 1e-12));
+  EXPECT_TRUE(tool::findMotion(path, 3.0).velocity.isZero(0.0));
   const Vec3 x = interpolate(path, 1.5).orientation * Vec3::UnitX();
   EXPECT_NEAR(std::atan2(x.y(), x.x()), M_PI / 8.0, 1e-12);
 }
@@ -44,8 +47,14 @@ TEST(ToolParams, RefuseWhatIsNotATool) {
   bad.path[0].orientation = Vec4(0.0, 0.0, 0.0, 0.9);
   EXPECT_EQ(problems(bad).size(), 1u);
   bad = good;
-  bad.friction = 0.3;
+  bad.friction = -0.3;
   EXPECT_EQ(problems(bad).size(), 1u);
+  bad = good;
+  bad.start = bad.end = 1.0;
+  EXPECT_EQ(problems(bad).size(), 1u);
+  bad = good;
+  bad.mode = tool::Mode::kAttract;  // without strength and reach
+  EXPECT_EQ(problems(bad).size(), 2u);
   bad = good;
   bad.shape.radius = 0.0;
   EXPECT_EQ(problems(bad).size(), 1u);
