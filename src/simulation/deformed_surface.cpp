@@ -18,7 +18,11 @@ const float kNaN = std::numeric_limits<float>::quiet_NaN();
 }  // namespace
 
 DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params)
-    : rest_(rest), input_(input), params_(params), first_input_(rest.dense.positions.size(), -1) {
+    : rest_(rest),
+      input_(input),
+      params_(params),
+      first_input_(rest.dense.positions.size(), -1),
+      is_direct_(rest.particles && rest.points.size() == rest.dense.positions.size()) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
 }
@@ -26,6 +30,7 @@ DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointClou
 void DeformedSurface::reset() {
   invalidate();
   ids_.clear();
+  point_of_id_.clear();
   survivors_.reset();
   if (!params_.output.resample) return;
   const cloud::Rings rings = cloud::buildRings(rest_.dense.positions, rest_.dense.normals, rest_.dense_neighbors);
@@ -56,10 +61,10 @@ void DeformedSurface::resample(const model::State& state) {
 const Surface& DeformedSurface::make(const model::State& state, bool with_normals) {
   with_normals = with_normals && params_.output.normals;
   if (is_made_ && (has_normals_ || !with_normals)) return surface_;
-  if (!state.traits.empty()) followPopulation(state);
+  if (rest_.particles) followPopulation(state);
   const transfer::Transfer& transfer = survivors_ ? *survivors_ : rest_.transfer;
-  const Points& positions = state.traits.empty() ? state.positions : first_positions_;
-  if (!state.traits.empty() && rest_.points.size() == rest_.dense.positions.size()) {
+  const Points& positions = !rest_.particles ? state.positions : first_positions_;
+  if (is_direct_) {
     takeParticles(state, with_normals);
   } else if (with_normals) {
     transfer.apply(positions, dense_now_, dense_normals_now_);
@@ -70,7 +75,7 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   if (resampler_) moveInserted(positions, with_normals);
   expand(with_normals);
   if (resampler_) appendInserted(with_normals);
-  if (!state.traits.empty()) appendNewborn(state, with_normals);
+  if (rest_.particles) appendNewborn(state, with_normals);
   is_made_ = true;
   has_normals_ = with_normals;
   return surface_;
@@ -80,24 +85,24 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
 // left around it, but goes with the particle that it is nearest to.
 void DeformedSurface::followPopulation(const model::State& state) {
   const Index first = static_cast<Index>(rest_.points.size());
-  bool is_same = ids_.size() == state.traits.size();
+  bool is_same = ids_.size() == state.traits.size() && static_cast<Index>(point_of_id_.size()) == state.next_id;
   for (std::size_t i = 0; is_same && i < ids_.size(); ++i) is_same = ids_[i] == state.traits[i].id;
   if (!is_same) {
-    Index highest = first - 1;
     ids_.clear();
+    point_of_id_.assign(state.next_id, kGone);
     for (const model::ParticleTraits& particle : state.traits) {
+      point_of_id_[particle.id] = static_cast<Index>(ids_.size());
       ids_.push_back(particle.id);
-      highest = std::max(highest, particle.id);
     }
-    point_of_id_.assign(std::max<std::size_t>(highest + 1, point_of_id_.size()), kGone);
-    for (Index i = 0; i < state.size(); ++i) point_of_id_[ids_[i]] = i;
 
     std::vector<char> is_left(first);
     for (Index id = 0; id < first; ++id) is_left[id] = point_of_id_[id] != kGone;
     const bool all_left = std::count(is_left.begin(), is_left.end(), 1) == first;
     is_gone_.assign(all_left ? 0 : rest_.dense.positions.size(), 0);
     survivors_.reset();
-    if (!all_left) {
+    if (!all_left && is_direct_) {
+      for (std::size_t d = 0; d < is_gone_.size(); ++d) is_gone_[d] = !is_left[d];
+    } else if (!all_left) {
       const cloud::KdTree tree(rest_.points);
       std::vector<cloud::Neighbor> nearest;
       for (std::size_t d = 0; d < is_gone_.size(); ++d) {
@@ -107,19 +112,12 @@ void DeformedSurface::followPopulation(const model::State& state) {
       survivors_ = std::make_unique<transfer::Transfer>(rest_.dense.positions, rest_.dense.normals, rest_.points, is_left,
                                                         params_.transfer);
     }
-    // Parents are born before their children.
-    source_of_id_.resize(first);
-    for (Index id = 0; id < first; ++id) source_of_id_[id] = first_input_[rest_.dense_index[id]];
-    source_of_id_.resize(point_of_id_.size(), 0);
-    for (const model::ParticleTraits& particle : state.traits)
-      if (particle.id >= first && particle.parents[0] != model::kNoParent) source_of_id_[particle.id] = source_of_id_[particle.parents[0]];
   }
   first_positions_ = rest_.points;
   for (Index id = 0; id < first; ++id)
     if (point_of_id_[id] != kGone) first_positions_[id] = state.positions[point_of_id_[id]];
 }
 
-// Where every point is a particle, nothing has to follow anything.
 void DeformedSurface::takeParticles(const model::State& state, bool with_normals) {
   dense_now_ = first_positions_;
   if (!with_normals) return;
@@ -193,7 +191,8 @@ void DeformedSurface::appendNewborn(const model::State& state, bool with_normals
     const Index i = point_of_id_[id];
     surface_.positions.push_back(i == kGone ? Vec3::Constant(kNaN) : state.positions[i]);
     surface_.displacement.push_back(kNaN);
-    surface_.source.push_back(source_of_id_[id]);
+    const Index ancestor = i == kGone ? 0 : state.traits[i].ancestor;
+    surface_.source.push_back(first_input_[rest_.dense_index[ancestor]]);
     if (!with_normals) continue;
     const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(kNaN);
     surface_.normals.push_back(i == kGone ? nowhere : Eigen::Vector3f((state.orientations[i] * Vec3::UnitZ()).cast<float>()));

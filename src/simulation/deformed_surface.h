@@ -43,6 +43,7 @@ class DeformedSurface {
   const cloud::PointCloud& input_;
   const SceneParams& params_;
   std::vector<Index> first_input_;  // (dense) the first input point that each is
+  const bool is_direct_;            // every dense point is a particle: none has to follow others
 
   // Points inserted where the surface is stretched.
   std::unique_ptr<transfer::Resampler> resampler_;
@@ -53,7 +54,6 @@ class DeformedSurface {
   // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
   std::vector<Index> ids_;            // of the state that the rest below belongs to
   std::vector<Index> point_of_id_;    // its point now; -1: gone
-  std::vector<Index> source_of_id_;   // the input point whose other fields it takes
   std::vector<char> is_gone_;         // (dense) its particle is gone
   std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
   Points first_positions_;            // (m x 3) of the particles of the beginning

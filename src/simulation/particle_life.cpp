@@ -81,6 +81,7 @@ void ParticleLife::append(const model::NewParticle& particle, State& state) cons
   const Index a = particle.parents[0], b = particle.parents[1] >= 0 ? particle.parents[1] : a;
   model::ParticleTraits traits;
   traits.id = state.next_id++;
+  traits.ancestor = state.traits[a].ancestor;
   traits.parents[0] = state.traits[a].id;
   traits.parents[1] = particle.parents[1] >= 0 ? state.traits[b].id : model::kNoParent;
   traits.temperature = 0.5 * (state.traits[a].temperature + state.traits[b].temperature);

@@ -136,7 +136,7 @@ struct Simulation::Impl {
   // On the points that are there.
   void placeAnchors() {
     anchors = AnchorLoad(makeAnchors());
-    if (state.traits.empty()) return;
+    if (!rest.particles) return;
     std::vector<Index> index_of_id(state.next_id, -1);
     for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
     anchors.renumber(index_of_id);
@@ -173,7 +173,10 @@ struct Simulation::Impl {
     placeAnchors();
     if (rest.particles) {
       life = std::make_unique<ParticleLife>(*rest.particles);
-      if (params.oriented_particles.fit) fit(params.oriented_particles.growth);
+      if (params.oriented_particles.fit) {
+        const std::string news = fit(params.oriented_particles.growth).notice;
+        if (std::find(rest.notes.begin(), rest.notes.end(), news) == rest.notes.end()) rest.notes.push_back(news);
+      }
     }
     clampHeld();
     gravity.gravity = params.gravity;
@@ -471,7 +474,7 @@ void Simulation::restore(const Snapshot& snapshot) {
 }
 
 void Simulation::setState(const model::State& state) {
-  const std::size_t n = impl_->rest.points.size();
+  const std::size_t n = impl_->state.positions.size();
   if (state.positions.size() != n || state.velocities.size() != n)
     throw InputError("state: found " + std::to_string(state.positions.size()) + " positions and " +
                      std::to_string(state.velocities.size()) + " velocities; accepted: " + std::to_string(n) + " of each");

@@ -16,6 +16,7 @@ constexpr Index kNoParent = -1;
 struct ParticleTraits {
   double temperature = 0.0;                // K above ambient; weakens its bonds
   Index id = 0;                            // never used again, and never another's: the rank among the first ones, then by birth
+  Index ancestor = 0;                      // id of the one of the first ones that it comes from; its own if it is one
   Index parents[2] = {kNoParent, kNoParent};  // ids of those between which it was born
   bool is_smooth = true;                   // false: no force that keeps the surface flat acts on or from it (a crease)
 };

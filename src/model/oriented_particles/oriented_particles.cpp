@@ -56,7 +56,7 @@ void OrientedParticles::beginAtRest(State& state) {
       normal = normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ();
     }
     state.orientations[i] = turnFromZ(normal);
-    state.traits[i].id = static_cast<Index>(i);
+    state.traits[i].id = state.traits[i].ancestor = static_cast<Index>(i);
   }
   state.next_id = static_cast<Index>(n);
   adopt(state);
