@@ -1,4 +1,4 @@
-// The generated clouds: grids, flat, wavy or with a slit, and spheres or parts of them.
+// The generated clouds: grids, flat, wavy or with a slit, a lattice, a chain, and spheres or parts of them.
 #include "deformable_surface/io/shapes.h"
 
 #include "deformable_surface/base/error.h"
@@ -127,6 +127,39 @@ Points makeTwoBars(const simulation::CloudParams& params, Jitter& jitter) {
   return points;
 }
 
+/// Rows along x, every second one shifted by half a spacing and shorter by a point: all first neighbours are equally far, so that
+/// size[0] is kept and size[1] rounded to whole rows.
+Points makeLattice(const simulation::CloudParams& params, Jitter& jitter) {
+  const double length = params.size.x(), width = params.size.y(), row_share = 0.5 * std::sqrt(3.0);
+  const double spacing = findSpacing(params.points, 1e-6 * std::min(length, width), length + width,
+                                     [&](double h) { return (length / h + 0.5) * (width / (row_share * h) + 1.0); });
+  const Index nx = std::max(Index{2}, static_cast<Index>(std::lround(length / spacing)) + 1);
+  const double step = length / (nx - 1), row_step = row_share * step;
+  const Index ny = std::max(Index{2}, static_cast<Index>(std::lround(width / row_step)) + 1);
+  Points points;
+  for (Index j = 0; j < ny; ++j) {
+    const bool is_short = j % 2 == 1, is_end = j == 0 || j == ny - 1;
+    for (Index i = 0; i < nx - is_short; ++i) {
+      const bool is_side = !is_short && (i == 0 || i == nx - 1);
+      const double dx = jitter.draw(step), dy = jitter.draw(step);
+      points.emplace_back(-0.5 * length + step * (i + 0.5 * is_short) + (is_side ? 0.0 : dx),
+                          row_step * (j - 0.5 * (ny - 1)) + (is_end ? 0.0 : dy), 0.0);
+    }
+  }
+  return points;
+}
+
+Points makeChain(const simulation::CloudParams& params, Jitter& jitter) {
+  const double length = params.size.x();
+  Points points;
+  for (const double x : makeTicks(-0.5 * length, 0.5 * length, params.points)) {
+    const bool is_end = std::abs(x) == 0.5 * length;
+    const double dx = jitter.draw(length / (params.points - 1));
+    points.emplace_back(x + (is_end ? 0.0 : dx), 0.0, 0.0);
+  }
+  return points;
+}
+
 /// The unit vector (r cos(angle), r sin(angle), z), moved along its parallel and along its meridian.
 Vec3 makeDirection(double z, double angle, double east, double north) {
   const double r = std::sqrt(1.0 - z * z), c = std::cos(angle), s = std::sin(angle);
@@ -180,12 +213,18 @@ cloud::PointCloud makeShape(const simulation::CloudParams& params) {
   cloud::PointCloud cloud;
   switch (params.shape) {
     case Shape::kNone:
-      throw InputError("cloud.shape: found none; accepted: sheet, strip, sine, sphere, cap, two_bars");
+      throw InputError("cloud.shape: found none; accepted: sheet, strip, lattice, chain, sine, sphere, cap, two_bars");
     case Shape::kSheet:
       cloud.positions = makeSheet(params, -0.5 * params.size.x(), jitter);
       break;
     case Shape::kStrip:
       cloud.positions = makeSheet(params, 0.0, jitter);
+      break;
+    case Shape::kLattice:
+      cloud.positions = makeLattice(params, jitter);
+      break;
+    case Shape::kChain:
+      cloud.positions = makeChain(params, jitter);
       break;
     case Shape::kSine:
       cloud.positions = makeSine(params, jitter);

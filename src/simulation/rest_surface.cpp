@@ -215,6 +215,14 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
       throw InputError("oriented_particles.spacing: found auto, but the " + count(m, "points span no surface; accepted: a number"));
   }
   auto particles = std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles);
+  s.creased.assign(m, 0);
+  for (std::size_t c = 0; c < params.creases.size(); ++c) {
+    bool holds_any = false;
+    for (Index i = 0; i < m; ++i)
+      if (params.creases[c].region.contains(s.points[i])) s.creased[i] = holds_any = true;
+    if (!holds_any)
+      throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " + count(m, "particles at rest; accepted: a shape that holds at least one"));
+  }
   s.notes.push_back("oriented particles " + formatReal(particles->lattice().spacing) + " m apart");
   s.particles = particles.get();
   s.model = std::move(particles);

@@ -173,6 +173,7 @@ struct Simulation::Impl {
     placeAnchors();
     if (rest.particles) {
       life = std::make_unique<ParticleLife>(*rest.particles);
+      for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !rest.creased[i];
       if (params.oriented_particles.fit) {
         const std::string news = fit(params.oriented_particles.growth).notice;
         if (std::find(rest.notes.begin(), rest.notes.end(), news) == rest.notes.end()) rest.notes.push_back(news);

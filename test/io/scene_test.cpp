@@ -105,7 +105,10 @@ TEST(ReadScene, ReadsEveryField) {
 }
 
 TEST(ReadScene, AcceptsWhatItPrints) {
-  for (const SceneParams& params : {SceneParams(), read(kFullScene)}) {
+  const SceneParams creased = read("model: oriented_particles\ncreases: [{box: {min: [0, 0, 0], max: [1, 1, 1]}}]");
+  ASSERT_EQ(creased.creases.size(), 1u);
+  EXPECT_EQ(creased.creases[0].region.max, Vec3(1, 1, 1));
+  for (const SceneParams& params : {SceneParams(), read(kFullScene), creased}) {
     const std::string text = printScene(params);
     EXPECT_EQ(printScene(read(text)), text);
   }
@@ -239,6 +242,7 @@ TEST(ReadScene, HoldsRulesAmongFields) {
             "mass_spring.spring_constant: found 100.0 with stiffness: material; accepted: 0, or stiffness: uniform");
   EXPECT_EQ(problemOf("mass_spring: {damping: relative_velocity}\nmaterial: {spring_damping: 1e-4}"), "accepted");
   EXPECT_TRUE(contains(problemOf("mass_spring: {damping: relative_velocity}"), "which damps nothing; accepted: along_spring"));
+  EXPECT_TRUE(contains(problemOf("creases: [{sphere: {center: [0, 0, 0], radius: 1}}]"), "mass_spring has no orientation"));
   EXPECT_EQ(problemOf("pins: [{}]"), "pins[0]: found neither of box and sphere; accepted: one");
   EXPECT_EQ(problemOf("pins: [{box: {min: [0, 0, 0], max: [0, 0, 0]}, sphere: {center: [0, 0, 0], radius: 1}}]"),
             "pins[0]: found both of box and sphere; accepted: one");

@@ -146,6 +146,67 @@ TEST(Shapes, SeedsGiveTheSameNumbersEverywhere) {
   EXPECT_NEAR(first[1].x(), -0.5 + 1.0 / 3 + 0.5 / 3 * (2 * unit - 1), 1e-12);
 }
 
+TEST(Shapes, LatticeIsCentredAndAllFirstNeighboursAreEquallyFar) {
+  for (const Vec2& size : {Vec2(1, 1), Vec2(3, 1), Vec2(1, 7)}) {
+    CloudParams params = makeParams(Shape::kLattice, 900);
+    params.size = size;
+    const Points points = makeShape(params).positions;
+    EXPECT_NEAR(static_cast<double>(points.size()), 900.0, 60.0) << size.transpose();
+    const double spacing = points[1].x() - points[0].x();
+    Vec3 low = Vec3::Constant(INFINITY), high = -low;
+    std::size_t inside = 0, with_six = 0;
+    for (const Vec3& p : points) {
+      low = low.cwiseMin(p);
+      high = high.cwiseMax(p);
+      if (std::abs(p.x()) > 0.5 * size.x() - 0.9 * spacing || std::abs(p.y()) > 0.5 * size.y() - 1.4 * spacing) continue;
+      ++inside;
+      Index near = 0;
+      for (const Vec3& q : points) near += std::abs((q - p).norm() - spacing) < 1e-12;
+      with_six += near == 6;
+    }
+    EXPECT_GT(inside, 500u);
+    EXPECT_EQ(with_six, inside);
+    EXPECT_LT((low + high).norm(), 1e-12);
+    EXPECT_NEAR(high.x(), 0.5 * size.x(), 1e-12);
+    EXPECT_NEAR(high.y(), 0.5 * size.y(), 0.5 * spacing);  // half a row, and half of what it is more than that
+    EXPECT_EQ(high.z(), 0.0);
+  }
+}
+
+TEST(Shapes, JitterOfALatticeKeepsItsSides) {
+  CloudParams params = makeParams(Shape::kLattice, 400);
+  const Points rest = makeShape(params).positions;
+  params.jitter = 0.3;
+  const Points points = makeShape(params).positions;
+  ASSERT_EQ(points.size(), rest.size());
+  const double spacing = rest[1].x() - rest[0].x();
+  double largest = 0.0;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (std::abs(rest[i].x()) == 0.5) EXPECT_EQ(points[i].x(), rest[i].x());
+    if (rest[i].y() == rest.front().y() || rest[i].y() == rest.back().y()) EXPECT_EQ(points[i].y(), rest[i].y());
+    EXPECT_EQ(points[i].z(), 0.0);
+    largest = std::max(largest, (points[i] - rest[i]).cwiseAbs().maxCoeff());
+  }
+  EXPECT_LE(largest, 0.3 * spacing + 1e-12);
+  EXPECT_GT(largest, 0.25 * spacing);
+}
+
+TEST(Shapes, ChainRunsAlongXBetweenItsEnds) {
+  CloudParams params = makeParams(Shape::kChain, 21);
+  params.size = Vec2(2.0, 1.0);
+  for (const double jitter : {0.0, 0.3}) {
+    params.jitter = jitter;
+    const Points points = makeShape(params).positions;
+    ASSERT_EQ(points.size(), 21u);
+    EXPECT_EQ(points.front(), Vec3(-1, 0, 0));
+    EXPECT_EQ(points.back(), Vec3(1, 0, 0));
+    for (std::size_t i = 1; i < points.size(); ++i) {
+      EXPECT_EQ(points[i].tail<2>().norm(), 0.0);
+      EXPECT_NEAR(points[i].x() - points[i - 1].x(), 0.1, 0.2 * jitter + 1e-12);
+    }
+  }
+}
+
 TEST(Shapes, SineIsASheetWithACrestInTheMiddle) {
   CloudParams params = makeParams(Shape::kSine, 900);
   params.amplitude = 0.2;

@@ -276,5 +276,24 @@ TEST(Simulation, APinOnAPointThatBelongsToNoSurfaceIsNamed) {
   EXPECT_THROW(Simulation(p, cloud), InputError);
 }
 
+TEST(Simulation, CreasesAreUnorientedParticlesAlsoAfterAReset) {
+  SceneParams p;
+  p.model = simulation::ModelKind::kOrientedParticles;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.creases.resize(1);
+  p.creases[0].region.min = Vec3(0.45, -1.0, -1.0);
+  p.creases[0].region.max = Vec3(0.55, 1.0, 1.0);
+  Simulation s(p, sheetCloud(10));
+  for (const bool again : {false, true}) {
+    if (again) s.reset();
+    for (Index i = 0; i < s.state().size(); ++i) {
+      const double x = s.input().positions[i].x();
+      EXPECT_EQ(s.state().traits[i].is_smooth, !(x >= 0.45 && x <= 0.55)) << x;
+    }
+  }
+  p.creases[0].region.min.x() = p.creases[0].region.max.x() = 7.0;
+  EXPECT_THROW(Simulation(p, sheetCloud(10)), InputError);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

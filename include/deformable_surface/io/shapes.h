@@ -8,6 +8,8 @@ namespace deformable_surface::io {
 
 /// The cloud of params.shape, without normals:
 /// - sheet: a grid in z = 0 centred at the origin; strip: the same from x = 0 on; both nearly square, with points on all edges;
+/// - lattice: points about the origin in z = 0, each equally far from its six first neighbours;
+/// - chain: points in line along x about the origin;
 /// - sine: a sheet with z = amplitude cos(2 pi x / wavelength);
 /// - sphere: a Fibonacci sphere about the origin; cap: its lower part, with a ring of points on the rim;
 /// - two_bars: a plate in the x-z plane from x = 0 on with a slit, the gap, about z = 0, which is open at the larger x; the bars

@@ -31,6 +31,7 @@ struct RestSurface {
   transfer::Transfer transfer;
   std::vector<char> pinned;        // (m) by the scene's pins
   std::vector<char> pinned_turns;  // (m) those whose orientation is held too
+  std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another
   std::vector<std::string> notes;  // what a user should know: counts, rules, choices of auto
 };
 

@@ -33,11 +33,11 @@ constexpr char kToolModes[] = "found one that is not built for mass_spring; acce
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
-  enum class Shape { kNone, kSheet, kStrip, kSine, kSphere, kCap, kTwoBars };
+  enum class Shape { kNone, kSheet, kStrip, kLattice, kChain, kSine, kSphere, kCap, kTwoBars };
   std::string file;            // path or package://deformable_surface/...; .pcd .ply .xyz
   Shape shape = Shape::kNone;  // a generated one instead of a file
   Index points = 4096;         // >= 4
-  Vec2 size{1.0, 1.0};         // m: sheet and sine [x, y], strip [length, width], two_bars [length, height of one bar]
+  Vec2 size{1.0, 1.0};         // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
   double radius = 0.5;         // m, sphere and cap
   double angle = 1.0;          // rad, cap: from its lowest point to its rim
   double amplitude = 0.1;      // m, sine
@@ -58,6 +58,11 @@ struct AccuracyParams {
 struct PinParams {
   geometry::Region region;
   bool orientation = false;  // also clamp the tangent plane (models with orientation)
+};
+
+/// Particles whose rest position lies in the region are not smooth: only their spacing is kept, so that the surface can bend there.
+struct CreaseParams {
+  geometry::Region region;
 };
 
 /// A world spring [Su 2007, eq. 5]: F = stiffness (target - s) on the simulation point nearest to point at rest.
@@ -117,6 +122,7 @@ struct SceneParams {
   double viscous_drag = 0.0;      // N s/m per m^2, >= 0
   double pressure = 0.0;          // Pa
   std::vector<PinParams> pins;
+  std::vector<CreaseParams> creases;
   std::vector<AnchorParams> anchors;
   std::vector<ForceParams> forces;
   std::vector<tool::ToolParams> tools;
@@ -152,6 +158,8 @@ inline void visit(Fields& fields, CloudParams& p) {
                 {{"none", Shape::kNone},
                  {"sheet", Shape::kSheet},
                  {"strip", Shape::kStrip},
+                 {"lattice", Shape::kLattice},
+                 {"chain", Shape::kChain},
                  {"sine", Shape::kSine},
                  {"sphere", Shape::kSphere},
                  {"cap", Shape::kCap},
@@ -160,7 +168,8 @@ inline void visit(Fields& fields, CloudParams& p) {
   fields.require(p.file.empty() || p.shape == Shape::kNone, "shape", "found beside a file; accepted: one of the two");
   fields.integer("points", p.points, "", between(4, kMaxPoints), "shapes: how many points, about; the count made is printed");
   fields.vector("size", p.size, "m", between(1e-6, kMaxLength),
-                "sheet and sine: extent in x and y; strip: length and width; two_bars: length and the height of one bar");
+                "sheet, sine and lattice (the hexagonal one): extent in x and y; strip: length and width; chain: length along x; two_bars: "
+                "length and the height of one bar");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength), "sphere and cap: radius");
   fields.number("angle", p.angle, "rad", between(1e-3, 3.1), "cap: the lower part of a sphere, from its lowest point to its rim");
   fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength), "sine: height of the crests; one of them runs along x = 0");
@@ -186,8 +195,7 @@ inline void visit(Fields& fields, AccuracyParams& p) {
   fields.require(p.estimate || !(p.position_error > 0.0), "estimate", "found false beside a position_error; accepted: true");
 }
 
-inline void visit(Fields& fields, PinParams& p) {
-  geometry::Region& region = p.region;
+inline void visitRegion(Fields& fields, geometry::Region& region) {
   // Bounds of a box may lie far outside any cloud, to mean a half-space.
   const bool is_box = fields.begin("box", region.kind == geometry::Region::Kind::kBox, "");
   if (is_box) {
@@ -206,8 +214,14 @@ inline void visit(Fields& fields, PinParams& p) {
   }
   fields.require(is_box != is_sphere, "",
                  std::string("found ") + (is_box ? "both" : "neither") + " of box and sphere; accepted: one");
+}
+
+inline void visit(Fields& fields, PinParams& p) {
+  visitRegion(fields, p.region);
   fields.flag("orientation", p.orientation, "also clamp the tangent plane; needs a model with orientation");
 }
+
+inline void visit(Fields& fields, CreaseParams& p) { visitRegion(fields, p.region); }
 
 inline void visit(Fields& fields, AnchorParams& p) {
   fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
@@ -292,6 +306,9 @@ inline void visit(Fields& fields, SceneParams& p) {
   for (std::size_t i = 0; i < p.pins.size(); ++i)
     fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles, "pins[" + std::to_string(i) + "].orientation",
                    "found true, but mass_spring has no orientation; accepted: false");
+  fields.list("creases", p.creases, "Particles that lie in one of these at rest keep their spacing but no smoothness.");
+  fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
+                 "found some, but mass_spring has no orientation; accepted: none");
   fields.list("anchors", p.anchors, "World springs.");
   fields.list("forces", p.forces, "Named forces on the surface near a point.");
   std::set<std::string> ids;
