@@ -36,7 +36,7 @@ model::GrowthParams ParticleLife::growthParams() const {
   return growth;
 }
 
-// Cooling over the step, then what tools heat: they hold their temperature. A knife melts what it touches.
+// Cooling over the step, then what tools heat: they hold their temperature. A knife of no stated temperature melts what it touches.
 void ParticleLife::heat(double time, double step, const std::vector<ToolParams>& tools, State& state) const {
   for (model::ParticleTraits& particle : state.traits)
     if (particle.temperature > 0.0) particle.temperature = model_.coolDown(particle.temperature, step);
@@ -44,7 +44,7 @@ void ParticleLife::heat(double time, double step, const std::vector<ToolParams>&
     if (!tool::isActive(tool, time) || (tool.mode != Mode::kHeat && tool.mode != Mode::kCut)) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     const bool cuts = tool.mode == Mode::kCut;
-    const double temperature = cuts ? model_.params().melting : tool.strength;
+    const double temperature = cuts && !(tool.strength > 0.0) ? model_.params().melting : tool.strength;
     const double reach = cuts ? 0.5 * model_.lattice().spacing : 0.0;  // half a spacing: the particle as a disc
     for (Index i = 0; i < state.size(); ++i)
       if (distanceTo(tool, pose, state.positions[i]) <= reach)

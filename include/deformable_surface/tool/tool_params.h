@@ -25,7 +25,7 @@ struct ToolParams {
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
   double friction = 0.0;               // Coulomb's coefficient, >= 0: solid, cut
-  double strength = 0.0;               // attract: N/m; move: N at which the grip lets go, 0 = never; heat: K above ambient; all >= 0
+  double strength = 0.0;               // >= 0; attract: N/m; move: N at which the grip lets go, 0 = never; heat, cut: K above ambient
   double reach = 0.0;                  // m, > 0: attract: how far from its surface it is felt
   double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
   std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between and held outside
@@ -51,12 +51,13 @@ inline void visit(Fields& fields, ToolParams& p) {
                  {"cut", Mode::kCut},
                  {"heat", Mode::kHeat}},
                 "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
-                "begins; `erase` takes away what is inside; `cut` is solid and melts what it touches; `heat` warms what is inside "
+                "begins; `erase` takes away what is inside; `cut` is solid and heats what it touches; `heat` warms what is inside "
                 "(the last three: oriented particles)");
   fields.section("shape", p.shape, "One of sphere, box, cylinder, cone and plane (`plane: {}` is solid below z = 0 of the tool's frame).");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid and cut");
   fields.number("strength", p.strength, "", between(0.0, 1e12),
-                "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat: K above ambient");
+                "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat and cut: K above "
+                "ambient, with cut 0 = where bonds are gone");
   const bool needs_strength = p.mode == Mode::kAttract || p.mode == Mode::kHeat;
   fields.require(!needs_strength || p.strength > 0.0, "strength", "found 0, with which attract and heat do nothing; accepted: above 0");
   fields.number("reach", p.reach, "m", between(0.0, kMaxLength), "attract: how far from its surface it is felt");
