@@ -64,7 +64,8 @@ SignedDistance findSignedDistance(const Solid& solid, const Vec3& point) {
     case Solid::Kind::kCone: return fromProfile<3>({Vec2(0.0, -h), Vec2(r, -h), Vec2(0.0, h)}, point);
     case Solid::Kind::kPlane: break;
   }
-  return {point.z(), Vec3::UnitZ()};
+  const Vec3 normal = solid.normal.normalized();
+  return {normal.dot(point) - solid.offset, normal};
 }
 
 }  // namespace deformable_surface::geometry

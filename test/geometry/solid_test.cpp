@@ -62,6 +62,15 @@ TEST(Solid, KnownPointsHaveTheirDistance) {
   EXPECT_NEAR(findSignedDistance(make(Solid::Kind::kPlane), Vec3(3.0, 4.0, -0.1)).distance, -0.1, 1e-15);
 }
 
+TEST(Solid, APlaneLiesAcrossItsNormalAtItsOffset) {
+  Solid plane = make(Solid::Kind::kPlane);
+  plane.normal = Vec3(0.0, 3.0, 4.0);  // five long
+  plane.offset = 0.5;
+  // In units in the last place of numbers of about one.
+  EXPECT_NEAR(findSignedDistance(plane, Vec3(7.0, 1.0, 1.0)).distance, 0.6 + 0.8 - 0.5, 1e-15);
+  EXPECT_NEAR((findSignedDistance(plane, Vec3::Zero()).normal - Vec3(0.0, 0.6, 0.8)).norm(), 0.0, 1e-15);
+}
+
 TEST(Solid, TheMiddleOfASphereAndTheAxesHaveANormal) {
   for (Solid::Kind kind : kKinds)
     for (const Vec3& p : {Vec3(0.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.4), Vec3(0.0, 0.0, -0.4), Vec3(0.0, 0.0, 0.7)})

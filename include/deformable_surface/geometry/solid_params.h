@@ -5,14 +5,16 @@
 
 namespace deformable_surface::geometry {
 
-/// A solid about its own origin, as in shape_msgs/SolidPrimitive: cylinder and cone along z between -height/2 and height/2, the cone's tip
-/// at the larger z; the plane is the half-space z <= 0.
+/// A solid about its own origin, as in shape_msgs/SolidPrimitive: cylinder and cone along z between -height/2 and height/2, the
+/// cone's tip at the larger z; the plane is the half-space n . x <= offset |n| with the normal n, which points out of the solid.
 struct Solid {
   enum class Kind { kSphere, kBox, kCylinder, kCone, kPlane };
   Kind kind = Kind::kSphere;
   double radius = 0.1;            // m, > 0: sphere, cylinder, base of the cone
   double height = 0.1;            // m, > 0: cylinder, cone
   Vec3 size{0.1, 0.1, 0.1};       // m, > 0: edges of the box
+  Vec3 normal{0.0, 0.0, 1.0};     // of the plane, of any length but zero
+  double offset = 0.0;            // m: plane
 };
 
 inline void visit(Fields& fields, Solid& p) {
@@ -48,6 +50,11 @@ inline void visit(Fields& fields, Solid& p) {
   if (fields.begin("plane", p.kind == Kind::kPlane, "")) {
     ++given;
     p.kind = Kind::kPlane;
+    fields.vector("normal", p.normal, "", between(-1e6, 1e6), "points out of the solid; of any length but zero");
+    constexpr double kShortest = 1e-9;  // whose direction would be rounding
+    fields.require(p.normal.norm() > kShortest, "normal",
+                   "found a normal of length " + formatReal(p.normal.norm()) + "; accepted: one with a direction");
+    fields.number("offset", p.offset, "m", between(-1e6, 1e6), "of the plane from the tool's origin, along the normal");
     fields.end();
   }
   fields.require(given == 1, "", "found " + std::to_string(given) + " of sphere, box, cylinder, cone and plane; accepted: one");

@@ -53,7 +53,9 @@ inline void visit(Fields& fields, ToolParams& p) {
                 "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
                 "begins; `erase` takes away what is inside; `cut` is solid and heats what it touches; `heat` warms what is inside "
                 "(the last three: oriented particles)");
-  fields.section("shape", p.shape, "One of sphere, box, cylinder, cone and plane (`plane: {}` is solid below z = 0 of the tool's frame).");
+  fields.section("shape", p.shape,
+                 "One of sphere, box, cylinder, cone and plane (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
+                 "is up).");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid and cut");
   fields.number("strength", p.strength, "", between(0.0, 1e12),
                 "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat and cut: K above "
