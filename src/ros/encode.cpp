@@ -123,6 +123,11 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
   std::uint32_t point_step = floats_size;
   for (const char* name : {"awake", "pinned"})
     point_step = appendField(name, sensor_msgs::PointField::UINT8, 1, point_step, message.fields);
+  const std::uint32_t traits_offset = point_step;
+  if (!points.traits.empty()) {
+    point_step = appendFloats({"temperature"}, point_step, message.fields);
+    point_step = appendField("id", sensor_msgs::PointField::UINT32, 1, point_step, message.fields);
+  }
   setShape(m, 1, point_step, message);
   for (Index i = 0; i < m; ++i) {
     const Vec3 &p = points.positions[i], &normal = points.normals[i];
@@ -132,6 +137,11 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
     std::memcpy(point, floats, floats_size);
     point[floats_size] = points.awake[i] != 0;
     point[floats_size + 1] = points.pinned[i] != 0;
+    if (points.traits.empty()) continue;
+    const float temperature = float(points.traits[i].temperature);
+    const auto id = static_cast<std::uint32_t>(points.traits[i].id);
+    std::memcpy(point + traits_offset, &temperature, sizeof temperature);
+    std::memcpy(point + traits_offset + sizeof temperature, &id, sizeof id);
   }
   message.is_dense = true;
 }
@@ -143,7 +153,8 @@ void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msg
   simulation.model().computePointStrain(simulation.state(), strain);
   std::vector<char> awake = simulation.pinned();
   for (char& flag : awake) flag = !flag;
-  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned()},
+  encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned(),
+                          simulation.state().traits},
                          message);
 }
 

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace deformable_surface::node {
 namespace {
@@ -15,10 +16,19 @@ constexpr double kFullStrain = 0.1;
 constexpr double kFullDisplacementShare = 0.25;
 // Sizes as shares of the spacing: lines thin enough not to hide the surface, balls that do not touch.
 constexpr double kLineWidthShare = 0.05, kPinShare = 0.5;
+// Discs that nearly touch, and axes that do not reach the next particle.
+constexpr double kDiscShare = 0.45, kAxisShare = 0.4;
 // The longest arrow, as a share of the surface's extent.
 constexpr double kArrowShare = 0.3;
 // Shaft, head and head length as shares of an arrow's length.
 constexpr double kShaftShare = 0.05, kHeadShare = 0.12, kHeadLengthShare = 0.25;
+
+// The side of a cone in RViz's own primitives has about as many parts.
+constexpr int kConeSides = 24;
+// A plane is drawn as a plate of this share of its width: seen as a plane, and still with two sides.
+constexpr double kPlateShare = 1e-3;
+
+const Vec3 kNowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
 std_msgs::ColorRGBA makeColor(float r, float g, float b) {
   std_msgs::ColorRGBA color;
@@ -48,6 +58,79 @@ geometry_msgs::Point toPoint(const Vec3& p) {
   point.y = p.y();
   point.z = p.z();
   return point;
+}
+
+/// Corner k of n on the unit circle in the x-y plane.
+Vec3 onCircle(int k, int n) {
+  const double angle = 2.0 * M_PI * (k % n) / n;
+  return {std::cos(angle), std::sin(angle), 0.0};
+}
+
+std_msgs::ColorRGBA chooseColor(tool::Mode mode) {
+  switch (mode) {
+    case tool::Mode::kSolid: return makeColor(0.6f, 0.6f, 0.6f);
+    case tool::Mode::kAttract: return makeColor(0.2f, 0.4f, 0.9f);
+    case tool::Mode::kMove: return makeColor(0.2f, 0.8f, 0.3f);
+    case tool::Mode::kErase: return makeColor(0.9f, 0.9f, 0.9f);
+    case tool::Mode::kCut: return makeColor(0.9f, 0.8f, 0.1f);
+    case tool::Mode::kHeat: break;
+  }
+  return makeColor(0.9f, 0.3f, 0.1f);
+}
+
+void setPose(const tool::Pose& pose, Marker& marker) {
+  marker.pose.position = toPoint(pose.position);
+  marker.pose.orientation.x = pose.orientation.x();
+  marker.pose.orientation.y = pose.orientation.y();
+  marker.pose.orientation.z = pose.orientation.z();
+  marker.pose.orientation.w = pose.orientation.w();
+}
+
+void setScale(const Vec3& scale, Marker& marker) {
+  marker.scale.x = scale.x();
+  marker.scale.y = scale.y();
+  marker.scale.z = scale.z();
+}
+
+/// Makes the marker look like a tool at its pose.
+void setShape(const geometry::Solid& solid, const tool::Pose& pose, double extent, Marker& marker) {
+  using Kind = geometry::Solid::Kind;
+  const double width = 2.0 * solid.radius;
+  setPose(pose, marker);
+  switch (solid.kind) {
+    case Kind::kSphere:
+      marker.type = Marker::SPHERE;
+      setScale(Vec3::Constant(width), marker);
+      return;
+    case Kind::kBox:
+      marker.type = Marker::CUBE;
+      setScale(solid.size, marker);
+      return;
+    case Kind::kCylinder:
+      marker.type = Marker::CYLINDER;
+      setScale({width, width, solid.height}, marker);
+      return;
+    case Kind::kCone: {
+      marker.type = Marker::TRIANGLE_LIST;
+      const Vec3 tip(0.0, 0.0, 0.5 * solid.height), base = -tip;
+      const auto corner = [&](int k) { return toPoint(base + solid.radius * onCircle(k, kConeSides)); };
+      for (int k = 0; k < kConeSides; ++k) {
+        marker.points.insert(marker.points.end(), {corner(k), corner(k + 1), toPoint(tip)});
+        marker.points.insert(marker.points.end(), {corner(k + 1), corner(k), toPoint(base)});
+      }
+      return;
+    }
+    case Kind::kPlane: {
+      // The plate lies below the plane, across its normal.
+      marker.type = Marker::CUBE;
+      const Vec3 normal = solid.normal.normalized();
+      const Vec3 middle = (solid.offset - 0.5 * kPlateShare * extent) * normal;
+      const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal);
+      setPose({pose.position + pose.orientation * middle, (pose.orientation * turn).normalized()}, marker);
+      setScale({extent, extent, kPlateShare * extent}, marker);
+      return;
+    }
+  }
 }
 
 /// RViz refuses lists without points: one with nothing to show deletes itself.
@@ -149,18 +232,75 @@ int addForceMarkers(const std_msgs::Header& header, const std::vector<std::pair<
   return num_shown;
 }
 
-SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation)
-    : rest_positions_(simulation.state().positions), edges_(collectEdges(simulation.model().triangles())) {
-  Vec3 low = rest_positions_.front(), high = low;
-  for (const Vec3& p : rest_positions_) {
+int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolParams>& tools, double time, double extent,
+                   int num_before, visualization_msgs::MarkerArray& markers) {
+  const int num_tools = static_cast<int>(tools.size());
+  for (int t = 0; t < std::max(num_tools, num_before); ++t) {
+    Marker marker = makeMarker(header, "tools", t, Marker::SPHERE);
+    if (t < num_tools && tool::isActive(tools[t], time)) {
+      marker.color = chooseColor(tools[t].mode);
+      setShape(tools[t].shape, tool::interpolate(tools[t].path, time), extent, marker);
+    } else {
+      marker.action = Marker::DELETE;
+    }
+    markers.markers.push_back(std::move(marker));
+  }
+  return num_tools;
+}
+
+Marker makeDiscsMarker(const std_msgs::Header& header, const Points& positions, const Orientations& orientations,
+                       const std::vector<double>& values, double full_scale, double radius) {
+  Marker marker = makeMarker(header, "discs", 0, Marker::TRIANGLE_LIST);
+  constexpr int kCorners = 6;
+  marker.points.reserve(3 * kCorners * positions.size());
+  marker.colors.reserve(3 * kCorners * positions.size());
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    const auto corner = [&](int k) { return toPoint(positions[i] + orientations[i] * (radius * onCircle(k, kCorners))); };
+    for (int k = 0; k < kCorners; ++k) {
+      marker.points.insert(marker.points.end(), {toPoint(positions[i]), corner(k), corner(k + 1)});
+      marker.colors.insert(marker.colors.end(), 3, colorOf(values[i] / full_scale));
+    }
+  }
+  return finish(std::move(marker));
+}
+
+Marker makeAxesMarker(const std_msgs::Header& header, const Points& positions, const Orientations& orientations, double length,
+                      double width) {
+  Marker marker = makeMarker(header, "axes", 0, Marker::LINE_LIST);
+  marker.scale.x = width;
+  for (std::size_t i = 0; i < positions.size(); ++i)
+    for (int axis = 0; axis < 3; ++axis) {
+      const Vec3 unit = Vec3::Unit(axis);
+      const Vec3 end = positions[i] + length * (orientations[i] * unit);
+      marker.points.insert(marker.points.end(), {toPoint(positions[i]), toPoint(end)});
+      marker.colors.insert(marker.colors.end(), 2, makeColor(float(unit.x()), float(unit.y()), float(unit.z())));
+    }
+  return finish(std::move(marker));
+}
+
+SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation) {
+  const model::State& state = simulation.state();
+  simulation.model().refreshDisplay(state);
+  edges_ = collectEdges(simulation.model().triangles());
+  Vec3 low = state.positions.front(), high = low;
+  for (const Vec3& p : state.positions) {
     low = low.cwiseMin(p);
     high = high.cwiseMax(p);
   }
   extent_ = (high - low).norm();
   // Without any link the extent shared among the points has to do.
   const auto& links = edges_.empty() ? simulation.model().stretchLinks() : edges_;
-  for (const auto& [a, b] : links) spacing_ += (rest_positions_[a] - rest_positions_[b]).norm() / links.size();
-  if (links.empty()) spacing_ = extent_ / rest_positions_.size();
+  for (const auto& [a, b] : links) spacing_ += (state.positions[a] - state.positions[b]).norm() / links.size();
+  if (links.empty()) spacing_ = extent_ / state.positions.size();
+
+  rest_positions_ = state.positions;
+  if (state.traits.empty()) return;
+  rest_positions_.assign(state.next_id, kNowhere);
+  for (Index i = 0; i < state.size(); ++i) rest_positions_[state.traits[i].id] = state.positions[i];
+}
+
+Vec3 SimulationMarkers::findRest(Index id) const {
+  return id < static_cast<Index>(rest_positions_.size()) ? rest_positions_[id] : kNowhere;
 }
 
 void SimulationMarkers::make(const std_msgs::Header& header, const simulation::Simulation& simulation,
@@ -168,9 +308,15 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
   const model::State& state = simulation.state();
   const model::DeformableModel& model = simulation.model();
   const Points& positions = state.positions;
+  const bool is_oriented = model.isOriented();
+  if (is_oriented) {
+    model.refreshDisplay(state);
+    edges_ = collectEdges(model.triangles());
+  }
   model.computePointStrain(state, strain_);
   displacement_.resize(positions.size());
-  for (std::size_t i = 0; i < positions.size(); ++i) displacement_[i] = (positions[i] - rest_positions_[i]).norm();
+  for (Index i = 0; i < state.size(); ++i)
+    displacement_[i] = (positions[i] - findRest(state.traits.empty() ? i : state.traits[i].id)).norm();
 
   const double width = kLineWidthShare * spacing_;
   markers.markers.clear();
@@ -182,6 +328,12 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
       makeSurfaceMarker(header, positions, model.triangles(), displacement_, kFullDisplacementShare * extent_));
   markers.markers.push_back(makeWireframeMarker(header, positions, edges_, width));
   markers.markers.push_back(makePinsMarker(header, positions, simulation.pinned(), kPinShare * spacing_));
+  if (is_oriented) {
+    markers.markers.push_back(
+        makeDiscsMarker(header, positions, state.orientations, strain_, kFullStrain, kDiscShare * spacing_));
+    markers.markers.push_back(makeAxesMarker(header, positions, state.orientations, kAxisShare * spacing_, width));
+  }
+  num_tools_ = addToolMarkers(header, simulation.tools(), simulation.time(), extent_, num_tools_, markers);
   num_arrows_ = addForceMarkers(header, simulation.activeForces(), kArrowShare * extent_, num_arrows_, markers);
 }
 

@@ -44,6 +44,9 @@ std::string checkMarker(const Marker& marker) {
     case Marker::TRIANGLE_LIST:
       if (marker.points.empty() || marker.points.size() % 3 != 0) return "a triangle list without triples of points";
       return all_positive ? "" : "a scale that is not positive";
+    case Marker::SPHERE:
+    case Marker::CUBE:
+    case Marker::CYLINDER: return all_positive ? "" : "a scale that is not positive";
     case Marker::SPHERE_LIST:
       if (marker.points.empty()) return "a sphere list without points";
       return all_positive ? "" : "a scale that is not positive";
@@ -159,6 +162,98 @@ TEST(Markers, ShowABoundedNumberOfArrows) {
   const std::vector<std::pair<Vec3, Vec3>> forces(kMaxArrows + 50, {Vec3::Zero(), Vec3::UnitX()});
   EXPECT_EQ(addForceMarkers(makeHeader(), forces, 0.5, 0, array), kMaxArrows);
   EXPECT_EQ(array.markers.size(), static_cast<std::size_t>(kMaxArrows));
+}
+
+TEST(Markers, DrawEveryToolThatActsWhereItIs) {
+  using Kind = geometry::Solid::Kind;
+  std::vector<tool::ToolParams> tools(5);
+  for (int t = 0; t < 5; ++t) {
+    tools[t].shape.kind = static_cast<Kind>(t);
+    tools[t].path = {{0.0, Vec3(0, 0, t)}, {1.0, Vec3(2, 0, t)}};
+  }
+  tools[0].shape.radius = 0.3;
+  tools[4].shape.normal = Vec3::UnitX();
+  tools[4].shape.offset = 0.5;
+  visualization_msgs::MarkerArray array;
+  EXPECT_EQ(addToolMarkers(makeHeader(), tools, 0.5, 4.0, 0, array), 5);
+  ASSERT_EQ(array.markers.size(), 5u);
+  expectValid(array);
+  const std::vector<int> types = {Marker::SPHERE, Marker::CUBE, Marker::CYLINDER, Marker::TRIANGLE_LIST, Marker::CUBE};
+  for (int t = 0; t < 5; ++t) {
+    EXPECT_EQ(array.markers[t].type, types[t]) << t;
+    EXPECT_EQ(array.markers[t].pose.position.z, t) << t;
+  }
+  EXPECT_EQ(array.markers[0].scale.x, 0.6);
+  EXPECT_EQ(array.markers[0].pose.position.x, 1.0);
+  // The plate's upper side is the plane: from where the tool is, its offset along x.
+  const Marker& plate = array.markers[4];
+  EXPECT_NEAR(plate.pose.position.x + 0.5 * plate.scale.z, 1.5, 1e-12);
+  EXPECT_NEAR(std::abs(plate.pose.orientation.y), std::sqrt(0.5), 1e-12);
+
+  // One has ended, one is gone.
+  tools[1].end = 0.5;
+  tools.pop_back();
+  array.markers.clear();
+  EXPECT_EQ(addToolMarkers(makeHeader(), tools, 0.5, 4.0, 5, array), 4);
+  expectValid(array);
+  EXPECT_EQ(array.markers[0].action, int{Marker::ADD});
+  EXPECT_EQ(array.markers[1].action, int{Marker::DELETE});
+  EXPECT_EQ(array.markers[4].action, int{Marker::DELETE});
+}
+
+TEST(Markers, DrawParticlesAsDiscsAndAxes) {
+  const Orientations orientations(4, Quaternion(Eigen::AngleAxisd(M_PI / 2.0, Vec3::UnitY())));  // normals along x
+  const Marker discs = makeDiscsMarker(makeHeader(), kSquare, orientations, {0, 0, 0, 1}, 1.0, 0.25);
+  EXPECT_EQ(checkMarker(discs), "");
+  EXPECT_EQ(discs.points.size(), 4u * 18u);
+  EXPECT_EQ(discs.colors.back().r, 1.0f);
+  for (std::size_t k = 0; k < 18; ++k) EXPECT_NEAR(discs.points[k].x, 0.0, 1e-12);
+  const Marker axes = makeAxesMarker(makeHeader(), kSquare, orientations, 0.5, 0.01);
+  EXPECT_EQ(checkMarker(axes), "");
+  ASSERT_EQ(axes.points.size(), 4u * 6u);
+  EXPECT_NEAR(axes.points[5].x, 0.5, 1e-12);  // the first one's normal
+  EXPECT_EQ(axes.colors[5].b, 1.0f);
+}
+
+TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
+  cloud::PointCloud input;
+  for (int i = 0; i < 100; ++i) input.positions.emplace_back(0.1 * (i % 10) + 0.05 * (i / 10 % 2), 0.087 * (i / 10), 0.0);
+  input.width = 100;
+  simulation::SceneParams params;
+  params.model = simulation::ModelKind::kOrientedParticles;
+  params.gravity.setZero();
+  simulation::Simulation simulation(params, input);
+  SimulationMarkers markers(simulation);
+  visualization_msgs::MarkerArray array;
+  const auto countDiscs = [&] {
+    markers.make(makeHeader(), simulation, array);
+    expectValid(array);
+    for (const Marker& marker : array.markers)
+      if (marker.ns == "discs" && marker.action == Marker::ADD) return static_cast<Index>(marker.points.size() / 18);
+    return Index{0};
+  };
+  EXPECT_EQ(countDiscs(), simulation.state().size());
+  const Index before = simulation.state().size();
+  tool::ToolParams eraser;
+  eraser.id = "eraser";
+  eraser.mode = tool::Mode::kErase;
+  eraser.shape.radius = 0.15;
+  eraser.path = {{0.0, Vec3(0.1, 0.1, 0.0)}};
+  simulation.setTool(eraser);
+  ASSERT_TRUE(simulation.step().ok);
+  EXPECT_LT(simulation.state().size(), before);
+  EXPECT_EQ(countDiscs(), simulation.state().size());
+  // Whoever is left is where it was: nobody is measured from another's place.
+  for (const Marker& marker : array.markers) {
+    if (marker.ns != "surface") continue;
+    EXPECT_FALSE(marker.colors.empty());
+    for (const auto& color : marker.colors) EXPECT_GT(color.b, 0.99f);
+  }
+  eraser.shape.radius = 10.0;
+  simulation.setTool(eraser);
+  ASSERT_TRUE(simulation.step().ok);
+  EXPECT_EQ(simulation.state().size(), 0);
+  EXPECT_EQ(countDiscs(), 0);
 }
 
 TEST(SimulationMarkers, ShowASimulationInEveryNamespaceAndKeepTheRules) {

@@ -41,10 +41,25 @@ visualization_msgs::Marker makePinsMarker(const std_msgs::Header& header, const 
 int addForceMarkers(const std_msgs::Header& header, const std::vector<std::pair<Vec3, Vec3>>& forces, double length,
                     int num_before, visualization_msgs::MarkerArray& markers);
 
+/// Appends one marker per tool that acts at the time (s), in the colour of what it does: the primitive, a cone as triangles, a
+/// plane as a thin plate of the extent (m, > 0); and deletes those left over from the `num_before` of last time. Returns how many there are.
+int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolParams>& tools, double time, double extent,
+                   int num_before, visualization_msgs::MarkerArray& markers);
+
+/// Oriented particles as hexagons across their normals (TRIANGLE_LIST), each in the colour of value / full_scale. radius: m, > 0.
+visualization_msgs::Marker makeDiscsMarker(const std_msgs::Header& header, const Points& positions,
+                                           const Orientations& orientations, const std::vector<double>& values,
+                                           double full_scale, double radius);
+
+/// The axes of oriented particles (LINE_LIST): x red, y green, and the normal z blue. length, width: m, > 0.
+visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const Points& positions,
+                                          const Orientations& orientations, double length, double width);
+
 // RViz draws a few hundred arrows smoothly, thousands of them at a crawl.
 constexpr int kMaxArrows = 100;
 
-/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces.
+/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools and, of
+/// oriented particles, discs and axes. Particles may be born and go; what was not there at first is grey where displacements are shown.
 class SimulationMarkers {
  public:
   /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.
@@ -55,11 +70,13 @@ class SimulationMarkers {
             visualization_msgs::MarkerArray& markers);
 
  private:
-  Points rest_positions_;                      // (m x 3)
+  Vec3 findRest(Index id) const;
+
+  Points rest_positions_;                      // by the particles' ids, else by index; NaN: none
   std::vector<std::pair<Index, Index>> edges_; // of the triangles, each once
   double spacing_ = 0.0;                       // m, mean length of an edge or link at rest
   double extent_ = 0.0;                        // m, diagonal of the bounding box at rest
-  int num_arrows_ = 0;                         // shown last time
+  int num_arrows_ = 0, num_tools_ = 0;         // shown last time
   std::vector<double> strain_, displacement_;  // scratch
 };
 
