@@ -6,7 +6,15 @@
 #include <geometry_msgs/TransformStamped.h>
 #include <tf2/exceptions.h>
 
+#include <cmath>
+
 namespace deformable_surface::node {
+namespace {
+
+// A unit quaternion in float32 is off by less; more means that somebody did not mean a rotation.
+constexpr double kUnitTolerance = 1e-3;
+
+}  // namespace
 
 std::string withoutSlash(const std::string& frame) { return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame; }
 
@@ -28,6 +36,18 @@ Eigen::Isometry3d findTransform(const std::string& what, const std::string& from
                      " is not finite; accepted: a finite one");
   }
   return transform;
+}
+
+Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
+  const Vec3 position(pose.position.x, pose.position.y, pose.position.z);
+  const auto& o = pose.orientation;
+  Eigen::Quaterniond orientation(o.w, o.x, o.y, o.z);
+  if (orientation.coeffs().isZero(0.0)) orientation.setIdentity();
+  if (!position.allFinite() || !(std::abs(orientation.norm() - 1.0) <= kUnitTolerance)) {
+    throw InputError("pose: found a position that is not finite or an orientation of length " + formatReal(orientation.norm()) +
+                     "; accepted: finite numbers and a unit quaternion");
+  }
+  return Eigen::Translation3d(position) * orientation.normalized();
 }
 
 }  // namespace deformable_surface::node

@@ -1,8 +1,9 @@
-// Coordinate frames: one lookup in tf with the checks that tf itself leaves out.
+// Coordinate frames and poses: one lookup in tf and one reader, with the checks that tf and the messages leave out.
 #pragma once
 
 #include "deformable_surface/base/types.h"
 
+#include <geometry_msgs/Pose.h>
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
@@ -18,5 +19,9 @@ std::string withoutSlash(const std::string& frame);
 /// through.
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
                                 const tf2::BufferCore& transforms);
+
+/// A pose of a message; an orientation left at zero counts as the identity. Throws InputError for values that are not finite and
+/// orientations that are no unit quaternion.
+Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose);
 
 }  // namespace deformable_surface::node

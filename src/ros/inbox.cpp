@@ -25,11 +25,15 @@ void Inbox::put(DecodedCloud&& cloud) {
 }
 
 void Inbox::put(const PointForceConstPtr& force) {
-  putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force, nullptr});
+  putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force, nullptr, nullptr});
 }
 
 void Inbox::put(const geometry_msgs::WrenchStampedConstPtr& wrench) {
-  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), nullptr, wrench});
+  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), nullptr, wrench, nullptr});
+}
+
+void Inbox::put(const ToolConstPtr& tool) {
+  putCommand({static_cast<std::int64_t>(tool->header.stamp.toNSec()), nullptr, nullptr, tool});
 }
 
 void Inbox::putCommand(Command command) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/PointForce.h"
+#include "deformable_surface/Tool.h"
 #include "deformable_surface/ros/cloud_decoder.h"
 #include "deformable_surface/ros/step_schedule.h"
 
@@ -28,9 +29,10 @@ struct IncomingCloud {
 /// A command and the time (ns) from which it counts: its stamp, or that of its arrival if it brings none.
 struct Command {
   std::int64_t stamp = 0;
-  // One of the two:
+  // One of the three:
   PointForceConstPtr force;
   geometry_msgs::WrenchStampedConstPtr wrench;
+  ToolConstPtr tool;
 };
 
 class Inbox {
@@ -60,6 +62,7 @@ class Inbox {
   /// Too many: the oldest is dropped.
   void put(const PointForceConstPtr& force);
   void put(const geometry_msgs::WrenchStampedConstPtr& wrench);
+  void put(const ToolConstPtr& tool);
   /// A message of /clock.
   void observeClock(std::int64_t now);
   /// Asks for a frame at once, for a new subscriber.

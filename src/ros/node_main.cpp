@@ -18,8 +18,10 @@ constexpr char kHelp[] = R"(deformable_surface_node: simulates the deformable su
 
 Parameters: the private ones are the keys of a scene file, docs/parameters.md; an unknown key or a wrong value ends the node.
 Subscribed: ~cloud_in (sensor_msgs/PointCloud2), the surface at rest
-            ~force (deformable_surface/PointForce), ~wrench (geometry_msgs/WrenchStamped), ~tools (refused: not built yet)
+            ~force (deformable_surface/PointForce), ~wrench (geometry_msgs/WrenchStamped),
+            ~tools (deformable_surface/ToolArray)
 Published:  ~deformed (sensor_msgs/PointCloud2, latched), ~simulation_points (sensor_msgs/PointCloud2)
+            ~tool_wrenches (deformable_surface/ToolWrenchArray), ~tools/<id>/wrench (geometry_msgs/WrenchStamped)
             ~markers (visualization_msgs/MarkerArray), ~statistics (deformable_surface/Statistics), /diagnostics
 Services:   ~reset (std_srvs/Trigger), ~pause (std_srvs/SetBool), ~step (deformable_surface/Step)
             ~pin, ~unpin (deformable_surface/SelectRegion), ~save (deformable_surface/SaveCloud)

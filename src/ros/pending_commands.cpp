@@ -40,9 +40,17 @@ void PendingCommands::apply(std::int64_t begin, simulation::Simulation& simulati
     }
   }
   commands_.erase(commands_.begin(), later);
+  // Like gravity's frame by the latest transform: that of the step itself may come after it.
+  for (const std::string& problem : tools_.move(ros::Time(), simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
+}
+
+void PendingCommands::forget() {
+  forces_.clear();
+  tools_.forget();
 }
 
 void PendingCommands::apply(const Command& command, simulation::Simulation& simulation, const std::string& frame) {
+  if (command.tool) return tools_.apply(*command.tool, simulation, frame);
   const double time = simulation.time();
   const simulation::ForceParams force = command.force ? toForce(*command.force, time, frame, transforms_)
                                                       : toForce(*command.wrench, time, frame, transforms_, wrench_);

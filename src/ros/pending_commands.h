@@ -1,9 +1,10 @@
-// Commands that came over ROS and wait for their step, and the forces that they became. Apart from the stepper, which only says
-// when a step begins.
+// Commands that came over ROS and wait for their step, and the forces and tools that they became. Apart from the stepper, which
+// only says when a step begins.
 #pragma once
 
 #include "complaints.h"
 #include "inbox.h"
+#include "tool_commands.h"
 
 #include "deformable_surface/simulation/simulation.h"
 
@@ -19,17 +20,18 @@ namespace deformable_surface::node {
 class PendingCommands {
  public:
   PendingCommands(const simulation::WrenchParams& wrench, const tf2::BufferCore& transforms, Complaints& complaints)
-      : wrench_(wrench), transforms_(transforms), complaints_(complaints) {}
+      : wrench_(wrench), transforms_(transforms), complaints_(complaints), tools_(transforms) {}
 
   /// Too many: the oldest are dropped.
   void append(std::vector<Command>&& commands);
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
   void clear() { commands_.clear(); }
-  /// The surface is another or at rest again: the forces of before are gone.
-  void forgetForces() { forces_.clear(); }
+  /// The surface is another or at rest again: the forces and tools of before are gone.
+  void forget();
 
-  /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival.
+  /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival, and moves the
+  /// tools through that step.
   void apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame);
 
   int numWaiting() const { return static_cast<int>(commands_.size()); }
@@ -44,6 +46,7 @@ class PendingCommands {
   Complaints& complaints_;
   std::deque<Command> commands_;          // in the order of arrival
   std::map<std::string, double> forces_;  // when they end, s of simulation time
+  ToolCommands tools_;
   int num_dropped_ = 0;
   std::uint64_t num_applied_ = 0;
 };

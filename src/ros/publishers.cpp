@@ -1,13 +1,25 @@
 #include "publishers.h"
 
+#include "tool_commands.h"
+#include "tool_wrenches.h"
+
 #include "deformable_surface/Statistics.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/ros/surface_output.h"
 
 #include <boost/make_shared.hpp>
+#include <ros/master.h>
+
+#include <algorithm>
+#include <iterator>
 
 namespace deformable_surface::node {
 namespace {
+
+// As of the statistics.
+constexpr std::uint32_t kWrenchQueue = 100;
+// How often a master that is away is looked for.
+constexpr std::chrono::seconds kMasterPatience(1);
 
 template <class Message>
 boost::shared_ptr<Message> makeMessage(const std_msgs::Header& header) {
@@ -34,7 +46,8 @@ visualization_msgs::Marker makeDeleteAll(const std_msgs::Header& header) {
 
 }  // namespace
 
-Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber) {
+Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber)
+    : node_(node) {
   const ros::SubscriberStatusCallback connected = [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); };
   const ros::SubscriberStatusCallback disconnected = [](const ros::SingleSubscriberPublisher&) {};
   const ros::VoidConstPtr untracked;
@@ -44,6 +57,8 @@ Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_su
   markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1, connected, disconnected);
   // Statistics are small, and a gap in them is seen in every plot.
   statistics_ = node.advertise<Statistics>("statistics", 100, connected, disconnected);
+  // As small, and a controller may close its loop over them.
+  tool_wrenches_ = node.advertise<ToolWrenchArray>("tool_wrenches", 100, connected, disconnected);
 }
 
 void Publishers::begin(const simulation::Simulation& simulation, const std::string& frame) {
@@ -79,8 +94,44 @@ void Publishers::publish(simulation::Simulation& simulation, std::int64_t stamp,
     message->time_publish = time_publish_;
     statistics_.publish(message);
   }
+  publishWrenches(header, simulation);
   is_new_ = false;
   time_publish_ = timer.seconds();
+}
+
+void Publishers::publishWrenches(const std_msgs::Header& header, const simulation::Simulation& simulation) {
+  const std::vector<tool::ToolParams>& tools = simulation.tools();
+  advertiseWrenches(tools);
+  const auto hasListeners = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };
+  if (tool_wrenches_.getNumSubscribers() == 0 && std::none_of(wrenches_.begin(), wrenches_.end(), hasListeners)) return;
+  const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
+  if (tool_wrenches_.getNumSubscribers() > 0)
+    tool_wrenches_.publish(boost::make_shared<ToolWrenchArray>(makeToolWrenches(header, reactions)));
+  for (std::size_t t = 0; t < tools.size(); ++t) {
+    const auto found = wrenches_.find(tools[t].id);
+    if (found == wrenches_.end() || found->second.getNumSubscribers() == 0) continue;
+    const tool::Pose pose = tool::interpolate(tools[t].path, simulation.time());
+    found->second.publish(boost::make_shared<geometry_msgs::WrenchStamped>(makeToolWrench(header, reactions[t], pose)));
+  }
+}
+
+// A topic for each tool there is. Ids of a scene that are no names have none.
+void Publishers::advertiseWrenches(const std::vector<tool::ToolParams>& tools) {
+  const auto isGone = [&](const std::string& id) {
+    return std::none_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return tool.id == id; });
+  };
+  for (auto entry = wrenches_.begin(); entry != wrenches_.end();)
+    entry = isGone(entry->first) ? wrenches_.erase(entry) : std::next(entry);
+  for (const tool::ToolParams& tool : tools) {
+    if (wrenches_.count(tool.id) > 0 || !isToolId(tool.id)) continue;
+    // roscpp waits for a master that is away for as long as it is, and no step could be taken.
+    if (std::chrono::steady_clock::now() < next_try_) return;
+    if (!ros::master::check()) {
+      next_try_ = std::chrono::steady_clock::now() + kMasterPatience;
+      return;
+    }
+    wrenches_[tool.id] = node_.advertise<geometry_msgs::WrenchStamped>("tools/" + tool.id + "/wrench", kWrenchQueue);
+  }
 }
 
 }  // namespace deformable_surface::node

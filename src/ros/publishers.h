@@ -9,15 +9,18 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
+#include <chrono>
 #include <functional>
+#include <map>
 #include <optional>
 #include <string>
+#include <vector>
 
 namespace deformable_surface::node {
 
 class Publishers {
  public:
-  /// on_subscriber is called when somebody begins to listen.
+  /// on_subscriber is called when somebody begins to listen. The node handle must outlive this.
   Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
 
   /// A new surface, which must be at rest.
@@ -26,7 +29,13 @@ class Publishers {
   void publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input);
 
  private:
-  ros::Publisher deformed_, simulation_points_, markers_, statistics_;
+  void publishWrenches(const std_msgs::Header& header, const simulation::Simulation& simulation);
+  void advertiseWrenches(const std::vector<tool::ToolParams>& tools);
+
+  ros::NodeHandle& node_;
+  ros::Publisher deformed_, simulation_points_, markers_, statistics_, tool_wrenches_;
+  std::map<std::string, ros::Publisher> wrenches_;  // of each tool, by id
+  std::chrono::steady_clock::time_point next_try_;  // to advertise
   std::string frame_;
   std::optional<SurfaceEncoder> encoder_;
   std::optional<SimulationMarkers> marker_maker_;

@@ -19,24 +19,10 @@ namespace {
 
 using shape_msgs::SolidPrimitive;
 
-// A unit quaternion in float32 is off by less; more means that somebody did not mean a rotation.
-constexpr double kUnitTolerance = 1e-3;
 // A box turned by less than this misses by less than the rounding of its messages.
 constexpr double kAxesTolerance = 1e-6;
 // A call of this many steps holds the node for long already.
 constexpr std::uint32_t kMaxSteps = 1000000;
-
-Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
-  const Vec3 position(pose.position.x, pose.position.y, pose.position.z);
-  const auto& o = pose.orientation;
-  Eigen::Quaterniond orientation(o.w, o.x, o.y, o.z);
-  if (orientation.coeffs().isZero(0.0)) orientation.setIdentity();
-  if (!position.allFinite() || !(std::abs(orientation.norm() - 1.0) <= kUnitTolerance)) {
-    throw InputError("pose: found a position that is not finite or an orientation of length " + formatReal(orientation.norm()) +
-                     "; accepted: finite numbers and a unit quaternion");
-  }
-  return Eigen::Translation3d(position) * orientation.normalized();
-}
 
 geometry::Region readRegion(const SelectRegionRequest& request, const std::string& surface_frame,
                             const tf2::BufferCore& transforms) {

@@ -4,6 +4,7 @@
 #include "simulate_bag.h"
 #include "simulate_options.h"
 #include "simulate_outputs.h"
+#include "tool_commands.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -172,6 +173,7 @@ class Run {
       begin(build(loadCloud(params_), "", 0), 0);
     } else {
       bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points});
+      tool_commands_.emplace(bag_->transforms());
       playBag();
     }
     stepUntil(end_);
@@ -190,9 +192,9 @@ class Run {
   // The bag's messages in the order of their stamps, and the steps between them.
   void playBag() {
     std::vector<InputBag::Event> waiting;  // commands that came before the first cloud
-    for (const auto& [stamp, instance] : bag_->entries()) {
+    for (const auto& [stamp, entry] : bag_->entries()) {
       if (status_ != kDone || (simulation_ && stamp >= end_)) break;
-      InputBag::Event event = bag_->read(stamp, instance);
+      InputBag::Event event = bag_->read(stamp, entry);
       if (auto* cloud = std::get_if<DecodedCloud>(&event.message)) {
         takeCloud(std::move(*cloud), event.stamp);
         if (simulation_) {
@@ -232,10 +234,14 @@ class Run {
       if (const auto* force = std::get_if<PointForce>(&event.message)) {
         simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms()));
         ++forces_;
-      } else {
-        simulation_->setForce(toForce(std::get<geometry_msgs::WrenchStamped>(event.message), simulation_->time(), frame_,
-                                      bag_->transforms(), params_.force));
+      } else if (const auto* wrench = std::get_if<geometry_msgs::WrenchStamped>(&event.message)) {
+        simulation_->setForce(toForce(*wrench, simulation_->time(), frame_, bag_->transforms(), params_.force));
         ++wrenches_;
+      } else {
+        const DecodedTools& decoded = std::get<DecodedTools>(event.message);
+        if (!decoded.ok()) throw InputError(decoded.refusal);
+        for (const Tool& tool : decoded.tools) tool_commands_->apply(tool, *simulation_, frame_);
+        tools_ += decoded.tools.size();
       }
     } catch (const InputError& error) {
       reportRefusal("command", event.stamp, error);
@@ -257,6 +263,7 @@ class Run {
       end_ = stamp + toNanoseconds(params_.duration);
     }
     simulation_ = std::move(simulation);
+    if (tool_commands_) tool_commands_->forget();
     start_ = stamp;
     note(std::to_string(simulation_->input().size()) + " input points");
     for (const std::string& line : simulation_->buildNotes()) note(line);
@@ -285,6 +292,14 @@ class Run {
     }
   }
 
+  // The transforms are all there: frames are those of the step's beginning.
+  void moveTools() {
+    if (!tool_commands_) return;
+    ros::Time time;
+    time.fromNSec(static_cast<std::uint64_t>(now()));
+    for (const std::string& problem : tool_commands_->move(time, *simulation_, frame_)) note(problem);
+  }
+
   // Takes the steps that end at or before the stamp.
   void stepUntil(std::int64_t stamp) {
     const std::int64_t most_of_step = toNanoseconds(0.99 * params_.integrator.time_step);  // the rest is for rounding
@@ -299,6 +314,7 @@ class Run {
       return;
     }
     updateGravity();
+    moveTools();
     const simulation::StepOutcome outcome = simulation_->step();
     if (!outcome.notice.empty()) note(outcome.notice);
     if (!outcome.ok) {
@@ -355,7 +371,7 @@ class Run {
   // What was taken of the bag, and what was not.
   void noteBag() {
     note("taken from " + options_.bag_in + ": clouds " + std::to_string(clouds_) + ", forces " + std::to_string(forces_) +
-         ", wrenches " + std::to_string(wrenches_));
+         ", wrenches " + std::to_string(wrenches_) + ", commands to tools " + std::to_string(tools_));
     const auto& given = options_.assignments;
     const bool chosen =
         std::any_of(given.begin(), given.end(), [](const std::string& text) { return text.compare(0, 9, "duration=") == 0; });
@@ -404,10 +420,11 @@ class Run {
   std::optional<OutputBag> output_bag_;
 
   std::optional<InputBag> bag_;
+  std::optional<ToolCommands> tool_commands_;  // with the bag
   std::unique_ptr<Simulation> simulation_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
-  unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0;  // taken; the last three from the bag
+  unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0, tools_ = 0;  // taken; all but the first from the bag
   int status_ = kDone;
   std::string last_note_;
   Timer timer_;

@@ -34,6 +34,11 @@ std::int64_t readStamp(const rosbag::MessageInstance& instance) {
   return stamp != 0 ? stamp : static_cast<std::int64_t>(instance.getTime().toNSec());
 }
 
+DecodedTools decode(const rosbag::MessageInstance& instance) {
+  const std::vector<std::uint8_t> bytes = readBytes(instance);
+  return decodeTools(bytes.data(), bytes.size());
+}
+
 struct Type {
   std::string name, md5sum;
 };
@@ -91,7 +96,6 @@ void InputBag::index(const std::map<std::string, std::string>& topics, std::set<
     const auto found = name_of.find(removeSlash(connection->topic));
     if (found == name_of.end()) continue;
     const std::string& name = found->second;
-    if (name == "tools") throw InputError(file_ + ": found rigid tools on " + connection->topic + ", which are not built yet");
     const Type type = findType(name);
     if (!isType(*connection, type)) {
       throw InputError(file_ + ": found messages of type " + quote(connection->datatype) + " (md5sum " +
@@ -116,7 +120,21 @@ void InputBag::index(const std::map<std::string, std::string>& topics, std::set<
   }
 
   view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(wanted));
-  for (const rosbag::MessageInstance& instance : *view_) entries_.emplace(readStamp(instance), instance);
+  for (const rosbag::MessageInstance& instance : *view_) addEntries(instance);
+}
+
+void InputBag::addEntries(const rosbag::MessageInstance& instance) {
+  if (!instance.isType<ToolArray>()) {
+    entries_.emplace(readStamp(instance), Entry{instance});
+    return;
+  }
+  const DecodedTools decoded = decode(instance);
+  const auto recorded = static_cast<std::int64_t>(instance.getTime().toNSec());
+  if (!decoded.ok()) entries_.emplace(recorded, Entry{instance});
+  for (std::size_t i = 0; i < decoded.tools.size(); ++i) {
+    const ros::Time stamp = decoded.tools[i].header.stamp;
+    entries_.emplace(stamp.isZero() ? recorded : static_cast<std::int64_t>(stamp.toNSec()), Entry{instance, i});
+  }
 }
 
 void InputBag::readTransforms() {
@@ -133,7 +151,8 @@ void InputBag::readTransforms() {
   }
 }
 
-InputBag::Event InputBag::read(std::int64_t stamp, const rosbag::MessageInstance& instance) const {
+InputBag::Event InputBag::read(std::int64_t stamp, const Entry& entry) const {
+  const rosbag::MessageInstance& instance = entry.instance;
   Event event;
   event.stamp = stamp;
   try {
@@ -141,6 +160,10 @@ InputBag::Event InputBag::read(std::int64_t stamp, const rosbag::MessageInstance
       event.message = *force;
     } else if (const auto wrench = instance.instantiate<geometry_msgs::WrenchStamped>()) {
       event.message = *wrench;
+    } else if (instance.isType<ToolArray>()) {
+      DecodedTools decoded = decode(instance);
+      if (decoded.ok()) decoded.tools = {decoded.tools[entry.tool]};
+      event.message = std::move(decoded);
     } else {
       const std::vector<std::uint8_t> bytes = readBytes(instance);
       event.message = decodeCloud(bytes.data(), bytes.size(), limits_);

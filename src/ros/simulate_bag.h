@@ -1,8 +1,10 @@
-// What `simulate` takes from a bag: clouds, forces and wrenches in the order of their stamps, and the transforms that these need.
+// What `simulate` takes from a bag: clouds, forces, wrenches and tools in the order of their stamps, and the transforms that
+// these need.
 #pragma once
 
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/ros/cloud_decoder.h"
+#include "deformable_surface/ros/tool_decoder.h"
 
 #include <geometry_msgs/WrenchStamped.h>
 #include <rosbag/bag.h>
@@ -28,25 +30,30 @@ class InputBag {
 
   struct Event {
     std::int64_t stamp = 0;  // ns; that of the message, or when it was recorded if its own is zero
-    std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped> message;
+    std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped, DecodedTools> message;  // of tools one, or a refusal
   };
-  /// Where the events are, by stamp; equal stamps in the order of the bag.
-  const std::multimap<std::int64_t, rosbag::MessageInstance>& entries() const { return entries_; }
+  /// Where the events are, by stamp; equal stamps in the order of the bag. Each tool of a message is an event of its own.
+  struct Entry {
+    rosbag::MessageInstance instance;
+    std::size_t tool = 0;  // which of the message's
+  };
+  const std::multimap<std::int64_t, Entry>& entries() const { return entries_; }
   /// One event. A cloud is decoded here, so that only one is in memory.
-  Event read(std::int64_t stamp, const rosbag::MessageInstance& instance) const;
+  Event read(std::int64_t stamp, const Entry& entry) const;
 
   /// All transforms of the bag.
   const tf2::BufferCore& transforms() const { return *transforms_; }
 
  private:
   void index(const std::map<std::string, std::string>& topics, std::set<std::string> required);
+  void addEntries(const rosbag::MessageInstance& instance);
   void readTransforms();
 
   std::string file_;
   DecodeLimits limits_;
   rosbag::Bag bag_;
   std::unique_ptr<rosbag::View> view_;
-  std::multimap<std::int64_t, rosbag::MessageInstance> entries_;
+  std::multimap<std::int64_t, Entry> entries_;
   std::unique_ptr<tf2::BufferCore> transforms_;
 };
 

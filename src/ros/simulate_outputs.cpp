@@ -1,5 +1,7 @@
 #include "simulate_outputs.h"
 
+#include "tool_wrenches.h"
+
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/ros/surface_output.h"
@@ -137,6 +139,8 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
   encodeSimulationPoints(simulation, cloud);
   cloud.header = header;
   write("simulation_points", cloud);
+
+  write("tool_wrenches", makeToolWrenches(header, simulation.toolReactions()));
 
   visualization_msgs::MarkerArray markers;
   markers_->make(header, simulation, markers);

@@ -110,7 +110,7 @@ void Stepper::handleClock(const ClockNews& clock) {
 
 void Stepper::restart(std::int64_t now) {
   simulation_->reset();
-  commands_.forgetForces();
+  commands_.forget();
   is_failed_ = false;
   last_frame_ = 0;
   is_frame_due_ = false;
@@ -181,7 +181,7 @@ bool Stepper::accept(IncomingCloud& incoming) {
   if (simulation_) commands_.dropBefore(stamp);
   simulation_ = std::move(simulation);
   frame_ = frame;
-  commands_.forgetForces();
+  commands_.forget();
   is_failed_ = is_frame_due_ = false;
   last_frame_ = 0;
   schedule_.start(stamp);

@@ -7,14 +7,16 @@
 #include "registration_watchdog.h"
 #include "services.h"
 #include "stepper.h"
-#include "unread_tools.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/scene.h"
+#include "deformable_surface/ToolArray.h"
 #include "deformable_surface/ros/bounded_cloud.h"
+#include "deformable_surface/ros/tool_decoder.h"
 #include "deformable_surface/ros/xmlrpc_value.h"
 
+#include <boost/make_shared.hpp>
 #include <ros/callback_queue.h>
 #include <ros/console.h>
 #include <ros/spinner.h>
@@ -131,10 +133,15 @@ struct SurfaceNode::Impl {
         private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
     subscribers.push_back(private_node.subscribe<geometry_msgs::WrenchStamped>(
         "wrench", kCommandQueue, [this](const geometry_msgs::WrenchStampedConstPtr& m) { inbox.put(m); }));
-    subscribers.push_back(private_node.subscribe<UnreadTools>("tools", 1, [this](const boost::shared_ptr<const UnreadTools>&) {
-      complaints.report(Complaint::kToolsRefused, "~tools: found a message, but tools are not built yet; accepted: none");
-      inbox.wake();
-    }));
+    using RawTools = RawMessage<ToolArray>;
+    subscribers.push_back(
+        private_node.subscribe<RawTools>("tools", kCommandQueue, [this](const boost::shared_ptr<const RawTools>& message) {
+          DecodedTools decoded = decodeTools(message->bytes.data(), message->bytes.size());
+          for (Tool& tool : decoded.tools) inbox.put(boost::make_shared<const Tool>(std::move(tool)));
+          if (decoded.ok()) return;
+          complaints.report(Complaint::kToolsRefused, "~tools: " + decoded.refusal);
+          inbox.wake();
+        }));
   }
 
   // Nothing that a message can do may end the thread.

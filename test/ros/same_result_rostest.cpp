@@ -4,6 +4,10 @@
 #include "deformable_surface/ros/encode.h"
 #include "node_client.h"
 
+#include "deformable_surface/ToolArray.h"
+
+#include <rosbag/bag.h>
+
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
@@ -39,9 +43,9 @@ sensor_msgs::PointCloud2 toMessage(const cloud::PointCloud& cloud) {
 }
 
 // What `simulate` prints as the hash of its last state.
-std::string hashOfSimulate(const std::filesystem::path& scene) {
+std::string hashOfSimulate(const std::filesystem::path& scene, const std::string& options = "") {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "simulate";
-  FILE* output = popen((program + " " + scene.string() + " 2>&1").c_str(), "r");
+  FILE* output = popen((program + " " + scene.string() + options + " 2>&1").c_str(), "r");
   std::string text, hash;
   char line[512];
   while (std::fgets(line, sizeof line, output)) {
@@ -69,6 +73,61 @@ TEST(SameResult, OfOneSceneThroughSimulateAndThroughTheNode) {
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016lx", static_cast<unsigned long>(found.state_hash));
   EXPECT_EQ(expected, hash);
+}
+
+TEST(SameResult, OfToolsThroughABagAndThroughTheNode) {
+  NodeProcess process("/tools_same", kScene);
+  NodeClient client("/tools_same");
+  ASSERT_TRUE(client.waitForNode());
+  ros::Publisher publisher = client.handle().advertise<ToolArray>("tools", 10);
+  ASSERT_TRUE(waitUntil([&] { return publisher.getNumSubscribers() > 0; }));
+  ASSERT_TRUE(client.pause(true).success);
+  sensor_msgs::PointCloud2 cloud = toMessage(io::makeShape(io::readScene(io::parseYaml(kScene, "scene")).cloud));
+  cloud.header.stamp += ros::Duration(1000.0);  // ahead of the clock: ~step takes up no time that has gone by
+  ASSERT_TRUE(client.exchange(cloud));
+
+  // A ball comes, is pushed on with a twist between two steps, and goes; a hand grips and turns.
+  ToolArray array;
+  const auto add = [&](const char* id, double time, std::uint8_t mode, const Vec3& position) -> Tool& {
+    array.tools.emplace_back();
+    Tool& tool = array.tools.back();
+    tool.header.frame_id = "world";
+    tool.header.stamp = cloud.header.stamp + ros::Duration(time);
+    tool.id = id;
+    tool.mode = mode;
+    tool.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+    tool.primitive.dimensions = {0.05};
+    tool.pose.position.x = position.x(), tool.pose.position.y = position.y(), tool.pose.position.z = position.z();
+    return tool;
+  };
+  add("ball", 0.02, Tool::SOLID, Vec3(0.0, 0.0, -0.31)).friction = 0.3;
+  add("ball", 0.065, Tool::SOLID, Vec3(0.0, 0.0, -0.29)).twist.angular.x = 2.0;
+  array.tools.back().twist.linear.z = 0.1;
+  add("hand", 0.1, Tool::MOVE, Vec3(0.1, 0.0, -0.23));
+  add("hand", 0.2, Tool::MOVE, Vec3(0.1, 0.02, -0.25)).twist.angular.z = 1.0;
+  add("ball", 0.3, Tool::SOLID, Vec3::Zero()).action = Tool::DELETE;
+
+  const std::filesystem::path base = std::filesystem::temp_directory_path() / ("tools" + std::to_string(getpid()));
+  const std::string scene = base.string() + ".yaml", bag_file = base.string() + ".bag";
+  std::ofstream(scene) << kScene;
+  {
+    rosbag::Bag bag(bag_file, rosbag::bagmode::Write);
+    bag.write("/deformable_surface/cloud_in", cloud.header.stamp, cloud);
+    bag.write("/deformable_surface/tools", cloud.header.stamp, array);
+  }
+  const std::string expected = hashOfSimulate(scene, " --bag_in " + bag_file);
+  const std::string without = hashOfSimulate(scene);
+  std::filesystem::remove(scene);
+  std::filesystem::remove(bag_file);
+
+  publisher.publish(array);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", array.tools.size()));
+  const StepResponse found = client.step(40);
+  EXPECT_TRUE(found.success) << found.message;
+  char hash[17];
+  std::snprintf(hash, sizeof hash, "%016lx", static_cast<unsigned long>(found.state_hash));
+  EXPECT_EQ(expected, hash);
+  EXPECT_NE(expected, without);
 }
 
 TEST(RealScan, KeepsItsOrderItsHolesAndItsColoursAndMovesWhereItIsPulled) {

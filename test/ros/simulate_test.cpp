@@ -3,6 +3,8 @@
 
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/Statistics.h"
+#include "deformable_surface/ToolArray.h"
+#include "deformable_surface/ToolWrenchArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/io/point_files.h"
@@ -381,6 +383,7 @@ TEST_F(Simulate, WritesABagOfWhatTheNodeWouldPublish) {
   EXPECT_EQ(count["/deformable_surface/simulation_points"], 3);
   EXPECT_EQ(count["/deformable_surface/markers"], 3);
   EXPECT_EQ(count["/deformable_surface/statistics"], 3);
+  EXPECT_EQ(count["/deformable_surface/tool_wrenches"], 3);
 }
 
 TEST_F(Simulate, TakesCloudsAndForcesFromABagInTheOrderOfTheirStamps) {
@@ -469,6 +472,45 @@ TEST_F(Simulate, AppliesAWrenchAtItsFrameUntilTheTimeout) {
   EXPECT_NEAR(rise, -1.0 / 0.81 * (0.5 * 0.02 * 0.02 + 0.02 * 0.08), 1e-6);
   EXPECT_EQ(countLines(err_), 1u) << err_;
   EXPECT_NE(err_.find("nowhere"), std::string::npos) << err_;
+}
+
+TEST_F(Simulate, TakesToolsFromABagAtTheirStampsAndWritesTheirWrenches) {
+  writeBag("in.bag", [](rosbag::Bag& bag) {
+    // A hand takes hold of the whole sheet, and lifts it from 0.03 s on: the second of the array is stamped before the first.
+    ToolArray array;
+    array.tools.resize(2);
+    Tool& lift = array.tools[0];
+    lift.id = "hand";
+    lift.mode = Tool::MOVE;
+    lift.header.stamp = ros::Time(kStart + 0.03);
+    lift.header.frame_id = "sheet";
+    lift.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+    lift.primitive.dimensions = {5.0};
+    array.tools[1] = lift;
+    array.tools[1].header.stamp = ros::Time(kStart);
+    lift.pose.position.z = 0.3;
+    bag.write("/deformable_surface/tools", ros::Time(kStart - 1.0), array);
+    array.tools.resize(1);
+    array.tools[0].header.frame_id = "nowhere";
+    bag.write("/deformable_surface/tools", ros::Time(kStart), array);
+  });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", "gravity=[0, 0, -2]", "--final", path("out.ply"), "--bag_out",
+                 path("out.bag")}),
+            0)
+      << err_;
+  // The three hundredths of a second since the message before were enough.
+  EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), 0.3, 1e-6);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  EXPECT_NE(err_.find("nowhere"), std::string::npos) << err_;
+  EXPECT_NE(out_.find("commands to tools 2"), std::string::npos) << out_;
+  const rosbag::Bag bag(path("out.bag"));
+  ToolWrenchArray last;
+  for (const rosbag::MessageInstance& message : rosbag::View(bag))
+    if (const auto wrenches = message.instantiate<ToolWrenchArray>()) last = *wrenches;
+  ASSERT_EQ(last.wrenches.size(), 1u);
+  EXPECT_EQ(last.wrenches[0].id, "hand");
+  EXPECT_NEAR(last.wrenches[0].wrench.force.z, -0.81 * 2.0, 1e-6);  // the weight of 0.81 kg
+  EXPECT_EQ(last.header.frame_id, "sheet");
 }
 
 TEST_F(Simulate, ReplacesTheSurfaceByALaterCloudUnlessToldToIgnoreIt) {

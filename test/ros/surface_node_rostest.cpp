@@ -3,6 +3,7 @@
 #include "node_client.h"
 
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/ToolWrenchArray.h"
 
 #include <geometry_msgs/TransformStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
@@ -295,11 +296,85 @@ TEST_F(SurfaceNodeTest, RefusesCommandsThatMeanNothing) {
   ASSERT_TRUE(client_->reset().success);
   EXPECT_EQ(client_->step(1).state_hash, commanded);
 
+}
+
+TEST_F(SurfaceNodeTest, RefusesToolsThatMeanNothingAndLosesNothing) {
+  ASSERT_TRUE(startPaused());
   ros::Publisher tools = client_->handle().advertise<ToolArray>("tools", 10);
   ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0; }));
-  tools.publish(ToolArray());
-  EXPECT_TRUE(client_->waitForDiagnostic("commands refused", wrong.size() + 1.0));
-  EXPECT_NE(client_->diagnosticText("last complaint").find("not built yet"), std::string::npos);
+  const std::uint64_t before = client_->step(1).state_hash;
+  ToolArray array;
+  array.tools.resize(101);
+  tools.publish(array);
+  EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 1));
+  EXPECT_NE(client_->diagnosticText("last complaint").find("found 101 tools in a message"), std::string::npos);
+  array.tools.resize(2);
+  array.tools[0].id = "no name";
+  array.tools[1].id = "sieve";
+  array.tools[1].shape = Tool::MESH;
+  tools.publish(array);
+  ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 2));
+  ASSERT_TRUE(client_->step(1).success);
+  EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 3));
+  EXPECT_NE(client_->diagnosticText("last complaint").find("tool 'sieve' shape: found MESH, which is not built yet"),
+            std::string::npos)
+      << client_->diagnosticText("last complaint");
+  ASSERT_TRUE(client_->reset().success);
+  EXPECT_EQ(client_->step(1).state_hash, before);
+}
+
+TEST_F(SurfaceNodeTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
+  NodeProcess process("/lying", "{model: mass_spring, gravity: [0, 0, -2], integrator: {type: static}}");
+  NodeClient client("/lying");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ros::Publisher tools = client.handle().advertise<ToolArray>("tools", 10);
+  ToolWrenchArray wrenches;
+  const ros::Subscriber all = client.handle().subscribe<ToolWrenchArray>(
+      "tool_wrenches", 10, [&](const boost::shared_ptr<const ToolWrenchArray>& m) { wrenches = *m; });
+  geometry_msgs::WrenchStamped wrench;
+  const ros::Subscriber one = client.handle().subscribe<geometry_msgs::WrenchStamped>(
+      "tools/table/wrench", 10, [&](const geometry_msgs::WrenchStampedConstPtr& m) { wrench = *m; });
+  double mass = 0.0;
+  const ros::Subscriber points = client.handle().subscribe<PointCloud2>(
+      "simulation_points", 10, [&](const sensor_msgs::PointCloud2ConstPtr& m) {
+        mass = 0.0;
+        for (std::size_t i = 0; i < m->width; ++i) mass += readField(*m, i, "mass");
+      });
+  ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0 && all.getNumPublishers() > 0; }));
+  ASSERT_TRUE(client.pause(true).success);
+  cloud_ = makeSurface(ros::Time::now());
+  ASSERT_TRUE(client.exchange(cloud_));
+
+  // The table's own y axis is up, and so is its plane's normal.
+  ToolArray array;
+  array.tools.resize(1);
+  Tool& table = array.tools[0];
+  table.id = "table";
+  table.shape = Tool::PLANE;
+  table.plane.coef = {0.0, 1.0, 0.0, 0.0};
+  table.pose.orientation.x = table.pose.orientation.w = std::sqrt(0.5);
+  tools.publish(array);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(waitUntil([&] { return client.step(1).success && one.getNumPublishers() > 0; }));
+  ASSERT_TRUE(waitUntil([&] { return client.step(1).success && wrench.header.frame_id == "camera" && mass > 0.0; }));
+  const double weight = 2.0 * mass;
+  EXPECT_NEAR(wrench.wrench.force.z, -weight, 1e-5 * weight);
+  EXPECT_NEAR(wrench.wrench.force.x, 0.0, 1e-12 * weight);
+  ASSERT_TRUE(waitUntil([&] { return wrenches.header.stamp >= wrench.header.stamp && !wrenches.wrenches.empty(); }));
+  ASSERT_EQ(wrenches.wrenches.size(), 1u);
+  EXPECT_EQ(wrenches.wrenches[0].id, "table");
+  EXPECT_NEAR(wrenches.wrenches[0].wrench.force.y, -weight, 1e-5 * weight);
+  EXPECT_GT(wrenches.wrenches[0].contacts, 0u);
+  EXPECT_GT(wrenches.wrenches[0].penetration, 0.0);
+
+  array.tools[0].action = Tool::DELETE;
+  tools.publish(array);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(waitUntil([&] {
+    client.pause(true);
+    client.step(1);
+    return wrenches.wrenches.empty();
+  }));
 }
 
 TEST_F(SurfaceNodeTest, SaysOnWhichTopicItWaits) {

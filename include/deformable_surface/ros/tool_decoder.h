@@ -1,0 +1,28 @@
+// From the bytes of a ToolArray to its tools. In a file of its own because the lengths that a message claims must be checked
+// before anything is allocated, which roscpp's own decoder does not do.
+#pragma once
+
+#include "deformable_surface/Tool.h"
+
+#include <cstddef>
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// More than a scene uses: every tool is looked at for every point in every sub-step.
+constexpr std::uint32_t kMaxTools = 100;
+
+struct DecodedTools {
+  std::vector<Tool> tools;
+  std::string refusal;  // why there are none; empty: all is well
+
+  bool ok() const { return refusal.empty(); }
+};
+
+/// Takes memory in proportion to the bytes only. Refuses more than kMaxTools and messages shorter than they claim. Meshes, which
+/// no tool can be yet, are left out.
+DecodedTools decodeTools(const std::uint8_t* bytes, std::size_t size);
+
+}  // namespace deformable_surface::node

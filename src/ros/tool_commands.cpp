@@ -1,0 +1,226 @@
+#include "tool_commands.h"
+
+#include "frames.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/ros/tool_decoder.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::node {
+namespace {
+
+using geometry::Solid;
+using shape_msgs::SolidPrimitive;
+using tool::Mode;
+using tool::ToolParams;
+
+// Rounding of times must not make a tool late by a step.
+constexpr double kRounding = 1e-6;  // of a step
+
+Vec3 toVec3(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
+
+Solid toSolid(const SolidPrimitive& primitive) {
+  Solid solid;
+  const std::vector<double>& sizes = primitive.dimensions;
+  const auto require = [&](std::size_t count, const char* meaning) {
+    if (sizes.size() != count) {
+      throw InputError("primitive.dimensions: found " + std::to_string(sizes.size()) + " numbers; accepted: " +
+                       std::to_string(count) + ", " + meaning);
+    }
+  };
+  switch (primitive.type) {
+    case SolidPrimitive::BOX:
+      require(3, "the edges of the box");
+      solid.kind = Solid::Kind::kBox;
+      solid.size = Vec3(sizes[SolidPrimitive::BOX_X], sizes[SolidPrimitive::BOX_Y], sizes[SolidPrimitive::BOX_Z]);
+      return solid;
+    case SolidPrimitive::SPHERE:
+      require(1, "the radius");
+      solid.kind = Solid::Kind::kSphere;
+      solid.radius = sizes[SolidPrimitive::SPHERE_RADIUS];
+      return solid;
+    case SolidPrimitive::CYLINDER:
+      require(2, "height and radius");
+      solid.kind = Solid::Kind::kCylinder;
+      solid.height = sizes[SolidPrimitive::CYLINDER_HEIGHT];
+      solid.radius = sizes[SolidPrimitive::CYLINDER_RADIUS];
+      return solid;
+    case SolidPrimitive::CONE:
+      require(2, "height and radius");
+      solid.kind = Solid::Kind::kCone;
+      solid.height = sizes[SolidPrimitive::CONE_HEIGHT];
+      solid.radius = sizes[SolidPrimitive::CONE_RADIUS];
+      return solid;
+    default:
+      throw InputError("primitive.type: found " + std::to_string(primitive.type) +
+                       "; accepted: 1 (box), 2 (sphere), 3 (cylinder), 4 (cone)");
+  }
+}
+
+// a x + b y + c z + d = 0, solid where the left side is negative.
+Solid toSolid(const shape_msgs::Plane& plane) {
+  Solid solid;
+  solid.kind = Solid::Kind::kPlane;
+  solid.normal = Vec3(plane.coef[0], plane.coef[1], plane.coef[2]);
+  // A normal without a direction is refused with the other values of a tool.
+  const double length = solid.normal.norm();
+  solid.offset = length > 0.0 ? -plane.coef[3] / length : 0.0;
+  return solid;
+}
+
+Solid readShape(const Tool& command) {
+  if (command.shape == Tool::PRIMITIVE) return toSolid(command.primitive);
+  if (command.shape == Tool::PLANE) return toSolid(command.plane);
+  if (command.shape == Tool::MESH) throw InputError("shape: found MESH, which is not built yet; accepted: PRIMITIVE, PLANE");
+  throw InputError("shape: found " + std::to_string(command.shape) + "; accepted: 0 (PRIMITIVE), 1 (PLANE)");
+}
+
+double findLargestExtent(const Solid& solid) {
+  switch (solid.kind) {
+    case Solid::Kind::kSphere: return 2.0 * solid.radius;
+    case Solid::Kind::kBox: return solid.size.maxCoeff();
+    case Solid::Kind::kCylinder:
+    case Solid::Kind::kCone: return std::max(2.0 * solid.radius, solid.height);
+    case Solid::Kind::kPlane: break;
+  }
+  throw InputError("shape: found a PLANE that is to ATTRACT, whose reach would be without end; accepted: PRIMITIVE");
+}
+
+// All but the path, and the window in time.
+ToolParams readTool(const Tool& command) {
+  ToolParams tool;
+  tool.id = command.id;
+  // In the order of the constants of the message.
+  constexpr Mode kModes[] = {Mode::kSolid, Mode::kAttract, Mode::kMove, Mode::kErase, Mode::kCut, Mode::kHeat};
+  if (command.mode > Tool::HEAT) {
+    throw InputError("mode: found " + std::to_string(command.mode) +
+                     "; accepted: 0 (SOLID), 1 (ATTRACT), 2 (MOVE), 3 (ERASE), 4 (CUT), 5 (HEAT)");
+  }
+  tool.mode = kModes[command.mode];
+  tool.shape = readShape(command);
+  tool.friction = command.friction;
+  tool.strength = command.strength;
+  if (tool.mode == Mode::kAttract) tool.reach = findLargestExtent(tool.shape);
+  return tool;
+}
+
+Vec3 requireFinite(const std::string& name, const Vec3& v) {
+  if (!v.allFinite()) throw InputError(name + ": found a value that is not finite; accepted: finite numbers");
+  return v;
+}
+
+tool::WaypointParams makeWaypoint(double time, const tool::Pose& pose) {
+  return {time, pose.position, Vec4(pose.orientation.x(), pose.orientation.y(), pose.orientation.z(), pose.orientation.w())};
+}
+
+const ToolParams* findTool(const simulation::Simulation& simulation, const std::string& id) {
+  for (const ToolParams& tool : simulation.tools())
+    if (tool.id == id) return &tool;
+  return nullptr;
+}
+
+}  // namespace
+
+bool isToolId(const std::string& id) {
+  constexpr std::size_t kLongest = 64;
+  const auto isLetter = [](char c) { return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z'); };
+  const auto isPart = [&](char c) { return isLetter(c) || (c >= '0' && c <= '9') || c == '_'; };
+  return !id.empty() && id.size() <= kLongest && isLetter(id[0]) && std::all_of(id.begin(), id.end(), isPart);
+}
+
+tool::Pose ToolCommands::Course::predict(double time) const {
+  const Vec3 turn = (time - given) * spin;
+  const double angle = turn.norm();
+  const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, angle > 0.0 ? Vec3(turn / angle) : Vec3(Vec3::UnitZ())));
+  const Eigen::Quaterniond frame(T_surface_frame.linear());
+  return {T_surface_frame * (pose.position + (time - given) * velocity), (frame * turned * pose.orientation).normalized()};
+}
+
+void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame) {
+  if (command.action == Tool::DELETEALL) {
+    while (!simulation.tools().empty()) simulation.removeTool(simulation.tools().back().id);
+    return courses_.clear();
+  }
+  const ToolParams* const before = findTool(simulation, command.id);
+  const double now = simulation.time(), step = simulation.params().integrator.time_step;
+  ToolParams tool;
+  Course course;
+  try {
+    if (command.action == Tool::DELETE) {
+      if (!before) throw InputError("found a DELETE, but there is no such tool; accepted: ids of tools that are there");
+      simulation.removeTool(command.id);
+      courses_.erase(command.id);
+      return;
+    }
+    if (command.action != Tool::ADD) {
+      throw InputError("action: found " + std::to_string(command.action) +
+                       "; accepted: 0 (ADD, which modifies too), 2 (DELETE), 3 (DELETEALL)");
+    }
+    if (!isToolId(command.id))
+      throw InputError("id: accepted: up to 64 letters, digits and '_', the first a letter, since it becomes a topic's name");
+    if (!before && simulation.tools().size() >= kMaxTools)
+      throw InputError("found " + std::to_string(simulation.tools().size()) + " tools at a time already; accepted: no more");
+    tool = readTool(command);
+    course.given = now;
+    course.frame = command.header.frame_id;
+    course.follows_frame = command.follow_frame;
+    const Eigen::Isometry3d pose = readPose(command.pose);
+    course.pose = {pose.translation(), Eigen::Quaterniond(pose.linear())};
+    course.velocity = requireFinite("twist.linear", toVec3(command.twist.linear));
+    course.spin = requireFinite("twist.angular", toVec3(command.twist.angular));
+    // A quarter of a turn between two waypoints, at most two steps apart: the shorter way round is then the one that is meant.
+    const double fastest = 0.5 * M_PI / std::max(kLongestMove, 2.0 * step);
+    if (!(course.spin.norm() <= fastest)) {
+      throw InputError("twist.angular: found " + formatReal(course.spin.norm()) + "; accepted: up to " + formatReal(fastest) +
+                       " (rad/s)");
+    }
+    course.T_surface_frame =
+        findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_);
+  } catch (const InputError& error) {
+    throw InputError("tool " + quote(command.id.substr(0, 64)) + " " + error.what());
+  }
+
+  if (before) {
+    // The grip of a tool that goes on gripping holds what it holds.
+    if (before->mode == tool.mode && tool::isActive(*before, now)) tool.start = before->start;
+    const auto last = courses_.find(command.id);
+    const double longest = std::max(kLongestMove, step);
+    const double way = last == courses_.end() ? longest : std::min(std::max(now - last->second.given, step), longest);
+    course.arrives = now + way;
+    tool.path = {makeWaypoint(now, tool::interpolate(before->path, now)),
+                 makeWaypoint(course.arrives, course.predict(course.arrives))};
+  } else {
+    tool.start = now;
+    course.arrives = now;
+    tool.path = {makeWaypoint(now, course.predict(now))};
+  }
+  simulation.setTool(tool);
+  courses_[command.id] = course;
+}
+
+std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::Simulation& simulation,
+                                            const std::string& surface_frame) {
+  std::vector<std::string> problems;
+  const double now = simulation.time(), step = simulation.params().integrator.time_step;
+  for (auto& [id, course] : courses_) {
+    if (!course.isMoving()) continue;
+    if (!course.follows_frame && now < course.arrives - kRounding * step) continue;
+    try {
+      if (course.follows_frame)
+        course.T_surface_frame = findTransform("tool " + quote(id), course.frame, surface_frame, stamp, transforms_);
+      ToolParams tool = *findTool(simulation, id);
+      // A velocity lasts beyond the step, so that friction at its end still counts it.
+      const double end = std::max(course.arrives, now + (course.follows_frame ? 1.0 : 2.0) * step);
+      tool.path = {makeWaypoint(now, tool::interpolate(tool.path, now)), makeWaypoint(end, course.predict(end))};
+      simulation.setTool(tool);
+    } catch (const InputError& error) {
+      problems.push_back(std::string(error.what()) + "; the tool stays where it is");
+    }
+  }
+  return problems;
+}
+
+}  // namespace deformable_surface::node

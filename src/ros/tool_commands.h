@@ -1,0 +1,61 @@
+// Tools that came over ROS: from the messages to the simulation's tools, and where these go until the next message. Apart from
+// the other commands because tools that follow a frame or go on with a velocity need a look before every step. The node and
+// `simulate` share it.
+#pragma once
+
+#include "deformable_surface/Tool.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <Eigen/Geometry>
+#include <ros/time.h>
+#include <tf2/buffer_core.h>
+
+#include <map>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// Whether an id can be a part of a topic's name: up to 64 letters, digits and '_', the first a letter.
+bool isToolId(const std::string& id);
+
+class ToolCommands {
+ public:
+  explicit ToolCommands(const tf2::BufferCore& transforms) : transforms_(transforms) {}
+
+  /// Carries out a command at the beginning of a step. A tool that is new is at its pose at once. One that is there already moves
+  /// from where it is to where the message has it, over the time since the message before, but at least a step and at most
+  /// kLongestMove or a step. Throws InputError, and changes nothing, for values, frames and ids that are not accepted, and for what is not built.
+  void apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame);
+
+  /// To be called before each step: gives tools that follow a frame, or have a velocity, their way through it. Frames are looked
+  /// up at the stamp, 0 = the latest; a tool whose frame is not known then stays where it is. Returns a sentence for each of those.
+  std::vector<std::string> move(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame);
+
+  /// The surface is another or at rest again: the tools of before are gone.
+  void forget() { courses_.clear(); }
+
+  // Longer pauses between messages are no motion, but a tool that was put elsewhere.
+  static constexpr double kLongestMove = 0.1;  // s
+
+ private:
+  /// What a tool's last message says of its motion, in the frame of its header.
+  struct Course {
+    double given = 0.0;         // s of simulation time: when the message took effect, and the tool was, or was to be, at its pose
+    double arrives = 0.0;       // s: when it is where the message has it
+    std::string frame;
+    bool follows_frame = false;
+    Eigen::Isometry3d T_surface_frame = Eigen::Isometry3d::Identity();
+    tool::Pose pose;
+    Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s of the tool's origin, rad/s
+
+    bool isMoving() const { return follows_frame || !velocity.isZero(0.0) || !spin.isZero(0.0); }
+    /// Where the tool is to be at a time, in the surface's frame.
+    tool::Pose predict(double time) const;
+  };
+
+  const tf2::BufferCore& transforms_;
+  std::map<std::string, Course> courses_;  // by id
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,20 @@
+// What the surface does to the tools, as messages. The node and `simulate` share it.
+#pragma once
+
+#include "deformable_surface/ToolWrenchArray.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <geometry_msgs/WrenchStamped.h>
+
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// In each tool's own frame, about its origin; in the order of the reactions.
+ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions);
+
+/// The same of one tool in the surface's frame, that of the header, still about the tool's origin.
+geometry_msgs::WrenchStamped makeToolWrench(const std_msgs::Header& header, const simulation::ToolReaction& reaction,
+                                            const tool::Pose& pose);
+
+}  // namespace deformable_surface::node
