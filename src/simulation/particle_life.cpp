@@ -67,6 +67,10 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
     }
   }
   if (std::count(is_gone.begin(), is_gone.end(), 1) == 0) return;
+  takeOut(is_gone, state, changes);
+}
+
+void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Changes& changes) {
   Index kept = 0;
   for (const char gone : is_gone) changes.new_index.push_back(gone ? -1 : kept++);
   keep(changes.new_index, state.positions);

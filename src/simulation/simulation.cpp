@@ -349,6 +349,10 @@ struct Simulation::Impl {
     return changes;
   }
 
+  void requireParticles() const {
+    if (!life) throw InputError("model: found mass_spring, which has no particles to edit or to grow; accepted: oriented_particles");
+  }
+
   // Everything that is by point follows a change of the population.
   void follow(const ParticleLife::Changes& changes) {
     if (!changes.new_index.empty()) {
@@ -598,6 +602,30 @@ void Simulation::setGravity(const Vec3& gravity) {
   impl_->gravity.gravity = gravity;
   impl_->march.loadsChanged();
   impl_->forward([&](Simulation& copy) { copy.setGravity(gravity); });
+}
+
+std::vector<Index> Simulation::editParticles(const ParticleEdit& edit) {
+  impl_->requireParticles();
+  const ParticleLife::Changes changes = impl_->life->edit(edit, impl_->state, impl_->pinned, impl_->pinned_turns);
+  impl_->follow(changes);
+  impl_->rest.model->adopt(impl_->state);
+  impl_->march.restart();
+  impl_->surface.invalidate();
+  std::vector<Index> added;
+  for (Index id = impl_->state.next_id - changes.born; id < impl_->state.next_id; ++id) added.push_back(id);
+  return added;
+}
+
+std::string Simulation::fit(const model::GrowthParams& growth) {
+  impl_->requireParticles();
+  std::vector<std::string> problems = checkParams(growth);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  const ParticleLife::Changes changes = impl_->fit(growth);
+  // The particles of before may have moved.
+  impl_->rest.model->adopt(impl_->state);
+  impl_->march.restart();
+  impl_->surface.invalidate();
+  return changes.notice;
 }
 
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }

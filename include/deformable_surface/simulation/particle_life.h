@@ -4,6 +4,7 @@
 
 #include "deformable_surface/model/oriented_particles/growth.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "deformable_surface/simulation/particle_edit.h"
 #include "deformable_surface/tool/tool.h"
 
 #include <string>
@@ -30,7 +31,13 @@ class ParticleLife {
   /// place) stay in any case. Returns what it did as one sentence, and the changes.
   Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, model::State& state) const;
 
+  /// Does the edit wholly, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and
+  /// orientation held.
+  Changes edit(const ParticleEdit& edit, model::State& state, std::vector<char>& pinned, std::vector<char>& pinned_turns) const;
+
  private:
+  static void takeOut(const std::vector<char>& is_gone, model::State& state, Changes& changes);
+  void requireRoom(const model::State& state, const std::vector<Index>& placed) const;
   void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
   void remove(double time, const std::vector<tool::ToolParams>& tools, model::State& state, Changes& changes) const;
   void append(const model::NewParticle& particle, model::State& state) const;

@@ -8,6 +8,7 @@
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/particle_edit.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/simulation/statistics.h"
 
@@ -94,6 +95,12 @@ class Simulation {
   Index pin(const geometry::Region& region, bool orientation = false);
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
+  // Of oriented particles only; at once, and wholly or not at all: InputError says why not.
+  /// Returns the ids of the particles that were added.
+  std::vector<Index> editParticles(const ParticleEdit& edit);
+  /// Grows a surface through the particles that there are (sec. 7 of [Szeliski 1991]); growth.chain is the model's. Returns what it
+  /// did as a sentence.
+  std::string fit(const model::GrowthParams& growth);
 
   // For probes and the error estimate.
   /// Estimates the error from now on, which is at rest. full: the surface that the simulation points were chosen from.
