@@ -182,8 +182,12 @@ TEST(Shapes, JitterOfALatticeKeepsItsSides) {
   const double spacing = rest[1].x() - rest[0].x();
   double largest = 0.0;
   for (std::size_t i = 0; i < points.size(); ++i) {
-    if (std::abs(rest[i].x()) == 0.5) EXPECT_EQ(points[i].x(), rest[i].x());
-    if (rest[i].y() == rest.front().y() || rest[i].y() == rest.back().y()) EXPECT_EQ(points[i].y(), rest[i].y());
+    if (std::abs(rest[i].x()) == 0.5) {
+      EXPECT_EQ(points[i].x(), rest[i].x());
+    }
+    if (rest[i].y() == rest.front().y() || rest[i].y() == rest.back().y()) {
+      EXPECT_EQ(points[i].y(), rest[i].y());
+    }
     EXPECT_EQ(points[i].z(), 0.0);
     largest = std::max(largest, (points[i] - rest[i]).cwiseAbs().maxCoeff());
   }
