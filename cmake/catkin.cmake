@@ -5,7 +5,7 @@ find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geome
 find_package(PCL REQUIRED COMPONENTS common io)
 
 add_message_files(FILES PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
-add_service_files(FILES SaveCloud.srv SelectRegion.srv Step.srv)
+add_service_files(FILES EditParticles.srv FitSurface.srv SaveCloud.srv SelectRegion.srv Step.srv)
 generate_messages(DEPENDENCIES geometry_msgs shape_msgs std_msgs)
 
 set(libraries deformable_surface_core deformable_surface_io deformable_surface_ros deformable_surface_nodelet)

@@ -25,6 +25,7 @@ Published:  ~deformed (sensor_msgs/PointCloud2, latched), ~simulation_points (se
             ~markers (visualization_msgs/MarkerArray), ~statistics (deformable_surface/Statistics), /diagnostics
 Services:   ~reset (std_srvs/Trigger), ~pause (std_srvs/SetBool), ~step (deformable_surface/Step)
             ~pin, ~unpin (deformable_surface/SelectRegion), ~save (deformable_surface/SaveCloud)
+            ~edit (deformable_surface/EditParticles), ~fit (deformable_surface/FitSurface)
 )";
 
 // As roscpp does for SIGINT.

@@ -9,8 +9,10 @@
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/ros/surface_output.h"
 
+#include <algorithm>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <regex>
 #include <utility>
 
@@ -58,6 +60,53 @@ geometry::Region readRegion(const SelectRegionRequest& request, const std::strin
   return region;
 }
 
+simulation::ParticleEdit readEdit(const EditParticlesRequest& request, const std::string& surface_frame,
+                                  const tf2::BufferCore& transforms) {
+  using Action = simulation::ParticleAction;
+  // In the order of the constants of the service.
+  constexpr Action kActions[] = {Action::kAdd,    Action::kMove, Action::kDelete, Action::kCrease,
+                                 Action::kOrient, Action::kFix,  Action::kFree};
+  if (request.action > EditParticlesRequest::FREE)
+    throw InputError("action: found " + std::to_string(request.action) + "; accepted: 0 (ADD) to 6 (FREE)");
+  simulation::ParticleEdit edit;
+  edit.action = kActions[request.action];
+  const bool adds = edit.action == Action::kAdd, moves = edit.action == Action::kMove, turns = edit.action == Action::kOrient;
+  if (!(adds || moves || turns) && !request.poses.empty())
+    throw InputError("poses: found " + std::to_string(request.poses.size()) + "; accepted: none but with ADD, MOVE and ORIENT");
+  const Eigen::Isometry3d transform =
+      findTransform("header.frame_id", request.header.frame_id, surface_frame, request.header.stamp, transforms);
+  for (const std::uint32_t id : request.ids) {
+    if (id > static_cast<std::uint32_t>(std::numeric_limits<Index>::max()))
+      throw InputError("ids: found " + std::to_string(id) + "; accepted: ids of particles that are there");
+    edit.ids.push_back(static_cast<Index>(id));
+  }
+  for (const geometry_msgs::Pose& given : request.poses) {
+    const Eigen::Isometry3d pose = transform * readPose(given);
+    if (adds || moves) edit.positions.push_back(pose.translation());
+    if (adds || turns) edit.orientations.push_back(Quaternion(pose.linear()).normalized());
+  }
+  return edit;
+}
+
+// What is left at zero stays as it is.
+model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthParams growth) {
+  const auto take = [](double given, double& value) {
+    if (given != 0.0) value = given;
+  };
+  take(request.min_gap, growth.min_gap);
+  take(request.max_gap, growth.max_gap);
+  take(request.min_angle, growth.min_angle);
+  take(request.max_angle, growth.max_angle);
+  const auto takeCount = [](const char* name, std::uint32_t given, Index& value) {
+    if (given > static_cast<std::uint32_t>(std::numeric_limits<Index>::max()))
+      throw InputError(std::string(name) + ": found " + std::to_string(given) + "; accepted: fewer");
+    if (given != 0) value = static_cast<Index>(given);
+  };
+  takeCount("edge_rows", request.edge_rows, growth.edge_rows);
+  takeCount("max_particles", request.max_particles, growth.max_particles);
+  return growth;
+}
+
 // A bare name cannot leave the directory, hide itself or be mistaken for an option.
 void checkSaveName(const std::string& name) {
   static const std::regex kBareName("[A-Za-z0-9][A-Za-z0-9._-]{0,63}");
@@ -86,6 +135,8 @@ Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const 
   advertise("step", StepRequest(), StepResponse(), [this](auto& q, auto& r) { return step(q.count, r); });
   advertise("pin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, true, r); });
   advertise("unpin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, false, r); });
+  advertise("edit", EditParticlesRequest(), EditParticlesResponse(), [this](auto& q, auto& r) { return edit(q, r); });
+  advertise("fit", FitSurfaceRequest(), FitSurfaceResponse(), [this](auto& q, auto& r) { return fit(q, r); });
   advertise("save", SaveCloudRequest(), SaveCloudResponse(), [this](auto& q, auto& r) { return save(q.name, r); });
 }
 
@@ -151,14 +202,39 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
 bool Services::select(const SelectRegionRequest& request, bool pinned, SelectRegionResponse& response) {
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    if (request.orientation && !(pinned && stepper_.simulation()->particles()))
+      throw InputError("orientation: found true; accepted: with ~pin of oriented particles");
     const geometry::Region region = readRegion(request, stepper_.frame(), transforms_);
     response.count =
-        static_cast<std::uint32_t>(pinned ? stepper_.simulation()->pin(region) : stepper_.simulation()->unpin(region));
+        static_cast<std::uint32_t>(pinned ? stepper_.simulation()->pin(region, request.orientation)
+                                          : stepper_.simulation()->unpin(region));
     if (response.count == 0)
       throw InputError(std::string("no ") + (pinned ? "" : "pinned ") +
                        "simulation point lies in the shape; nothing was changed");
     stepper_.publish();
     return std::to_string(response.count) + " simulation points " + (pinned ? "pinned" : "freed");
+  });
+}
+
+bool Services::edit(const EditParticlesRequest& request, EditParticlesResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    const simulation::ParticleEdit edit = readEdit(request, stepper_.frame(), transforms_);
+    for (const Index id : stepper_.simulation()->editParticles(edit)) response.added.push_back(static_cast<std::uint32_t>(id));
+    stepper_.publish();
+    return std::to_string(std::max(edit.ids.size(), response.added.size())) + " particles edited, " +
+           std::to_string(stepper_.simulation()->state().size()) + " are there";
+  });
+}
+
+bool Services::fit(const FitSurfaceRequest& request, FitSurfaceResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    const std::string sentence =
+        stepper_.simulation()->fit(readGrowth(request, stepper_.simulation()->params().oriented_particles.growth));
+    response.particles = static_cast<std::uint32_t>(stepper_.simulation()->state().size());
+    stepper_.publish();
+    return sentence;
   });
 }
 

@@ -4,6 +4,8 @@
 #include "inbox.h"
 #include "stepper.h"
 
+#include "deformable_surface/EditParticles.h"
+#include "deformable_surface/FitSurface.h"
 #include "deformable_surface/SaveCloud.h"
 #include "deformable_surface/SelectRegion.h"
 #include "deformable_surface/Step.h"
@@ -35,6 +37,8 @@ class Services {
   bool pause(bool paused, std_srvs::SetBoolResponse& response);
   bool step(std::uint32_t count, StepResponse& response);
   bool select(const SelectRegionRequest& request, bool pinned, SelectRegionResponse& response);
+  bool edit(const EditParticlesRequest& request, EditParticlesResponse& response);
+  bool fit(const FitSurfaceRequest& request, FitSurfaceResponse& response);
   bool save(const std::string& name, SaveCloudResponse& response);
 
   Inbox& inbox_;

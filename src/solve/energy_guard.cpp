@@ -45,11 +45,11 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   // By how much either limit is broken; NaN breaks them.
   const double beyond = std::max(excess_ - kSwing * next_.vibration - kick_, gain - allowance.gain * next_.vibration - kick_);
   if (beyond <= 0.0) return std::isfinite(after_);
-  // Rounding: positions wrong by a unit in the last place, times the forces there.
+  // Rounding: positions wrong by a unit in the last place, times the forces there; and that of the sum itself.
   double reach = 0.0;
   for (const Vec3& x : state.positions) reach = std::max(reach, x.lpNorm<Eigen::Infinity>());
-  const double rounding =
-      kRounding * std::numeric_limits<double>::epsilon() * state.size() * reach * system.largestForce(time, state);
+  const double terms = state.size() * reach * system.largestForce(time, state) + system.energyScale();
+  const double rounding = kRounding * std::numeric_limits<double>::epsilon() * terms;
   return beyond <= rounding && std::isfinite(after_);
 }
 

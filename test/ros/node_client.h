@@ -2,6 +2,8 @@
 // a file of its own because every test with a roscore uses it.
 #pragma once
 
+#include "deformable_surface/EditParticles.h"
+#include "deformable_surface/FitSurface.h"
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/SaveCloud.h"
 #include "deformable_surface/SelectRegion.h"
@@ -194,6 +196,9 @@ class NodeClient {
     request.name = name;
     return call<SaveCloud>("save", request);
   }
+
+  EditParticlesResponse edit(const EditParticlesRequest& request) { return call<EditParticles>("edit", request); }
+  FitSurfaceResponse fit(const FitSurfaceRequest& request) { return call<FitSurface>("fit", request); }
 
   ros::NodeHandle& handle() { return handle_; }
 

@@ -110,6 +110,16 @@ TEST(Population, ThereArePinsAndForcesOnTheSameParticlesAfterOthersAreGone) {
     }
 }
 
+TEST(Population, APatchThatHasComeToRestIsNotTakenForABlowUp) {
+  SceneParams p = scene();
+  p.material.damping = 50.0;
+  cloud::PointCloud saddle = patch();
+  for (Vec3& x : saddle.positions) x.z() = x.x() * x.y();
+  Simulation s(p, saddle);
+  run(s, 300);
+  EXPECT_LT(s.statistics().max_speed, 1e-6);
+}
+
 TEST(Population, HeatIsCarriedByToolsAndCoolsExponentially) {
   SceneParams p = scene();
   p.oriented_particles.cooling = 4.0;

@@ -91,6 +91,9 @@ class DeformableModel {
   /// Elastic energy in joules; zero in the rest state.
   virtual double elasticEnergy(const State& state) const = 0;
 
+  /// Size of the terms of which elasticEnergy() is the small difference, J: what its rounding is in proportion to. 0: it is no difference.
+  virtual double energyScale() const { return 0.0; }
+
   /// Adds the Hessian of the elastic energy, N/m. step: the time over which a solver differentiates velocities; the viscous
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
   virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;

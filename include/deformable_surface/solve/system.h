@@ -46,6 +46,8 @@ class System {
   /// J, that of spins included.
   double kineticEnergy(const State& state) const;
   double elasticEnergy(const State& state) const { return model_.elasticEnergy(state); }
+  /// See DeformableModel.
+  double energyScale() const { return model_.energyScale(); }
   /// The potential of the conservative loads alone, J.
   double loadPotential(double time, const State& state) const;
   /// The part of it that is stored as in springs, J.

@@ -7,6 +7,8 @@
 #include "deformable_surface/model/oriented_particles/neighbor_list.h"
 #include "deformable_surface/model/oriented_particles/pair_forces.h"
 
+#include <cmath>
+
 namespace deformable_surface::model {
 
 /// A state of this model holds orientations, spins and traits of every particle.
@@ -34,6 +36,7 @@ class OrientedParticles : public DeformableModel {
   double findStableStep(const State& state) const override;
   /// Above that of as many particles in a flat sheet without edges: an edge costs the bonds that it lacks.
   double elasticEnergy(const State& state) const override;
+  double energyScale() const override { return std::abs(lattice_.energy_per_particle) * static_cast<double>(masses_.size()); }
 
   /// Adds nothing: bonds come and go with the distance, so that no implicit method is offered for this model.
   void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
