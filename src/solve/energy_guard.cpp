@@ -21,7 +21,7 @@ void EnergyGuard::beginStep(const System& system, double time, const State& stat
   elastic_known_ = true;
   const double kinetic = system.kineticEnergy(state);
   before_ = elastic_ + kinetic + system.loadPotential(time, state);
-  memory_.vibration = std::max(memory_.vibration, elastic_ + kinetic + system.storedEnergy(time, state));
+  memory_.vibration = std::max(memory_.vibration, std::max(0.0, elastic_) + kinetic + system.storedEnergy(time, state));
   if (!memory_.kick_needed) return;
   memory_.kick_needed = false;
   memory_.kick = 0.0;
@@ -34,7 +34,8 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   next_elastic_ = system.elasticEnergy(state);
   kinetic_ = system.kineticEnergy(state);
   const double moving = next_elastic_ + kinetic_;
-  const double vibration = moving + system.storedEnergy(time, state);
+  // Bonds can lie below what counts as rest; that is no vibration.
+  const double vibration = std::max(0.0, next_elastic_) + kinetic_ + system.storedEnergy(time, state);
   after_ = moving + system.loadPotential(time, state);
   const double gain = after_ - before_ - work;
   excess_ = memory_.excess + gain;
