@@ -90,8 +90,13 @@ std::optional<XmlRpcValue> RegistrationWatchdog::ask(const std::string& uri, con
 }
 
 bool RegistrationWatchdog::isMissing() {
-  std::optional<XmlRpcValue> answer = ask(ros::master::getURI(), "lookupNode", ros::this_node::getName());
-  return answer && static_cast<int>((*answer)[0]) != kSuccess;
+  const auto isUnknown = [&](const char* question, const std::string& name) {
+    std::optional<XmlRpcValue> answer = ask(ros::master::getURI(), question, name);
+    return answer && static_cast<int>((*answer)[0]) != kSuccess;
+  };
+  if (isUnknown("lookupNode", ros::this_node::getName())) return true;
+  // A call that a dying master left unanswered is repeated by roscpp: the new master then knows the node, but not the rest of it.
+  return !services_.empty() && isUnknown("lookupService", services_.back());
 }
 
 void RegistrationWatchdog::registerAll() {

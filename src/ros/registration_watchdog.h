@@ -25,7 +25,7 @@ class RegistrationWatchdog {
 
  private:
   void run();
-  /// True if a master that can be reached does not know this process.
+  /// True if a master that can be reached does not know this process, or not all of it.
   bool isMissing();
   /// Connections that live are left alone; only the master's books are written again.
   void registerAll();

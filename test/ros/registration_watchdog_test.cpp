@@ -24,7 +24,9 @@ namespace {
 class KeptMaster {
  public:
   /// kept: of the questions "lookupNode", the one whose answer is kept back, from 1.
-  explicit KeptMaster(int kept) : kept_(kept), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
+  /// knows_node: it does know that one.
+  explicit KeptMaster(int kept, bool knows_node = false)
+      : kept_(kept), knows_node_(knows_node), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
     address.sin_family = AF_INET;
     address.sin_addr.s_addr = htonl(INADDR_LOOPBACK);
@@ -44,6 +46,10 @@ class KeptMaster {
     std::unique_lock<std::mutex> lock(mutex_);
     changed_.wait(lock, [this] { return lookups_ >= kept_; });
   }
+  void waitForTheService() {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [this] { return has_service_; });
+  }
   void answerIt() {
     const std::lock_guard<std::mutex> lock(mutex_);
     is_released_ = true;
@@ -58,7 +64,13 @@ class KeptMaster {
       bytes.append(block, static_cast<std::size_t>(size));
       if (bytes.find("</methodCall>") == std::string::npos) continue;
       if (bytes.find("lookupNode") != std::string::npos) keepBack();
-      const bool is_accepted = bytes.find("egister") != std::string::npos || bytes.find("getPid") != std::string::npos;
+      const auto contains = [&](const char* text) { return bytes.find(text) != std::string::npos; };
+      const bool is_accepted = contains("egister") || contains("getPid") || (knows_node_ && contains("lookupNode"));
+      if (contains("registerService") && contains("/watched/service")) {
+        const std::lock_guard<std::mutex> lock(mutex_);
+        has_service_ = true;
+        changed_.notify_all();
+      }
       bytes.clear();
       const std::string code = is_accepted ? "1" : "-1";
       const std::string body =
@@ -79,12 +91,13 @@ class KeptMaster {
   }
 
   const int kept_;
+  const bool knows_node_;
   const int listener_;
   std::string uri_;
   std::mutex mutex_;
   std::condition_variable changed_;
   int lookups_ = 0;
-  bool is_released_ = false;
+  bool is_released_ = false, has_service_ = false;
 };
 
 enum class Answer { kBeforeTheWatchdogEnds, kNever };
@@ -106,6 +119,19 @@ enum class Answer { kBeforeTheWatchdogEnds, kNever };
   std::_Exit(0);
 }
 
+[[noreturn]] void waitUntilTheServiceIsRegistered() {
+  alarm(20);
+  constexpr int kNever = 1000000;
+  auto* master = new KeptMaster(kNever, true);
+  setenv("ROS_MASTER_URI", master->uri().c_str(), 1);
+  setenv("ROS_IP", "127.0.0.1", 1);
+  ros::init(ros::M_string(), "watched", ros::init_options::NoSigintHandler);
+  ros::start();
+  auto watchdog = std::make_unique<RegistrationWatchdog>(std::vector<std::string>{"/watched/service"});
+  master->waitForTheService();
+  std::_Exit(0);
+}
+
 class RegistrationWatchdogDeathTest : public testing::Test {
  protected:
   void SetUp() override { testing::GTEST_FLAG(death_test_style) = "threadsafe"; }
@@ -117,6 +143,10 @@ TEST_F(RegistrationWatchdogDeathTest, LivesThroughAShutdownBetweenQuestionAndAns
 
 TEST_F(RegistrationWatchdogDeathTest, LivesThroughAShutdownJustBeforeItRegistersAgain) {
   EXPECT_EXIT(shutDownInAQuestion(2, Answer::kBeforeTheWatchdogEnds), testing::ExitedWithCode(0), "");
+}
+
+TEST_F(RegistrationWatchdogDeathTest, RegistersAgainWithAMasterThatKnowsTheNodeButNotItsServices) {
+  EXPECT_EXIT(waitUntilTheServiceIsRegistered(), testing::ExitedWithCode(0), "");
 }
 
 TEST_F(RegistrationWatchdogDeathTest, DoesNotWaitForAMasterThatHangs) {
