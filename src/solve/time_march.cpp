@@ -233,7 +233,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
-  most_inner_ = bold && memory_.cautious_slow == 0 ? kMostInner : 1;
+  // Where something dissipates, the account does not show what resonances of outer steps put in.
+  most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipates() ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {
