@@ -211,11 +211,10 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
     try {
       if (course.follows_frame)
         course.T_surface_frame = findTransform("tool " + quote(id), course.frame, surface_frame, stamp, transforms_);
-      ToolParams tool = *findTool(simulation, id);
+      const ToolParams& tool = *findTool(simulation, id);
       // A velocity lasts beyond the step, so that friction at its end still counts it.
       const double end = std::max(course.arrives, now + (course.follows_frame ? 1.0 : 2.0) * step);
-      tool.path = {makeWaypoint(now, tool::interpolate(tool.path, now)), makeWaypoint(end, course.predict(end))};
-      simulation.setTool(tool);
+      simulation.moveTool(id, {makeWaypoint(now, tool::interpolate(tool.path, now)), makeWaypoint(end, course.predict(end))});
     } catch (const InputError& error) {
       problems.push_back(std::string(error.what()) + "; the tool stays where it is");
     }

@@ -550,6 +550,17 @@ void Simulation::setTool(const tool::ToolParams& tool) {
   impl_->forward([&](Simulation& copy) { copy.setTool(tool); });
 }
 
+void Simulation::moveTool(const std::string& id, const std::vector<tool::WaypointParams>& path) {
+  const std::string problem = tool::findProblem(path);
+  if (!problem.empty()) throw InputError("tool " + quote(id) + " " + problem);
+  std::vector<tool::ToolParams> tools = impl_->tools;
+  const auto moved = std::find_if(tools.begin(), tools.end(), [&](const tool::ToolParams& t) { return t.id == id; });
+  if (moved == tools.end()) throw InputError("tool " + quote(id) + ": there is none; accepted: one of those there are");
+  moved->path = path;
+  impl_->setTools(std::move(tools));
+  impl_->forward([&](Simulation& copy) { copy.moveTool(id, path); });
+}
+
 bool Simulation::removeTool(const std::string& id) {
   std::vector<tool::ToolParams> tools = impl_->tools;
   const auto same = std::remove_if(tools.begin(), tools.end(), [&](const tool::ToolParams& t) { return t.id == id; });

@@ -104,6 +104,29 @@ TEST(Grips, ASnapshotHoldsTheGrip) {
   EXPECT_EQ(s.stateHash(), hash);
 }
 
+TEST(Simulation, AToolIsGivenAnotherPathOrTheReasonWhyNot) {
+  simulation::SceneParams p = hangingSheet();
+  p.tools = {hand()};
+  simulation::Simulation moved(p, sheetCloud()), given(p, sheetCloud());
+  run(moved, 5);
+  run(given, 5);
+  tool::ToolParams other = hand();
+  other.path[1].position.z() = 0.4;
+  moved.moveTool("hand", other.path);
+  given.setTool(other);
+  run(moved, 5);
+  run(given, 5);
+  EXPECT_EQ(moved.stateHash(), given.stateHash());
+  EXPECT_THROW(moved.moveTool("foot", other.path), InputError);
+  EXPECT_THROW(moved.moveTool("hand", {}), InputError);
+  std::swap(other.path[0], other.path[1]);
+  EXPECT_THROW(moved.moveTool("hand", other.path), InputError);
+  other.path = {{0.0, Vec3(std::nan(""), 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  EXPECT_THROW(moved.moveTool("hand", other.path), InputError);
+  other.path = {{0.0, Vec3::Zero(), Vec4::Zero()}};
+  EXPECT_THROW(moved.moveTool("hand", other.path), InputError);
+}
+
 TEST(Simulation, ToolsThatTheModelHasNotAreRefused) {
   simulation::Simulation s(hangingSheet(), sheetCloud());
   tool::ToolParams knife = hand();

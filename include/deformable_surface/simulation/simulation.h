@@ -87,6 +87,8 @@ class Simulation {
   void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it
   void removeForce(const std::string& id);
   void setTool(const tool::ToolParams& tool);  // replaces the tool of that id
+  /// Gives a tool that is there another path: what happens in every step must cost next to nothing.
+  void moveTool(const std::string& id, const std::vector<tool::WaypointParams>& path);
   bool removeTool(const std::string& id);      // false: there is none
   const std::vector<tool::ToolParams>& tools() const;
   /// What the surface does to each tool now, in the order of tools().

@@ -28,6 +28,9 @@ struct Motion {
 /// At a time on the path; on a waypoint that of the part that begins there.
 Motion findMotion(const std::vector<WaypointParams>& path, double time);
 
+/// What is wrong with a path: the sentence that reading one would give for its first problem; empty if nothing is.
+std::string findProblem(const std::vector<WaypointParams>& path);
+
 inline bool isActive(const ToolParams& tool, double time) { return tool.start <= time && time < tool.end; }
 
 /// Distance (m, negative inside) and outward normal of a solid at a pose, in the world.

@@ -13,6 +13,8 @@ namespace deformable_surface::tool {
 /// What a tool does; see docs/tools.md.
 enum class Mode { kSolid, kAttract, kMove, kErase, kCut, kHeat };
 
+constexpr double kLengthTolerance = 1e-3;  // what the length of a quaternion written with few digits may miss
+
 /// Where a tool is at a time.
 struct WaypointParams {
   double time = 0.0;                   // s
@@ -33,9 +35,8 @@ struct ToolParams {
 
 inline void visit(Fields& fields, WaypointParams& p) {
   fields.number("time", p.time, "s", anyFinite(), "when");
-  fields.required().vector("position", p.position, "m", between(-1e6, 1e6), "of the tool's origin, in frame_id");
+  fields.required().vector("position", p.position, "m", between(-kMaxLength, kMaxLength), "of the tool's origin, in frame_id");
   fields.vector("orientation", p.orientation, "", between(-1.0, 1.0), "quaternion x, y, z, w of length 1");
-  constexpr double kLengthTolerance = 1e-3;  // what a quaternion written with few digits may miss
   fields.require(std::abs(p.orientation.norm() - 1.0) <= kLengthTolerance, "orientation",
                  "found a quaternion of length " + formatReal(p.orientation.norm()) + "; accepted: length 1");
 }
