@@ -1,9 +1,11 @@
 #include "deformable_surface/simulation/particle_life.h"
 
+#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 #include "deformable_surface/solve/integrator.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -12,6 +14,7 @@ using model::State;
 using tool::Mode;
 using tool::ToolParams;
 
+constexpr double kElbowRoom = 0.7;          // of the spacing around a newborn, as the growing rule's clearance: nearer, repulsion is a blow
 constexpr Index kRelaxationIterations = 5;  // hundreds of steps between two passes of growth: near equilibrium is enough
 
 // Distance of a point from a tool, m; negative inside.
@@ -117,8 +120,13 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
       for (char& flag : flags) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
     newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
   }
+  // The rules look at the particles that face the same way; a newborn must not come to lie in any other either.
+  const cloud::KdTree tree(state.positions);
+  std::vector<cloud::Neighbor> nearest;
   for (const model::NewParticle& particle : newborn) {
     if (state.size() >= growth.max_particles) break;
+    tree.nearest(particle.position, 1, nearest);
+    if (!(std::sqrt(nearest.front().squared_distance) > kElbowRoom * model_.lattice().spacing)) continue;
     append(particle, state);
     ++changes.born;
   }

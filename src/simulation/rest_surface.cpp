@@ -187,6 +187,21 @@ double findMedianDistance(const Points& points) {
 
 void applyPins(const SceneParams& params, RestSurface& s);
 
+// What will make particles move or come apart from the beginning.
+void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
+  constexpr double kFar = 1.3;         // of the spacing, either way: bonds of that length are broken or crushed
+  constexpr double kSoftest = 0.02;    // of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
+  s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
+  const double median = findMedianDistance(s.points);
+  if (!(median < kFar * spacing && spacing < kFar * median))
+    s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) + " m apart (median): such particles fly or fall apart");
+  const model::MaterialParams& m = params.material;
+  const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
+  if (m.bendingRigidity() < kSoftest * stiffness)
+    s.notes.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) + " N m is below a fiftieth of E h a^2, " +
+                      formatShort(kSoftest * stiffness) + " N m with this spacing a: the particles may crumple instead of staying a surface");
+}
+
 // Model and pins on the simulation points.
 void buildModel(const SceneParams& params, RestSurface& s) {
   auto mass_spring = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
@@ -223,7 +238,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
     if (!holds_any)
       throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " + count(m, "particles at rest; accepted: a shape that holds at least one"));
   }
-  s.notes.push_back("oriented particles " + formatReal(particles->lattice().spacing) + " m apart");
+  noteUnrest(params, particles->lattice().spacing, s);
   s.particles = particles.get();
   s.model = std::move(particles);
   applyPins(params, s);
