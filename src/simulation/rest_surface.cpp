@@ -194,7 +194,7 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
   const double median = findMedianDistance(s.points);
   if (!(median < kFar * spacing && spacing < kFar * median))
-    s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) + " m apart (median): such particles fly or fall apart");
+    s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) + " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
   const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
   if (m.bendingRigidity() < kSoftest * stiffness)
