@@ -4,6 +4,7 @@
 #include "deformable_surface/simulation/particle_life.h"
 
 #include <cmath>
+#include <limits>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -33,6 +34,19 @@ std::vector<Index> findPoints(const State& state, const std::vector<Index>& ids)
     index_of_id[id] = -1;
   }
   return points;
+}
+
+// That of the nearest particle; the first one's if there is none.
+Index findAncestor(const State& state, const Vec3& position) {
+  Index ancestor = 0;
+  double least = std::numeric_limits<double>::infinity();
+  for (Index i = 0; i < state.size(); ++i) {
+    const double squared = (state.positions[i] - position).squaredNorm();
+    if (!(squared < least)) continue;
+    least = squared;
+    ancestor = state.traits[i].ancestor;
+  }
+  return ancestor;
 }
 
 }  // namespace
@@ -65,6 +79,7 @@ ParticleLife::Changes ParticleLife::edit(const ParticleEdit& edit, State& state,
     if (adds) {
       model::ParticleTraits traits;
       traits.id = edited.next_id++;
+      traits.ancestor = findAncestor(state, edit.positions[k]);
       edited.positions.push_back(edit.positions[k]);
       edited.velocities.push_back(Vec3::Zero());
       edited.orientations.push_back(edit.orientations[k]);

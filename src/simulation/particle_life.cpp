@@ -22,15 +22,6 @@ double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& po
   return tool::findSignedDistance(tool.shape, pose, point).distance;
 }
 
-// Keeps the particles that are not gone, in their order.
-template <class T>
-void keep(const std::vector<Index>& new_index, std::vector<T>& items) {
-  std::size_t kept = 0;
-  for (std::size_t i = 0; i < new_index.size(); ++i)
-    if (new_index[i] >= 0) items[kept++] = items[i];
-  items.resize(kept);
-}
-
 }  // namespace
 
 model::GrowthParams ParticleLife::growthParams() const {
@@ -76,11 +67,11 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
 void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Changes& changes) {
   Index kept = 0;
   for (const char gone : is_gone) changes.new_index.push_back(gone ? -1 : kept++);
-  keep(changes.new_index, state.positions);
-  keep(changes.new_index, state.velocities);
-  keep(changes.new_index, state.orientations);
-  keep(changes.new_index, state.spins);
-  keep(changes.new_index, state.traits);
+  keepThose(changes.new_index, state.positions);
+  keepThose(changes.new_index, state.velocities);
+  keepThose(changes.new_index, state.orientations);
+  keepThose(changes.new_index, state.spins);
+  keepThose(changes.new_index, state.traits);
 }
 
 // A newborn moves, turns and is as hot as its parents in the mean.
@@ -120,6 +111,7 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
       for (char& flag : flags) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
     newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
   }
+  if (newborn.empty()) return changes;
   // The rules look at the particles that face the same way; a newborn must not come to lie in any other either.
   const cloud::KdTree tree(state.positions);
   std::vector<cloud::Neighbor> nearest;

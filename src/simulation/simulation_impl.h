@@ -357,12 +357,8 @@ struct Simulation::Impl {
       forces.renumber(changes.new_index);
       anchors.renumber(changes.new_index);
       grips.renumber(changes.new_index);
-      for (std::vector<char>* flags : {&pinned, &pinned_turns}) {
-        std::vector<char> kept;
-        for (std::size_t i = 0; i < changes.new_index.size(); ++i)
-          if (changes.new_index[i] >= 0) kept.push_back((*flags)[i]);
-        *flags = std::move(kept);
-      }
+      keepThose(changes.new_index, pinned);
+      keepThose(changes.new_index, pinned_turns);
     }
     if (changes.new_index.empty() && changes.born == 0) return;
     pinned.resize(state.positions.size(), 0);

@@ -195,6 +195,15 @@ TEST(Population, StretchingGivesBirthToParticlesThatAreRowsOfTheirOwn) {
   }
 }
 
+TEST(Population, OneAddedByHandTakesTheOtherFieldsOfTheNearestPoint) {
+  Simulation s(scene(), patch());
+  simulation::ParticleEdit edit;
+  edit.positions = {s.input().positions[100] + Vec3(0.0, 0.0, 0.5 * kSpacing)};
+  edit.orientations = {Quaternion::Identity()};
+  s.editParticles(edit);
+  EXPECT_EQ(s.surface(false).source, std::vector<Index>{100});
+}
+
 TEST(Population, NobodyIsBornInAnother) {
   // A knife that melts its way into a sheet leaves particles in all attitudes, and gaps between them.
   SceneParams p = scene();

@@ -11,6 +11,15 @@
 
 namespace deformable_surface::simulation {
 
+/// Keeps what belongs to points that are left, in their order: new_index (of those before), -1 = gone.
+template <class T>
+void keepThose(const std::vector<Index>& new_index, std::vector<T>& items) {
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < new_index.size(); ++i)
+    if (new_index[i] >= 0) items[kept++] = items[i];
+  items.resize(kept);
+}
+
 class ParticleLife {
  public:
   /// Kept by reference.
