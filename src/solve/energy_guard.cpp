@@ -37,14 +37,14 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   // Bonds can lie below what counts as rest; that is no vibration.
   const double vibration = std::max(0.0, next_elastic_) + kinetic_ + system.storedEnergy(time, state);
   after_ = moving + system.loadPotential(time, state);
-  const double gain = after_ - before_ - work;
-  excess_ = memory_.excess + gain;
+  gain_ = after_ - before_ - work;
+  excess_ = memory_.excess + gain_;
   next_ = memory_;
   next_.vibration = std::max(vibration, (1.0 - kMemory) * memory_.vibration);
   next_.excess = (1.0 - allowance.fade) * std::max(0.0, excess_);
   kick_ = memory_.kick * substep * substep;
   // By how much either limit is broken; NaN breaks them.
-  const double beyond = std::max(excess_ - kSwing * next_.vibration - kick_, gain - allowance.gain * next_.vibration - kick_);
+  const double beyond = std::max(excess_ - kSwing * next_.vibration - kick_, gain_ - allowance.gain * next_.vibration - kick_);
   if (beyond <= 0.0) return std::isfinite(after_);
   // Rounding: positions wrong by a unit in the last place, times the forces there; and that of the sum itself.
   double reach = 0.0;

@@ -10,8 +10,8 @@ System::System(const model::DeformableModel& model, const std::vector<const Exte
                double damping, const std::vector<char>* held_turns)
     : model_(model), loads_(loads), held_(held), held_turns_(held_turns), damping_(damping) {}
 
-bool System::dissipates() const {
-  return damping_ > 0.0 || model_.forcesReadVelocities() ||
+bool System::dissipatesInForces() const {
+  return model_.forcesReadVelocities() ||
          std::any_of(loads_.begin(), loads_.end(), [](const ExternalLoad* load) { return !load->isConservative(); });
 }
 

@@ -18,6 +18,9 @@ constexpr double kCalm = 0.01;           // of the energy in motion and stretch:
 constexpr double kCalmSlow = 0.001;      // the same for outer steps, whose resonances then heat the surface by no more
 constexpr double kRest = 1e-6;           // of the same in motion: such a surface settles, and outer steps hold it off its balance
 constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
+constexpr double kForget = 0.1;          // per step, of what outer steps put in and damping took out: such a balance settles in ten steps
+constexpr double kHeated = 0.1;          // of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007
+constexpr Index kResonant = 1000;        // steps before outer steps are tried again
 constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
@@ -63,6 +66,7 @@ void TimeMarch::restart() {
   memory_.max_substep = std::numeric_limits<double>::infinity();
   memory_.wider = 0;
   memory_.cautious = memory_.cautious_slow = 0;
+  memory_.heated = memory_.dissipated = 0.0;
 }
 
 // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
@@ -115,7 +119,7 @@ void TimeMarch::lengthenSubsteps() {
 SolveReport TimeMarch::advance(double time, double share, State& state) {
   if (memory_.type == IntegratorType::kImplicit)
     return advanceImplicitly(time, fineness_ * static_cast<Index>(std::lround(1.0 / share)), state);
-  work_ = 0.0;
+  work_ = dissipated_ = 0.0;
   substeps_needed_ = 0;
   is_too_stiff_ = false;
   const double part = params_.time_step / fineness_;
@@ -155,7 +159,8 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     Integrator& verlet = integrator(IntegratorType::kVerlet);
     verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
     const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
-    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state);
+    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state) - report.dissipated;
+    dissipated_ += report.dissipated;
     add(report, total);
     if (left <= kPortion || !report.finite) return total;
     done += portion;
@@ -167,7 +172,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
 SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state) {
   const double part = params_.time_step / parts;
   state = before_;
-  work_ = 0.0;
+  work_ = dissipated_ = 0.0;
   substeps_needed_ = 0;
   SolveReport total;
   for (Index k = 0; k < parts && total.finite; ++k) {
@@ -190,6 +195,15 @@ void TimeMarch::goBack(double time, State& state) {
 
 bool TimeMarch::estimatesStableStep() const {
   return isExplicit(params_.type) || params_.type == IntegratorType::kAuto || system_.isOriented();
+}
+
+// Where damping takes out what resonances of outer steps put in, the energy stays as it is and the surface never comes to rest.
+void TimeMarch::watchResonance() {
+  memory_.heated += guard_.gain() - kForget * memory_.heated;
+  memory_.dissipated += dissipated_ - kForget * memory_.dissipated;
+  if (!(dissipated_ > 0.0 && memory_.heated > kHeated * memory_.dissipated)) return;
+  memory_.cautious_slow = kResonant;
+  memory_.heated = memory_.dissipated = 0.0;
 }
 
 bool TimeMarch::isSound(double time, const SolveReport& report, const State& state) {
@@ -233,15 +247,16 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
-  // Where something dissipates, the account does not show what resonances of outer steps put in.
-  most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipates() ? kMostInner : 1;
+  // What is dissipated by forces is not in the account, which then does not show what resonances of outer steps put in.
+  most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipatesInForces() ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
   if (!guard_.isCalm(kCalmSlow) || guard_.isNearRest(kRest)) {
-    memory_.cautious_slow = kCautious;
+    memory_.cautious_slow = std::max(memory_.cautious_slow, kCautious);
   } else if (memory_.cautious_slow > 0) {
     --memory_.cautious_slow;
   }
+  if (most_inner_ > 1) watchResonance();
   if (bold && !(sound && guard_.isCalm(kCalm))) {
     most_inner_ = 1;
     memory_.cautious = kCautious;

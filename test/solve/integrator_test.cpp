@@ -301,5 +301,23 @@ TEST(StableStep, OfAFreeBodyIsUnlimited) {
   EXPECT_EQ(stable.estimate(0.0, startAt(Vec3::Zero(), Vec3::Zero(), 2), world.system), kNoLimit);
 }
 
+// Free flight has no other energy; on a spring Verlet's account oscillates by (w h)^2 / 8 of it.
+TEST(VelocityVerlet, TellsWhatDampingTookOut) {
+  for (double stiffness : {0.0, 400.0}) {
+    const Oscillators model({stiffness}, 2.0);
+    const std::vector<const solve::ExternalLoad*> loads;
+    const std::vector<char> held{0};
+    const solve::System system(model, loads, held, 3.0);
+    State state{{Vec3(0.1, 0.0, 0.0)}, {Vec3(0.0, 2.0, -1.0)}};
+    const auto energy = [&] { return system.kineticEnergy(state) + system.elasticEnergy(state); };
+    const double before = energy();
+    const auto verlet = solve::makeIntegrator(solve::IntegratorType::kVerlet, {});
+    const solve::SolveReport report = verlet->advance(system, 0.0, 0.5, 0.002, state);
+    const double angle = std::sqrt(stiffness / 2.0) * 0.5 / report.substeps;
+    EXPECT_GT(report.dissipated, 0.5 * before);
+    EXPECT_NEAR(before - energy(), report.dissipated, (1e-14 + angle * angle / 8.0) * before) << stiffness;
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

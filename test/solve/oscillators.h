@@ -70,6 +70,12 @@ class SlowerOscillators : public Oscillators {
     for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= slow_stiffness_ * s.positions[i];
   }
 
+  double elasticEnergy(const State& s) const override {
+    double sum = Oscillators::elasticEnergy(s);
+    for (const Vec3& x : s.positions) sum += 0.5 * slow_stiffness_ * x.squaredNorm();
+    return sum;
+  }
+
   mutable int slow_evaluations = 0;
 
  private:

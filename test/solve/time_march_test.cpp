@@ -66,6 +66,13 @@ TEST(TimeMarch, SlowForcesActInOuterStepsWhileTheEnergyIsCalm) {
   EXPECT_EQ(m.model.slow_evaluations, 3);
 }
 
+TEST(TimeMarch, SlowForcesActInOuterStepsUnderDampingByMassToo) {
+  March m(1.0, 5.0);
+  m.model.change(0.001);
+  m.countSubsteps();
+  EXPECT_EQ(m.model.slow_evaluations, 3);
+}
+
 TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheSurfaceSettlesSoThatItReachesItsBalance) {
   March m(400.0, 40.0);
   const ConstantField gravity(m.model.masses(), Vec3(0.0, 0.0, -9.81));

@@ -60,13 +60,15 @@ class EnergyGuard {
   double energyBefore() const { return before_; }  // J, at beginStep()
   double energyAfter() const { return after_; }    // J, as accepts() saw it last
 
-  /// J, gained since the energy was lowest, as accepts() saw it last.
+  /// J, gained in the step beyond the work put in, as accepts() saw it last.
+  double gain() const { return gain_; }
+  /// J, the same since the energy was lowest.
   double excess() const { return excess_; }
 
  private:
   Memory memory_, next_;
   bool elastic_known_ = false;
-  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, excess_ = 0.0, kick_ = 0.0, kinetic_ = 0.0;
+  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, gain_ = 0.0, excess_ = 0.0, kick_ = 0.0, kinetic_ = 0.0;
   Points forces_;
 };
 

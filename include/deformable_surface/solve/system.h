@@ -23,8 +23,8 @@ class System {
   const std::vector<double>& inertias() const { return model_.inertias(); }
   bool isTurnHeld(Index i) const { return held_turns_ && (*held_turns_)[i] != 0; }
   double damping() const { return damping_; }
-  /// True if anything may take energy out: damping, the material's viscosity, loads without a potential.
-  bool dissipates() const;
+  /// True if anything beside the damping by mass may take energy out: the material's viscosity, loads without a potential.
+  bool dissipatesInForces() const;
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;

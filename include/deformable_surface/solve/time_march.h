@@ -31,6 +31,8 @@ class TimeMarch {
     bool estimate_needed = true;
     Index cautious = 0;                // steps that are still to be taken with safe sub-steps
     Index cautious_slow = 0;           // steps in which slow forces are still to act in every sub-step
+    double heated = 0.0;               // J, that outer steps put into the motion of late, and
+    double dissipated = 0.0;           // J, what damping by mass took out of it
     EnergyGuard::Memory energy;
   };
   Memory memory() const;
@@ -68,6 +70,7 @@ class TimeMarch {
   SolveReport advanceImplicitly(double time, Index parts, State& state);
   void goBack(double time, State& state);
   bool estimatesStableStep() const;
+  void watchResonance();
   bool isSound(double time, const SolveReport& report, const State& state);
   bool isInSpace(const State& state) const;
   EnergyGuard::Allowance allowance() const;
@@ -90,6 +93,7 @@ class TimeMarch {
   bool is_too_stiff_ = false;  // for auto: more sub-steps than max_substeps
   Index substeps_needed_ = 0;  // if there are too many of them to be taken
   double work_ = 0.0;          // J, put in during the step by loads without a potential
+  double dissipated_ = 0.0;    // J, taken out during the step by damping by mass
 };
 
 }  // namespace deformable_surface::solve
