@@ -49,8 +49,10 @@ double PressureLoad::potential(double, const State& state) const {
 double PressureLoad::estimateWork(double, double, const State& before, const State& after) const {
   if (model_.isClosed()) return 0.0;
   const Index n = before.size();
-  between_.positions.resize(n);
+  between_ = before;  // areas may be those of particles, which their orientations tell
   for (Index i = 0; i < n; ++i) between_.positions[i] = 0.5 * (before.positions[i] + after.positions[i]);
+  for (std::size_t i = 0; i < before.orientations.size(); ++i)
+    between_.orientations[i] = before.orientations[i].slerp(0.5, after.orientations[i]);
   const std::pair<const State*, double> places[] = {{&before, 1.0 / 6.0}, {&between_, 4.0 / 6.0}, {&after, 1.0 / 6.0}};
   double work = 0.0;
   for (const auto& [state, weight] : places) {
