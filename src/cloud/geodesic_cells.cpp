@@ -20,7 +20,8 @@ constexpr Index kSteps = 16;
 
 const Index* endOfSteps(const Lists& neighbors, Index i) { return neighbors.begin(i) + std::min(kSteps, neighbors.count(i)); }
 
-// The chosen points whose cells touch without a detour between the points, with their distance in space as cost.
+// The chosen points whose cells touch without a detour between the points. Costs are their distances in space, raised so that a
+// way of kKeptWay is a detour of kKeptDetour.
 GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const std::vector<double>& distance,
                         const GeodesicCells& cells) {
   std::vector<std::vector<std::pair<Index, double>>> beside(cells.chosen.size());
@@ -38,7 +39,7 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
       if (b < 0 || b == a) continue;
       const double path = distance[u] + (positions[*v] - positions[u]).norm() + distance[*v];
       const double length = (cells.chosen[b] - cells.chosen[a]).norm();
-      if (!(path <= kKeptDetour * length)) continue;
+      if (!(path <= kKeptWay * length)) continue;
       insert(a, b, length);
       insert(b, a, length);
     }
@@ -48,7 +49,7 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
   for (const auto& list : beside) {
     for (const auto& [b, length] : list) {
       graph.links.items.push_back(b);
-      graph.cost.push_back(length);
+      graph.cost.push_back(kKeptDetour / kKeptWay * length);
     }
     graph.links.offsets.push_back(static_cast<Index>(graph.links.items.size()));
   }
@@ -99,7 +100,7 @@ Lists findChosenNear(const GeodesicCells& cells, const Points& positions, Index 
   };
   const auto isNear = [&](Index a, Index b) {
     if (a == b || lists(a, b)) return true;
-    const double longest = kKeptDetour * measure(a, b);
+    const double longest = kKeptWay * measure(a, b);
     return std::any_of(neighbors.begin(a), neighbors.end(a),
                        [&](Index m) { return lists(m, b) && measure(a, m) + measure(m, b) <= longest; });
   };

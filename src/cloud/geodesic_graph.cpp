@@ -13,8 +13,9 @@ namespace {
 
 constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
 
-// How fast the cost grows beyond the trust radius: a link of one and a half radii costs six times its length.
-constexpr double kCostSlope = 4.0;
+// How fast the cost grows beyond the trust radius. A gap is then so dear that detours up to several times the distance can be
+// called the same surface, as those around holes and over noise are.
+constexpr double kCostSlope = 18.0;
 // From this exponent on a path over a point inside the ball on a link as diameter is never dearer than the link: a^2 + b^2 <=
 // c^2 gives a^g + b^g <= c^g for g >= 2.
 constexpr double kBallExponent = 2.0;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numeric>
 #include <string>
 #include <tuple>
 #include <utility>
@@ -21,8 +22,9 @@ constexpr Index kBlock = 256;  // points per task: about a millisecond of work
 constexpr double kApartDetour = 1.5 * kKeptDetour;
 // A list is filled up from so many times its length of points met: at a fold most of them belong to other sheets.
 constexpr std::size_t kMaxMet = 4;
-// A point is at a gap if so many among it and the nearest around it see others that are apart.
-constexpr int kMinSeeing = 3;
+// A point is at a gap if so many pairs around it, none of which share a point, are apart. A point that is farther from all others
+// than those are from each other is apart from every one of them, but that is one such pair, and no gap.
+constexpr int kMinPairs = 3;
 constexpr Index kAround = 12;
 // The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.
 constexpr double kMarginQuantile = 0.05;
@@ -164,11 +166,27 @@ class QuickCheck {
   std::vector<double> bound_;
 };
 
-// Of each point, length over trust radius of its nearest neighbour that is clearly apart; infinite if none is.
-std::vector<float> findApart(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides,
-                             const Lists& neighbors) {
+// Neighbours that are clearly apart, of every point.
+struct Apart {
+  Lists lists;
+  std::vector<float> ratio;  // (n) length over trust radius of the nearest of them; infinite if there is none
+};
+
+// Puts the items of the blocks, count[i] of each point, together.
+void joinBlocks(const std::vector<std::vector<Index>>& blocks, const std::vector<Index>& count, Lists& lists) {
+  lists.offsets.assign(1, 0);
+  for (Index c : count) lists.offsets.push_back(lists.offsets.back() + c);
+  lists.items.clear();
+  lists.items.reserve(lists.offsets.back());
+  for (const std::vector<Index>& block : blocks) lists.items.insert(lists.items.end(), block.begin(), block.end());
+}
+
+Apart findApart(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
   const Index n = neighbors.size();
-  std::vector<float> apart(n, std::numeric_limits<float>::infinity());
+  Apart apart;
+  apart.ratio.assign(n, std::numeric_limits<float>::infinity());
+  std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
+  std::vector<Index> count(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     QuickCheck check(graph);
     Search search(graph, positions);
@@ -194,31 +212,38 @@ std::vector<float> findApart(const GeodesicGraph& graph, const Points& positions
           ratio = std::sqrt(measureSquaredLength(positions, sides, i, *j)) /
                   std::max(graph.trust_radius[i], graph.trust_radius[*j]);
         }
-        apart[i] = std::min(apart[i], static_cast<float>(ratio));
+        apart.ratio[i] = std::min(apart.ratio[i], static_cast<float>(ratio));
+        blocks[begin / kBlock].push_back(*j);
+        ++count[i];
       }
     }
   });
+  joinBlocks(blocks, count, apart.lists);
   return apart;
 }
 
-// True where some of the points around see others that are apart; fewer are a hole of the sampling.
-std::vector<char> findAtGap(const std::vector<float>& apart, const Lists& neighbors) {
-  const auto sees = [&](Index i) { return apart[i] < std::numeric_limits<float>::infinity() ? 1 : 0; };
-  std::vector<char> at_gap(apart.size());
-  for (Index i = 0; i < neighbors.size(); ++i) {
-    int count = sees(i);
-    const Index* last = neighbors.begin(i) + std::min(kAround, neighbors.count(i));
-    for (const Index* j = neighbors.begin(i); j != last; ++j) count += sees(*j);
-    at_gap[i] = count >= kMinSeeing;
-  }
+// True where enough separate pairs around a point are apart.
+std::vector<char> findAtGap(const Lists& apart, const Lists& neighbors) {
+  const Index n = neighbors.size();
+  std::vector<char> at_gap(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<Index> paired;
+    const auto isFree = [&](Index i) { return std::find(paired.begin(), paired.end(), i) == paired.end(); };
+    const auto pair = [&](Index i) {
+      if (!isFree(i)) return;
+      const Index* other = std::find_if(apart.begin(i), apart.end(i), isFree);
+      if (other != apart.end(i)) paired.insert(paired.end(), {i, *other});
+    };
+    for (Index i = begin; i < end; ++i) {
+      paired.clear();
+      pair(i);
+      const Index* last = neighbors.begin(i) + std::min(kAround, neighbors.count(i));
+      for (const Index* j = neighbors.begin(i); j != last; ++j) pair(*j);
+      at_gap[i] = paired.size() >= 2 * kMinPairs;
+    }
+  });
   return at_gap;
 }
-
-// What one block finds, for it is not known before how much that is.
-struct Found {
-  std::vector<Index> items;
-  Index num_refused = 0;
-};
 
 }  // namespace
 
@@ -275,19 +300,19 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
                      " positions on a graph of " + std::to_string(graph.links.size()) +
                      " points; the three numbers must be equal");
   }
-  const std::vector<float> apart = findApart(graph, positions, sides, neighbors);
-  const std::vector<char> at_gap = findAtGap(apart, neighbors);
-  std::vector<Found> found((n + kBlock - 1) / kBlock);
-  std::vector<Index> count(n);
+  const Apart apart = findApart(graph, positions, sides, neighbors);
+  const std::vector<char> at_gap = findAtGap(apart.lists, neighbors);
+  std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
+  std::vector<Index> count(n), refused(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
-    Found& out = found[begin / kBlock];
+    std::vector<Index>& out = blocks[begin / kBlock];
     Search search(graph, positions);
     std::vector<Neighbor> kept;
     for (Index i = begin; i < end; ++i) {
       const Index *first = neighbors.begin(i), *last = neighbors.end(i);
       const std::size_t wanted = last - first;
       if (!at_gap[i] || wanted == 0) {
-        out.items.insert(out.items.end(), first, last);
+        out.insert(out.end(), first, last);
         count[i] = neighbors.count(i);
         continue;
       }
@@ -304,17 +329,17 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
       std::sort(kept.begin(), kept.end());
       for (const Index* j = first; j != last; ++j) {
         const Neighbor listed{(positions[*j] - positions[i]).squaredNorm(), *j};
-        out.num_refused += !std::binary_search(kept.begin(), kept.end(), listed);
+        refused[i] += !std::binary_search(kept.begin(), kept.end(), listed);
       }
       count[i] = static_cast<Index>(std::min(kept.size(), wanted));
-      for (Index m = 0; m < count[i]; ++m) out.items.push_back(kept[m].index);
+      for (Index m = 0; m < count[i]; ++m) out.push_back(kept[m].index);
     }
   });
 
   GeodesicNeighbors result;
   std::vector<float> gaps;
   for (Index i = 0; i < n; ++i) {
-    if (at_gap[i] && apart[i] < std::numeric_limits<float>::infinity()) gaps.push_back(apart[i]);
+    if (at_gap[i] && apart.lists.count(i) > 0) gaps.push_back(apart.ratio[i]);
   }
   result.num_at_gaps = static_cast<Index>(gaps.size());
   if (!gaps.empty() && !graph.trust_radius.empty()) {
@@ -322,13 +347,8 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
     std::nth_element(gaps.begin(), quantile, gaps.end());
     result.margin = *quantile;
   }
-  result.lists = std::move(neighbors);
-  result.lists.items.clear();
-  for (const Found& part : found) {
-    result.num_refused += part.num_refused;
-    result.lists.items.insert(result.lists.items.end(), part.items.begin(), part.items.end());
-  }
-  for (Index i = 0; i < n; ++i) result.lists.offsets[i + 1] = result.lists.offsets[i] + count[i];
+  result.num_refused = std::accumulate(refused.begin(), refused.end(), Index{0});
+  joinBlocks(blocks, count, result.lists);
   return result;
 }
 

@@ -23,6 +23,8 @@ namespace {
 constexpr Index kMinPartPoints = 3;
 // At a gap the tree is asked for up to so many lists' lengths: what is still missing then is not worth searching for.
 constexpr Index kMaxAsked = 4;
+// The spacing is the distance of the neighbour that completes a hexagon.
+constexpr Index kSpacingNeighbor = 6;
 
 // What a neighbour is asked for, in one cache line.
 struct alignas(64) Sample {
@@ -197,11 +199,13 @@ class Thinning {
 
   // Erases what no short way over stored links leads to. All of these were reached so before, the first ones over the surface
   // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first, and
-  // only until all are reached; if that leaves any, once more with the shortest of these ways.
+  // only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than the
+  // spacing is as long as the points left allow, so the spacing is what it is compared to: it is such points that must go.
   void eraseUnreached(Index i, std::vector<Neighbor>& found) {
     const Index num_found = static_cast<Index>(found.size());
     for (Index f = 0; f < num_found; ++f) place_[found[f].index] = f;
     reached_.resize(num_found);
+    const double squared_spacing = num_found > 0 ? found[std::min(kSpacingNeighbor, num_found) - 1].squared_distance : 0.0;
     for (const bool is_hasty : {true, false}) {
       bound_.assign(num_found, std::numeric_limits<double>::infinity());
       std::fill(reached_.begin(), reached_.end(), 0);
@@ -214,7 +218,8 @@ class Thinning {
           const double bound = to_from + (samples_[*j].position - samples_[from].position).norm();
           if (!(bound < bound_[f])) continue;
           bound_[f] = bound;
-          if (reached_[f] || !(bound * bound <= kKeptDetour * kKeptDetour * found[f].squared_distance)) continue;
+          const double squared_length = std::max(found[f].squared_distance, squared_spacing);
+          if (reached_[f] || !(bound * bound <= kKeptWay * kKeptWay * squared_length)) continue;
           reached_[f] = 1;
           --num_missing;
         }

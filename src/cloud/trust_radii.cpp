@@ -31,6 +31,11 @@ constexpr double kTreeQuantile = 0.9;
 // The trust radius over that length. With less, jittered samplings lose links that are theirs; with more, narrower gaps are
 // bridged (docs/geodesics.md).
 constexpr double kTreeFactor = 1.16;
+// So many links of each point are trusted whatever lies around it: where the sampling is sparser than beside it, the lengths
+// around are those of the others. Two lead through a point; three would lead from the end of a row across a gap.
+constexpr std::size_t kOwnLinks = 2;
+// The trust radius over the longer of them: less than above, for that one is no typical length.
+constexpr double kOwnFactor = 1.08;
 // Widest angle (rad) without neighbours around a point that is surrounded: less than at a straight edge, and no less than a jittered
 // sampling leaves at its nearest neighbours.
 constexpr double kCoverGap = 2.8;
@@ -177,7 +182,14 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
         around.insert(around.end(), squared.begin() + offset[*j], squared.begin() + offset[*j + 1]);
       }
       if (around.empty()) continue;
-      const double from_tree = kTreeFactor * std::sqrt(findQuantile(around, kTreeQuantile));
+      double from_tree = kTreeFactor * std::sqrt(findQuantile(around, kTreeQuantile));
+      around.clear();
+      for (const Index* j = neighbors.begin(i); j != last; ++j) {
+        around.push_back(static_cast<float>(measureSquaredLength(positions, sides, i, *j)));
+      }
+      const auto own = around.begin() + std::min(kOwnLinks, around.size()) - 1;
+      std::nth_element(around.begin(), own, around.end());
+      from_tree = std::max(from_tree, kOwnFactor * std::sqrt(*own));
       radius[i] = from_tree;
       if (squared_cover.empty()) continue;
       around.assign(1, squared_cover[i]);

@@ -10,8 +10,9 @@ namespace deformable_surface::cloud {
 double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j);
 
 /// (n) m: the larger of two lengths around each point. A little more than the ninth decile of the minimum spanning tree's links
-/// there; and, with normals, the first decile of the lengths at which points are surrounded by neighbours, at most twice the
-/// first: a sampling that is denser in one direction is held together across it. Parallel; O(n k).
+/// there, or than the point's own second link, whichever is longer; and, with normals, the first decile of the lengths at which
+/// points are surrounded by neighbours, at most twice the first: a sampling that is denser in one direction is held together
+/// across it. Parallel; O(n k).
 std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors);
 
 }  // namespace deformable_surface::cloud

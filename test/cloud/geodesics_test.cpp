@@ -158,6 +158,51 @@ TEST(Geodesics, ListsOfSurfacesWithoutGapsStayAsTheyAre) {
   }
 }
 
+// A grid moved by share of its spacing in its plane and by noise (standard deviation) off it, as scans are.
+Gapped makeRoughSheet(double share, double noise) {
+  constexpr int kSide = 50;
+  Gapped sheet;
+  test::Jitter jitter(share, 1), bump(1.0, 2);
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      double height = 0.0;  // of twelve uniform numbers: their sum has a deviation of two
+      for (int draw = 0; draw < 12; ++draw) height += bump.draw();
+      const double x = i + jitter.draw(), y = j + jitter.draw();
+      sheet.add(Vec3(x, y, 0.5 * noise * height), Vec3::UnitZ(), 0, true);
+    }
+  }
+  return sheet;
+}
+
+TEST(Geodesics, RoughAndUnevenSamplingsKeepTheirLinks) {
+  for (double noise : {0.0, 0.1, 0.2}) {
+    for (double jitter : {0.3, 0.5}) {
+      const Gapped sheet = makeRoughSheet(jitter, noise);
+      const Lists links = nearestNeighbors(sheet.positions, kListed);
+      const Coupling coupling = couple(sheet, links, estimateSides(sheet.positions));
+      EXPECT_GE(coupling.within, kLeastWithin) << "jitter " << jitter << ", noise " << noise;
+    }
+  }
+}
+
+TEST(Geodesics, AFewPointsInASparseSpotOfADenseSheetAreNoGap) {
+  // The surroundings say that links are half as long as those that hold the spot.
+  constexpr int kSide = 48;
+  Points points;
+  test::Jitter jitter(0.1, 1);
+  for (int i = 0; i < kSide; ++i) {
+    for (int j = 0; j < kSide; ++j) {
+      const bool is_sparse = std::abs(i - kSide / 2) <= 2 && std::abs(j - kSide / 2) <= 2;
+      if (!is_sparse || (i % 2 == 0 && j % 2 == 0)) points.emplace_back(i + jitter.draw(), j + jitter.draw(), 0.0);
+    }
+  }
+  const Lists links = nearestNeighbors(points, kListed);
+  const SurfaceSides sides = estimateSides(points);
+  const GeodesicNeighbors kept = keepGeodesicNeighbors(buildGeodesicGraph(points, sides, links, {}), points, sides, links);
+  EXPECT_EQ(kept.num_refused, 0);
+  EXPECT_EQ(kept.margin, kNoLimit);
+}
+
 TEST(Geodesics, ListsAtAGapAreFilledFromTheirOwnSide) {
   const Gapped bars = makeTwoBars(2.0, 0.1);
   const Lists links = nearestNeighbors(bars.positions, kListed);
@@ -381,6 +426,27 @@ TEST(GeodesicSimplification, WithoutGapsItIsThatOfSpace) {
             simplify(sheet.positions, sheet.normals, 16, 50, {}, neighbors, is_corner, false).removed);
 }
 
+TEST(GeodesicSimplification, LeavesNoPointsTogetherOnARoughSheet) {
+  const Gapped sheet = makeRoughSheet(0.5, 0.2);
+  const Lists links = nearestNeighbors(sheet.positions, kListed);
+  const SurfaceSides sides = estimateSides(sheet.positions);
+  const GeodesicGraph graph = buildGeodesicGraph(sheet.positions, sides, links, {});
+  const auto measureNearest = [&](const Lists& neighbors, bool over_surface) {
+    const std::vector<char> is_corner = findBoundary(sheet.positions, sides.normals, neighbors, kListed / 2).is_corner;
+    const std::vector<Index> kept =
+        simplify(sheet.positions, sides.normals, kListed / 2, 150, {}, neighbors, is_corner, over_surface).keepCount(150);
+    double nearest = kNoLimit;
+    for (Index i : kept)
+      for (Index j : kept)
+        if (i != j && !(is_corner[i] && is_corner[j]))
+          nearest = std::min(nearest, (sheet.positions[i] - sheet.positions[j]).norm());
+    return nearest;
+  };
+  // Nine tenths: other links make another set of points.
+  const Lists kept = keepGeodesicNeighbors(graph, sheet.positions, sides, links).lists;
+  EXPECT_GE(measureNearest(kept, true), 0.9 * measureNearest(links, false));
+}
+
 // A mesh of a real garment: its edges, and those across them, give the true distances.
 struct Garment {
   Points positions, normals;
@@ -437,10 +503,14 @@ std::optional<Garment> readGarment(const std::string& name) {
   return garment;
 }
 
-// Shares of the sixteen nearest that keep half of their weight: of those near on the mesh, and of those three times as far.
+// Detour over the edges of a triangle mesh up to which two vertices are near on its surface.
+constexpr double kNearDetour = 1.35;
+
+// Shares of the sixteen nearest that keep half of their weight: of those near on the mesh, and of those so far on it that no
+// weight is due to them.
 Coupling measureKept(const Garment& garment, bool with_normals) {
   const Lists links = nearestNeighbors(garment.positions, 16), listed = nearestNeighbors(garment.positions, kListed);
-  const std::vector<double> truth = findGeodesicDistances(garment.truth, garment.positions, links, 4.0);
+  const std::vector<double> truth = findGeodesicDistances(garment.truth, garment.positions, links, 2.0 * kLongestDetour);
   const SurfaceSides sides = with_normals ? SurfaceSides{garment.normals, true} : estimateSides(garment.positions);
   const std::vector<double> weight =
       geodesicWeights(buildGeodesicGraph(garment.positions, sides, listed, {}), garment.positions, links);
@@ -448,10 +518,10 @@ Coupling measureKept(const Garment& garment, bool with_normals) {
   for (Index i = 0; i < links.size(); ++i) {
     for (Index e = links.offsets[i]; e < links.offsets[i + 1]; ++e) {
       const double detour = truth[e] / (garment.positions[links.items[e]] - garment.positions[i]).norm();
-      if (detour < kFreeDetour) {
+      if (detour < kNearDetour) {
         all.within += 1.0;
         kept.within += weight[e] >= 0.5;
-      } else if (detour > 3.0) {
+      } else if (detour > kLongestDetour) {
         all.across += 1.0;
         kept.across += weight[e] >= 0.5;
       }

@@ -17,7 +17,7 @@ struct SurfaceSides {
 };
 
 /// Paths run along its links; a path is chosen by the least sum of costs.
-///   geodesicness auto: cost l [1 + 4 max(0, (l / r)^2 - 1)] (m) of a link of length l, where r is the larger trust radius of its
+///   geodesicness auto: cost l [1 + 18 max(0, (l / r)^2 - 1)] (m) of a link of length l, where r is the larger trust radius of its
 ///     ends: what it takes around a point to hold the surface together, by the links of the minimum spanning tree and, with
 ///     normals, by how points are surrounded (src/cloud/trust_radii.h). A trusted link costs its length, a longer one ever more.
 ///     Lengths are anisotropic where there are normals, l^2 = t^2 + (m / e)^2 with the component m of the link along the mean
@@ -50,10 +50,13 @@ std::vector<double> findGeodesicDistances(const GeodesicGraph& graph, const Poin
 /// Weight in [0, 1] of a link by its detour, geodesic over Euclidean distance: 1 up to kFreeDetour, 0 from kLongestDetour on,
 /// smooth and falling between. Coincident points have detour 1.
 double weighDetour(double detour);
-constexpr double kFreeDetour = 1.35;    // above the detours of paths over a grid (up to 1.42 to a diagonal neighbour, else 1.35)
-constexpr double kLongestDetour = 2.7;  // well above those of curved and unevenly sampled surfaces
+constexpr double kFreeDetour = 1.7;     // above the way around half of a circle, as around a hole of the sampling
+constexpr double kLongestDetour = 4.5;  // well above those of rough and unevenly sampled surfaces (docs/geodesics.md)
 /// Detour at which the weight is a half: who is farther is no neighbour.
 constexpr double kKeptDetour = 0.5 * (kFreeDetour + kLongestDetour);
+/// The same of ways over listed neighbours that count as long as they are in space: gaps are no dearer there, for the lists do not
+/// lead across them, so that a way round shows in its length alone.
+constexpr double kKeptWay = 2.0;
 
 /// Weight of every pair in links, as listed: for models that weigh their links. Parallel; O(n k log k).
 std::vector<double> geodesicWeights(const GeodesicGraph& graph, const Points& positions, const Lists& links);
