@@ -127,6 +127,19 @@ void ContactLoad::addReactions(double time, const model::State& state, std::vect
   }
 }
 
+void ContactLoad::appendContacts(double time, const model::State& state, const std::string& id, Index place,
+                                 std::vector<Contact>& contacts) const {
+  for (const ToolParams& tool : tools_) {
+    if (tool.id != id) continue;
+    const tool::Motion motion = tool::findMotion(tool.path, time);
+    forEachTouch(tool, time, state.positions, [&](const Touch& touch) {
+      const Vec3& x = state.positions[touch.point];
+      const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
+      contacts.push_back({place, touch.point, x, touch.normal, touch.force + FrictionLoad::findForce(*this, tool, touch, sliding)});
+    });
+  }
+}
+
 bool FrictionLoad::isEmpty() const {
   return std::none_of(contact_.tools_.begin(), contact_.tools_.end(), [](const ToolParams& tool) { return tool.friction > 0.0; });
 }

@@ -111,16 +111,6 @@ bool Simulation::removeTool(const std::string& id) {
 
 const std::vector<tool::ToolParams>& Simulation::tools() const { return impl_->tools; }
 
-std::vector<ToolReaction> Simulation::toolReactions() const {
-  std::vector<ToolReaction> reactions(impl_->tools.size());
-  for (std::size_t t = 0; t < reactions.size(); ++t) reactions[t].id = impl_->tools[t].id;
-  impl_->contact.addReactions(impl_->time(), impl_->state, reactions);
-  if (impl_->grips.isEmpty()) return reactions;
-  impl_->system.computeForcesOnAll(impl_->time(), impl_->state, impl_->forces_on_all);
-  impl_->grips.addReactions(impl_->time(), impl_->state, impl_->forces_on_all, reactions);
-  return reactions;
-}
-
 Index Simulation::pin(const geometry::Region& region, bool orientation) {
   Index changed = 0;
   for (Index i = 0; i < impl_->state.size(); ++i) {

@@ -36,6 +36,8 @@ class ContactLoad : public solve::ExternalLoad {
 
   /// Adds what each tool feels, friction included, to those of its id.
   void addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const;
+  /// Appends the touches of the tool of that id, if it is one of these, as those of the tool in that place.
+  void appendContacts(double time, const model::State& state, const std::string& id, Index place, std::vector<Contact>& contacts) const;
 
  private:
   friend class FrictionLoad;

@@ -93,6 +93,11 @@ class Simulation {
   const std::vector<tool::ToolParams>& tools() const;
   /// What the surface does to each tool now, in the order of tools().
   std::vector<ToolReaction> toolReactions() const;
+  /// Every touch of solid, cut and attract now, tool by tool, points ascending.
+  std::vector<Contact> contacts() const;
+  /// What the surface does to its pins now: the scene's regions in their order, a point of several to the first; then kOtherPins, if
+  /// commands have pinned any. Particles that were born in a pinned region are no part of it.
+  std::vector<PinReaction> pinReactions() const;
   /// Fixes (or frees) the simulation points whose current position lies in the region, where they are; orientation: and their orientations, where they have any. Returns how many.
   Index pin(const geometry::Region& region, bool orientation = false);
   Index unpin(const geometry::Region& region);

@@ -1,4 +1,5 @@
-// What the surface does to a tool: contact forces as data. Apart from the loads that give it, because the node publishes it.
+// What the surface does to tools and pins, and where: contact forces as data. Apart from the loads that give it, because the node
+// publishes and draws it.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -15,5 +16,24 @@ struct ToolReaction {
   Index contacts = 0;          // simulation points that it touches or holds
   double penetration = 0.0;    // m, the deepest
 };
+
+/// Where a tool pushes or draws a simulation point. World frame.
+struct Contact {
+  Index tool;      // place among Simulation::tools()
+  Index point;     // simulation point
+  Vec3 position;   // m, of that point
+  Vec3 normal;     // unit, out of the tool
+  Vec3 force;      // N, on the point, friction included
+};
+
+/// What the surface does to the pins of a region.
+struct PinReaction {
+  std::string id;              // "pins[0]": that of the scene; kOtherPins: points that were pinned by commands
+  Vec3 force = Vec3::Zero();   // N, in the surface's frame
+  Vec3 torque = Vec3::Zero();  // N m, in the surface's frame about its origin
+  Index points = 0;            // simulation points that are held now
+};
+
+constexpr char kOtherPins[] = "others";
 
 }  // namespace deformable_surface::simulation
