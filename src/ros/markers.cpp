@@ -3,7 +3,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <limits>
+#include <sstream>
 
 namespace deformable_surface::node {
 namespace {
@@ -18,6 +20,8 @@ constexpr double kFullDisplacementShare = 0.25;
 constexpr double kLineWidthShare = 0.05, kPinShare = 0.5;
 // Discs that nearly touch, and axes that do not reach the next particle.
 constexpr double kDiscShare = 0.45, kAxisShare = 0.4;
+// Text that can be read, above the surface.
+constexpr double kTextShare = 0.03, kTextRoomShare = 0.15;
 // The longest arrow, as a share of the surface's extent.
 constexpr double kArrowShare = 0.3;
 // Shaft, head and head length as shares of an arrow's length.
@@ -211,13 +215,14 @@ Marker makePinsMarker(const std_msgs::Header& header, const Points& positions, c
   return finish(std::move(marker));
 }
 
-int addForceMarkers(const std_msgs::Header& header, const std::vector<std::pair<Vec3, Vec3>>& forces, double length,
-                    int num_before, visualization_msgs::MarkerArray& markers) {
+int addForceMarkers(const std_msgs::Header& header, const std::string& ns, const std_msgs::ColorRGBA& color,
+                    const std::vector<std::pair<Vec3, Vec3>>& forces, double length, int num_before,
+                    visualization_msgs::MarkerArray& markers) {
   const int num_shown = static_cast<int>(std::min<std::size_t>(forces.size(), kMaxArrows));
   double largest = 0.0;
   for (int f = 0; f < num_shown; ++f) largest = std::max(largest, forces[f].second.norm());
   for (int f = 0; f < std::max(num_shown, num_before); ++f) {
-    Marker marker = makeMarker(header, "forces", f, Marker::ARROW);
+    Marker marker = makeMarker(header, ns, f, Marker::ARROW);
     const double share = f < num_shown && largest > 0.0 ? forces[f].second.norm() / largest : 0.0;
     if (share > 0.0) {
       const auto& [point, force] = forces[f];
@@ -225,7 +230,7 @@ int addForceMarkers(const std_msgs::Header& header, const std::vector<std::pair<
       marker.scale.x = kShaftShare * length;
       marker.scale.y = kHeadShare * length;
       marker.scale.z = kHeadLengthShare * length * share;
-      marker.color = makeColor(1.0f, 0.5f, 0.0f);
+      marker.color = color;
     }
     markers.markers.push_back(finish(std::move(marker)));
   }
@@ -246,6 +251,21 @@ int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolP
     markers.markers.push_back(std::move(marker));
   }
   return num_tools;
+}
+
+Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics, const Vec3& place,
+                            double height) {
+  Marker marker = makeMarker(header, "statistics", 0, Marker::TEXT_VIEW_FACING);
+  marker.pose.position = toPoint(place);
+  marker.scale.z = height;
+  std::ostringstream text;
+  text << std::setprecision(3) << std::fixed << statistics.simulation_time << " s, " << std::defaultfloat
+       << statistics.real_time_factor << " x real time\n"
+       << statistics.simulation_points << " of " << statistics.points << " points, " << statistics.substeps << " sub-steps\n"
+       << "largest stretch " << 100.0 * statistics.max_stretch << " %";
+  if (std::isfinite(statistics.error_estimate)) text << ", error " << 1000.0 * statistics.error_estimate << " mm";
+  marker.text = text.str();
+  return marker;
 }
 
 Marker makeDiscsMarker(const std_msgs::Header& header, const Points& positions, const Orientations& orientations,
@@ -288,6 +308,7 @@ SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation) {
     high = high.cwiseMax(p);
   }
   extent_ = (high - low).norm();
+  top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + kTextRoomShare * extent_);
   // Without any link the extent shared among the points has to do.
   const auto& links = edges_.empty() ? simulation.model().stretchLinks() : edges_;
   for (const auto& [a, b] : links) spacing_ += (state.positions[a] - state.positions[b]).norm() / links.size();
@@ -334,7 +355,29 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
     markers.markers.push_back(makeAxesMarker(header, positions, state.orientations, kAxisShare * spacing_, width));
   }
   num_tools_ = addToolMarkers(header, simulation.tools(), simulation.time(), extent_, num_tools_, markers);
-  num_arrows_ = addForceMarkers(header, simulation.activeForces(), kArrowShare * extent_, num_arrows_, markers);
+  const double arrow = kArrowShare * extent_;
+  num_arrows_ =
+      addForceMarkers(header, "forces", makeColor(1.0f, 0.5f, 0.0f), simulation.activeForces(), arrow, num_arrows_, markers);
+  std::vector<std::pair<Vec3, Vec3>> contacts;
+  const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
+  for (std::size_t t = 0; t < reactions.size(); ++t) {
+    const tool::Pose pose = tool::interpolate(simulation.tools()[t].path, simulation.time());
+    contacts.emplace_back(pose.position, pose.orientation * reactions[t].force);
+  }
+  num_contacts_ = addForceMarkers(header, "contacts", makeColor(0.9f, 0.1f, 0.2f), contacts, arrow, num_contacts_, markers);
+  markers.markers.push_back(makeStatisticsMarker(header, simulation.statistics(), top_, kTextShare * extent_));
+}
+
+void MarkerNews::reduce(bool all, visualization_msgs::MarkerArray& array) {
+  const auto isKnown = [&](const Marker& marker) {
+    Marker& sent = sent_[{marker.ns, marker.id}];
+    const std_msgs::Header header = sent.header;
+    sent.header = marker.header;
+    const bool is_same = sent == marker && header.frame_id == marker.header.frame_id;
+    if (!is_same) sent = marker;
+    return is_same && !all;
+  };
+  array.markers.erase(std::remove_if(array.markers.begin(), array.markers.end(), isKnown), array.markers.end());
 }
 
 }  // namespace deformable_surface::node

@@ -16,6 +16,10 @@
 namespace deformable_surface::node {
 namespace {
 
+// As many frames as a viewer may be behind.
+constexpr std::uint32_t kMarkersQueue = 10;
+// Who switches a namespace on in RViz sees it after this, though nothing changes.
+constexpr std::chrono::seconds kFullPeriod(1);
 // As of the statistics.
 constexpr std::uint32_t kWrenchQueue = 100;
 // How often a master that is away is looked for.
@@ -54,7 +58,12 @@ Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_su
   // One message waits for a slow listener; it is replaced by the next.
   deformed_ = node.advertise<sensor_msgs::PointCloud2>("deformed", 1, connected, disconnected, untracked, true);
   simulation_points_ = node.advertise<sensor_msgs::PointCloud2>("simulation_points", 1, connected, disconnected);
-  markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1, connected, disconnected);
+  // Queued, since each says only what has changed.
+  const ros::SubscriberStatusCallback shown = [this, on_subscriber](const ros::SingleSubscriberPublisher&) {
+    is_viewer_new_ = true;
+    on_subscriber();
+  };
+  markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", kMarkersQueue, shown, disconnected);
   // Statistics are small, and a gap in them is seen in every plot.
   statistics_ = node.advertise<Statistics>("statistics", 100, connected, disconnected);
   // As small, and a controller may close its loop over them.
@@ -82,10 +91,14 @@ void Publishers::publish(simulation::Simulation& simulation, std::int64_t stamp,
   }
   if (simulation_points_.getNumSubscribers() > 0) simulation_points_.publish(makeSimulationPoints(header, simulation));
   if (markers_.getNumSubscribers() > 0) {
+    const auto now = std::chrono::steady_clock::now();
+    const bool all = is_viewer_new_.exchange(false) || is_new_ || now >= next_full_;
+    if (all) next_full_ = now + kFullPeriod;
     auto message = boost::make_shared<visualization_msgs::MarkerArray>();
     marker_maker_->make(header, simulation, *message);
+    marker_news_.reduce(all, *message);
     if (is_new_) message->markers.insert(message->markers.begin(), makeDeleteAll(header));
-    markers_.publish(message);
+    if (!message->markers.empty()) markers_.publish(message);
   }
   if (statistics_.getNumSubscribers() > 0) {
     auto message = makeMessage<Statistics>(header);

@@ -9,6 +9,7 @@
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <map>
@@ -39,6 +40,9 @@ class Publishers {
   std::string frame_;
   std::optional<SurfaceEncoder> encoder_;
   std::optional<SimulationMarkers> marker_maker_;
+  MarkerNews marker_news_;
+  std::atomic<bool> is_viewer_new_{false};           // of the markers: it has nothing yet
+  std::chrono::steady_clock::time_point next_full_;  // all markers again
   bool is_new_ = false;        // nothing of this surface was published yet
   double time_publish_ = 0.0;  // s, of the last frame
 };

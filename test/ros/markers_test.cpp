@@ -53,6 +53,8 @@ std::string checkMarker(const Marker& marker) {
     case Marker::ARROW:
       if (marker.points.size() != 2) return "an arrow without two points";
       return all_positive ? "" : "a scale that is not positive";
+    case Marker::TEXT_VIEW_FACING:
+      return marker.text.empty() || !isPositive(marker.scale.z) ? "a text without letters or height" : "";
     default: return "a type that is not expected";
   }
 }
@@ -131,7 +133,8 @@ TEST(Markers, DeleteThemselvesWithNothingToShow) {
 
 TEST(Markers, DrawForcesAsArrowsInProportion) {
   visualization_msgs::MarkerArray array;
-  const int shown = addForceMarkers(makeHeader(), {{Vec3(1, 0, 0), Vec3(0, 0, 4)}, {Vec3(2, 0, 0), Vec3(0, 2, 0)}}, 0.5, 0, array);
+  const int shown = addForceMarkers(makeHeader(), "forces", colorOf(1.0),
+                                    {{Vec3(1, 0, 0), Vec3(0, 0, 4)}, {Vec3(2, 0, 0), Vec3(0, 2, 0)}}, 0.5, 0, array);
   EXPECT_EQ(shown, 2);
   ASSERT_EQ(array.markers.size(), 2u);
   expectValid(array);
@@ -142,7 +145,7 @@ TEST(Markers, DrawForcesAsArrowsInProportion) {
 
 TEST(Markers, DeleteArrowsOfForcesThatEnded) {
   visualization_msgs::MarkerArray array;
-  EXPECT_EQ(addForceMarkers(makeHeader(), {{Vec3(1, 0, 0), Vec3(0, 0, 4)}}, 0.5, 3, array), 1);
+  EXPECT_EQ(addForceMarkers(makeHeader(), "forces", colorOf(1.0), {{Vec3(1, 0, 0), Vec3(0, 0, 4)}}, 0.5, 3, array), 1);
   ASSERT_EQ(array.markers.size(), 3u);
   expectValid(array);
   EXPECT_EQ(array.markers[0].action, int{Marker::ADD});
@@ -152,7 +155,7 @@ TEST(Markers, DeleteArrowsOfForcesThatEnded) {
 
 TEST(Markers, DrawAZeroForceAsNothing) {
   visualization_msgs::MarkerArray array;
-  addForceMarkers(makeHeader(), {{Vec3(1, 0, 0), Vec3::Zero()}}, 0.5, 0, array);
+  addForceMarkers(makeHeader(), "forces", colorOf(1.0), {{Vec3(1, 0, 0), Vec3::Zero()}}, 0.5, 0, array);
   expectValid(array);
   EXPECT_EQ(array.markers[0].action, int{Marker::DELETE});
 }
@@ -160,7 +163,7 @@ TEST(Markers, DrawAZeroForceAsNothing) {
 TEST(Markers, ShowABoundedNumberOfArrows) {
   visualization_msgs::MarkerArray array;
   const std::vector<std::pair<Vec3, Vec3>> forces(kMaxArrows + 50, {Vec3::Zero(), Vec3::UnitX()});
-  EXPECT_EQ(addForceMarkers(makeHeader(), forces, 0.5, 0, array), kMaxArrows);
+  EXPECT_EQ(addForceMarkers(makeHeader(), "forces", colorOf(1.0), forces, 0.5, 0, array), kMaxArrows);
   EXPECT_EQ(array.markers.size(), static_cast<std::size_t>(kMaxArrows));
 }
 
@@ -213,6 +216,51 @@ TEST(Markers, DrawParticlesAsDiscsAndAxes) {
   ASSERT_EQ(axes.points.size(), 4u * 6u);
   EXPECT_NEAR(axes.points[5].x, 0.5, 1e-12);  // the first one's normal
   EXPECT_EQ(axes.colors[5].b, 1.0f);
+}
+
+TEST(Markers, TellWhatTheLastStepDid) {
+  simulation::Statistics statistics;
+  statistics.simulation_time = 1.5;
+  statistics.simulation_points = 300;
+  statistics.points = 4000;
+  const Marker marker = makeStatisticsMarker(makeHeader(), statistics, Vec3(1, 2, 3), 0.1);
+  EXPECT_EQ(checkMarker(marker), "");
+  EXPECT_EQ(marker.pose.position.z, 3.0);
+  EXPECT_NE(marker.text.find("1.500 s"), std::string::npos) << marker.text;
+  EXPECT_NE(marker.text.find("300 of 4000 points"), std::string::npos) << marker.text;
+  EXPECT_EQ(marker.text.find("error"), std::string::npos) << marker.text;  // there is no estimate
+  statistics.error_estimate = 0.002;
+  EXPECT_NE(makeStatisticsMarker(makeHeader(), statistics, Vec3::Zero(), 0.1).text.find("error 2 mm"), std::string::npos);
+}
+
+TEST(MarkerNews, SendsAgainOnlyWhatHasChanged) {
+  const auto make = [](double stamp, double bent) {
+    visualization_msgs::MarkerArray array;
+    std_msgs::Header header = makeHeader();
+    header.stamp.fromSec(stamp);
+    array.markers = {makeSurfaceMarker(header, kSquare, kTriangles, {0, 0, 0, bent}, 1.0),
+                     makeWireframeMarker(header, kSquare, kLinks, 0.01)};
+    return array;
+  };
+  MarkerNews news;
+  auto array = make(1.0, 0.0);
+  news.reduce(false, array);
+  EXPECT_EQ(array.markers.size(), 2u);
+  array = make(2.0, 0.0);
+  news.reduce(false, array);
+  EXPECT_TRUE(array.markers.empty());
+  array = make(3.0, 1.0);
+  news.reduce(false, array);
+  ASSERT_EQ(array.markers.size(), 1u);
+  EXPECT_EQ(array.markers[0].ns, "surface");
+  array = make(4.0, 1.0);
+  news.reduce(true, array);
+  EXPECT_EQ(array.markers.size(), 2u);
+  // In another frame it lies elsewhere.
+  array = make(5.0, 1.0);
+  for (Marker& marker : array.markers) marker.header.frame_id = "other";
+  news.reduce(false, array);
+  EXPECT_EQ(array.markers.size(), 2u);
 }
 
 TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
@@ -286,6 +334,17 @@ TEST(SimulationMarkers, ShowASimulationInEveryNamespaceAndKeepTheRules) {
   ASSERT_TRUE(simulation.step().ok);
   make();
   EXPECT_EQ(actions.at("forces"), int{Marker::ADD});
+  EXPECT_EQ(actions.at("statistics"), int{Marker::ADD});
+  EXPECT_EQ(actions.count("contacts"), 0u);
+
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.2;
+  ball.path = {{0.0, Vec3(0.5, 0.5, -0.15)}};
+  simulation.setTool(ball);
+  make();
+  EXPECT_EQ(actions.at("tools"), int{Marker::ADD});
+  EXPECT_EQ(actions.at("contacts"), int{Marker::ADD});
 
   simulation.reset();
   make();

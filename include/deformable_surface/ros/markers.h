@@ -8,6 +8,7 @@
 #include <std_msgs/Header.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -38,8 +39,13 @@ visualization_msgs::Marker makePinsMarker(const std_msgs::Header& header, const 
 
 /// Appends one ARROW per force, from the point of attack along the force, the largest of length `length` (m), and deletes the
 /// arrows left over from the `num_before` of last time. At most kMaxArrows, the first ones, are shown. Returns how many.
-int addForceMarkers(const std_msgs::Header& header, const std::vector<std::pair<Vec3, Vec3>>& forces, double length,
-                    int num_before, visualization_msgs::MarkerArray& markers);
+int addForceMarkers(const std_msgs::Header& header, const std::string& ns, const std_msgs::ColorRGBA& color,
+                    const std::vector<std::pair<Vec3, Vec3>>& forces, double length, int num_before,
+                    visualization_msgs::MarkerArray& markers);
+
+/// What the last step did, as three lines of text (TEXT_VIEW_FACING) about the place, of the height (m, > 0) each.
+visualization_msgs::Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics,
+                                                const Vec3& place, double height);
 
 /// Appends one marker per tool that acts at the time (s), in the colour of what it does: the primitive, a cone as triangles, a
 /// plane as a thin plate of the extent (m, > 0); and deletes those left over from the `num_before` of last time. Returns how many there are.
@@ -58,8 +64,8 @@ visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const 
 // RViz draws a few hundred arrows smoothly, thousands of them at a crawl.
 constexpr int kMaxArrows = 100;
 
-/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools and, of
-/// oriented particles, discs and axes. Particles may be born and go; what was not there at first is grey where displacements are shown.
+/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what
+/// the surface does to each tool, at its origin), statistics and, of oriented particles, discs and axes. Particles may be born and go; what was not there at first is grey where displacements are shown.
 class SimulationMarkers {
  public:
   /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.
@@ -76,8 +82,20 @@ class SimulationMarkers {
   std::vector<std::pair<Index, Index>> edges_; // of the triangles, each once
   double spacing_ = 0.0;                       // m, mean length of an edge or link at rest
   double extent_ = 0.0;                        // m, diagonal of the bounding box at rest
-  int num_arrows_ = 0, num_tools_ = 0;         // shown last time
+  Vec3 top_ = Vec3::Zero();                    // m, above the surface at rest
+  int num_arrows_ = 0, num_tools_ = 0, num_contacts_ = 0;  // shown last time
   std::vector<double> strain_, displacement_;  // scratch
+};
+
+/// Leaves out of arrays what their receivers have already, so that what does not change costs nothing.
+class MarkerNews {
+ public:
+  /// Takes out the markers that are, but for their header's stamp, as they were sent last. all: none is taken out, since somebody
+  /// may have nothing yet.
+  void reduce(bool all, visualization_msgs::MarkerArray& array);
+
+ private:
+  std::map<std::pair<std::string, int>, visualization_msgs::Marker> sent_;
 };
 
 }  // namespace deformable_surface::node
