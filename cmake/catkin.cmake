@@ -1,6 +1,7 @@
 # The package as catkin builds it: the core, point files through PCL, the ROS border, the executables and all tests.
-find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs message_generation nodelet pluginlib
-             rosbag roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs
+find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs
+             interactive_markers message_generation nodelet pluginlib rosbag
+             roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs
              tf2_ros visualization_msgs xmlrpcpp)
 find_package(PCL REQUIRED COMPONENTS common io)
 
@@ -20,7 +21,7 @@ catkin_package(
 file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
 file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/*nodelet.cpp)
-list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet)\\.cpp$")
+list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet|/hand[a-z_]*)\\.cpp$")
 
 # Installed programs find the libraries beside them without a ROS environment.
 set(CMAKE_INSTALL_RPATH "$ORIGIN/..;$ORIGIN")
@@ -47,12 +48,15 @@ target_link_libraries(deformable_surface_nodelet PUBLIC deformable_surface_ros)
 
 add_executable(deformable_surface_node src/ros/node_main.cpp)
 target_link_libraries(deformable_surface_node deformable_surface_ros)
+file(GLOB hand_sources CONFIGURE_DEPENDS src/ros/hand*.cpp)
+add_executable(deformable_surface_hand ${hand_sources})
+target_link_libraries(deformable_surface_hand deformable_surface_ros)
 add_executable(simulate src/ros/simulate_main.cpp)
 target_link_libraries(simulate deformable_surface_ros)
 add_executable(parameters_page src/io/parameters_page_main.cpp)
 target_link_libraries(parameters_page deformable_surface_core)
 
-install(TARGETS ${libraries} deformable_surface_node simulate parameters_page
+install(TARGETS ${libraries} deformable_surface_node deformable_surface_hand simulate parameters_page
         ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
@@ -115,7 +119,7 @@ if(CATKIN_ENABLE_TESTING)
     get_filename_component(name ${launch} NAME_WE)
     add_rostest_gtest(${name}_rostest ${launch} test/ros/${name}_rostest.cpp)
     if(TARGET ${name}_rostest)
-      add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet simulate)
+      add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet deformable_surface_hand simulate)
       target_link_libraries(${name}_rostest deformable_surface_ros)
     endif()
   endforeach()

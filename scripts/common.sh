@@ -19,6 +19,7 @@ debian_packages=(
   libgeometry-msgs-dev ros-geometry-msgs libsensor-msgs-dev ros-sensor-msgs libshape-msgs-dev ros-shape-msgs
   libvisualization-msgs-dev ros-visualization-msgs libdiagnostic-msgs-dev ros-diagnostic-msgs ros-message-generation
   libdiagnostic-updater-dev libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev
+  libinteractive-markers-dev
   librosbag-dev python3-rosbag python3-roslaunch python3-rostopic rosbash
   python3-rosservice python3-rosnode python3-rosmsg python3-std-srvs python3-visualization-msgs python3-diagnostic-msgs
   python3-rospy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-shape-msgs
@@ -29,7 +30,7 @@ debian_packages=(
 )
 noetic_packages=(
   build-essential ros-noetic-ros-base ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-rosgraph-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
-  ros-noetic-diagnostic-updater ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
+  ros-noetic-diagnostic-updater ros-noetic-interactive-markers ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
   libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev
   python3-matplotlib python3-numpy
 )

@@ -69,15 +69,16 @@ inline XmlRpc::XmlRpcValue toXmlRpc(const Value& value) {
   return result;
 }
 
-/// The node as a process of its own, started with the parameters of a scene in YAML, or with those that are set already, and
-/// ended with this object.
+/// The node, or another program of the package, as a process of its own, started with the parameters of a scene in YAML, or with
+/// those that are set already, and ended with this object.
 class NodeProcess {
  public:
-  explicit NodeProcess(const std::string& name, const std::string& scene = "") {
+  explicit NodeProcess(const std::string& name, const std::string& scene = "",
+                       const std::string& executable = "deformable_surface_node") {
     if (!scene.empty()) ros::param::set(name, toXmlRpc(io::parseYaml(scene, name)));
     output_ = std::filesystem::temp_directory_path() / ("deformable_surface" + std::to_string(getpid()) + "_" + name.substr(1));
     // The executables of a package lie side by side.
-    const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "deformable_surface_node";
+    const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / executable;
     const std::string remapping = "__name:=" + name.substr(1);
     char* arguments[] = {const_cast<char*>(program.c_str()), const_cast<char*>(remapping.c_str()), nullptr};
     posix_spawn_file_actions_t actions;

@@ -1,0 +1,456 @@
+#include "hand.h"
+
+#include "frames.h"
+
+#include "deformable_surface/EditParticles.h"
+#include "deformable_surface/FitSurface.h"
+#include "deformable_surface/SelectRegion.h"
+#include "deformable_surface/Step.h"
+#include "deformable_surface/ToolArray.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <sensor_msgs/point_cloud2_iterator.h>
+#include <std_srvs/SetBool.h>
+#include <std_srvs/Trigger.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <random>
+#include <tuple>
+
+namespace deformable_surface::node {
+namespace {
+
+using shape_msgs::SolidPrimitive;
+using visualization_msgs::InteractiveMarkerFeedback;
+
+// The tool by which the surface is gripped; those that are added have a number.
+constexpr char kGripId[] = "hand";
+// RViz says that it is still there four times a second; without it the person or the network is gone.
+constexpr double kGripPatience = 2.0;  // s
+// A tool that the surface lost (a reset, another cloud) is sent again, one that it refuses is not for ever.
+constexpr double kRepeatPeriod = 1.0;  // s
+constexpr int kMaxRepeats = 3;
+// Handles follow what has moved by this share of the spacing; less is not seen.
+constexpr double kSeenShare = 0.05;
+// Sizes as shares of the surface's extent.
+constexpr double kToolShare = 0.1, kBladeShare = 0.02, kPanelShare = 0.04;
+// Balls that touch, and a spot that stands out of them.
+constexpr double kBallShare = 1.0, kSpotShare = 1.2;
+constexpr double kLarger = 1.25;
+// A handful, in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push each other away.
+constexpr int kSprayTries = 100;
+constexpr double kSprayShare = 2.5, kSprayApart = 0.8;  // spacings
+constexpr double kSprayHeight = 1.5;                    // in that reach
+
+Vec3 toVec3(const geometry_msgs::Point& p) { return {p.x, p.y, p.z}; }
+
+SolidPrimitive makePrimitive(std::uint8_t type, std::initializer_list<double> sizes) {
+  SolidPrimitive primitive;
+  primitive.type = type;
+  primitive.dimensions.assign(sizes.begin(), sizes.end());
+  return primitive;
+}
+
+bool hasField(const sensor_msgs::PointCloud2& message, const std::string& name) {
+  return std::any_of(message.fields.begin(), message.fields.end(), [&](const auto& field) { return field.name == name; });
+}
+
+Points readVectors(const sensor_msgs::PointCloud2& message, const char* first) {
+  Points vectors;
+  vectors.reserve(message.width);
+  for (sensor_msgs::PointCloud2ConstIterator<float> at(message, first); at != at.end(); ++at)
+    vectors.emplace_back(at[0], at[1], at[2]);
+  return vectors;
+}
+
+}  // namespace
+
+Hand::Hand(const HandParams& params)
+    : params_(params),
+      surface_(ros::names::resolve(params.surface)),
+      node_(surface_),
+      tools_(node_.advertise<ToolArray>("tools", 10)),
+      points_subscriber_(node_.subscribe<sensor_msgs::PointCloud2>(
+          "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { takePoints(*m); })),
+      wrenches_subscriber_(node_.subscribe<ToolWrenchArray>(
+          "tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) { takeWrenches(*m); })),
+      timer_(node_.createWallTimer(ros::WallDuration(1.0 / params.rate), [this](const ros::WallTimerEvent&) { refresh(); })),
+      server_(ros::this_node::getName()) {
+  ROS_INFO_STREAM("waiting for the points of " << surface_);
+}
+
+// ---- From the surface ----
+
+void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
+  if (message.width == 0) return;
+  const bool is_new = points_.size() != message.width || header_.frame_id != message.header.frame_id;
+  header_.frame_id = message.header.frame_id;
+  points_ = readVectors(message, "x");
+  normals_ = readVectors(message, "normal_x");
+  ids_.clear();
+  if (hasField(message, "id"))
+    for (sensor_msgs::PointCloud2ConstIterator<std::uint32_t> id(message, "id"); id != id.end(); ++id) ids_.push_back(*id);
+  if (is_new) measure();
+}
+
+/// Sizes of handles and tools follow those of the surface.
+void Hand::measure() {
+  Vec3 low = points_.front(), high = low;
+  for (const Vec3& p : points_) {
+    low = low.cwiseMin(p);
+    high = high.cwiseMax(p);
+  }
+  extent_ = (high - low).norm();
+  const cloud::KdTree tree(points_);
+  std::vector<cloud::Neighbor> nearest;
+  std::vector<double> distances;
+  for (const Vec3& p : points_) {
+    tree.nearest(p, 2, nearest);
+    distances.push_back(std::sqrt(nearest.back().squared_distance));
+  }
+  const auto median = distances.begin() + distances.size() / 2;
+  std::nth_element(distances.begin(), median, distances.end());
+  spacing_ = *median > 0.0 ? *median : extent_;
+  top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + 2.0 * kPanelShare * extent_);
+  if (!has_menus_) makeMenus();
+  shown_.clear();
+  showPanel();
+}
+
+void Hand::takeWrenches(const ToolWrenchArray& message) {
+  const ros::WallTime now = ros::WallTime::now();
+  std::string refused;
+  for (auto& [id, held] : held_) {
+    const auto is_this = [&id = id](const ToolWrench& wrench) { return wrench.id == id; };
+    if (std::any_of(message.wrenches.begin(), message.wrenches.end(), is_this)) {
+      held.repeats = 0;
+    } else if ((now - held.sent).toSec() > kRepeatPeriod) {
+      if (++held.repeats > kMaxRepeats) refused = id;
+      held.sent = now;
+      send(held.tool, Tool::ADD);
+    }
+  }
+  if (refused.empty()) return;
+  removeTool(refused);
+  tell("the surface does not take " + refused + "; its log says why", false);
+}
+
+/// At the rate of the parameters, and only what has changed. Nothing else applies changes: a menu must not go while it calls.
+void Hand::refresh() {
+  // Nothing is shown that would not be heard.
+  if (points_.empty() || tools_.getNumSubscribers() == 0) return;
+  followSurface();
+  server_.applyChanges();
+}
+
+void Hand::followSurface() {
+  if (grip_) {
+    if ((ros::WallTime::now() - grip_->heard).toSec() > kGripPatience) {
+      endGrip();
+      tell("nothing was heard of the pull for a while; let go", false);
+    }
+    return;  // what is dragged is RViz's
+  }
+  const std::size_t spot = findSpot();
+  bool has_moved = shown_.size() != points_.size();
+  for (std::size_t i = 0; i < points_.size() && !has_moved; ++i)
+    has_moved = !((points_[i] - shown_[i]).norm() <= kSeenShare * spacing_);
+  if (!has_moved) return;
+  const bool is_first = shown_.size() != points_.size();
+  shown_ = points_;
+  const auto pull = [this](const Feedback& feedback) { onPull(feedback); };
+  server_.insert(makeSurfaceHandle(header_, points_, kBallShare * spacing_), pull);
+  // A menu that is open would close if its marker were made anew.
+  if (is_first) {
+    server_.insert(makeSpotHandle(header_, points_[spot], kSpotShare * spacing_), pull);
+    spot_menu_.apply(server_, kSpotHandle);
+  } else {
+    server_.setPose(kSpotHandle, makePose(points_[spot]));
+  }
+}
+
+// ---- From the person ----
+
+void Hand::onPull(const Feedback& feedback) {
+  const Vec3 handle = toVec3(feedback->pose.position);
+  if (!handle.allFinite()) return;
+  switch (feedback->event_type) {
+    case InteractiveMarkerFeedback::MOUSE_DOWN: {
+      endGrip();
+      const bool is_spot = feedback->marker_name == kSpotHandle;
+      // Without a depth under the mouse nobody knows what was meant.
+      if (!is_spot && !feedback->mouse_point_valid) return;
+      if (!is_spot) chooseSpot(toVec3(feedback->mouse_point));
+      grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now()};
+      return;
+    }
+    case InteractiveMarkerFeedback::POSE_UPDATE:
+    case InteractiveMarkerFeedback::KEEP_ALIVE:
+      if (grip_ && grip_->handle == feedback->marker_name) moveGrip(handle);
+      return;
+    case InteractiveMarkerFeedback::MOUSE_UP:
+      if (grip_ && grip_->handle == feedback->marker_name) endGrip();
+      return;
+  }
+}
+
+void Hand::moveGrip(const Vec3& handle) {
+  grip_->heard = ros::WallTime::now();
+  const Vec3 way = handle - grip_->start;
+  if (!grip_->is_sent && way.isZero()) return;
+  HandTool tool;
+  tool.id = kGripId;
+  tool.mode = Tool::MOVE;
+  tool.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
+  // It takes hold where the surface is, and then goes.
+  if (!grip_->is_sent) {
+    tool.pose = makePose(points_[findSpot()]);
+    send(tool, Tool::ADD);
+  }
+  grip_->is_sent = true;
+  tool.pose = makePose(grip_->from + way);
+  send(tool, Tool::ADD);
+}
+
+void Hand::endGrip() {
+  if (!grip_) return;
+  HandTool tool;
+  tool.id = kGripId;
+  if (grip_->is_sent) send(tool, Tool::DELETE);
+  grip_.reset();
+  // The handles go back to the surface with the next refresh.
+  shown_.assign(points_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+}
+
+void Hand::chooseSpot(const Vec3& point) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if ((points_[i] - point).squaredNorm() < (points_[nearest] - point).squaredNorm()) nearest = i;
+  spot_ = isOfParticles() ? ids_[nearest] : static_cast<std::uint32_t>(nearest);
+}
+
+/// The row of the spot; of a particle that is gone, the first.
+std::size_t Hand::findSpot() const {
+  if (!isOfParticles()) return spot_ < points_.size() ? spot_ : 0;
+  const auto found = std::find(ids_.begin(), ids_.end(), spot_);
+  return found == ids_.end() ? 0 : static_cast<std::size_t>(found - ids_.begin());
+}
+
+/// A point that has no neighbours has none; up is as good as any other way then.
+Vec3 Hand::normalAt(std::size_t row) const { return normals_[row].allFinite() ? normals_[row] : Vec3(Vec3::UnitZ()); }
+
+void Hand::onTool(const Feedback& feedback) {
+  const auto found = held_.find(feedback->marker_name);
+  if (found == held_.end() || feedback->event_type != InteractiveMarkerFeedback::POSE_UPDATE) return;
+  try {
+    readPose(feedback->pose);
+  } catch (const InputError& error) {
+    return tell(error.what(), false);
+  }
+  found->second.tool.pose = feedback->pose;
+  found->second.sent = ros::WallTime::now();
+  send(found->second.tool, Tool::ADD);
+}
+
+// ---- Menus ----
+
+void Hand::makeMenus() {
+  has_menus_ = true;
+  const auto add = [](interactive_markers::MenuHandler& menu, const char* title, auto work) {
+    menu.insert(title, [work](const Feedback&) { work(); });
+  };
+  add(spot_menu_, "Pin here", [this] { pin("pin"); });
+  add(spot_menu_, "Unpin here", [this] { pin("unpin"); });
+  if (isOfParticles()) {
+    add(spot_menu_, "Spray points here", [this] { spray(); });
+    add(spot_menu_, "Take away here", [this] { edit(EditParticlesRequest::DELETE, radius()); });
+    add(spot_menu_, "Crease here", [this] { edit(EditParticlesRequest::CREASE, radius()); });
+  }
+
+  struct Mode {
+    const char* name;
+    std::uint8_t mode;
+  };
+  std::vector<Mode> modes = {{"Solid", Tool::SOLID}, {"Attract", Tool::ATTRACT}, {"Move", Tool::MOVE}};
+  if (isOfParticles()) modes.insert(modes.end(), {{"Erase", Tool::ERASE}, {"Cut", Tool::CUT}, {"Heat", Tool::HEAT}});
+  const auto mode_menu = tool_menu_.insert("Mode");
+  for (const Mode& mode : modes) {
+    tool_menu_.insert(mode_menu, mode.name, [this, mode = mode.mode](const Feedback& feedback) {
+      HandTool& tool = held_.at(feedback->marker_name).tool;
+      tool.mode = mode;
+      showTool(tool);
+    });
+  }
+  const auto scale = [this](const Feedback& feedback, double factor) {
+    HandTool& tool = held_.at(feedback->marker_name).tool;
+    for (double& size : tool.primitive.dimensions) size *= factor;
+    showTool(tool);
+  };
+  tool_menu_.insert("Larger", [scale](const Feedback& feedback) { scale(feedback, kLarger); });
+  tool_menu_.insert("Smaller", [scale](const Feedback& feedback) { scale(feedback, 1.0 / kLarger); });
+  tool_menu_.insert("Delete", [this](const Feedback& feedback) { removeTool(feedback->marker_name); });
+
+  const double size = kToolShare * extent_, blade = kBladeShare * extent_;
+  std::vector<std::tuple<const char*, std::uint8_t, SolidPrimitive>> kinds = {
+      {"Ball", Tool::SOLID, makePrimitive(SolidPrimitive::SPHERE, {size})},
+      {"Box", Tool::SOLID, makePrimitive(SolidPrimitive::BOX, {2.0 * size, 2.0 * size, 2.0 * size})},
+      {"Rod", Tool::SOLID, makePrimitive(SolidPrimitive::CYLINDER, {4.0 * size, 0.5 * size})},
+      {"Attractor", Tool::ATTRACT, makePrimitive(SolidPrimitive::SPHERE, {size})}};
+  if (isOfParticles()) {
+    kinds.emplace_back("Knife", Tool::CUT, makePrimitive(SolidPrimitive::BOX, {3.0 * size, blade, 3.0 * size}));
+    kinds.emplace_back("Heater", Tool::HEAT, makePrimitive(SolidPrimitive::SPHERE, {size}));
+    kinds.emplace_back("Eraser", Tool::ERASE, makePrimitive(SolidPrimitive::SPHERE, {size}));
+  }
+  const auto tools_menu = spot_menu_.insert("Add a tool");
+  for (const auto& [name, mode, primitive] : kinds) {
+    spot_menu_.insert(tools_menu, name, [this, mode = mode, primitive = primitive](const Feedback&) { addTool(mode, primitive); });
+  }
+
+  add(panel_menu_, "Pause", [this] { pause(true); });
+  add(panel_menu_, "Go on", [this] { pause(false); });
+  add(panel_menu_, "One step", [this] { takeSteps(1); });
+  add(panel_menu_, "Ten steps", [this] { takeSteps(10); });
+  add(panel_menu_, "Reset", [this] {
+    std_srvs::Trigger service;
+    call("reset", service);
+  });
+  if (!isOfParticles()) return;
+  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
+  add(panel_menu_, "Freeze", [this] { edit(EditParticlesRequest::FIX, kEverywhere); });
+  add(panel_menu_, "Melt", [this] { edit(EditParticlesRequest::FREE, kEverywhere); });
+  add(panel_menu_, "Grow a surface", [this] {
+    FitSurface service;
+    call("fit", service);
+  });
+}
+
+/// Beside the spot and not in it, where a solid tool would throw the surface away.
+void Hand::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
+  const std::size_t spot = findSpot();
+  HandTool tool;
+  tool.id = std::string(kGripId) + "_" + std::to_string(++num_made_);
+  tool.mode = mode;
+  tool.primitive = primitive;
+  tool.pose = makePose(points_[spot] + (0.5 * findExtent(primitive) + spacing_) * normalAt(spot));
+  held_[tool.id].tool = tool;
+  showTool(tool);
+}
+
+void Hand::removeTool(const std::string& id) {
+  const auto found = held_.find(id);
+  send(found->second.tool, Tool::DELETE);
+  held_.erase(found);
+  server_.erase(id);
+}
+
+void Hand::pin(const char* service) {
+  SelectRegion select;
+  select.request.header.frame_id = header_.frame_id;
+  select.request.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
+  select.request.pose = makePose(points_[findSpot()]);
+  call(service, select);
+}
+
+/// At random in a ball above the spot, none too near to another.
+void Hand::spray() {
+  const std::size_t spot = findSpot();
+  const Vec3 normal = normalAt(spot);
+  const double reach = kSprayShare * spacing_;
+  const Vec3 center = points_[spot] + kSprayHeight * reach * normal;
+  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal);
+  std::mt19937 random(static_cast<std::uint32_t>(++num_made_));
+  const auto draw = [&random] { return 2.0 * random() / static_cast<double>(std::mt19937::max()) - 1.0; };
+  Points taken = points_;
+  EditParticles service;
+  service.request.action = EditParticlesRequest::ADD;
+  service.request.header.frame_id = header_.frame_id;
+  for (int tries = 0; tries < kSprayTries; ++tries) {
+    const Vec3 offset(draw(), draw(), draw());
+    const Vec3 point = center + reach * offset;
+    const auto isNear = [&](const Vec3& other) { return (other - point).norm() < kSprayApart * spacing_; };
+    if (offset.norm() > 1.0 || std::any_of(taken.begin(), taken.end(), isNear)) continue;
+    taken.push_back(point);
+    geometry_msgs::Pose pose = makePose(point);
+    pose.orientation.w = turn.w();
+    pose.orientation.x = turn.x();
+    pose.orientation.y = turn.y();
+    pose.orientation.z = turn.z();
+    service.request.poses.push_back(pose);
+  }
+  call("edit", service);
+}
+
+/// What lies within reach (m) of the spot.
+void Hand::edit(std::uint8_t action, double reach) {
+  const Vec3 center = points_[findSpot()];
+  EditParticles service;
+  service.request.action = action;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if ((points_[i] - center).norm() <= reach) service.request.ids.push_back(ids_[i]);
+  call("edit", service);
+}
+
+void Hand::pause(bool paused) {
+  std_srvs::SetBool service;
+  service.request.data = paused;
+  call("pause", service);
+}
+
+void Hand::takeSteps(std::uint32_t count) {
+  Step service;
+  service.request.count = count;
+  call("step", service);
+}
+
+// ---- Showing and sending ----
+
+void Hand::showTool(const HandTool& tool) {
+  server_.insert(makeToolHandle(header_, tool), [this](const Feedback& feedback) { onTool(feedback); });
+  tool_menu_.apply(server_, tool.id);
+  HeldTool& held = held_.at(tool.id);
+  held.sent = ros::WallTime::now();
+  held.repeats = 0;
+  send(tool, Tool::ADD);
+}
+
+void Hand::showPanel() {
+  server_.insert(makePanelHandle(header_, top_, kPanelShare * extent_, sentence_));
+  panel_menu_.apply(server_, kPanelHandle);
+}
+
+void Hand::send(const HandTool& tool, std::uint8_t action) {
+  ToolArray array;
+  array.tools.resize(1);
+  Tool& message = array.tools[0];
+  message.header.frame_id = header_.frame_id;
+  message.id = tool.id;
+  message.action = action;
+  message.mode = tool.mode;
+  message.primitive = tool.primitive;
+  message.pose = tool.pose;
+  if (tool.mode == Tool::HEAT) message.strength = params_.heat;
+  if (tool.mode == Tool::ATTRACT) message.strength = params_.attraction;
+  tools_.publish(array);
+}
+
+template <class Service>
+void Hand::call(const char* name, Service& service) {
+  const std::string full = surface_ + "/" + name;
+  if (!ros::service::call(full, service)) return tell("no answer from " + full, false);
+  tell(service.response.message, service.response.success);
+}
+
+void Hand::tell(const std::string& sentence, bool is_good) {
+  if (is_good) {
+    ROS_INFO_STREAM(sentence);
+  } else {
+    ROS_WARN_STREAM(sentence);
+  }
+  sentence_ = sentence;
+  showPanel();
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,106 @@
+// A person's hand on a surface: interactive markers in RViz on one side, the public topics and services of a running node on the
+// other. It is a program of its own beside the node, so that the node need not know of it.
+#pragma once
+
+#include "hand_markers.h"
+#include "hand_params.h"
+
+#include "deformable_surface/ToolWrenchArray.h"
+
+#include <interactive_markers/interactive_marker_server.h>
+#include <interactive_markers/menu_handler.h>
+#include <ros/ros.h>
+#include <sensor_msgs/PointCloud2.h>
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::node {
+
+class Hand {
+ public:
+  /// The markers come below the private name of the node: ~update and ~feedback.
+  explicit Hand(const HandParams& params);
+
+ private:
+  using Feedback = visualization_msgs::InteractiveMarkerFeedbackConstPtr;
+  /// A pull that goes on: a tool that moves what it grips.
+  struct Grip {
+    std::string handle;      // by which it is dragged
+    Vec3 from, start;        // m: the place that was gripped, and where the handle was then
+    bool is_sent = false;    // a click alone grips nothing
+    ros::WallTime heard;     // RViz speaks up several times a second while the button is down
+  };
+  struct HeldTool {
+    HandTool tool;
+    ros::WallTime sent;
+    int repeats = 0;  // sent again because the surface did not have it
+  };
+
+  // From the surface.
+  void takePoints(const sensor_msgs::PointCloud2& message);
+  void takeWrenches(const ToolWrenchArray& message);
+  void measure();
+  void refresh();
+  void followSurface();
+
+  // From the person.
+  void onPull(const Feedback& feedback);
+  void onTool(const Feedback& feedback);
+  void moveGrip(const Vec3& handle);
+  void endGrip();
+  void chooseSpot(const Vec3& point);
+  std::size_t findSpot() const;
+  Vec3 normalAt(std::size_t row) const;
+
+  // Menus.
+  void makeMenus();
+  void addTool(std::uint8_t mode, const shape_msgs::SolidPrimitive& primitive);
+  void removeTool(const std::string& id);
+  void pin(const char* service);
+  void spray();
+  void edit(std::uint8_t action, double reach);
+  void pause(bool paused);
+  void takeSteps(std::uint32_t count);
+
+  void showTool(const HandTool& tool);
+  void showPanel();
+  void send(const HandTool& tool, std::uint8_t action);
+  /// Calls a service of the surface and tells how it went.
+  template <class Service>
+  void call(const char* name, Service& service);
+  void tell(const std::string& sentence, bool is_good);
+
+  bool isOfParticles() const { return !ids_.empty(); }
+  double radius() const { return params_.radius.valueOr(kRadiusShare * spacing_); }
+
+  // Holds the nearest points and not only one.
+  static constexpr double kRadiusShare = 1.5;
+
+  const HandParams params_;
+  const std::string surface_;
+  ros::NodeHandle node_;
+  ros::Publisher tools_;
+  ros::Subscriber points_subscriber_, wrenches_subscriber_;
+  ros::WallTimer timer_;
+  interactive_markers::InteractiveMarkerServer server_;
+  interactive_markers::MenuHandler spot_menu_, panel_menu_, tool_menu_;
+  bool has_menus_ = false;
+
+  // The surface as of its last message, and as it was shown last.
+  std_msgs::Header header_;
+  Points points_, normals_, shown_;
+  std::vector<std::uint32_t> ids_;  // of oriented particles, else empty
+  double spacing_ = 0.0, extent_ = 0.0;  // m
+  Vec3 top_ = Vec3::Zero();
+
+  std::uint32_t spot_ = 0;  // a row of points_, or the id of a particle
+  std::optional<Grip> grip_;
+  std::map<std::string, HeldTool> held_;
+  int num_made_ = 0;  // tools and sprays, so that none is like another
+  std::string sentence_;
+};
+
+}  // namespace deformable_surface::node

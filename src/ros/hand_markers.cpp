@@ -1,0 +1,175 @@
+#include "hand_markers.h"
+
+#include "deformable_surface/Tool.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::node {
+namespace {
+
+using shape_msgs::SolidPrimitive;
+using visualization_msgs::InteractiveMarker;
+using visualization_msgs::InteractiveMarkerControl;
+using visualization_msgs::Marker;
+
+// A message of some tens of kilobytes, and no load for RViz even when it draws in software.
+constexpr std::size_t kMaxBalls = 2000;
+// Seen, and what lies below it too.
+constexpr float kFaint = 0.15f;
+// Handles stand out of what they move.
+constexpr double kHandleShare = 1.5;
+
+std_msgs::ColorRGBA makeColor(float r, float g, float b, float a) {
+  std_msgs::ColorRGBA color;
+  color.r = r;
+  color.g = g;
+  color.b = b;
+  color.a = a;
+  return color;
+}
+
+geometry_msgs::Vector3 makeScale(double x, double y, double z) {
+  geometry_msgs::Vector3 scale;
+  scale.x = x;
+  scale.y = y;
+  scale.z = z;
+  return scale;
+}
+
+Marker makeMarker(int type, const geometry_msgs::Vector3& scale, const std_msgs::ColorRGBA& color) {
+  Marker marker;
+  marker.type = type;
+  marker.pose.orientation.w = 1.0;
+  marker.scale = scale;
+  marker.color = color;
+  return marker;
+}
+
+InteractiveMarkerControl makeControl(const std::string& name, std::uint8_t mode) {
+  InteractiveMarkerControl control;
+  control.name = name;
+  control.interaction_mode = mode;
+  control.orientation.w = 1.0;
+  return control;
+}
+
+InteractiveMarkerControl makeControl(const std::string& name, std::uint8_t mode, const Marker& marker) {
+  InteractiveMarkerControl control = makeControl(name, mode);
+  control.always_visible = true;
+  control.markers.push_back(marker);
+  return control;
+}
+
+/// RViz draws arrows and rings itself, for controls without markers. They lie along the control's own x axis.
+void addAxes(std::uint8_t mode, const std::string& name, InteractiveMarker& marker) {
+  const double s = std::sqrt(0.5);
+  const struct {
+    const char* name;
+    double x, y, z;
+  } axes[] = {{"x", s, 0.0, 0.0}, {"y", 0.0, 0.0, s}, {"z", 0.0, s, 0.0}};
+  for (const auto& axis : axes) {
+    InteractiveMarkerControl control = makeControl(name + "_" + axis.name, mode);
+    control.orientation.w = s;
+    control.orientation.x = axis.x;
+    control.orientation.y = axis.y;
+    control.orientation.z = axis.z;
+    marker.controls.push_back(control);
+  }
+}
+
+InteractiveMarker makeInteractive(const std_msgs::Header& header, const std::string& name, const geometry_msgs::Pose& pose,
+                                  double scale) {
+  InteractiveMarker marker;
+  marker.header = header;
+  marker.name = name;
+  marker.pose = pose;
+  marker.scale = static_cast<float>(scale);
+  return marker;
+}
+
+// Those of ~markers, a little transparent.
+std_msgs::ColorRGBA chooseColor(std::uint8_t mode) {
+  constexpr float kAlpha = 0.6f;
+  switch (mode) {
+    case Tool::ATTRACT: return makeColor(0.2f, 0.4f, 0.9f, kAlpha);
+    case Tool::MOVE: return makeColor(0.2f, 0.8f, 0.3f, kAlpha);
+    case Tool::ERASE: return makeColor(0.9f, 0.9f, 0.9f, kAlpha);
+    case Tool::CUT: return makeColor(0.9f, 0.8f, 0.1f, kAlpha);
+    case Tool::HEAT: return makeColor(0.9f, 0.3f, 0.1f, kAlpha);
+    default: return makeColor(0.6f, 0.6f, 0.6f, kAlpha);
+  }
+}
+
+// The hand makes no cones.
+Marker makeShape(const SolidPrimitive& primitive, const std_msgs::ColorRGBA& color) {
+  const auto& d = primitive.dimensions;
+  switch (primitive.type) {
+    case SolidPrimitive::BOX: return makeMarker(Marker::CUBE, makeScale(d[0], d[1], d[2]), color);
+    case SolidPrimitive::SPHERE: return makeMarker(Marker::SPHERE, makeScale(2.0 * d[0], 2.0 * d[0], 2.0 * d[0]), color);
+    default: return makeMarker(Marker::CYLINDER, makeScale(2.0 * d[1], 2.0 * d[1], d[0]), color);
+  }
+}
+
+}  // namespace
+
+geometry_msgs::Pose makePose(const Vec3& position) {
+  geometry_msgs::Pose pose;
+  pose.position.x = position.x();
+  pose.position.y = position.y();
+  pose.position.z = position.z();
+  pose.orientation.w = 1.0;
+  return pose;
+}
+
+double findExtent(const SolidPrimitive& primitive) {
+  const auto& d = primitive.dimensions;
+  if (primitive.type == SolidPrimitive::BOX) return *std::max_element(d.begin(), d.end());
+  if (primitive.type == SolidPrimitive::SPHERE) return 2.0 * d[0];
+  return std::max(d[0], 2.0 * d[1]);
+}
+
+InteractiveMarker makeSurfaceHandle(const std_msgs::Header& header, const Points& points, double diameter) {
+  const std::size_t stride = std::max<std::size_t>(1, (points.size() + kMaxBalls - 1) / kMaxBalls);
+  // Fewer balls cover the same area when they are larger.
+  const double width = diameter * std::sqrt(static_cast<double>(stride));
+  Marker balls = makeMarker(Marker::SPHERE_LIST, makeScale(width, width, width), makeColor(0.9f, 0.9f, 1.0f, kFaint));
+  for (std::size_t i = 0; i < points.size(); i += stride) {
+    geometry_msgs::Point p;
+    p.x = points[i].x();
+    p.y = points[i].y();
+    p.z = points[i].z();
+    balls.points.push_back(p);
+  }
+  InteractiveMarker marker = makeInteractive(header, kSurfaceHandle, makePose(Vec3::Zero()), diameter);
+  marker.controls.push_back(makeControl("pull", InteractiveMarkerControl::MOVE_3D, balls));
+  return marker;
+}
+
+InteractiveMarker makeSpotHandle(const std_msgs::Header& header, const Vec3& point, double size) {
+  InteractiveMarker marker = makeInteractive(header, kSpotHandle, makePose(point), 5.0 * size);
+  const Marker ball = makeMarker(Marker::SPHERE, makeScale(size, size, size), makeColor(0.1f, 0.9f, 0.9f, 0.9f));
+  marker.controls.push_back(makeControl("pull", InteractiveMarkerControl::MOVE_3D, ball));
+  addAxes(InteractiveMarkerControl::MOVE_AXIS, "pull", marker);
+  return marker;
+}
+
+InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool& tool) {
+  InteractiveMarker marker = makeInteractive(header, tool.id, tool.pose, kHandleShare * findExtent(tool.primitive));
+  marker.description = tool.id;
+  const Marker shape = makeShape(tool.primitive, chooseColor(tool.mode));
+  marker.controls.push_back(makeControl("move", InteractiveMarkerControl::MOVE_3D, shape));
+  addAxes(InteractiveMarkerControl::MOVE_AXIS, "move", marker);
+  addAxes(InteractiveMarkerControl::ROTATE_AXIS, "turn", marker);
+  return marker;
+}
+
+InteractiveMarker makePanelHandle(const std_msgs::Header& header, const Vec3& point, double size, const std::string& text) {
+  InteractiveMarker marker = makeInteractive(header, kPanelHandle, makePose(point), size);
+  marker.description = text;
+  const Marker button = makeMarker(Marker::CUBE, makeScale(size, size, size), makeColor(0.3f, 0.6f, 0.9f, 0.9f));
+  marker.controls.push_back(makeControl("menu", InteractiveMarkerControl::MENU, button));
+  return marker;
+}
+
+}  // namespace deformable_surface::node

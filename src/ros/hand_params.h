@@ -1,0 +1,28 @@
+// What the hand can be told. In a file of its own like the parameters of every other part.
+#pragma once
+
+#include "deformable_surface/base/params.h"
+
+#include <string>
+
+namespace deformable_surface::node {
+
+struct HandParams {
+  std::string surface = "deformable_surface";
+  double rate = 10.0;         // Hz, > 0
+  OrAuto<double> radius;      // m, > 0
+  double heat = 500.0;        // K above ambient, > 0
+  double attraction = 10.0;   // N/m, > 0
+};
+
+inline void visit(Fields& fields, HandParams& p) {
+  fields.text("surface", p.surface, "name of the node whose surface is taken in hand");
+  fields.number("rate", p.rate, "Hz", between(0.1, 60.0), "how often, at most, the handles follow the surface");
+  fields.number("radius", p.radius, "m", between(1e-6, kMaxLength),
+                "what a grip, a pin and a trim take around the place; `auto` = one and a half spacings of the simulation points");
+  fields.number("heat", p.heat, "K", between(1e-6, 1e9), "above ambient: strength of a tool that heats");
+  fields.number("attraction", p.attraction, "N/m", between(1e-9, 1e12), "strength of a tool that attracts");
+  fields.require(!p.surface.empty(), "surface", "found empty text; accepted: the name of a node");
+}
+
+}  // namespace deformable_surface::node
