@@ -33,16 +33,15 @@ void drift(const System& system, double dt, State& state) {
   }
 }
 
-// Takes held points where their velocities lead within a step and lets everything rest. Returns the velocities of the held ones.
-Points moveHeld(const System& system, double step, State& state) {
-  Points velocities(state.positions.size(), Vec3::Zero());
+// Takes held points where their velocities lead within a step and lets everything rest. velocities: of the held ones, else zero.
+void moveHeld(const System& system, double step, State& state, Points& velocities) {
+  velocities.assign(state.positions.size(), Vec3::Zero());
   for (Index i = 0; i < state.size(); ++i) {
     if (!system.isHeld(i)) continue;
     velocities[i] = state.velocities[i];
     state.positions[i] += step * velocities[i];
   }
   state.velocities.assign(state.positions.size(), Vec3::Zero());
-  return velocities;
 }
 
 }  // namespace
@@ -97,7 +96,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   const double end = time + step;
   const Index n = state.size();
   const std::vector<double>&masses = system.masses(), &inertias = system.inertias();
-  const Points carried = moveHeld(system, step, state);
+  moveHeld(system, step, state, carried_);
   state.spins.assign(n, Vec3::Zero());
   double dt = kFirst * max_substep, mixing = kMixing, largest = 0.0;
   int downhill = 0;
@@ -146,7 +145,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
     drift(system, dt, state);
   }
   report.iterations = (taken + kStepsPerIteration - 1) / kStepsPerIteration;
-  state.velocities = carried;
+  state.velocities = carried_;
   state.spins.assign(n, Vec3::Zero());
   report.finite = report.finite && allFinite(state);
   return report;

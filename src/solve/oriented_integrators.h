@@ -30,7 +30,7 @@ class FireRelaxation : public Integrator {
 
  private:
   const IntegratorParams params_;
-  Points forces_, torques_;
+  Points forces_, torques_, carried_;
 };
 
 }  // namespace deformable_surface::solve

@@ -60,7 +60,7 @@ void TimeMarch::setMemory(const Memory& memory) {
 }
 
 void TimeMarch::restart() {
-  integrators_.clear();
+  if (!system_.isOriented()) integrators_.clear();  // those of oriented points keep nothing but scratch from step to step
   guard_.restart();
   memory_.estimate_needed = true;
   memory_.max_substep = std::numeric_limits<double>::infinity();

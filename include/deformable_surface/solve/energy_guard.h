@@ -26,7 +26,11 @@ class EnergyGuard {
   };
 
   /// Forgets everything: the next state is where the account begins.
-  void restart() { *this = EnergyGuard(); }
+  void restart() {
+    Points scratch = std::move(forces_);  // so that a restart in every step allocates nothing
+    *this = EnergyGuard();
+    forces_ = std::move(scratch);
+  }
   /// The loads are not those of the last step: how hard they push from rest is to be found anew.
   void loadsChanged() { memory_.kick_needed = true; }
   const Memory& memory() const { return memory_; }
