@@ -352,7 +352,9 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
   if (is_oriented) {
     markers.markers.push_back(
         makeDiscsMarker(header, positions, state.orientations, strain_, kFullStrain, kDiscShare * spacing_));
-    markers.markers.push_back(makeAxesMarker(header, positions, state.orientations, kAxisShare * spacing_, width));
+    Orientations frames;
+    for (Index i = 0; i < state.size(); ++i) frames.push_back(state.frame(i));
+    markers.markers.push_back(makeAxesMarker(header, positions, frames, kAxisShare * spacing_, width));
   }
   num_tools_ = addToolMarkers(header, simulation.tools(), simulation.time(), extent_, num_tools_, markers);
   const double arrow = kArrowShare * extent_;

@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
+#include "deformable_surface/model/oriented_particles/rest_shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +11,8 @@
 
 namespace deformable_surface::simulation {
 namespace {
+
+constexpr double kHalfTurn = 3.141592653589793;  // rad
 
 std::optional<double> findStatistic(const std::string& name, const Statistics& statistics) {
   std::optional<double> found;
@@ -30,10 +33,84 @@ double computeVolumeRatio(const Simulation& simulation) {
   return simulation.model().enclosedVolume(simulation.state()) / rest.model().enclosedVolume(rest.state());
 }
 
+// Mean angle, rad, between x axes and the principal direction that they should turn to, as the normals of the neighbours tell it.
+// Of the particles that have neighbours all around and whose curvatures differ.
+double measurePrincipalAngle(const model::OrientedParticles& particles, const model::State& state) {
+  constexpr double kReach = 1.5;    // spacings: the first neighbours
+  constexpr Index kAllAround = 5;   // neighbours: at an edge there are fewer
+  constexpr double kDifferent = 0.01;  // of a turn of one radian from neighbour to neighbour
+  const double spacing = particles.lattice().spacing;
+  const bool is_signed = particles.params().principal == model::PrincipalDirection::kSigned;
+  const cloud::KdTree tree(state.positions);
+  std::vector<cloud::Neighbor> near;
+  double sum = 0.0, count = 0.0;
+  for (Index i = 0; i < state.size(); ++i) {
+    const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
+    tree.withinRadius(state.positions[i], kReach * spacing, near);
+    if (static_cast<Index>(near.size()) <= kAllAround) continue;  // it is one of them
+    model::CurvatureFit fit(state.orientations[i]);
+    for (const cloud::Neighbor& j : near)
+      fit.add(1.0, state.positions[j.index] - state.positions[i], state.orientations[j.index] * Vec3::UnitZ() - normal);
+    const std::optional<Vec3> curvature = fit.solve();
+    if (!curvature) continue;
+    // Outwards, the least signed height is where the surface falls off most.
+    const model::PrincipalCurvatures k = model::findPrincipalCurvatures(*curvature);
+    const bool takes_larger = is_signed || std::abs(k.larger) < std::abs(k.smaller);
+    const double difference = is_signed ? k.larger - k.smaller : std::abs(std::abs(k.larger) - std::abs(k.smaller));
+    if (!(difference * spacing > kDifferent)) continue;
+    const double off = state.traits[i].turn - k.angle - (takes_larger ? 0.0 : 0.5 * kHalfTurn);
+    sum += std::abs(std::remainder(off, kHalfTurn));
+    count += 1.0;
+  }
+  return sum / count;
+}
+
+// How far a point is from the surface that the scene's cloud was made on, m.
+double findDistanceToShape(const CloudParams& cloud, const Vec3& p) {
+  using Shape = CloudParams::Shape;
+  switch (cloud.shape) {
+    case Shape::kSheet:
+    case Shape::kStrip:
+    case Shape::kLattice: return std::abs(p.z());
+    case Shape::kSphere:
+    case Shape::kCap: return std::abs(p.norm() - cloud.radius);
+    default: throw InputError("distance_to_shape: found a cloud of another shape; accepted: sheet, strip, lattice, sphere, cap");
+  }
+}
+
+// The largest or the root mean square distance of the simulation points from the shape, or from the tangent planes of the nearest
+// points of the input: how well a grown surface meets what was measured where it was not sampled.
+std::optional<double> findDistanceQuantity(const std::string& name, const Simulation& simulation) {
+  const bool to_shape = name.rfind("distance_to_shape_", 0) == 0, to_input = name.rfind("distance_to_input_", 0) == 0;
+  if (!to_shape && !to_input) return std::nullopt;
+  Points input, normals;
+  if (to_input) {
+    input = cloud::clean(simulation.input()).positions;
+    normals = cloud::estimateNormals(input, cloud::nearestNeighbors(input, simulation.params().neighbors.k));
+  }
+  const cloud::KdTree tree(input);
+  std::vector<cloud::Neighbor> nearest;
+  double largest = 0.0, squares = 0.0;
+  const Points& points = simulation.state().positions;
+  for (const Vec3& p : points) {
+    double distance;
+    if (to_shape) {
+      distance = findDistanceToShape(simulation.params().cloud, p);
+    } else {
+      tree.nearest(p, 1, nearest);
+      const Index at = nearest.front().index;
+      distance = std::abs(normals[at].dot(p - input[at]));
+    }
+    largest = std::max(largest, distance);
+    squares += distance * distance;
+  }
+  return name.compare(name.size() - 3, 3, "max") == 0 ? largest : std::sqrt(squares / static_cast<double>(points.size()));
+}
+
 // What oriented particles make: kind of surface, distances to the nearest other particle, who came and went.
 std::optional<double> findParticleQuantity(const std::string& name, const Simulation& simulation) {
   static const char* const kNames[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "spacing_mean",
-                                       "spacing_cv", "spacing_max", "born", "gone"};
+                                       "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean"};
   if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
   const model::OrientedParticles* particles = simulation.particles();
   if (!particles) throw InputError(name + ": found a model without particles; accepted: model: oriented_particles");
@@ -41,6 +118,7 @@ std::optional<double> findParticleQuantity(const std::string& name, const Simula
   const Index first = simulation.numFirst();
   if (name == "born") return state.next_id - first;
   if (name == "gone") return state.next_id - state.size();
+  if (name == "principal_angle_mean") return measurePrincipalAngle(*particles, state);
   if (name.rfind("spacing", 0) == 0) {
     double sum = 0.0, squares = 0.0, largest = 0.0;
     const Lists nearest = cloud::nearestNeighbors(state.positions, 1);
@@ -69,6 +147,7 @@ double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> statistic = findStatistic(name, simulation.statistics())) return *statistic;
   if (name == "volume_ratio") return computeVolumeRatio(simulation);
 
+  if (const std::optional<double> distance = findDistanceQuantity(name, simulation)) return *distance;
   if (const std::optional<double> particles = findParticleQuantity(name, simulation)) return *particles;
 
   const Surface& surface = simulation.surface(false);

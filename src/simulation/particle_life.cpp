@@ -1,7 +1,7 @@
 #include "deformable_surface/simulation/particle_life.h"
 
-#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
+#include "deformable_surface/model/oriented_particles/rest_shape.h"
 #include "deformable_surface/solve/integrator.h"
 
 #include <algorithm>
@@ -14,7 +14,6 @@ using model::State;
 using tool::Mode;
 using tool::ToolParams;
 
-constexpr double kElbowRoom = 0.7;          // of the spacing around a newborn, as the growing rule's clearance: nearer, repulsion is a blow
 constexpr Index kRelaxationIterations = 5;  // hundreds of steps between two passes of growth: near equilibrium is enough
 
 // Distance of a point from a tool, m; negative inside.
@@ -47,7 +46,8 @@ void ParticleLife::heat(double time, double step, const std::vector<ToolParams>&
 }
 
 void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, State& state, Changes& changes) const {
-  std::vector<char> is_gone(state.positions.size(), 0), inside(state.positions.size(), 0);
+  is_gone_.assign(state.positions.size(), 0);
+  inside_.assign(state.positions.size(), 0);
   for (const ToolParams& tool : tools) {
     const bool solid = model_.params().delete_trapped && (tool.mode == Mode::kSolid || tool.mode == Mode::kCut);
     if (!tool::isActive(tool, time) || !(solid || tool.mode == Mode::kErase)) continue;
@@ -56,12 +56,12 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
       // A solid tool keeps particles at its surface: a disc that reaches into it is in contact.
       const double reach = solid ? 0.5 * model_.lattice().spacing : 0.0;
       if (distanceTo(tool, pose, state.positions[i]) > reach) continue;
-      is_gone[i] = is_gone[i] || !solid || inside[i];
-      inside[i] = solid;
+      is_gone_[i] = is_gone_[i] || !solid || inside_[i];
+      inside_[i] = solid;
     }
   }
-  if (std::count(is_gone.begin(), is_gone.end(), 1) == 0) return;
-  takeOut(is_gone, state, changes);
+  if (std::count(is_gone_.begin(), is_gone_.end(), 1) == 0) return;
+  takeOut(is_gone_, state, changes);
 }
 
 void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Changes& changes) {
@@ -74,7 +74,7 @@ void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Chang
   keepThose(changes.new_index, state.traits);
 }
 
-// A newborn moves, turns and is as hot as its parents in the mean.
+// A newborn moves, turns, is bent and is as hot as its parents in the mean.
 void ParticleLife::append(const model::NewParticle& particle, State& state) const {
   const Index a = particle.parents[0], b = particle.parents[1] >= 0 ? particle.parents[1] : a;
   model::ParticleTraits traits;
@@ -82,6 +82,12 @@ void ParticleLife::append(const model::NewParticle& particle, State& state) cons
   traits.ancestor = state.traits[a].ancestor;
   traits.parents[0] = state.traits[a].id;
   traits.parents[1] = particle.parents[1] >= 0 ? state.traits[b].id : model::kNoParent;
+  traits.turn = state.traits[a].turn;
+  const auto curvature = [&](Index i) {
+    return model::turnCurvatureToWorld(state.orientations[i], state.traits[i].rest_curvature);
+  };
+  if (model_.params().yield_curvature > 0.0)
+    traits.rest_curvature = model::turnCurvatureToFrame(particle.orientation, 0.5 * (curvature(a) + curvature(b)));
   traits.temperature = 0.5 * (state.traits[a].temperature + state.traits[b].temperature);
   state.positions.push_back(particle.position);
   state.velocities.push_back(0.5 * (state.velocities[a] + state.velocities[b]));
@@ -94,11 +100,14 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
                                            State& state) const {
   Changes changes;
   heat(time, step, tools, state);
+  model_.turnAxes(step, state);
+  changes.has_flowed = model_.flow(state);
   changes.are_hot = std::any_of(state.traits.begin(), state.traits.end(),
                                 [](const model::ParticleTraits& particle) { return particle.temperature > 0.0; });
   remove(time, tools, state, changes);
   const model::OrientedParticlesParams& params = model_.params();
-  if (!looks || state.size() == 0 || state.size() >= params.growth.max_particles) return changes;
+  const bool grows = params.stretching || params.growing != model::Growing::kNone;
+  if (!grows || !looks || state.size() == 0 || state.size() >= params.growth.max_particles) return changes;
   const model::GrowthParams growth = growthParams();
   std::vector<model::NewParticle> newborn;
   std::vector<char> flags(state.positions.size(), model::kGrowsNothing);
@@ -112,13 +121,9 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
     newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
   }
   if (newborn.empty()) return changes;
-  // The rules look at the particles that face the same way; a newborn must not come to lie in any other either.
-  const cloud::KdTree tree(state.positions);
-  std::vector<cloud::Neighbor> nearest;
+  model::leaveOutCrowded(state.positions, growth.clearance * model_.lattice().spacing, newborn);
   for (const model::NewParticle& particle : newborn) {
     if (state.size() >= growth.max_particles) break;
-    tree.nearest(particle.position, 1, nearest);
-    if (!(std::sqrt(nearest.front().squared_distance) > kElbowRoom * model_.lattice().spacing)) continue;
     append(particle, state);
     ++changes.born;
   }

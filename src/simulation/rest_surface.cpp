@@ -185,6 +185,16 @@ double findMedianDistance(const Points& points) {
   return distances[distances.size() / 2];
 }
 
+// Edge of the equilateral triangle whose area is that of the mean triangle between the simulation points: of a hexagonal lattice
+// its spacing, edges or none. 0 if they span none.
+double findLatticeSpacing(Index k, const RestSurface& s) {
+  const cloud::Rings rings = cloud::buildRings(s.points, s.normals, cloud::nearestNeighbors(s.points, k));
+  double area = 0.0, count = 0.0;
+  for (const double a : rings.area) area += a;
+  for (const cloud::Triangle& triangle : rings.triangles) count += triangle.weight;
+  return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
+}
+
 void applyPins(const SceneParams& params, RestSurface& s);
 
 // What will make particles move or come apart from the beginning.
@@ -223,8 +233,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
     if (params.oriented_particles.mode == model::ParticleMode::kPlane) {
       spacing = findMedianDistance(s.points);
     } else {
-      if (!(s.area > 0.0)) s.area = measureDenseArea(s);
-      spacing = model::OrientedParticles::findSpacing(s.area, m);
+      spacing = findLatticeSpacing(params.neighbors.k, s);
     }
     if (!(spacing > 0.0))
       throw InputError("oriented_particles.spacing: found auto, but the " + count(m, "points span no surface; accepted: a number"));

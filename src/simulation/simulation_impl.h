@@ -335,8 +335,8 @@ struct Simulation::Impl {
     const double interval = params.oriented_particles.growth_interval;
     const bool looks = std::floor((now + 1e-6 * dt) / interval) > std::floor((now - (1.0 - 1e-6) * dt) / interval);
     const ParticleLife::Changes changes = life->update(now, dt, looks, tools, state);
-    // Heat changes the energy of bonds.
-    if (changes.are_hot) march.restart();
+    // Heat changes the energy of bonds, and so does flow.
+    if (changes.are_hot || changes.has_flowed) march.restart();
     follow(changes);
     return changes.notice;
   }

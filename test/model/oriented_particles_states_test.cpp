@@ -274,70 +274,78 @@ TEST(OrientedParticlesStates, ItBeginsWithFramesWhoseZAxesAreTheNormals) {
   EXPECT_EQ(s.orientations[1] * Vec3::UnitX(), Vec3::UnitX());
 }
 
-TEST(OrientedParticlesStates, TheSpinTorqueTurnsXAxesToAPrincipalDirectionAndMovesNothingElse) {
-  // A cylinder about y, normals outwards, frames turned about them. Outside its axis a cylinder falls off: the least signed
-  // curvature is across, the least absolute one along.
+// A patch of a cylinder about y, normals outwards, whose x axes point in all directions. Outside its axis a cylinder falls off:
+// the least signed curvature is across, the least absolute one along.
+State cylinderWithAxes(const OrientedParticlesParams& params) {
+  State s = hexagonalPatch(9, 9);
+  const OrientedParticles particles = makeModel(s.size(), params);
+  State begin = s;
+  OrientedParticles(particles).beginAtRest(begin);
+  for (Index i = 0; i < s.size(); ++i) {
+    s.positions[i] -= Vec3(4.25, 4.0 * 0.5 * std::sqrt(3.0), 0.0) * kSpacing;
+    rollUp(0.2 / kSpacing, 0.0, s.positions[i], s.orientations[i]);
+    s.traits[i].turn = begin.traits[i].turn;
+  }
+  return s;
+}
+
+TEST(OrientedParticlesStates, XAxesSettleAlongOrAcrossTheAxisOfACylinderAndNothingElseMoves) {
   for (model::PrincipalDirection principal : {model::PrincipalDirection::kSigned, model::PrincipalDirection::kAbsolute}) {
-    State s = hexagonalPatch(9, 9);
-    for (Index i = 0; i < s.size(); ++i) {
-      s.positions[i] -= Vec3(4.25, 4.0 * 0.5 * std::sqrt(3.0), 0.0) * kSpacing;
-      rollUp(0.2 / kSpacing, 0.0, s.positions[i], s.orientations[i]);
-      s.orientations[i] = s.orientations[i] * Quaternion(Eigen::AngleAxisd(0.6, Vec3::UnitZ()));
-    }
     OrientedParticlesParams p;
-    Points forces, torques, still_forces, still_torques;
-    evaluate(makeModel(s.size(), p), s, still_forces, still_torques);
     p.spin = 1.0;
     p.principal = principal;
-    evaluate(makeModel(s.size(), p), s, forces, torques);
-    EXPECT_TRUE(areSame(forces, still_forces));
-    const Index middle = 4 * 9 + 4;
+    const State begin = cylinderWithAxes(p);
+    const OrientedParticles particles = makeModel(begin.size(), p);
+    State s = begin;
+    Points forces, torques, forces_before, torques_before;
+    evaluate(particles, begin, forces_before, torques_before);
+    particles.turnAxes(1e5, s);
+    evaluate(particles, s, forces, torques);
+    EXPECT_TRUE(areSame(forces, forces_before) && areSame(torques, torques_before));
+    EXPECT_TRUE(areSame(s.positions, begin.positions));
+    double spread = 0.0;
     for (Index i = 0; i < s.size(); ++i) {
-      const Vec3 normal = s.orientations[i] * Vec3::UnitZ(), spin = torques[i] - still_torques[i];
-      EXPECT_LT(spin.cross(normal).norm(), 1e-12 * largest(torques)) << i;
-      if (i == middle) {
-        // From 0.6 rad off the curved direction: back for the signed one, on to a right angle for the absolute one.
-        EXPECT_LT(spin.dot(normal) * (principal == model::PrincipalDirection::kSigned ? 1.0 : -1.0), 0.0);
-      }
+      EXPECT_EQ(s.orientations[i].coeffs(), begin.orientations[i].coeffs());
+      spread = std::max(spread, std::abs((begin.frame(i) * Vec3::UnitX()).y()) * std::abs((begin.frame(i) * Vec3::UnitX()).x()));
     }
+    EXPECT_GT(spread, 0.4);  // some began askew
+    for (Index row = 1; row < 8; ++row)
+      for (Index column = 1; column < 8; ++column) {
+        const double along = std::abs((s.frame(9 * row + column) * Vec3::UnitX()).y());
+        // By symmetry exactly there, but for rounding, of which the root counts where it is an arc cosine.
+        EXPECT_NEAR(along, principal == model::PrincipalDirection::kAbsolute ? 1.0 : 0.0, 1e-9) << row << " " << column;
+      }
   }
 }
 
-TEST(OrientedParticlesStates, UnderTheSpinTorqueXAxesSettleAlongOrAcrossTheAxisOfACylinder) {
-  for (model::PrincipalDirection principal : {model::PrincipalDirection::kSigned, model::PrincipalDirection::kAbsolute}) {
-    State s = hexagonalPatch(9, 9);
-    for (Index i = 0; i < s.size(); ++i) {
-      s.positions[i] -= Vec3(4.25, 4.0 * 0.5 * std::sqrt(3.0), 0.0) * kSpacing;
-      rollUp(0.2 / kSpacing, 0.0, s.positions[i], s.orientations[i]);
-      // Every frame begins elsewhere, but none at a right angle to where it should end, which is an equilibrium, too.
-      const double start = 1.2 * std::sin(1.0 * i) + (principal == model::PrincipalDirection::kAbsolute ? 1.570796 : 0.0);
-      s.orientations[i] = s.orientations[i] * Quaternion(Eigen::AngleAxisd(start, Vec3::UnitZ()));
-    }
-    OrientedParticlesParams p;
-    Points still, forces, torques;
-    evaluate(makeModel(s.size(), p), s, forces, still);
-    p.spin = 1.0;
-    p.principal = principal;
-    // The other torques do not depend on angles about the normals, so that what is left is the spin's. Downhill, by at most a
-    // tenth of a radian at the first step.
-    double rate = 0.0;
-    for (int k = 0; k < 2000; ++k) {
-      evaluate(makeModel(s.size(), p), s, forces, torques);
-      for (Index i = 0; i < s.size(); ++i) torques[i] -= still[i];
-      if (k == 0) rate = 0.1 / largest(torques);
-      for (Index i = 0; i < s.size(); ++i) {
-        const double angle = rate * torques[i].dot(s.orientations[i] * Vec3::UnitZ());
-        s.orientations[i] = s.orientations[i] * Quaternion(Eigen::AngleAxisd(angle, Vec3::UnitZ()));
-      }
-    }
-    for (Index row = 1; row < 8; ++row) {
-      for (Index column = 1; column < 8; ++column) {
-        const double along = std::abs((s.orientations[9 * row + column] * Vec3::UnitX()).y());
-        // By symmetry exactly there; what is left is the end of the descent.
-        EXPECT_NEAR(along, principal == model::PrincipalDirection::kAbsolute ? 1.0 : 0.0, 1e-6) << row << " " << column;
-      }
-    }
+TEST(OrientedParticlesStates, XAxesTurnAsFarInOneStepAsInMany) {
+  OrientedParticlesParams p;
+  p.spin = 60.0;
+  State once = cylinderWithAxes(p);
+  const State begin = once;
+  const OrientedParticles particles = makeModel(once.size(), p);
+  State often = once;
+  particles.turnAxes(0.1, once);
+  for (int k = 0; k < 50; ++k) particles.turnAxes(0.002, often);
+  double most = 0.0;
+  for (Index i = 0; i < once.size(); ++i) {
+    EXPECT_NEAR(std::remainder(once.traits[i].turn - often.traits[i].turn, 2.0 * M_PI), 0.0, 1e-12) << i;
+    most = std::max(most, std::abs(std::remainder(once.traits[i].turn - begin.traits[i].turn, 2.0 * M_PI)));
   }
+  EXPECT_GT(most, 0.1);  // on their way
+  EXPECT_LT(most, 1.5);
+}
+
+TEST(OrientedParticlesStates, ARunWithSpinHasTheBitsOfOneWithout) {
+  OrientedParticlesParams p;
+  p.spin = 5.0;
+  const OrientedParticles with = makeModel(40, p), without = makeModel(40, {});
+  State s = randomState(12, 2);
+  Points forces, torques, forces_without, torques_without;
+  evaluate(with, s, forces, torques);
+  evaluate(without, s, forces_without, torques_without);
+  EXPECT_TRUE(areSame(forces, forces_without) && areSame(torques, torques_without));
+  EXPECT_EQ(with.findStableStep(s), without.findStableStep(s));
 }
 
 }  // namespace

@@ -99,5 +99,40 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
   }
 }
 
+TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
+  using Type = solve::IntegratorType;
+  for (Type type : {Type::kVerlet, Type::kStatic})
+    for (const double yield : {0.0, 0.5}) {
+      simulation::SceneParams p = hangingSheet();
+      p.model = simulation::ModelKind::kOrientedParticles;
+      p.integrator.type = type;
+      p.simplification = {};
+      p.simplification.method = cloud::SimplificationMethod::kNone;
+      p.material.bending_rigidity = 0.05;
+      p.material.damping = 2.0;
+      if (type == Type::kVerlet) {
+        p.pressure = 1.0;
+        p.viscous_drag = 0.5;
+      }
+      p.oriented_particles.spin = 10.0;
+      p.oriented_particles.yield_curvature = yield;
+      p.oriented_particles.delete_trapped = true;
+      tool::ToolParams warm;
+      warm.id = "warm";
+      warm.mode = tool::Mode::kHeat;
+      warm.strength = 100.0;
+      warm.shape.radius = 0.2;
+      warm.path = {{0.0, Vec3(0.5, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)}};
+      tool::ToolParams ball = warm;
+      ball.id = "ball";
+      ball.mode = tool::Mode::kSolid;
+      ball.path[0].position = Vec3(0.5, 0.0, -0.25);
+      if (type == Type::kVerlet) p.tools = {warm, ball};
+      simulation::Simulation s(p, asCloud(makeSheet(12, 12, 1.0, 1.0).points));
+      run(s, 10);  // the lists of neighbours grow where there is more to list than ever before
+      EXPECT_EQ(countAllocations(s, 20), 0) << static_cast<int>(type) << " " << yield;
+    }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -89,6 +89,46 @@ TEST(Expectations, MeasureWhatKindOfSurfaceParticlesAre) {
   EXPECT_GE(computeQuantity("spacing_max", sphere), computeQuantity("spacing_mean", sphere));
 }
 
+TEST(Expectations, MeasureDistancesToTheShapeAndToTheInput) {
+  SceneParams params = makeFallingSheet();
+  params.accuracy.estimate = false;
+  // All fall alike: from the plane of the shape, and from the tangent planes of the points as they were.
+  Simulation sheet = runSteps(params, 10);
+  for (const char* name : {"distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms"})
+    EXPECT_NEAR(computeQuantity(name, sheet), kFall, 1e-9) << name;
+  // A sphere that has moved by d along z is at most d away from where it was, and d / sqrt(3) in the mean square.
+  params.cloud.shape = CloudParams::Shape::kSphere;
+  params.cloud.points = 2000;
+  params.simplification.target_points = 500;
+  Simulation sphere = runSteps(params, 10);
+  EXPECT_NEAR(computeQuantity("distance_to_shape_max", sphere), kFall, 0.01 * kFall);
+  EXPECT_NEAR(computeQuantity("distance_to_shape_rms", sphere), kFall / std::sqrt(3.0), 0.1 * kFall);
+  params.cloud.shape = CloudParams::Shape::kSine;
+  Simulation sine = runSteps(params, 1);
+  EXPECT_THROW(computeQuantity("distance_to_shape_max", sine), InputError);
+}
+
+TEST(Expectations, MeasureHowFarAxesAreFromThePrincipalDirections) {
+  SceneParams params = makeFallingSheet();
+  params.cloud.shape = CloudParams::Shape::kSine;
+  params.cloud.points = 900;
+  params.cloud.size = Vec2(1.0, 1.0);
+  params.cloud.wavelength = 2.0;
+  params.simplification = {};
+  params.simplification.method = cloud::SimplificationMethod::kNone;
+  params.model = ModelKind::kOrientedParticles;
+  params.oriented_particles.hold_below = 1.0;  // nobody is warm: the surface stays as it is
+  params.oriented_particles.spin = 1e-9;
+  params.oriented_particles.principal = model::PrincipalDirection::kAbsolute;
+  Simulation still = runSteps(params, 1);
+  // In all directions: evenly spread angles are off by a quarter of half a turn in the mean.
+  EXPECT_NEAR(computeQuantity("principal_angle_mean", still), 3.14159265 / 4.0, 0.05);
+  params.oriented_particles.spin = 1e6;
+  Simulation turned = runSteps(params, 10);
+  // The points are no lattice, and uneven neighbours pull the direction of the potential by a few degrees.
+  EXPECT_LT(computeQuantity("principal_angle_mean", turned), 0.08);
+}
+
 TEST(Expectations, MeasureTheVolumeOfClosedSurfacesOnly) {
   SceneParams params = makeFallingSheet();
   Simulation sheet = runSteps(params, 1);

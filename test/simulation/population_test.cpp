@@ -44,6 +44,16 @@ tool::ToolParams ball(tool::Mode mode, const Vec3& at, double radius) {
   return tool;
 }
 
+TEST(Population, SpacingAutoIsThatOfALatticeWhateverItsEdges) {
+  // Of a long strip, where two rows of five are edges, as of a square.
+  for (const Index rows : {5, 14}) {
+    SceneParams p = scene();
+    p.oriented_particles.spacing = {};
+    const Simulation s(p, patch(rows, 196 / rows));
+    EXPECT_NEAR(s.particles()->lattice().spacing, kSpacing, 1e-3 * kSpacing) << rows;
+  }
+}
+
 TEST(Population, AnEraserTakesWhatIsInsideItAndTheRowsOfTheInputBecomeHoles) {
   SceneParams p = scene();
   p.tools = {ball(tool::Mode::kErase, Vec3(0.35, 0.3, 0.0), 0.08)};

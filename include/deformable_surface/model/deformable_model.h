@@ -18,6 +18,8 @@ struct ParticleTraits {
   Index id = 0;                            // never used again, and never another's: the rank among the first ones, then by birth
   Index ancestor = 0;                      // id of the one of the first ones that it comes from; its own if it is one
   Index parents[2] = {kNoParent, kNoParent};  // ids of those between which it was born
+  double turn = 0.0;                       // rad, about its normal, of its x axis from that of its orientation; no force reads it
+  Vec3 rest_curvature = Vec3::Zero();      // 1/m: xx, yy, xy in the orientation's frame, to which it is bent at rest
   bool is_smooth = true;                   // false: no force that keeps the surface flat acts on or from it (a crease)
 };
 
@@ -32,6 +34,8 @@ struct State {
   Index next_id = 0;                     // of the particle that is born next
 
   Index size() const { return static_cast<Index>(positions.size()); }
+  /// The orientation of an oriented particle with its turn about the normal: the frame that shows the principal directions.
+  Quaternion frame(Index i) const { return orientations[i] * Quaternion(Eigen::AngleAxisd(traits[i].turn, Vec3::UnitZ())); }
 };
 
 /// A triangle of the simulation points with the share of its area that it stands for: where several Delaunay triangulations are

@@ -30,7 +30,8 @@ inline void visit(Fields& fields, MaterialParams& p) {
   fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15),
                 "Young's modulus; the membrane stiffness is this times the thickness");
   fields.number("poisson_ratio", p.poisson_ratio, "", strictlyBetween(-1.0, 0.5),
-                "Poisson's ratio in plane stress; pure springs have 1/3 by construction");
+                "Poisson's ratio in plane stress; pure springs have 1/3 by construction, and oriented particles but in "
+                "`bending_rigidity: auto`");
   fields.number("thickness", p.thickness, "m", between(1e-10, 1e3), "thickness of the surface");
   fields.number("bending_rigidity", p.bending_rigidity, "N m", between(0.0, 1e20),
                 "bending stiffness D; `auto` = E h^3 / (12 (1 - nu^2))");

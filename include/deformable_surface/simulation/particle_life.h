@@ -28,6 +28,7 @@ class ParticleLife {
   struct Changes {
     std::vector<Index> new_index;  // of the particles before; -1 = gone; empty if none went
     Index born = 0;                // they are the last of the state
+    bool has_flowed = false;       // rest shapes have changed
     bool are_hot = false;          // some particles are above the ambient temperature
     std::string notice;
   };
@@ -53,6 +54,7 @@ class ParticleLife {
   model::GrowthParams growthParams() const;
 
   const model::OrientedParticles& model_;
+  mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 
 }  // namespace deformable_surface::simulation

@@ -145,7 +145,8 @@ inline std::vector<std::string> expectQuantities() {
   });
   for (const char* name : {"max_displacement", "mean_displacement", "rms_displacement", "min_x", "max_x", "min_y", "max_y",
                            "min_z", "max_z", "volume_ratio", "components", "boundary_loops", "euler_characteristic", "isolated",
-                           "spacing_mean", "spacing_cv", "spacing_max", "born", "gone"}) {
+                           "spacing_mean", "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean",
+                           "distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms"}) {
     names.emplace_back(name);
   }
   return names;
@@ -282,6 +283,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(p.mass_spring.damping == model::Damping::kAlongSpring || p.material.spring_damping > 0.0, "mass_spring.damping",
                  "found relative_velocity with material.spring_damping: 0, which damps nothing; accepted: along_spring, or a "
                  "spring_damping above 0");
+  fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
+                 "found " + formatReal(p.material.spring_damping) + " with oriented_particles, which have no springs; accepted: 0");
   fields.section("oriented_particles", p.oriented_particles, "Choices within the model of oriented particles (docs/oriented_particles.md).");
   fields.notBuilt("elastic_solid", "elastic solids");
   fields.section("integrator", p.integrator, "How time is stepped.");

@@ -32,7 +32,11 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
 
   for (;;) {
     std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params);
-    if (found.empty()) found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params);
+    leaveOutCrowded(surface.positions, params.clearance * spacing, found);
+    if (found.empty()) {
+      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params);
+      leaveOutCrowded(surface.positions, params.clearance * spacing, found);
+    }
     if (found.empty()) break;
     if (surface.passes == params.max_passes) {
       surface.end = GrowthEnd::kMaxPasses;

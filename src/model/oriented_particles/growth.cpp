@@ -184,4 +184,16 @@ std::vector<NewParticle> proposeGrown(const Points& positions, const Orientation
   return chooseApart(std::move(candidates), clearance);
 }
 
+void leaveOutCrowded(const Points& positions, double distance, std::vector<NewParticle>& newborn) {
+  if (newborn.empty()) return;
+  const double least = (1.0 - kRounding) * distance;
+  const cloud::KdTree tree(positions);
+  std::vector<cloud::Neighbor> nearest;
+  const auto isCrowded = [&](const NewParticle& particle) {
+    tree.nearest(particle.position, 1, nearest);
+    return !(nearest.front().squared_distance >= least * least);
+  };
+  newborn.erase(std::remove_if(newborn.begin(), newborn.end(), isCrowded), newborn.end());
+}
+
 }  // namespace deformable_surface::model

@@ -113,7 +113,6 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
   });
   const double half_rigidity = 0.5 * (material.bendingRigidity() + params.lennard_jones * depth * given_back);
   const double planarity = half_rigidity / by_planes;
-  lattice.spin_scale = planarity;
   pair.co_planarity = params.co_planarity * planarity;
   pair.co_normality = params.co_normality * half_rigidity / by_normals;
   pair.co_circularity = params.co_circularity * planarity;

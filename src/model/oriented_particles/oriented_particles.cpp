@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
+#include "deformable_surface/model/oriented_particles/rest_shape.h"
 
 #include <algorithm>
 #include <cmath>
@@ -14,6 +15,7 @@ constexpr Index kBlock = 256;
 constexpr double kSkin = 0.3;         // of the distance r0: a good trade between listing too much and listing too often
 constexpr double kLinkLength = 1.3;   // of the spacing: between the first neighbours of a lattice and the second
 constexpr double kLongestEdge = 1.75;  // of the spacing, of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is
+constexpr double kTurn = 6.283185307179586, kGoldenAngle = 2.399963229728653;  // rad
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 
 Vec3 normalOf(const Quaternion& q) {
@@ -57,6 +59,8 @@ void OrientedParticles::beginAtRest(State& state) {
     }
     state.orientations[i] = turnFromZ(normal);
     state.traits[i].id = state.traits[i].ancestor = static_cast<Index>(i);
+    // In all directions, none of them chosen.
+    if (params_.spin > 0.0) state.traits[i].turn = std::remainder(kGoldenAngle * static_cast<double>(i), kTurn);
   }
   state.next_id = static_cast<Index>(n);
   adopt(state);
@@ -77,6 +81,7 @@ bool OrientedParticles::prepare(const State& state) const {
   const Index n = state.size();
   packed_.places.resize(4 * static_cast<std::size_t>(n));
   packed_.normals.resize(4 * static_cast<std::size_t>(n));
+  if (isPlastic()) packed_.curvatures.resize(8 * static_cast<std::size_t>(n));
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const ParticleTraits& traits = state.traits[i];
@@ -85,6 +90,10 @@ bool OrientedParticles::prepare(const State& state) const {
       const Vec3 &p = state.positions[i], normal = normalOf(state.orientations[i]);
       Eigen::Map<Vec4>(packed_.places.data() + 4 * static_cast<std::ptrdiff_t>(i)) << p, strength;
       Eigen::Map<Vec4>(packed_.normals.data() + 4 * static_cast<std::ptrdiff_t>(i)) << normal, (traits.is_smooth ? 1.0 : 0.0);
+      if (!isPlastic()) continue;
+      const Mat3 k = turnCurvatureToWorld(state.orientations[i], traits.rest_curvature);
+      double* const row = packed_.curvatures.data() + 8 * static_cast<std::ptrdiff_t>(i);
+      Eigen::Map<Eigen::Matrix<double, 8, 1>>(row) << k(0, 0), k(1, 1), k(2, 2), k(1, 2), k(0, 2), k(0, 1), 0.0, 0.0;
     }
   });
   return true;
@@ -118,30 +127,59 @@ void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, 
       torques[i].x() = torques[i].z() = 0.0;
     }
   });
-  if (params_.spin > 0.0 && !in_plane) addSpinTorques(state, torques);
 }
 
-// tau = -dE/d(angle about the normal) of E = alpha x^2 z psi / a [Szeliski 1991, eq. 14] or alpha x^2 z^2 psi / a^2 [eq. 15] in
-// the particle's frame, a the spacing. It acts along the normal, on the one particle alone: the surface is not moved by it.
-void OrientedParticles::addSpinTorques(const State& state, Points& torques) const {
-  const double spacing = lattice_.spacing, scale = params_.spin * lattice_.spin_scale;
+// E = sum psi x^2 z / a^3 [Szeliski 1991, eq. 14] or psi x^2 z^2 / a^4 [eq. 15] over the neighbours, x = X cos t + Y sin t in the
+// frame turned by t, a the spacing: but for a constant it is -G cos 2(t - t0). With dt/dtime = -spin dE/dt, tan(t - t0) falls as
+// exp(-4 spin G time).
+void OrientedParticles::turnAxes(double time, State& state) const {
+  if (!(params_.spin > 0.0) || params_.mode == ParticleMode::kPlane || !prepare(state)) return;
+  const double inverse = 1.0 / lattice_.spacing;
   const bool is_signed = params_.principal == PrincipalDirection::kSigned;
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      const Mat3 frame = state.orientations[i].toRotationMatrix();
-      double sum = 0.0;
+      const Mat3 to_frame = inverse * state.orientations[i].conjugate().toRotationMatrix();
+      double even = 0.0, odd = 0.0;  // E = even cos 2t + odd sin 2t
       forEachNear(i, lattice_.pair.cutoff, [&](Index j, double d) {
-        const double both = packed_.normal(i)[3] * packed_.normal(j)[3];
-        const double strength = std::min(packed_.place(i)[3], packed_.place(j)[3]);
-        const Vec3 local = frame.transpose() * (state.positions[j] - state.positions[i]);
+        const Vec3 r = to_frame * (state.positions[j] - state.positions[i]);
         double psi, slope;
         weighByDistance(lattice_.pair, d * d, psi, slope);
-        const double height = local.z() / spacing;
-        sum -= 2.0 * both * strength * psi * local.x() * local.y() * (is_signed ? height : height * height);
+        const double weight = packed_.normal(j)[3] * psi * (is_signed ? r.z() : r.z() * r.z());
+        even += 0.5 * weight * (r.x() * r.x() - r.y() * r.y());
+        odd += weight * r.x() * r.y();
       });
-      torques[i] += scale * sum * frame.col(2);
+      const double target = 0.5 * std::atan2(-odd, -even), off = state.traits[i].turn - target;
+      const double kept = std::exp(-4.0 * params_.spin * std::hypot(even, odd) * packed_.normal(i)[3] * time);
+      // The nearer of the two directions of the axis.
+      const double side = std::cos(off) < 0.0 ? -1.0 : 1.0;
+      const double left = std::atan2(side * std::sin(off) * kept, side * std::cos(off));
+      state.traits[i].turn = std::remainder(target + (side < 0.0 ? 0.5 * kTurn : 0.0) + left, kTurn);
     }
   });
+}
+
+bool OrientedParticles::flow(State& state) const {
+  if (!isPlastic() || !prepare(state)) return false;
+  has_flowed_.assign(state.positions.size(), 0);
+  parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      if (!state.traits[i].is_smooth) continue;
+      const Eigen::Map<const Vec3> normal(packed_.normal(i));
+      CurvatureFit fit(state.orientations[i]);
+      forEachNear(i, lattice_.pair.cutoff, [&](Index j, double d) {
+        double psi, slope;
+        weighByDistance(lattice_.pair, d * d, psi, slope);
+        const double weight = packed_.normal(j)[3] * std::min(packed_.place(i)[3], packed_.place(j)[3]) * psi;
+        fit.add(weight, state.positions[j] - state.positions[i], Eigen::Map<const Vec3>(packed_.normal(j)) - normal);
+      });
+      const std::optional<Vec3> curvature = fit.solve();
+      if (!curvature) continue;
+      const Vec3 rest = flowToYield(state.traits[i].rest_curvature, *curvature, params_.yield_curvature);
+      has_flowed_[i] = rest != state.traits[i].rest_curvature;
+      state.traits[i].rest_curvature = rest;
+    }
+  });
+  return std::find(has_flowed_.begin(), has_flowed_.end(), 1) != has_flowed_.end();
 }
 
 double OrientedParticles::elasticEnergy(const State& state) const {

@@ -44,4 +44,8 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
                                       double spacing, const GrowthParams& params);
 
+/// Leaves out those nearer than a distance, m, to any of the given particles, whichever way they face. The rules look at those
+/// that face the same way; nearer to any other, repulsion would be a blow.
+void leaveOutCrowded(const Points& positions, double distance, std::vector<NewParticle>& newborn);
+
 }  // namespace deformable_surface::model

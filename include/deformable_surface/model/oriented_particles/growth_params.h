@@ -13,7 +13,7 @@ struct GrowthParams {
   double min_angle = 1.75;      // rad: theta_min, the smallest gap between successive neighbours that is filled
   double max_angle = 6.2832;    // rad, >= min_angle: theta_max
   double neighbor_range = 1.5;  // spacings: who counts as a neighbour for n and theta
-  double clearance = 0.7;       // spacings: the growing rule adds nothing closer to another particle
+  double clearance = 0.7;       // spacings: nothing is added closer to another particle
   Index edge_rows = 0;          // rows that may grow where there is no other side within max_gap
   Index max_passes = 100;
   Index max_particles = 20000;

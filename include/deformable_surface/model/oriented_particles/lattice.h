@@ -14,7 +14,6 @@ struct Lattice {
   double spacing = 0.0;            // m, where the lattice has no tension
   double area_per_particle = 0.0;  // m^2
   double energy_per_particle = 0.0;  // J, below zero
-  double spin_scale = 0.0;         // J/m^2, alpha_P of weight 1
   double inertia_by_mass = 0.0;    // m^2: of that a particle turns back no faster than it moves back; at least that of the plate
 };
 

@@ -56,6 +56,11 @@ class OrientedParticles : public DeformableModel {
 
   const Lattice& lattice() const { return lattice_; }
   const OrientedParticlesParams& params() const { return params_; }
+  /// What happens beside the motion in a time, s, and moves nothing: x axes turn towards a principal direction where params.spin
+  /// says so [Szeliski 1991, eq. 14 or 15], without inertia, exactly as they would in that time if the surface stood still.
+  void turnAxes(double time, State& state) const;
+  /// Plasticity: rest curvatures follow what is beyond params.yield_curvature. Returns whether any did.
+  bool flow(State& state) const;
   /// The temperature, K, that becomes of one after a time, s: it falls exponentially.
   double coolDown(double temperature, double time) const;
   /// Bytes that the lists and copies hold.
@@ -63,7 +68,7 @@ class OrientedParticles : public DeformableModel {
 
  private:
   bool prepare(const State& state) const;
-  void addSpinTorques(const State& state, Points& torques) const;
+  bool isPlastic() const { return params_.yield_curvature > 0.0; }
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;
 
@@ -81,6 +86,7 @@ class OrientedParticles : public DeformableModel {
   mutable PackedParticles packed_;
   mutable Points torques_;
   mutable std::vector<double> strain_, row_maxima_;
+  mutable std::vector<char> has_flowed_;
 };
 
 }  // namespace deformable_surface::model

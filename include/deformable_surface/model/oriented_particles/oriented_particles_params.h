@@ -32,7 +32,7 @@ struct OrientedParticlesParams {
   double co_planarity = 1.0;      // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
   double co_normality = 1.0;      // >= 0
   double co_circularity = 0.0;    // >= 0, on the scale of co-planarity
-  double spin = 0.0;              // >= 0, on the scale of co-planarity: torque about the normals
+  double spin = 0.0;              // 1/s, >= 0: how fast x axes turn to a principal direction
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};       // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
@@ -42,6 +42,7 @@ struct OrientedParticlesParams {
   double melting = 1000.0;        // K above ambient, > 0: bonds weaken linearly until there
   double cooling = 0.0;           // 1/s, >= 0: rate at which temperatures fall to the ambient one
   double hold_below = 0.0;        // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
+  double yield_curvature = 0.0;   // 1/m, >= 0: what is bent by more stays bent by the rest; 0 = nothing stays
   bool delete_trapped = false;    // particles inside two solid tools at once go
   bool stretching = false;        // particles are born between those that were drawn apart
   Growing growing = Growing::kNone;
@@ -62,8 +63,9 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("co_normality", p.co_normality, "", between(0.0, 1e6), "keeps neighbouring normals parallel");
   fields.number("co_circularity", p.co_circularity, "", between(0.0, 1e6),
                 "keeps the curvature constant, on the scale of co_planarity");
-  fields.number("spin", p.spin, "", between(0.0, 1e6),
-                "torque about the normals that turns x axes to a principal direction, on the scale of co_planarity");
+  fields.number("spin", p.spin, "1/s", between(0.0, 1e9),
+                "how fast x axes turn to a principal direction, "
+                "times how much curvatures times spacing differ; forces do not see it");
   fields.choice("principal", p.principal, {{"signed", PrincipalDirection::kSigned}, {"absolute", PrincipalDirection::kAbsolute}},
                 "x axes turn to the direction of the least curvature, `signed` or `absolute`");
   fields.vector("exponents", p.exponents, "", between(1.0, 24.0), "of repulsion and attraction: whole, the first the larger");
@@ -87,6 +89,12 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures fall to the ambient one");
   fields.number("hold_below", p.hold_below, "K", between(0.0, 1e9),
                 "above ambient: cooler particles neither move nor turn, so that only what is heated can be shaped; 0 = all may");
+  fields.number("yield_curvature", p.yield_curvature, "1/m", between(0.0, 1e9),
+                "plasticity: what is bent by more than this keeps what is beyond as its rest shape; 0 = nothing");
+  fields.require(!(p.yield_curvature > 0.0) || (p.weighting == ParticleWeighting::kIsotropic && p.mode == ParticleMode::kSpace),
+                 "yield_curvature",
+                 "found " + formatReal(p.yield_curvature) + " with weighting: anisotropic or mode: plane, which remember no "
+                     "shape; accepted: 0");
   fields.flag("delete_trapped", p.delete_trapped, "particles that are inside two solid tools at once go");
   fields.flag("stretching", p.stretching, "particles are born between neighbours that were drawn apart (the stretching rule)");
   fields.choice("growing", p.growing, {{"none", Growing::kNone}, {"gaps", Growing::kGaps}, {"edges", Growing::kEdges}},

@@ -11,8 +11,10 @@ namespace deformable_surface::model {
 struct PackedParticles {
   std::vector<double> places;   // (4 n) x, y, z in m and the strength of bonds, 0 .. 1, by temperature
   std::vector<double> normals;  // (4 n) unit, and 1 if the particle is smooth, else 0
+  std::vector<double> curvatures{};  // (8 n) 1/m, at rest: xx, yy, zz, yz, xz, xy, 0, 0 in the world; empty: the rest shape is flat
 
   const double* place(Index i) const { return places.data() + 4 * static_cast<std::ptrdiff_t>(i); }
+  const double* curvature(Index i) const { return curvatures.data() + 8 * static_cast<std::ptrdiff_t>(i); }
   const double* normal(Index i) const { return normals.data() + 4 * static_cast<std::ptrdiff_t>(i); }
 };
 
@@ -29,6 +31,10 @@ struct PackedParticles {
 ///   f_i = c_r r + c_i n_i + c_j n_j,  tau_i = (c_i r + 2 aN (psi_i + psi_j) (n_i - n_j)) x n_i,
 ///   c_k = 2 aP u_k psi_k + 2 aC s (psi_i + psi_j) + dE/dpsi_k dpsi_k/du_k,  c_r d = dE/dd.
 /// These are minus the gradient of E; the printed appendix B is not.
+///
+/// With rest curvatures K (isotropic weighting only), in aP's terms u_i becomes u_i + r.K_i r / 2, u_j becomes u_j - r.K_j r / 2,
+/// and in aN's n_i - n_j becomes q = n_i - n_j + (K_i + K_j) r / 2: both vanish where the surface has those curvatures, but for
+/// higher powers of them. K turns with its particle.
 void gatherForces(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin, Index end,
                   Vec3* forces, Vec3* torques);
 
