@@ -30,7 +30,10 @@ PANELS = [
     ("fill", "11: small gaps are filled", 100, (1, 3, -1), 60, -90),
     ("drape", "12a: draping", 10, (0, 4, -1), 20, -50),
     ("plastic", "12b: drawn out, let go", 10, (0, 10, -1), 60, -90),
+    ("bend", "12b: bent, let go: it stays bent", 10, (5, 20, -1), 15, -70),
     ("tear", "12c: tearing", 10, (1, 12, -1), 60, -90),
+    ("stem", "13: a stem", 10, (8, 20, -1), 12, -70),
+    ("handle", "13: and a handle", 10, (25, 55, -1), 12, -70),
     ("torus", "14: a sphere becomes a torus", 10, (0, 14, -1), 50, -60),
 ]
 GIVEN, BORN = np.array([0.45, 0.65, 0.85]), np.array([0.95, 0.6, 0.2])
