@@ -55,8 +55,10 @@ add_executable(simulate src/ros/simulate_main.cpp)
 target_link_libraries(simulate deformable_surface_ros)
 add_executable(parameters_page src/io/parameters_page_main.cpp)
 target_link_libraries(parameters_page deformable_surface_core)
+add_executable(interface_page src/ros/interface_page_main.cpp)
+target_link_libraries(interface_page deformable_surface_ros)
 
-install(TARGETS ${libraries} deformable_surface_node deformable_surface_hand simulate parameters_page
+install(TARGETS ${libraries} deformable_surface_node deformable_surface_hand simulate parameters_page interface_page
         ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -1,4 +1,6 @@
 // The executable deformable_surface_node: reads the parameters, runs the node, ends cleanly on both signals.
+#include "interface_page.h"
+
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/ros/surface_node.h"
 
@@ -17,15 +19,6 @@ constexpr char kHelp[] = R"(deformable_surface_node: simulates the deformable su
   rosrun deformable_surface deformable_surface_node [__name:=NAME] [~cloud_in:=TOPIC]
 
 Parameters: the private ones are the keys of a scene file, docs/parameters.md; an unknown key or a wrong value ends the node.
-Subscribed: ~cloud_in (sensor_msgs/PointCloud2), the surface at rest
-            ~force (deformable_surface/PointForce), ~wrench (geometry_msgs/WrenchStamped),
-            ~tools (deformable_surface/ToolArray)
-Published:  ~deformed (sensor_msgs/PointCloud2, latched), ~simulation_points (sensor_msgs/PointCloud2)
-            ~tool_wrenches (deformable_surface/ToolWrenchArray), ~tools/<id>/wrench (geometry_msgs/WrenchStamped)
-            ~markers (visualization_msgs/MarkerArray), ~statistics (deformable_surface/Statistics), /diagnostics
-Services:   ~reset (std_srvs/Trigger), ~pause (std_srvs/SetBool), ~step (deformable_surface/Step)
-            ~pin, ~unpin (deformable_surface/SelectRegion), ~save (deformable_surface/SaveCloud)
-            ~edit (deformable_surface/EditParticles), ~fit (deformable_surface/FitSurface)
 )";
 
 // As roscpp does for SIGINT.
@@ -41,7 +34,7 @@ int main(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") {
-      std::fputs(kHelp, stdout);
+      std::fputs((kHelp + deformable_surface::node::interfaceHelp()).c_str(), stdout);
       return 0;
     }
     std::fprintf(stderr, "found the argument '%s'; accepted: --help, and ROS remappings such as __name:=NAME\n", argv[i]);
