@@ -5,6 +5,7 @@
 #include "deformable_surface/base/block_sparse.h"
 #include "deformable_surface/base/types.h"
 
+#include <memory>
 #include <utility>
 #include <vector>
 
@@ -88,6 +89,18 @@ class DeformableModel {
   virtual void adopt(const State& /*state*/) {}
   /// Makes links and triangles those of this state, where they change.
   virtual void refreshDisplay(const State& /*state*/) const {}
+
+  /// Marks (n, 1) all points that share an element with one of these: those whose positions the forces on them depend on. False: the
+  /// model cannot be taken in parts, and nothing is marked.
+  virtual bool markPartners(const std::vector<Index>& /*points*/, std::vector<char>& /*marked*/) const { return false; }
+  /// A model of a part of the points.
+  struct Part {
+    std::unique_ptr<DeformableModel> model;  // null: it cannot be taken in parts
+    std::vector<Index> points;               // ascending: which of the whole each of its points is
+  };
+  /// The elements that touch a wanted point, wanted (n), with all points of theirs. On wanted points its forces are those of the whole
+  /// model, bit for bit (but where links have no length at all); it is open, and its points are held as they are now for good.
+  virtual Part makePart(const std::vector<char>& /*wanted*/) const { return {}; }
 
   /// The largest step, s, with which explicit integrators are stable at this state; 0: to be measured from the stiffness.
   virtual double findStableStep(const State& /*state*/) const { return 0.0; }

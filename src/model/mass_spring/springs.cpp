@@ -71,18 +71,22 @@ DEFORMABLE_SURFACE_WIDE void gatherPull(Index begin, Index end, const Index* off
 
 Springs::Springs(std::vector<std::pair<Index, Index>> links, const Points& rest, std::vector<double> stiffness)
     : links_(std::move(links)), stiffness_(std::move(stiffness)) {
+  rest_length_.reserve(links_.size());
+  for (const auto& [i, j] : links_) rest_length_.push_back((rest[j] - rest[i]).norm());
+  prepareForceLoop(static_cast<Index>(rest.size()));
+}
+
+void Springs::prepareForceLoop(Index num_points) {
   std::vector<std::pair<Index, Index>> ends;
   ends.reserve(4 * links_.size());
-  rest_length_.reserve(links_.size());
   for (std::size_t s = 0; s < links_.size(); ++s) {
     const auto [i, j] = links_[s];
-    rest_length_.push_back((rest[j] - rest[i]).norm());
     for (const auto& [here, there] : {std::pair(i, j), std::pair(j, i)}) {
       ends.emplace_back(here, static_cast<Index>(s));
       ends.emplace_back(here, there);
     }
   }
-  incidence_ = groupByPoint(static_cast<Index>(rest.size()), ends);
+  incidence_ = groupByPoint(num_points, ends);
   // The same constants once more for the force loop.
   const std::size_t groups = (links_.size() + 3) / 4;
   pull_.resize(4 * groups);

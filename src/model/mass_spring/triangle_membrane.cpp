@@ -183,7 +183,6 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
                                    double poisson_ratio)
     : mu_(membrane_stiffness / (2.0 * (1.0 + poisson_ratio))),
       lambda_(membrane_stiffness * poisson_ratio / (1.0 - poisson_ratio * poisson_ratio)) {
-  std::vector<std::pair<Index, Index>> corners;
   for (const WeightedTriangle& t : triangles) {
     const Vec3 a = rest[t.corner[1]] - rest[t.corner[0]], b = rest[t.corner[2]] - rest[t.corner[0]];
     const double twice_area = a.cross(b).norm();
@@ -193,12 +192,16 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
     Mat2 edges;
     edges << length, a.dot(b) / length, 0.0, twice_area / length;
     Element e{{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), 0.5 * t.weight * twice_area};
-    if (!e.inverse.allFinite()) continue;
-    const Index slot = static_cast<Index>(elements_.size() / 4 * 12 + elements_.size() % 4);
-    for (int c = 0; c < 3; ++c) corners.emplace_back(t.corner[c], slot + 4 * c);
-    elements_.push_back(e);
+    if (e.inverse.allFinite()) elements_.push_back(e);
   }
-  incidence_ = groupByPoint(static_cast<Index>(rest.size()), corners);
+  prepareForceLoop(static_cast<Index>(rest.size()));
+}
+
+void TriangleMembrane::prepareForceLoop(Index num_points) {
+  std::vector<std::pair<Index, Index>> corners;
+  for (std::size_t t = 0; t < elements_.size(); ++t)
+    for (int c = 0; c < 3; ++c) corners.emplace_back(elements_[t].corner[c], static_cast<Index>(t / 4 * 12 + 4 * c + t % 4));
+  incidence_ = groupByPoint(num_points, corners);
   // The same constants once more for the force loop.
   const std::size_t groups = (elements_.size() + 3) / 4;
   corner_force_.resize(48 * groups);

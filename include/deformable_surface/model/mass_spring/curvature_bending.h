@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/mass_spring/part_index.h"
 
 namespace deformable_surface::model {
 
@@ -21,6 +22,11 @@ class CurvatureBending {
   /// held (n), or empty: points that do not move. At the edge of a held patch fits stay on one side and the patch gives the slope.
   CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas, double rigidity,
                    const std::vector<char>& held = {});
+
+  /// Marks the other points of the fits that use points.
+  void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
+  /// The fits that use a wanted point; the others have no energy.
+  CurvatureBending makePart(const PartIndex& part) const;
 
   void addForces(const PaddedPoints& positions, Points& forces) const;
   double energy(const PaddedPoints& positions) const;

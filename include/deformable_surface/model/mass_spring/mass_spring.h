@@ -34,10 +34,13 @@ class MassSpring : public DeformableModel {
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   /// The curvature energy's: where a surface is thin beside the spacing of its points it bends slowly beside how it stretches.
-  bool hasSlowForces() const override { return !bending_rest_.points.empty(); }
+  bool hasSlowForces() const override { return bending_rest_.rigidity > 0.0; }
   void addFastForces(const State& state, Points& forces) const override;
   void addSlowForces(const State& state, Points& forces) const override;
   double boundSlowRate(const State& state) const override { return bending_.boundRate(state, masses_); }
+  /// Not with a kept volume, which couples all points.
+  bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
+  Part makePart(const std::vector<char>& wanted) const override;
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
@@ -59,12 +62,14 @@ class MassSpring : public DeformableModel {
   Index numWithoutBending() const { return num_without_bending_; }
 
  private:
+  MassSpring() = default;  // of no points: a part before it is filled
+
   // Constants.
   std::vector<double> masses_;
   std::vector<WeightedTriangle> triangles_;
   Lists triangle_corners_;       // per point: 3 * triangle + corner
-  Membrane membrane_;
-  double along_damping_, relative_damping_;  // s; spring_damping, one of the two is 0
+  Membrane membrane_ = Membrane::kTriangles;
+  double along_damping_ = 0.0, relative_damping_ = 0.0;  // s; spring_damping, one of the two is 0
   Springs stretching_;           // elastic if membrane_ is kSprings; carries the damping and the display in any case
   Springs bending_springs_;
   TriangleMembrane membrane_triangles_;
@@ -77,8 +82,8 @@ class MassSpring : public DeformableModel {
   };
   BendingRest bending_rest_;     // of which the bending is made anew when other points are held; empty without bending
   std::vector<char> held_;       // of which it was made
-  bool closed_;
-  double volume_stiffness_;
+  bool closed_ = false;
+  double volume_stiffness_ = 0.0;
   double rest_volume_ = 0.0;
   Index num_mass_raised_ = 0, num_without_bending_ = 0;
   // Scratch.

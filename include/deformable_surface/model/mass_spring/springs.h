@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/mass_spring/part_index.h"
 
 namespace deformable_surface::model {
 
@@ -13,6 +14,11 @@ class Springs {
 
   /// links (s) of distinct points among num_points; lengths at rest from rest positions; stiffness (s), N/m.
   Springs(std::vector<std::pair<Index, Index>> links, const Points& rest, std::vector<double> stiffness);
+
+  /// Marks the other ends of the springs at points.
+  void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
+  /// The springs that touch a wanted point, in their order.
+  Springs makePart(const PartIndex& part) const;
 
   /// Adds f_i = k (|I| - l0) I/|I| [Su 2007, eq. 2, the sign that pulls i towards j], if elastic, and the damping tension
   /// beta k (v_j - v_i).I/|I| along I/|I|. I = s_j - s_i.
@@ -47,6 +53,7 @@ class Springs {
 
  private:
   Vec3 direction(std::size_t s, const State& state, double& length) const;
+  void prepareForceLoop(Index num_points);
 
   // Constants.
   std::vector<std::pair<Index, Index>> links_;

@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/mass_spring/part_index.h"
 
 namespace deformable_surface::model {
 
@@ -23,6 +24,11 @@ class TriangleMembrane {
   TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
                    double poisson_ratio);
 
+  /// Marks the other corners of the triangles at points.
+  void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
+  /// The triangles that touch a wanted point, in their order.
+  TriangleMembrane makePart(const PartIndex& part) const;
+
   /// positions: those of the state.
   void addForces(const State& state, const PaddedPoints& positions, Points& forces) const;
   double energy(const State& state) const;
@@ -39,6 +45,7 @@ class TriangleMembrane {
   };
   static Mat32 gradient(const Element& e, const State& state);
   Mat32 cornerForces(Index t, const State& state) const;
+  void prepareForceLoop(Index num_points);
   void repairCollapsed(Index begin, Index end, const State& state) const;
 
   // Constants.

@@ -1,0 +1,131 @@
+// Parts of a mass-spring surface: the same elements with the same numbers in the same order, on fewer points, so that a step costs what
+// is in the part and every force comes out as in the whole. A file of its own, because only sleeping needs it.
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+
+#include "deformable_surface/model/mass_spring/incidence.h"
+
+namespace deformable_surface::model {
+
+void Springs::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
+  if (links_.empty()) return;
+  for (const Index i : points)
+    for (Index k = incidence_.offsets[i]; k < incidence_.offsets[i + 1]; k += 2) marked[incidence_.items[k + 1]] = 1;
+}
+
+Springs Springs::makePart(const PartIndex& part) const {
+  Springs springs;
+  if (links_.empty()) return springs;
+  for (const Index s : findElements(part.wanted, incidence_, 2, [&](Index k) { return incidence_.items[k]; })) {
+    springs.links_.emplace_back(part.new_index[links_[s].first], part.new_index[links_[s].second]);
+    springs.rest_length_.push_back(rest_length_[s]);
+    springs.stiffness_.push_back(stiffness_[s]);
+  }
+  springs.prepareForceLoop(part.size());
+  return springs;
+}
+
+void TriangleMembrane::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
+  if (elements_.empty()) return;
+  for (const Index i : points)
+    for (const Index* item = incidence_.begin(i); item != incidence_.end(i); ++item)
+      for (const Index corner : elements_[*item / 12 * 4 + *item % 4].corner) marked[corner] = 1;
+}
+
+TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
+  TriangleMembrane membrane;
+  if (elements_.empty()) return membrane;
+  membrane.mu_ = mu_;
+  membrane.lambda_ = lambda_;
+  const auto elementOf = [&](Index k) { return incidence_.items[k] / 12 * 4 + incidence_.items[k] % 4; };
+  for (const Index t : findElements(part.wanted, incidence_, 1, elementOf)) {
+    membrane.elements_.push_back(elements_[t]);
+    for (Index& corner : membrane.elements_.back().corner) corner = part.new_index[corner];
+  }
+  membrane.prepareForceLoop(part.size());
+  return membrane;
+}
+
+void CurvatureBending::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
+  if (neighbors_.size() == 0) return;
+  for (const Index i : points)
+    for (Index k = users_.offsets[i]; k < users_.offsets[i + 1]; k += 2) {
+      const Index fit = users_.items[k + 1] / 4;
+      for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j) marked[*j] = 1;
+    }
+}
+
+CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
+  CurvatureBending bending;
+  if (neighbors_.size() == 0) return bending;
+  const std::vector<Index> fits = findElements(part.wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
+  bending.rest_curvature_.assign(part.points.size(), Vec3::Zero());
+  bending.weight_.assign(part.points.size(), 0.0);
+  auto fit = fits.begin();
+  for (Index k = 0; k < part.size(); ++k) {
+    const Index i = part.points[k];
+    const bool has_fit = fit != fits.end() && *fit == i;
+    if (has_fit) {
+      ++fit;
+      bending.rest_curvature_[k] = rest_curvature_[i];
+      bending.weight_[k] = weight_[i];
+    }
+    for (Index r = neighbors_.offsets[i]; has_fit && r < neighbors_.offsets[i + 1]; ++r) {
+      bending.neighbors_.items.push_back(part.new_index[neighbors_.items[r]]);
+      bending.rows_.push_back(rows_[r]);
+    }
+    bending.neighbors_.offsets.push_back(static_cast<Index>(bending.neighbors_.items.size()));
+  }
+  bending.prepareForceLoop();
+  return bending;
+}
+
+bool MassSpring::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
+  if (volume_stiffness_ > 0.0) return false;
+  stretching_.markPartners(points, marked);
+  bending_springs_.markPartners(points, marked);
+  membrane_triangles_.markPartners(points, marked);
+  bending_.markPartners(points, marked);
+  // The area of a point is that of its triangles, also where those are no elements.
+  for (const Index i : points)
+    for (const Index* c = triangle_corners_.begin(i); c != triangle_corners_.end(i); ++c)
+      for (const Index corner : triangles_[*c / 3].corner) marked[corner] = 1;
+  return true;
+}
+
+DeformableModel::Part MassSpring::makePart(const std::vector<char>& wanted) const {
+  PartIndex index;
+  for (Index i = 0; i < static_cast<Index>(wanted.size()); ++i)
+    if (wanted[i]) index.wanted.push_back(i);
+  std::vector<char> present = wanted;
+  if (!markPartners(index.wanted, present)) return {};
+  index.new_index.assign(wanted.size(), -1);
+  for (Index i = 0; i < static_cast<Index>(wanted.size()); ++i) {
+    if (!present[i]) continue;
+    index.new_index[i] = index.size();
+    index.points.push_back(i);
+  }
+
+  std::unique_ptr<MassSpring> part(new MassSpring);
+  for (const Index i : index.points) part->masses_.push_back(masses_[i]);
+  part->membrane_ = membrane_;
+  part->along_damping_ = along_damping_;
+  part->relative_damping_ = relative_damping_;
+  part->stretching_ = stretching_.makePart(index);
+  part->bending_springs_ = bending_springs_.makePart(index);
+  part->membrane_triangles_ = membrane_triangles_.makePart(index);
+  part->bending_ = bending_.makePart(index);
+  part->bending_rest_.rigidity = bending_rest_.rigidity;
+  std::vector<std::pair<Index, Index>> corners;
+  for (const Index t : findElements(index.wanted, triangle_corners_, 1, [&](Index k) { return triangle_corners_.items[k] / 3; })) {
+    WeightedTriangle triangle = triangles_[t];
+    for (int c = 0; c < 3; ++c) {
+      triangle.corner[c] = index.new_index[triangle.corner[c]];
+      corners.emplace_back(triangle.corner[c], static_cast<Index>(3 * part->triangles_.size()) + c);
+    }
+    part->triangles_.push_back(triangle);
+  }
+  part->triangle_corners_ = groupByPoint(index.size(), corners);
+  return {std::move(part), std::move(index.points)};
+}
+
+}  // namespace deformable_surface::model
