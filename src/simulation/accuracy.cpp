@@ -92,6 +92,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
 double timeProbe(const SceneParams& params, const RestSurface& full, Index points) {
   SceneParams quiet = params;
   quiet.accuracy = AccuracyParams{};
+  quiet.activity.sleep = Sleep::kNever;  // what is timed is a surface in motion
   Simulation simulation(quiet, buildCoarser(quiet, full, points));
   if (params.accuracy.estimate) simulation.estimateError(full);
   const auto step = [&] {

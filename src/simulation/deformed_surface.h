@@ -24,7 +24,12 @@ class DeformedSurface {
   void restoreInserted(const transfer::Resampler* saved);
 
   /// The state is another than that of the last make().
-  void invalidate() { is_made_ = has_normals_ = false; }
+  void invalidate() {
+    is_made_ = has_normals_ = false;
+    ++revision_;
+  }
+  /// Another number whenever the state may be another.
+  std::uint64_t revision() const { return revision_; }
   bool isMade() const { return is_made_; }
   bool hasNormals() const { return has_normals_; }
   /// The surface of the state, if it has not been made yet. with_normals: computed if params.output.normals, too.
@@ -62,6 +67,7 @@ class DeformedSurface {
   std::vector<Eigen::Vector3f> dense_normals_now_;
   Surface surface_;
   bool is_made_ = false, has_normals_ = false;
+  std::uint64_t revision_ = 0;
 };
 
 }  // namespace deformable_surface::simulation

@@ -137,7 +137,8 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   seen_.is_halved = isDamping(type) && !seen_.follows_verlet;
   twin_->setFineness(is_verlet || seen_.is_halved ? kFineness : 1);
   const StepOutcome shadow = shadow_->step(), twin = twin_->step();
-  if (shadow.notice.empty() && twin.notice.empty()) {
+  const bool both_moved = shadow_->lastSubsteps() > 0 && twin_->lastSubsteps() > 0;
+  if (shadow.notice.empty() && twin.notice.empty() && both_moved) {
     seen_.substeps += substeps;
     seen_.shadow_substeps += shadow_->lastSubsteps();
     seen_.twin_substeps += twin_->lastSubsteps();

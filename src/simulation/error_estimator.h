@@ -41,6 +41,11 @@ class ErrorEstimator {
       if (copy) command(*copy);
   }
 
+  /// The simulation has slept through a step.
+  void pass() {
+    forward([](Simulation& copy) { copy.passStep(); });
+  }
+
   /// The simulation has left for a moment that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 

@@ -19,6 +19,10 @@ void Grips::setTools(const std::vector<tool::ToolParams>& tools) {
   grips_ = std::move(grips);
 }
 
+bool Grips::readForces() const {
+  return std::any_of(grips_.begin(), grips_.end(), [](const Grip& grip) { return grip.tool.strength > 0.0; });
+}
+
 void Grips::reset() {
   for (Grip& grip : grips_) {
     grip.has_begun = false;

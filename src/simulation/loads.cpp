@@ -145,8 +145,11 @@ void NamedForces::remove(const std::string& id) {
 }
 
 NamedForces::Update NamedForces::update(double time, const State& state, const std::vector<char>& pinned) {
-  const auto over = std::remove_if(forces_.begin(), forces_.end(), [&](const Named& f) { return !(time < f.params.end); });
+  const auto isOver = [&](const Named& f) { return !(time < f.params.end); };
   Update update;
+  for (const Named& f : forces_)
+    if (isOver(f)) update.points.insert(update.points.end(), f.points.begin(), f.points.end());
+  const auto over = std::remove_if(forces_.begin(), forces_.end(), isOver);
   update.changed = over != forces_.end();
   forces_.erase(over, forces_.end());
   for (Named& f : forces_) {
@@ -163,6 +166,7 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
     double total = 0.0;
     for (Index i : f.points) total += masses_[i];
     for (Index i : f.points) f.shares.push_back(masses_[i] / total);
+    update.points.insert(update.points.end(), f.points.begin(), f.points.end());
 
     const std::string problem = findMisplacement(f, state, pinned);
     if (problem.empty()) {

@@ -42,11 +42,21 @@ void Simulation::restore(const Snapshot& snapshot) {
   impl_->restore(*snapshot.contents_);
 }
 
-void Simulation::setFineness(Index fineness) { impl_->march.setFineness(fineness); }
-void Simulation::setIntegrator(solve::IntegratorType type) { impl_->params.integrator.type = type; }
-solve::IntegratorType Simulation::lastIntegrator() const { return impl_->march.lastType(); }
+void Simulation::setFineness(Index fineness) {
+  impl_->fineness = fineness;
+  impl_->march.setFineness(fineness);
+  if (impl_->part) impl_->part->march().setFineness(fineness);
+}
+void Simulation::setIntegrator(solve::IntegratorType type) {
+  if (impl_->params.integrator.type == type) return;
+  impl_->params.integrator.type = type;
+  impl_->wakeAll();
+}
+solve::IntegratorType Simulation::lastIntegrator() const { return impl_->lastMarch().lastType(); }
 Index Simulation::lastSubsteps() const { return static_cast<Index>(impl_->statistics.substeps); }
 
+std::uint64_t Simulation::revision() const { return impl_->revision; }
+std::uint64_t Simulation::surfaceRevision() const { return impl_->surface.revision(); }
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }
 
 Statistics Simulation::statistics() const {
@@ -59,6 +69,7 @@ const model::State& Simulation::state() const { return impl_->state; }
 const model::DeformableModel& Simulation::model() const { return *impl_->rest.model; }
 const model::OrientedParticles* Simulation::particles() const { return impl_->rest.particles; }
 Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
+bool Simulation::isAwake(Index simulation_point) const { return impl_->activity.isMoving(simulation_point); }
 const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
 
 void Simulation::computeSimulationNormals(Points& normals) const {

@@ -39,6 +39,9 @@ void Simulation::setState(const model::State& state) {
   impl_->state.positions = state.positions;
   impl_->state.velocities = state.velocities;
   impl_->march.restart();
+  impl_->part.reset();
+  impl_->activity.reset();
+  impl_->changed();
   if (impl_->estimator) impl_->estimator->setState(state);
   impl_->surface.invalidate();
 }
@@ -48,14 +51,16 @@ void Simulation::setForce(const ForceParams& force) {
   std::vector<std::string> problems = checkParams(force);
   for (std::string& problem : problems) problem = "force " + quote(force.id) + " " + problem;
   if (!problems.empty()) throw InputError(std::move(problems));
+  impl_->wakeForce(force.id);
   impl_->forces.set(force);
-  impl_->march.loadsChanged();
+  impl_->loadsChanged();
   impl_->forward([&](Simulation& copy) { copy.setForce(force); });
 }
 
 void Simulation::removeForce(const std::string& id) {
+  impl_->wakeForce(id);
   impl_->forces.remove(id);
-  impl_->march.loadsChanged();
+  impl_->loadsChanged();
   impl_->forward([&](Simulation& copy) { copy.removeForce(id); });
 }
 
@@ -64,6 +69,7 @@ void Simulation::estimateError(const RestSurface& full) {
 }
 
 void Simulation::disturb(double size) {
+  impl_->wakeAll();
   std::uint32_t seed = 12345u;
   for (Index i = 0; i < impl_->state.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) {
@@ -120,6 +126,7 @@ Index Simulation::pin(const geometry::Region& region, bool orientation) {
     impl_->state.velocities[i].setZero();
     ++changed;
   }
+  if (changed > 0) impl_->wakeAll();
   impl_->forward([&](Simulation& copy) { copy.pin(region, orientation); });
   return changed;
 }
@@ -131,6 +138,7 @@ Index Simulation::unpin(const geometry::Region& region) {
       impl_->pinned[i] = impl_->pinned_turns[i] = 0;
       ++changed;
     }
+  if (changed > 0) impl_->wakeAll();
   impl_->forward([&](Simulation& copy) { copy.unpin(region); });
   return changed;
 }
@@ -139,7 +147,8 @@ void Simulation::setGravity(const Vec3& gravity) {
   requireFinite(gravity, "gravity");
   if (impl_->gravity.gravity == gravity) return;
   impl_->gravity.gravity = gravity;
-  impl_->march.loadsChanged();
+  impl_->wakeAll();
+  impl_->loadsChanged();
   impl_->forward([&](Simulation& copy) { copy.setGravity(gravity); });
 }
 
@@ -149,6 +158,7 @@ std::vector<Index> Simulation::editParticles(const ParticleEdit& edit) {
   impl_->follow(changes);
   impl_->rest.model->adopt(impl_->state);
   impl_->march.restart();
+  impl_->wakeAll();
   impl_->surface.invalidate();
   std::vector<Index> added;
   for (Index id = impl_->state.next_id - changes.born; id < impl_->state.next_id; ++id) added.push_back(id);
@@ -163,6 +173,7 @@ std::string Simulation::fit(const model::GrowthParams& growth) {
   // The particles of before may have moved.
   impl_->rest.model->adopt(impl_->state);
   impl_->march.restart();
+  impl_->wakeAll();
   impl_->surface.invalidate();
   return changes.notice;
 }

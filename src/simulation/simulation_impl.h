@@ -19,9 +19,12 @@
 #include <cstring>
 
 #include "accuracy.h"
+#include "active_part.h"
+#include "activity.h"
 #include "deformed_surface.h"
 #include "error_estimator.h"
 #include "nested_start.h"
+#include "tool_watch.h"
 
 namespace deformable_surface::simulation {
 
@@ -65,7 +68,9 @@ struct Snapshot::Contents {
   std::vector<NamedForces::Named> forces;
   std::vector<tool::ToolParams> tools;
   std::vector<Grips::Grip> grips;
-  solve::TimeMarch::Memory march;
+  solve::TimeMarch::Memory march, part_march;
+  bool has_part;
+  Activity::Memory activity;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
   Statistics statistics;
@@ -99,6 +104,17 @@ struct Simulation::Impl {
 
   double contact_rate = 0.0;  // 1/s; 0: not found yet
   solve::TimeMarch march;
+  Index fineness = 1;
+
+  // What is awake; see activity_steps.cpp.
+  Activity activity;
+  ToolWatch tool_watch;
+  std::unique_ptr<ActivePart> part;     // null: to be made when it is needed
+  solve::TimeMarch::Memory part_march;  // that a part which is made goes on from
+  std::vector<Index> hits;              // scratch
+  bool is_hot = false;                  // some particles are above the ambient temperature
+  bool is_measured = false;             // the statistics are those of the state
+  std::uint64_t revision = 0;           // see Simulation::revision()
 
   // Results and scratch.
   Statistics statistics;
@@ -121,6 +137,8 @@ struct Simulation::Impl {
         friction(contact),
         system(*rest.model, loads, held, params.material.damping, &held_turns),
         march(system, *rest.model, params.integrator),
+        activity(params.activity, rest.points, std::sqrt(rest.area / static_cast<double>(rest.points.size())),
+                 params.integrator.time_step, *rest.model, canBeInParts()),
         surface(rest, input, params) {
     reset();
   }
@@ -156,7 +174,8 @@ struct Simulation::Impl {
     contact.setTools(tools);
     grips.setTools(tools);
     chooseLoads();
-    march.loadsChanged();
+    loadsChanged();
+    setParts();
   }
 
   double time() const { return static_cast<double>(steps) * params.integrator.time_step; }
@@ -182,12 +201,16 @@ struct Simulation::Impl {
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
     grips.reset();
+    part.reset();
     setTools(params.tools);
+    activity.reset();
+    tool_watch.reset();
     march.restart();
     if (estimator) estimator->reset();
     is_wish_missed = false;
     surface.reset();
     statistics = Statistics{};
+    changed();
     measure();
   }
 
@@ -208,6 +231,7 @@ struct Simulation::Impl {
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
         identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), march.memory(),
+        part ? part->march().memory() : part_march, part != nullptr, activity.memory(),
         surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
   }
 
@@ -221,9 +245,15 @@ struct Simulation::Impl {
     clampHeld();
     gravity.gravity = saved.gravity;
     forces.restore(saved.forces);
+    part.reset();
     setTools(saved.tools);
     grips.restore(saved.grips);
     march.setMemory(saved.march);
+    part_march = saved.part_march;
+    activity.setMemory(saved.activity, state);
+    if (saved.has_part) makePart();
+    tool_watch.look(tools, time());
+    changed();
     if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
     if (estimator && !saved.estimate) estimator->lose();
     surface.restoreInserted(saved.resampler.get());
@@ -282,15 +312,21 @@ struct Simulation::Impl {
 
     // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
     std::string news;
-    if (life) news = live(now, dt);
-    clampHeld();
+    const bool has_lived = life && !activity.isAsleep();
+    if (has_lived) news = live(now, dt);
     NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
+    wakeForStep(update);
+    if (activity.isAsleep()) return passStep(timer);
+    if (life && !has_lived) news = live(now, dt);
+    clampHeld();
     Grips::Update grip;
     if (!grips.isEmpty()) grip = updateGrips(now, dt);
-    if (update.changed || grip.changed) march.loadsChanged();
+    if (update.changed || grip.changed) loadsChanged();
+    beginAsleep(now);
+    if (activity.isAsleep()) return passStep(timer);
 
     const bool is_nested = beginNested();
-    solve::TimeMarch::Outcome taken = march.step(now, state);
+    solve::TimeMarch::Outcome taken = advance(now);
     if (is_nested && !taken.ok) {
       state.positions = rest.points;
       march.restart();
@@ -310,6 +346,8 @@ struct Simulation::Impl {
     surface.invalidate();
     surface.resample(state);
     if (estimator) estimate(report, outcome);
+    considerSleep(report);
+    changed();
 
     // What it was.
     statistics.substeps = static_cast<std::uint32_t>(report.substeps);
@@ -323,8 +361,30 @@ struct Simulation::Impl {
     return outcome;
   }
 
+  void changed() {
+    is_measured = false;
+    ++revision;
+  }
+
+  // What is awake; in activity_steps.cpp.
+  bool canBeInParts() const;
+  bool maySleep() const;
+  ActivePart::Loads partLoads() const { return {gravity, anchors, forces, tools, contact_rate}; }
+  solve::TimeMarch& lastMarch() { return part ? part->march() : march; }
+  void setParts();
+  void makePart();
+  void wakeAll();
+  void wakeForStep(const NamedForces::Update& update);
+  void beginAsleep(double now);
+  void wakeForce(const std::string& id);
+  void loadsChanged();
+  solve::TimeMarch::Outcome advance(double now);
+  solve::TimeMarch::Outcome advanceWhole(double now);
+  void considerSleep(const solve::SolveReport& report);
+  StepOutcome passStep(const Timer& timer);
+
   Grips::Update updateGrips(double now, double dt) {
-    system.computeForcesOnAll(now, state, forces_on_all);
+    if (grips.readForces()) system.computeForcesOnAll(now, state, forces_on_all);
     const Grips::Update update = grips.update(now, 1e-6 * dt, state, pinned, forces_on_all);
     grips.carry(now, dt, state, held);
     return update;
@@ -336,7 +396,8 @@ struct Simulation::Impl {
     const bool looks = std::floor((now + 1e-6 * dt) / interval) > std::floor((now - (1.0 - 1e-6) * dt) / interval);
     const ParticleLife::Changes changes = life->update(now, dt, looks, tools, state);
     // Heat changes the energy of bonds, and so does flow.
-    if (changes.are_hot || changes.has_flowed) march.restart();
+    is_hot = changes.are_hot || changes.has_flowed;
+    if (is_hot) march.restart();
     follow(changes);
     return changes.notice;
   }
@@ -365,13 +426,14 @@ struct Simulation::Impl {
     pinned_turns.resize(state.positions.size(), 0);
     rest.model->adopt(state);
     march.restart();
+    wakeAll();
     surface.invalidate();
   }
 
   // The copies take the same step.
   void estimate(const solve::SolveReport& report, StepOutcome& outcome) {
     const Timer timer;
-    const std::string news = estimator->follow(state.positions, march.lastType(), report.substeps);
+    const std::string news = estimator->follow(state.positions, lastMarch().lastType(), report.substeps);
     if (!news.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + news;
     // Asked for, kept in the trial, but not kept now; said once.
     const double wish = params.accuracy.position_error, error = estimator->total();
@@ -387,10 +449,17 @@ struct Simulation::Impl {
   void measure() {
     statistics.simulation_time = time();
     statistics.step = steps;
+    if (!is_measured) measureState();
+    is_measured = true;
+    listSkipped();
+  }
+
+  void measureState() {
     statistics.points = static_cast<std::uint32_t>(input.positions.size());
     statistics.simulation_points = static_cast<std::uint32_t>(state.size());
     statistics.springs = static_cast<std::uint32_t>(rest.model->stretchLinks().size() + rest.model->bendLinks().size());
-    statistics.awake = static_cast<std::uint32_t>(state.size() - std::count(held.begin(), held.end(), 1));
+    statistics.awake = 0;
+    for (Index i = 0; i < state.size(); ++i) statistics.awake += !held[i] && activity.isMoving(i);
     statistics.kinetic_energy = system.kineticEnergy(state);
     statistics.elastic_energy = rest.model->elasticEnergy(state);
     statistics.potential_energy = system.loadPotential(time(), state);
@@ -400,12 +469,17 @@ struct Simulation::Impl {
     statistics.max_speed = std::sqrt(squared_speed);
     statistics.state_hash = hash();
     if (estimator) {
-      statistics.error_time = estimator->time();
+      statistics.error_time = estimator->time() + activity.lost();
       statistics.error_space = estimator->space();
       statistics.error_transfer = estimator->transfer();
-      statistics.error_estimate = estimator->total();
+      statistics.error_estimate = estimator->total() + activity.lost();
     }
+  }
+
+  void listSkipped() {
     statistics.skipped.clear();
+    if (activity.isAsleep()) statistics.skipped.push_back("step");
+    if (!activity.isAsleep() && !activity.isWhole()) statistics.skipped.push_back("sleeping");
     if (!estimator) statistics.skipped.push_back("error_estimate");
     if (!surface.isMade()) statistics.skipped.push_back("transfer");
     if (!surface.hasNormals()) statistics.skipped.push_back("normals");

@@ -134,5 +134,43 @@ TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
     }
 }
 
+TEST(Allocation, NoStepOfAPartAllocatesWhileTheSameTilesMove) {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.material.young_modulus = 500.0;
+  p.material.damping = 20.0;
+  p.simplification.target_points = 800;
+  p.accuracy.estimate = false;
+  p.activity.quiet_time = 0.02;  // looked at in every step
+  p.activity.tolerance = 1e-4;
+  p.forces.push_back({"push", Vec3(0.8, 0.3, 0.0), Vec3(0.0, 0.0, 0.02), 0.1, 0.0, 1e300});
+  simulation::Simulation s(p, sheetCloud(40));
+  Index unchanged = 0;
+  for (int k = 0; k < 60; ++k) {
+    const std::uint32_t awake = s.statistics().awake;
+    const long before = num_allocations;
+    ASSERT_TRUE(s.step().ok);
+    const long after = num_allocations;
+    if (k < 5 || s.statistics().awake != awake) {
+      unchanged = 0;
+      continue;
+    }
+    // A part is made in the step after the one in which it changed.
+    if (++unchanged < 3) continue;
+    EXPECT_GT(awake, 0u);
+    EXPECT_LT(awake, 500u);
+    EXPECT_EQ(after - before, 0) << k;
+  }
+  EXPECT_GT(unchanged, 5);
+}
+
+TEST(Allocation, NoStepOfASurfaceThatSleepsAllocates) {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  simulation::Simulation s(p, sheetCloud());
+  EXPECT_EQ(countAllocations(s, 60), 0);
+  EXPECT_EQ(s.statistics().awake, 0u);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -25,6 +25,8 @@ class Grips {
   /// Those of mode move; a grip whose tool is there as before, but for its path, keeps what it holds.
   void setTools(const std::vector<tool::ToolParams>& tools);
   bool isEmpty() const { return grips_.empty(); }
+  /// Whether update() looks at the forces.
+  bool readForces() const;
   /// Lets go of everything, to take hold anew.
   void reset();
 

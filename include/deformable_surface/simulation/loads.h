@@ -110,6 +110,7 @@ class NamedForces : public solve::ExternalLoad {
   struct Update {
     bool changed = false;  // any began or left
     std::string notice;
+    std::vector<Index> points;  // on which those acted or will
   };
   Update update(double time, const State& state, const std::vector<char>& pinned);
 

@@ -9,6 +9,7 @@
 #include "deformable_surface/model/mass_spring/mass_spring_params.h"
 #include "deformable_surface/model/material_params.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
+#include "deformable_surface/simulation/activity_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/tool/tool_params.h"
@@ -117,6 +118,7 @@ struct SceneParams {
   transfer::TransferParams transfer;
   solve::IntegratorParams integrator;
   AccuracyParams accuracy;
+  ActivityParams activity;
   Vec3 gravity{0.0, 0.0, -9.81};  // m/s^2, in gravity_frame
   std::string gravity_frame;      // empty = frame_id
   double viscous_drag = 0.0;      // N s/m per m^2, >= 0
@@ -293,6 +295,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(p.model == ModelKind::kMassSpring || has_method, "integrator.type",
                  "found one that oriented_particles has not; accepted: auto, verlet, static");
   fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
+  fields.section("activity", p.activity, "Leaves out of the steps what is at rest (docs/activity.md).");
   fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
                  "found a wish, but oriented_particles has no error estimate; accepted: 0");
   const cloud::SimplificationParams& how = p.simplification;

@@ -114,6 +114,8 @@ class Simulation {
   void estimateError(const RestSurface& full);
   /// Moves every free simulation point by up to size (m) along each axis, always in the same way: what a twin starts from.
   void disturb(double size);
+  /// A step goes by in which nothing happens: time alone passes.
+  void passStep();
   /// A step is taken in fineness times as many sub-steps.
   void setFineness(Index fineness);
   /// From the next step on, in place of that of the params.
@@ -121,6 +123,11 @@ class Simulation {
   /// Of the last step; the integrator that auto took.
   Index lastSubsteps() const;
   solve::IntegratorType lastIntegrator() const;
+
+  /// Other numbers whenever anything that can be asked for may be another but the time and what a step costs; and whenever the
+  /// positions may: what was made of them before is good as long as they stay.
+  std::uint64_t revision() const;
+  std::uint64_t surfaceRevision() const;
 
   /// The full surface now. normals are computed if wanted and params.output.normals.
   const Surface& surface(bool with_normals);
@@ -132,6 +139,7 @@ class Simulation {
   const model::DeformableModel& model() const;
   /// The model if it is that of oriented particles, else null.
   const model::OrientedParticles* particles() const;
+  bool isAwake(Index simulation_point) const;                // false: it is left out of the steps, see docs/activity.md
   Index numFirst() const;                                    // simulation points at time 0
   const std::vector<char>& pinned() const;                   // (m)
   void computeSimulationNormals(Points& normals) const;      // (m x 3)

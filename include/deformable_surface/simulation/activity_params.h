@@ -1,0 +1,28 @@
+// When parts of a surface that are at rest are left out of the steps.
+#pragma once
+
+#include "deformable_surface/base/or_auto.h"
+#include "deformable_surface/base/params.h"
+
+namespace deformable_surface::simulation {
+
+/// kAuto: as kAlways, but never with explicit Euler, whose results are to be those that were published.
+enum class Sleep { kAuto, kAlways, kNever };
+
+struct ActivityParams {
+  Sleep sleep = Sleep::kAuto;
+  OrAuto<double> tolerance;  // m, > 0: the motion that a part may lose by falling asleep; auto: a share of the spacing
+  double quiet_time = 0.5;   // s, > 0: for how long it must have been slow
+};
+
+inline void visit(Fields& fields, ActivityParams& p) {
+  fields.choice("sleep", p.sleep, {{"auto", Sleep::kAuto}, {"always", Sleep::kAlways}, {"never", Sleep::kNever}},
+                "whether parts at rest are left out of the steps until something disturbs them; `auto` = with every integrator but "
+                "explicit_euler");
+  fields.number("tolerance", p.tolerance, "m", between(1e-15, kMaxLength),
+                "motion that a part may lose by falling asleep: slower than this over quiet_time, and this near to where it would settle; "
+                "`auto` = a ten-thousandth of the spacing of the simulation points");
+  fields.number("quiet_time", p.quiet_time, "s", between(1e-6, 1e6), "how long a part must have been slow");
+}
+
+}  // namespace deformable_surface::simulation

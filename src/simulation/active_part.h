@@ -1,0 +1,83 @@
+// The part of a surface that is awake, simulated as if it were all there is: its own model, loads and march on arrays of its own, so that
+// every loop of a step costs what is awake. What surrounds it is held where it sleeps.
+#pragma once
+
+#include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/loads.h"
+#include "deformable_surface/solve/time_march.h"
+
+#include <memory>
+
+namespace deformable_surface::simulation {
+
+/// Points of three kinds: moving ones; the wall, which is held and has elements in common with them; and what is behind the wall, which
+/// shares elements with it, so that the forces on the wall are whole: they say when it should have moved.
+class ActivePart {
+ public:
+  /// What acts on the surface, in its own indices.
+  struct Loads {
+    const GravityLoad& gravity;
+    const AnchorLoad& anchors;
+    const NamedForces& forces;
+    const std::vector<tool::ToolParams>& tools;
+    double contact_rate;  // 1/s
+  };
+
+  /// moving (n): of the surface, at least one. params is kept by reference. Throws nothing; the model must know parts.
+  ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params, const Loads& loads);
+
+  /// Loads or tools have changed.
+  void setLoads(const Loads& loads);
+
+  /// Advances a copy of the moving points by a step from the surface's state; held (n): as the surface has it.
+  solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held);
+  /// The copy into the surface's state.
+  void put(State& state) const;
+
+  /// The points of the surface at which the copy disturbs the wall: those of the wall that are not in balance at a time (s) within the
+  /// acceleration (m/s^2), and moving ones beside it that are faster than the speed (m/s). Overwritten. Returns the largest
+  /// acceleration of the wall.
+  double findHits(double time, double acceleration, double speed, std::vector<Index>& hits);
+
+  /// (n) As it was made for.
+  const std::vector<char>& moving() const { return moving_; }
+  /// For looking at the copy.
+  const State& state() const { return state_; }
+  const solve::System& system() const { return system_; }
+  const std::vector<Index>& points() const { return points_; }  // of the surface, ascending
+  bool isMoving(Index k) const { return kind_[k] == Kind::kMoving || kind_[k] == Kind::kRim; }
+
+  solve::TimeMarch& march() { return march_; }
+  const solve::TimeMarch& march() const { return march_; }
+
+ private:
+  enum class Kind : char { kMoving, kRim, kWall, kBehind };  // rim: moving beside the wall
+  struct Made {
+    std::vector<char> moving;
+    model::DeformableModel::Part part;
+    std::vector<Kind> kind;
+  };
+  static Made make(const model::DeformableModel& whole, const std::vector<char>& moving);
+  ActivePart(Made made, const SceneParams& params, const Loads& loads);
+
+  const SceneParams& params_;
+  std::vector<char> moving_;
+  std::unique_ptr<model::DeformableModel> model_;
+  std::vector<Index> points_, new_index_;
+  std::vector<Kind> kind_;
+  GravityLoad gravity_;
+  PressureLoad pressure_;
+  DragLoad drag_;
+  AnchorLoad anchors_;
+  NamedForces forces_;
+  ContactLoad contact_;
+  FrictionLoad friction_;
+  std::vector<const solve::ExternalLoad*> loads_;
+  std::vector<char> held_, fixed_;  // fixed: held by the surface itself
+  solve::System system_;
+  solve::TimeMarch march_;
+  State state_;
+  Points forces_on_all_;  // scratch
+};
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,113 @@
+// Which parts of a surface are awake: tiles of neighbouring points, for how long each has been slow, and what falling asleep costs. It
+// takes no steps and knows no tools; Simulation::Impl::advance() says what follows from it.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+#include "deformable_surface/simulation/activity_params.h"
+#include "deformable_surface/solve/system.h"
+
+#include <Eigen/Geometry>
+
+namespace deformable_surface::simulation {
+
+using model::State;
+
+/// Tiles of points move or sleep. A tile may sleep when all its points have been slower than tolerance / quiet_time for quiet_time, when
+/// no force would take them farther than a share of the tolerance from rest in that time, and when the way from where they are to where
+/// they would settle is estimated to be shorter than the tolerance. Those around a tile that has not been quiet for so long move with it.
+class Activity {
+ public:
+  /// What a snapshot must hold.
+  struct Memory {
+    std::vector<std::int32_t> quiet;  // (tiles) steps in which all points were slow
+    std::vector<char> moves;          // (tiles)
+    double lost = 0.0;                // m, the largest motion that falling asleep has taken so far
+    double wall = 0.0;                // m/s^2, what is left to those that sleep beside those that move
+    bool is_fresh = true;             // a look at what is in balance is due
+    std::int32_t looks_in = 0;        // steps until the next look at what may fall asleep
+  };
+
+  /// points: at rest; spacing (m) theirs; step (s). model is kept by reference. in_parts: else, and if the model cannot be taken in
+  /// parts, all of it is one tile, whose points may change in number.
+  Activity(const ActivityParams& params, const Points& points, double spacing, double step, const model::DeformableModel& model,
+           bool in_parts);
+
+  double speed() const { return tolerance_ / quiet_time_; }  // m/s
+  double acceleration() const;                               // m/s^2
+  double tolerance() const { return tolerance_; }                                         // m
+  double quietTime() const { return quiet_time_; }                                        // s
+
+  /// Everything moves, and what lies in balance may be looked for at once.
+  void reset();
+  const Memory& memory() const { return memory_; }
+  void setMemory(const Memory& memory, const State& state);
+
+  /// Everything moves.
+  void wakeAll();
+  /// The tiles of points are disturbed: they move, and those around them. wide: and those around these.
+  void wake(const std::vector<Index>& points, bool wide = false);
+  /// The sleeping tiles of which a point may lie in the box.
+  void wakeIn(const Eigen::AlignedBox3d& box);
+
+  bool isAsleep() const { return num_moving_ == 0; }
+  bool isWhole() const { return num_moving_ == numTiles(); }
+  /// (n, 1 = moves) if it is not whole.
+  const std::vector<char>& movingPoints() const { return moving_points_; }
+  bool isMoving(Index point) const { return memory_.moves[tileOf(point)] != 0; }
+  /// The largest motion lost so far, and what those that sleep beside those that move would go in a quiet time, m.
+  double lost() const { return memory_.lost + memory_.wall * quiet_time_ * quiet_time_; }
+  void leaveAtWall(double acceleration) { memory_.wall = acceleration; }
+  /// From now on nothing sleeps unless everything does.
+  void setOnlyWholly(bool only_wholly) { only_wholly_ = only_wholly; }
+  bool isFresh() const { return memory_.is_fresh; }
+  void lookedAfresh() { memory_.is_fresh = false; }
+
+  /// After a step of a state: counts quiet steps. Returns true if more tiles move than before.
+  bool observe(const State& state);
+
+  /// Every so often: true if enough tiles have been quiet for long enough to be worth leaving out.
+  bool isLookDue();
+  /// Tries to put to sleep those that may: with the forces of the system on a state, of which point k is points[k] (null: k). Points
+  /// that fall asleep lose their velocity in `whole`. Returns true if fewer tiles move than before.
+  bool fallAsleep(const solve::System& system, double time, const State& state, const std::vector<Index>* points, State& whole);
+  /// Before the first step, or after a state was given: what rests and is in balance but for rounding sleeps at once.
+  bool beginAsleep(const solve::System& system, double time, State& whole);
+  /// All of it sleeps from now on: a step has changed nothing.
+  void sleepWholly(State& whole);
+
+ private:
+  Index numTiles() const { return static_cast<Index>(memory_.moves.size()); }
+  Index tileOf(Index point) const { return tile_of_.empty() ? 0 : tile_of_[point]; }
+  bool isQuiet(Index tile) const { return memory_.quiet[tile] >= quiet_steps_; }
+  template <class Visit>
+  void forEachPoint(Index tile, const State& state, Visit&& visit) const;
+  void findNeeded(int rings);
+  void findLeaving();
+  Index countPoints(const std::vector<char>& tiles) const;
+  bool grow(int rings);
+  void count();
+  bool moveOnlyNeeded(State& whole);
+  bool isPushed(const solve::System& system, Index k, double force) const;
+  double estimateLoss(const solve::System& system, double time, const std::vector<Index>* points);
+
+  const model::DeformableModel& model_;
+  // Constants.
+  double tolerance_, quiet_time_, spacing_;
+  std::int32_t quiet_steps_, look_steps_;
+  Lists tiles_;                 // their points, ascending; empty if there is but one tile
+  std::vector<Index> tile_of_;  // (n); empty if there is but one
+
+  Memory memory_;
+  bool only_wholly_ = false;
+  Index num_moving_ = 0, num_quiet_ = 0;  // tiles that move, and those of them that are quiet
+  std::vector<char> moving_points_;
+  std::vector<Eigen::AlignedBox3d> boxes_;  // (tiles) of those that sleep
+  // Scratch.
+  std::vector<char> needed_, leaves_;       // (tiles)
+  std::vector<char> marked_;                // (n)
+  std::vector<Index> needed_points_;
+  State still_;
+  Points forces_, forces_there_, torques_, way_;
+};
+
+}  // namespace deformable_surface::simulation

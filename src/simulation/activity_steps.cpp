@@ -1,0 +1,149 @@
+// What a step does where parts of the surface sleep: what wakes them, the step of what is awake, and what may fall asleep after it.
+#include "simulation_impl.h"
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+
+using solve::IntegratorType;
+
+// An equilibrium and a pressure inside couple everything; particles have no elements.
+bool Simulation::Impl::canBeInParts() const {
+  return params.integrator.type != IntegratorType::kStatic && !rest.particles && !(params.pressure != 0.0 && rest.model->isClosed());
+}
+
+bool Simulation::Impl::maySleep() const {
+  if (params.activity.sleep == Sleep::kNever) return false;
+  if (params.activity.sleep == Sleep::kAuto && params.integrator.type == IntegratorType::kExplicitEuler) return false;
+  if (params.output.resample) return false;  // what is inserted can ask for more in the next step
+  if (!life) return true;
+  const model::OrientedParticlesParams& particles = params.oriented_particles;
+  return !is_hot && !particles.stretching && particles.growing == model::Growing::kNone;
+}
+
+void Simulation::Impl::wakeAll() {
+  changed();
+  if (activity.isWhole()) return activity.wakeAll();
+  activity.wakeAll();
+  part.reset();
+  march.restart();
+}
+
+void Simulation::Impl::loadsChanged() {
+  changed();
+  march.loadsChanged();
+  if (part) part->setLoads(partLoads());
+}
+
+// The points on which a force acts.
+void Simulation::Impl::wakeForce(const std::string& id) {
+  for (const NamedForces::Named& force : forces.all())
+    if (force.params.id == id) activity.wake(force.points);
+}
+
+// An attraction that all points share, and a grip that lets go at a force, ask for all points.
+void Simulation::Impl::setParts() {
+  const bool only_wholly = std::any_of(tools.begin(), tools.end(), [](const tool::ToolParams& tool) {
+    return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
+  });
+  activity.setOnlyWholly(only_wholly);
+  if (only_wholly && !activity.isWhole() && !activity.isAsleep()) wakeAll();
+}
+
+void Simulation::Impl::makePart() {
+  part = std::make_unique<ActivePart>(*rest.model, activity.movingPoints(), params, partLoads());
+  part->march().setMemory(part_march);
+  part->march().setFineness(fineness);
+}
+
+void Simulation::Impl::wakeForStep(const NamedForces::Update& update) {
+  const bool was_whole = activity.isWhole();
+  if (update.changed) {
+    activity.wake(update.points);
+    changed();
+  }
+  // Where they are at the end of the step, and were at that of the one before.
+  for (const Eigen::AlignedBox3d& box : tool_watch.look(tools, static_cast<double>(steps + 1) * params.integrator.time_step))
+    activity.wakeIn(box);
+  if (!tool_watch.changed().empty()) changed();
+  if (was_whole || !activity.isWhole()) return;
+  part.reset();
+  march.restart();
+}
+
+solve::TimeMarch::Outcome Simulation::Impl::advanceWhole(double now) {
+  if (part) march.restart();
+  part.reset();
+  return march.step(now, state);
+}
+
+// A step of what is awake. Where it reaches a wall within the step, the step is taken again with more of the surface.
+solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
+  if (activity.isWhole()) return advanceWhole(now);
+  const double end = now + params.integrator.time_step;
+  for (;;) {
+    if (!part || part->moving() != activity.movingPoints()) {
+      if (part) part_march = part->march().memory();
+      part_march.energy = {};
+      makePart();
+    }
+    part_march = part->march().memory();
+    solve::TimeMarch::Outcome taken = part->step(now, state, held);
+    if (!taken.ok) break;
+    const double at_wall = part->findHits(end, activity.acceleration(), activity.speed(), hits);
+    if (hits.empty()) {
+      activity.leaveAtWall(at_wall);
+      part->put(state);
+      return taken;
+    }
+    activity.wake(hits, true);
+    part.reset();
+    if (activity.isWhole()) break;
+  }
+  activity.wakeAll();
+  part.reset();
+  march.restart();
+  return march.step(now, state);
+}
+
+// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep.
+void Simulation::Impl::beginAsleep(double now) {
+  if (!activity.isFresh() || !maySleep() || !activity.beginAsleep(system, now, state)) return;
+  for (const Eigen::AlignedBox3d& box : tool_watch.changed()) activity.wakeIn(box);
+  changed();
+}
+
+// After a step that was taken.
+void Simulation::Impl::considerSleep(const solve::SolveReport& report) {
+  if (!maySleep()) return;
+  if (params.integrator.type == IntegratorType::kStatic) {
+    // It has found everything where it was, and would again.
+    if (report.converged && report.iterations == 0 && grips.isEmpty()) activity.sleepWholly(state);
+    return;
+  }
+  activity.observe(state);
+  const bool dissipates = system.dissipates() || lastMarch().lastType() == IntegratorType::kImplicit;
+  if (!activity.isLookDue() || !dissipates) return;
+  if (activity.isWhole()) part_march = march.memory();
+  if (part) {
+    activity.fallAsleep(part->system(), time(), part->state(), &part->points(), state);
+  } else {
+    activity.fallAsleep(system, time(), state, nullptr, state);
+  }
+}
+
+// A step of a surface that sleeps. Its copies sleep, or will find what they have missed in the next step.
+StepOutcome Simulation::Impl::passStep(const Timer& timer) {
+  ++steps;
+  if (estimator) estimator->pass();
+  statistics.substeps = statistics.solver_iterations = 0;
+  statistics.solver_residual = statistics.time_forces = statistics.time_solve = statistics.time_estimate = 0.0;
+  statistics.time_transfer = statistics.time_normals = 0.0;
+  statistics.time_total = timer.seconds();
+  statistics.real_time_factor = params.integrator.time_step / statistics.time_total;
+  return {};
+}
+
+void Simulation::passStep() { ++impl_->steps; }
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,74 @@
+#include "tool_watch.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using tool::Pose;
+using tool::ToolParams;
+
+// Of a ball about the tool's origin that holds the solid, m.
+double findRadius(const geometry::Solid& solid) {
+  using Kind = geometry::Solid::Kind;
+  switch (solid.kind) {
+    case Kind::kSphere: return solid.radius;
+    case Kind::kBox: return 0.5 * solid.size.norm();
+    case Kind::kCylinder:
+    case Kind::kCone: return std::hypot(solid.radius, 0.5 * solid.height);
+    case Kind::kPlane: break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) {
+  const Vec3 reach = Vec3::Constant(findRadius(tool.shape) + tool.reach);
+  box.extend(Vec3(pose.position - reach));
+  box.extend(Vec3(pose.position + reach));
+}
+
+bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs(); }
+
+bool isSame(const geometry::Solid& a, const geometry::Solid& b) {
+  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal && a.offset == b.offset;
+}
+
+// But for the path and when it acts.
+bool isSame(const ToolParams& a, const ToolParams& b) {
+  return a.id == b.id && a.mode == b.mode && isSame(a.shape, b.shape) && a.friction == b.friction && a.strength == b.strength &&
+         a.reach == b.reach;
+}
+
+}  // namespace
+
+const std::vector<Eigen::AlignedBox3d>& ToolWatch::look(const std::vector<ToolParams>& tools, double time) {
+  changed_.clear();
+  for (std::size_t t = 0; t < std::max(tools.size(), seen_.size()); ++t) {
+    Eigen::AlignedBox3d box;
+    if (t >= tools.size()) {  // gone
+      if (seen_[t].is_active) extend(box, seen_[t].tool, seen_[t].pose);
+    } else {
+      const ToolParams& tool = tools[t];
+      const bool is_active = tool::isActive(tool, time);
+      const Pose pose = tool::interpolate(tool.path, time);
+      const bool is_known = t < seen_.size() && isSame(tool, seen_[t].tool);
+      if (is_known && is_active == seen_[t].is_active && (!is_active || isSame(pose, seen_[t].pose))) continue;
+      if (is_active) extend(box, tool, pose);
+      if (t < seen_.size() && seen_[t].is_active) extend(box, seen_[t].tool, seen_[t].pose);
+      if (!is_known) {
+        if (t >= seen_.size()) seen_.emplace_back();
+        seen_[t].tool = tool;
+        seen_[t].tool.path.clear();
+      }
+      seen_[t].is_active = is_active;
+      seen_[t].pose = pose;
+    }
+    if (!box.isEmpty()) changed_.push_back(box);
+  }
+  seen_.resize(tools.size());
+  return changed_;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,197 @@
+// Inside one sheet the region around a poke is awake and the rest is not: with what it costs in exactness, for every number of threads,
+// and through snapshots.
+#include "clouds.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+using simulation::Sleep;
+
+constexpr Index kSide = 41;
+constexpr Index kPoints = kSide * kSide;
+constexpr double kTolerance = 1e-6;  // m
+
+// A sheet in balance in which disturbances run slowly, pinned along an edge, that is poked near a corner from the sixth step on.
+SceneParams pokedSheet() {
+  SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.material.young_modulus = 500.0;
+  p.material.damping = 20.0;
+  p.material.bending_rigidity = 1e-6;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.integrator.time_step = 2e-3;
+  p.activity.quiet_time = 0.05;
+  p.activity.tolerance = kTolerance;
+  p.accuracy.estimate = false;
+  p.forces.push_back({"poke", Vec3(0.85, 0.35, 0.0), Vec3(0.01, 0.0, 0.05), 0.04, 0.01, 0.03});
+  return p;
+}
+
+cloud::PointCloud finePatch() { return sheetCloud(kSide); }
+
+double largestDistance(const Points& a, const Points& b) {
+  double largest = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
+  return largest;
+}
+
+bool isPartlyAwake(const Simulation& s) {
+  const std::uint32_t awake = s.statistics().awake;
+  return awake > 0 && awake < 0.7 * kPoints;
+}
+
+TEST(SleepingParts, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
+  SceneParams p = pokedSheet();
+  Simulation s(p, finePatch());
+  p.activity.sleep = Sleep::kNever;
+  Simulation never(p, finePatch());
+  run(s, 5);
+  run(never, 5);
+  EXPECT_EQ(s.statistics().awake, 0u);
+  std::uint32_t least = kPoints;
+  double moved = 0.0;
+  for (int k = 0; k < 25; ++k) {
+    run(s, 1);
+    run(never, 1);
+    ASSERT_TRUE(isPartlyAwake(s)) << k;
+    least = std::min(least, s.statistics().awake);
+    const std::vector<std::string> skipped = s.statistics().skipped;
+    EXPECT_EQ(std::count(skipped.begin(), skipped.end(), "sleeping"), 1);
+    for (Index i = 0; i < kPoints; ++i)
+      if (!s.isAwake(i)) {
+        ASSERT_TRUE(s.state().velocities[i].isZero(0.0));
+        ASSERT_LT((s.state().positions[i] - s.input().positions[i]).norm(), kTolerance);
+      }
+    moved = std::max(moved, largestDistance(never.state().positions, never.input().positions));
+    EXPECT_LT(largestDistance(s.state().positions, never.state().positions), kTolerance) << k;
+  }
+  EXPECT_LT(least, 0.2 * kPoints);
+  EXPECT_GT(moved, 1000.0 * kTolerance);
+}
+
+TEST(SleepingParts, WhatHasSettledSleepsAgainAndLiesWhereItWouldLie) {
+  SceneParams p = pokedSheet();
+  p.material.young_modulus = 2e4;
+  p.material.damping = 5.0;
+  p.integrator.time_step = 0.01;
+  p.activity.quiet_time = 0.2;
+  p.activity.tolerance = 10.0 * kTolerance;
+  p.forces[0].force = Vec3(0.05, 0.02, 0.0);
+  p.forces[0].end = 1e300;
+  Simulation s(p, sheetCloud(21));
+  p.activity.sleep = Sleep::kNever;
+  Simulation never(p, sheetCloud(21));
+  int steps = 0;
+  bool was_part = false;
+  do {
+    run(s, 1);
+    ++steps;
+    was_part = was_part || (s.statistics().awake > 0 && s.statistics().awake < 300);
+  } while ((steps < 50 || s.statistics().awake > 0) && steps < 2000);
+  EXPECT_TRUE(was_part);
+  ASSERT_EQ(s.statistics().awake, 0u);
+  run(never, steps + 500);
+  EXPECT_LT(largestDistance(s.state().positions, never.state().positions), p.activity.tolerance.value);
+  EXPECT_GT(largestDistance(s.state().positions, s.input().positions), 1000.0 * kTolerance);
+}
+
+TEST(SleepingParts, AFrontThatComesFasterThanItsMarginIsNotHeldUp) {
+  SceneParams p = pokedSheet();
+  p.material.young_modulus = 1e5;
+  p.integrator.time_step = 0.01;  // in which waves run a tenth of a metre
+  p.material.damping = 0.0;
+  Simulation s(p, finePatch());
+  p.activity.sleep = Sleep::kNever;
+  Simulation never(p, finePatch());
+  bool was_part = false;
+  for (int k = 0; k < 8; ++k) {
+    run(s, 1);
+    run(never, 1);
+    was_part = was_part || isPartlyAwake(s);
+    EXPECT_LT(largestDistance(s.state().positions, never.state().positions), 10.0 * kTolerance) << k;
+  }
+  EXPECT_TRUE(was_part);
+  EXPECT_GT(s.statistics().awake, 0.9 * kPoints);
+}
+
+TEST(SleepingParts, APartIsBitIdenticalForOneTwoAndThreeThreadsAndThroughSnapshots) {
+  std::vector<std::uint64_t> first;
+  for (int threads : {1, 2, 3}) {
+    setNumThreads(threads);
+    Simulation s(pokedSheet(), finePatch());
+    run(s, 12);
+    EXPECT_TRUE(isPartlyAwake(s));
+    const simulation::Snapshot snapshot = s.snapshot();
+    std::vector<std::uint64_t> hashes;
+    for (int k = 0; k < 30; ++k) {
+      run(s, 1);
+      hashes.push_back(s.stateHash());
+    }
+    EXPECT_TRUE(isPartlyAwake(s));
+    if (first.empty()) first = hashes;
+    EXPECT_EQ(hashes, first) << threads << " threads";
+    Simulation other(pokedSheet(), finePatch());
+    for (Simulation* restored : {&s, &other}) {
+      restored->restore(snapshot);
+      for (int k = 0; k < 30; ++k) {
+        run(*restored, 1);
+        EXPECT_EQ(restored->stateHash(), first[k]) << k;
+      }
+    }
+  }
+  setNumThreads(0);
+}
+
+TEST(SleepingParts, PressureDragAnchorsAndToolsActInAPartAsInTheWhole) {
+  SceneParams p = pokedSheet();
+  p.viscous_drag = 2.0;
+  p.anchors.push_back({Vec3(0.8, 0.3, 0.0), Vec3(0.8, 0.3, 0.01), 0.5});
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.05;
+  ball.friction = 0.3;
+  ball.path.push_back({0.0, Vec3(0.85, 0.2, 0.051), Vec4(0.0, 0.0, 0.0, 1.0)});
+  ball.path.push_back({0.05, Vec3(0.87, 0.2, 0.035), Vec4(0.0, 0.0, 0.0, 1.0)});
+  p.tools.push_back(ball);
+  Simulation s(p, finePatch());
+  p.activity.sleep = Sleep::kNever;
+  Simulation never(p, finePatch());
+  for (int k = 0; k < 25; ++k) {
+    run(s, 1);
+    run(never, 1);
+    ASSERT_TRUE(isPartlyAwake(s)) << k;
+    EXPECT_LT(largestDistance(s.state().positions, never.state().positions), 3.0 * kTolerance) << k;
+  }
+  EXPECT_GT(s.toolReactions()[0].contacts, 0);
+  EXPECT_NEAR(s.toolReactions()[0].force.z(), never.toolReactions()[0].force.z(), 0.01 * never.toolReactions()[0].force.norm());
+}
+
+TEST(SleepingParts, AnImplicitStepOfAPartIsThatOfTheWhole) {
+  SceneParams p = pokedSheet();
+  p.integrator.type = solve::IntegratorType::kImplicit;
+  p.integrator.tolerance = 1e-10;
+  p.simplification.method = cloud::SimplificationMethod::kDelaunay;
+  p.simplification.target_points = 600;
+  p.material.damping = 200.0;
+  Simulation s(p, finePatch());
+  p.activity.sleep = Sleep::kNever;
+  Simulation never(p, finePatch());
+  bool was_part = false;
+  for (int k = 0; k < 8; ++k) {
+    run(s, 1);
+    run(never, 1);
+    was_part = was_part || (s.statistics().awake > 0 && s.statistics().awake < 400);
+    EXPECT_LT(largestDistance(s.state().positions, never.state().positions), 3.0 * kTolerance) << k;
+  }
+  EXPECT_TRUE(was_part);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
