@@ -25,6 +25,8 @@ class System {
   double damping() const { return damping_; }
   /// True if anything beside the damping by mass may take energy out: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
+  /// The same, damping by mass included.
+  bool dissipates() const { return damping_ > 0.0 || dissipatesInForces(); }
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;
