@@ -242,6 +242,14 @@ TEST(ReadScene, HoldsRulesAmongFields) {
             "mass_spring.spring_constant: found 100.0 with stiffness: material; accepted: 0, or stiffness: uniform");
   EXPECT_EQ(problemOf("mass_spring: {damping: relative_velocity}\nmaterial: {spring_damping: 1e-4}"), "accepted");
   EXPECT_TRUE(contains(problemOf("mass_spring: {damping: relative_velocity}"), "which damps nothing; accepted: along_spring"));
+  const std::string particles = "model: oriented_particles\n", bent = particles + "oriented_particles: {yield_curvature: 1.0";
+  const std::vector<std::string> damped = problemsOf(particles + "material: {spring_damping: 1e-4}");
+  ASSERT_EQ(damped.size(), 1u);
+  EXPECT_TRUE(contains(damped[0], "which have no springs; accepted: 0"));
+  EXPECT_TRUE(problemsOf(bent + "}").empty());
+  const std::vector<std::string> anisotropic = problemsOf(bent + ", weighting: anisotropic}");
+  ASSERT_EQ(anisotropic.size(), 1u);
+  EXPECT_TRUE(contains(anisotropic[0], "which remember no shape; accepted: 0"));
   EXPECT_TRUE(contains(problemOf("creases: [{sphere: {center: [0, 0, 0], radius: 1}}]"), "mass_spring has no orientation"));
   EXPECT_EQ(problemOf("pins: [{}]"), "pins[0]: found neither of box and sphere; accepted: one");
   EXPECT_EQ(problemOf("pins: [{box: {min: [0, 0, 0], max: [0, 0, 0]}, sphere: {center: [0, 0, 0], radius: 1}}]"),

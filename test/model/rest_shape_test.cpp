@@ -1,6 +1,7 @@
 // Rest curvatures of oriented particles: what they are, the forces that keep to them, and how they flow.
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
+#include "deformable_surface/base/parallel.h"
 #include "particle_states.h"
 
 #include <gtest/gtest.h>
@@ -149,6 +150,35 @@ TEST(RestShape, FlowKeepsWhatIsBeyondTheYieldAndNothingBelow) {
   EXPECT_LT(soft.elasticEnergy(s) - edges, (1.0 / 16.0 + turn * turn) * bent);
   const OrientedParticles off = makeModel(s.size(), plastic(0.0));
   EXPECT_FALSE(off.flow(s));
+}
+
+TEST(RestShape, FlowTurnsAndForcesHaveTheSameBitsForAnyNumberOfThreads) {
+  OrientedParticlesParams p = plastic(1.0);
+  p.spin = 100.0;
+  State start = hexagonalPatch(30, 30);  // several blocks
+  std::mt19937 generator(2);
+  for (Index i = 0; i < start.size(); ++i) {
+    rollUp(1.0, 0.4, start.positions[i], start.orientations[i]);
+    start.orientations[i] = turnBy(0.2 * randomVector(generator), start.orientations[i]);
+  }
+  std::vector<State> states;
+  std::vector<Points> forces(3), torques(3);
+  for (int threads = 1; threads <= 3; ++threads) {
+    setNumThreads(threads);
+    const OrientedParticles particles = makeModel(start.size(), p);
+    states.push_back(start);
+    EXPECT_TRUE(particles.flow(states.back()));
+    particles.turnAxes(0.01, states.back());
+    evaluate(particles, states.back(), forces[threads - 1], torques[threads - 1]);
+  }
+  setNumThreads(0);
+  for (int k = 1; k < 3; ++k) {
+    EXPECT_TRUE(forces[k] == forces[0] && torques[k] == torques[0]);
+    for (Index i = 0; i < start.size(); ++i) {
+      EXPECT_EQ(states[k].traits[i].rest_curvature, states[0].traits[i].rest_curvature);
+      EXPECT_EQ(states[k].traits[i].turn, states[0].traits[i].turn);
+    }
+  }
 }
 
 }  // namespace
