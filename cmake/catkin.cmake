@@ -64,15 +64,19 @@ install(TARGETS ${libraries} deformable_surface_node deformable_surface_hand sim
         RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
-# The three lie beside each other: the client draws with the second and reads with the third.
-catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/point_files.py
+# They lie beside each other, since some use others.
+catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
+                      scripts/modelling_client.py
+                      scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
+                      scripts/tool_on_frame.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(FILES LICENSE nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
 if(CATKIN_ENABLE_TESTING)
   find_package(rostest REQUIRED)
   find_package(roslaunch REQUIRED)
-  roslaunch_add_file_check(launch)
+  # With something for the arguments that have no default.
+  roslaunch_add_file_check(launch bag:=a columns:=3 output:=a scan:=a topic:=a)
 
   # Without gtest, catkin_add_gtest only warns and makes no target.
   function(add_unit_test name library)
@@ -125,4 +129,20 @@ if(CATKIN_ENABLE_TESTING)
       target_link_libraries(${name}_rostest deformable_surface_ros)
     endif()
   endforeach()
+
+  # Launch files for real uses, each with a master of its own; one whose scan is not at hand skips itself.
+  foreach(case camera_bag garment modelling modelling_plane poke record tracked)
+    add_test(NAME launch_${case}
+             COMMAND ${CATKIN_ENV} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_launch.py ${case})
+    set_tests_properties(launch_${case} PROPERTIES SKIP_RETURN_CODE 77)
+  endforeach()
+
+  # Three hosts in network namespaces; skips itself where they cannot be made.
+  add_test(NAME hosts COMMAND ${CATKIN_ENV} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/hosts/check_hosts.py)
+  set_tests_properties(hosts PROPERTIES SKIP_RETURN_CODE 77)
+
+  find_program(CATKIN_LINT catkin_lint)
+  if(CATKIN_LINT)
+    add_test(NAME catkin_lint COMMAND ${CATKIN_LINT} -q -W1 --strict ${PROJECT_SOURCE_DIR})
+  endif()
 endif()
