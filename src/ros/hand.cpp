@@ -40,7 +40,8 @@ constexpr double kToolShare = 0.1, kBladeShare = 0.02, kPanelShare = 0.04;
 // Balls that touch, and a spot that stands out of them.
 constexpr double kBallShare = 1.0, kSpotShare = 1.2;
 constexpr double kLarger = 1.25;
-// A handful, in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push each other away.
+// A handful, in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push each other
+// away.
 constexpr int kSprayTries = 100;
 constexpr double kSprayShare = 2.5, kSprayApart = 0.8;  // spacings
 constexpr double kSprayHeight = 1.5;                    // in that reach
@@ -115,7 +116,10 @@ void Hand::measure() {
   std::nth_element(distances.begin(), median, distances.end());
   spacing_ = *median > 0.0 ? *median : extent_;
   top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + 2.0 * kPanelShare * extent_);
-  if (!has_menus_) makeMenus();
+  if (!has_menus_) {
+    makeMenus();
+    chooseSpot(top_);  // where it is seen
+  }
   shown_.clear();
   showPanel();
 }
@@ -306,7 +310,8 @@ void Hand::makeMenus() {
   }
   const auto tools_menu = spot_menu_.insert("Add a tool");
   for (const auto& [name, mode, primitive] : kinds) {
-    spot_menu_.insert(tools_menu, name, [this, mode = mode, primitive = primitive](const Feedback&) { addTool(mode, primitive); });
+    spot_menu_.insert(tools_menu, name,
+                      [this, mode = mode, primitive = primitive](const Feedback&) { addTool(mode, primitive); });
   }
 
   add(panel_menu_, "Pause", [this] { pause(true); });

@@ -157,7 +157,9 @@ InteractiveMarker makeSpotHandle(const std_msgs::Header& header, const Vec3& poi
 InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool& tool) {
   InteractiveMarker marker = makeInteractive(header, tool.id, tool.pose, kHandleShare * findExtent(tool.primitive));
   marker.description = tool.id;
-  const Marker shape = makeShape(tool.primitive, chooseColor(tool.mode));
+  // A little larger than the tool itself as ~markers draws it, so that the two do not flicker.
+  Marker shape = makeShape(tool.primitive, chooseColor(tool.mode));
+  for (double* size : {&shape.scale.x, &shape.scale.y, &shape.scale.z}) *size *= 1.02;
   marker.controls.push_back(makeControl("move", InteractiveMarkerControl::MOVE_3D, shape));
   addAxes(InteractiveMarkerControl::MOVE_AXIS, "move", marker);
   addAxes(InteractiveMarkerControl::ROTATE_AXIS, "turn", marker);

@@ -1,5 +1,5 @@
-// The interactive markers with which a person works on a surface in RViz: what they look like and which of their parts can be dragged.
-// Apart from the hand that answers them, because this is only drawing.
+// The interactive markers with which a person works on a surface in RViz: what they look like and which of their parts can be
+// dragged. Apart from the hand that answers them, because this is only drawing.
 #pragma once
 
 #include "deformable_surface/base/types.h"

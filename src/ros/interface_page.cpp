@@ -51,21 +51,22 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kSubscribed, "force", "deformable_surface/PointForce",
        "a named force near a point; the same id replaces it, a zero force removes it", define<PointForce>()},
       {Kind::kSubscribed, "wrench", "geometry_msgs/WrenchStamped",
-       "its force acts at the origin of its frame over `force.radius`, and ends `force.timeout` after the last message; its torque "
-       "is not applied",
+       "its force acts at the origin of its frame over `force.radius`, and ends `force.timeout` after the last message; its "
+       "torque is not applied",
        ""},
       {Kind::kSubscribed, "tools", "deformable_surface/ToolArray",
        "rigid tools that push, draw, carry, cut, heat or erase: add, move, delete ([tools](tools.md))", define<ToolArray>()},
       {Kind::kPublished, "deformed", "sensor_msgs/PointCloud2",
-       "latched; every input point in its order: x y z, normal_x normal_y normal_z, displacement (m), then the input's other fields; "
-       "what is gone is NaN, what was born comes behind",
+       "latched; every input point in its order: x y z, normal_x normal_y normal_z, displacement (m), then the input's other "
+       "fields; what is gone is NaN, what was born comes behind",
        ""},
       {Kind::kPublished, "simulation_points", "sensor_msgs/PointCloud2",
        "the points that move by physics: x y z, normal, mass (kg), strain, awake, pinned, and of particles temperature (K above "
        "ambient) and id",
        ""},
       {Kind::kPublished, "markers", "visualization_msgs/MarkerArray",
-       "for RViz ([rviz](rviz.md)): only what has changed since the message before, all of it once a second and for who comes new", ""},
+       "for RViz ([rviz](rviz.md)): only what has changed since the message before, all of it once a second and for who comes new",
+       ""},
       {Kind::kPublished, "statistics", "deformable_surface/Statistics", "what the last step did and cost", define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
        "what the surface does to each tool; `~tools/<id>/wrench`, a geometry_msgs/WrenchStamped, has it of one",
@@ -73,13 +74,15 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished, "/diagnostics", "diagnostic_msgs/DiagnosticArray",
        "rate, real-time factor, dropped input, last complaint; `diagnostics: false` turns it off", ""},
       {Kind::kService, "reset", "std_srvs/Trigger",
-       "back to the rest state of the last cloud at time 0; pins, tools and forces of the scene stay, those that came over ROS go", ""},
+       "back to the rest state of the last cloud at time 0; pins, tools and forces of the scene stay, those that came over ROS go",
+       ""},
       {Kind::kService, "pause", "std_srvs/SetBool", "true stops stepping, false goes on; nothing is caught up", ""},
       {Kind::kService, "step", "deformable_surface/Step", "takes steps while paused", defineService<Step>()},
       {Kind::kService, "pin", "deformable_surface/SelectRegion", "holds the points inside a shape where they are",
        defineService<SelectRegion>()},
       {Kind::kService, "unpin", "deformable_surface/SelectRegion", "lets go of the points inside a shape", ""},
-      {Kind::kService, "save", "deformable_surface/SaveCloud", "writes the surface as it is now to a file", defineService<SaveCloud>()},
+      {Kind::kService, "save", "deformable_surface/SaveCloud", "writes the surface as it is now to a file",
+       defineService<SaveCloud>()},
       {Kind::kService, "edit", "deformable_surface/EditParticles", "changes single oriented particles",
        defineService<EditParticles>()},
       {Kind::kService, "fit", "deformable_surface/FitSurface", "grows a surface through the oriented particles there are",
@@ -100,8 +103,8 @@ std::string interfacePage() {
   std::string page =
       "# Topics and services\n\n"
       "Of `deformable_surface_node` and its nodelet. This page is printed by `rosrun deformable_surface interface_page`; a test "
-      "fails when it is stale.\nNames are private to the node, so that several surfaces run side by side; their parameters are in "
-      "[parameters.md](parameters.md).\n";
+      "fails when it is stale.\nNames are private to the node, so that several surfaces run side by side; their parameters are "
+      "in [parameters.md](parameters.md).\n";
   const std::pair<Kind, const char*> parts[] = {
       {Kind::kSubscribed, "Subscribed"}, {Kind::kPublished, "Published"}, {Kind::kService, "Services"}};
   for (const auto& [kind, title] : parts) {

@@ -1,5 +1,5 @@
-// The topics and services of the node as a table: what its help and docs/interface.md print, and what a test holds against the node
-// that runs. In a file of its own so that the three say the same.
+// The topics and services of the node as a table: what its help and docs/interface.md print, and what a test holds against the
+// node that runs. In a file of its own so that the three say the same.
 #pragma once
 
 #include <string>

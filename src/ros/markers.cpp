@@ -21,7 +21,7 @@ constexpr double kLineWidthShare = 0.05, kPinShare = 0.5;
 // Discs that nearly touch, and axes that do not reach the next particle.
 constexpr double kDiscShare = 0.45, kAxisShare = 0.4;
 // Text that can be read, above the surface.
-constexpr double kTextShare = 0.03, kTextRoomShare = 0.15;
+constexpr double kTextShare = 0.03, kTextRoomShare = 0.2;
 // The longest arrow, as a share of the surface's extent.
 constexpr double kArrowShare = 0.3;
 // Shaft, head and head length as shares of an arrow's length.
@@ -143,6 +143,16 @@ Marker finish(Marker marker) {
   return marker;
 }
 
+/// RViz gives light only to what has one colour, so that here the light is in the colours: a lamp above the scene, a little to
+/// one side, that shines on both sides of a surface.
+std_msgs::ColorRGBA shade(std_msgs::ColorRGBA color, const Vec3& normal) {
+  constexpr double kAmbient = 0.4;
+  const Vec3 lamp = Vec3(0.35, -0.45, 0.82).normalized();
+  const double length = normal.norm();
+  const auto light = static_cast<float>(length > 0.0 ? kAmbient + (1.0 - kAmbient) * std::abs(normal.dot(lamp)) / length : 1.0);
+  return makeColor(light * color.r, light * color.g, light * color.b);
+}
+
 void appendCorner(Index i, const Points& positions, const std::vector<double>& values, double full_scale, Marker& marker) {
   marker.points.push_back(toPoint(positions[i]));
   marker.colors.push_back(colorOf(values[i] / full_scale));
@@ -185,11 +195,22 @@ Marker makeLinksMarker(const std_msgs::Header& header, const std::string& ns, co
 Marker makeSurfaceMarker(const std_msgs::Header& header, const Points& positions,
                          const std::vector<model::WeightedTriangle>& triangles, const std::vector<double>& values,
                          double full_scale) {
+  // Triangles need not all face the same way.
+  Points normals(positions.size(), Vec3::Zero());
+  for (const model::WeightedTriangle& triangle : triangles) {
+    const auto& [a, b, c] = triangle.corner;
+    const Vec3 normal = (positions[b] - positions[a]).cross(positions[c] - positions[a]);
+    for (const Index corner : {a, b, c}) normals[corner] += normals[corner].dot(normal) < 0.0 ? Vec3(-normal) : normal;
+  }
   Marker marker = makeMarker(header, "surface", 0, Marker::TRIANGLE_LIST);
   marker.points.reserve(3 * triangles.size());
   marker.colors.reserve(3 * triangles.size());
-  for (const model::WeightedTriangle& triangle : triangles)
-    for (Index corner : triangle.corner) appendCorner(corner, positions, values, full_scale, marker);
+  for (const model::WeightedTriangle& triangle : triangles) {
+    for (const Index corner : triangle.corner) {
+      marker.points.push_back(toPoint(positions[corner]));
+      marker.colors.push_back(shade(colorOf(values[corner] / full_scale), normals[corner]));
+    }
+  }
   return finish(std::move(marker));
 }
 
@@ -259,8 +280,8 @@ Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::St
   marker.pose.position = toPoint(place);
   marker.scale.z = height;
   std::ostringstream text;
-  text << std::setprecision(3) << std::fixed << statistics.simulation_time << " s, " << std::defaultfloat
-       << statistics.real_time_factor << " x real time\n"
+  text << std::fixed << std::setprecision(2) << statistics.simulation_time << " s, " << statistics.real_time_factor
+       << " x real time\n"
        << statistics.simulation_points << " of " << statistics.points << " points, " << statistics.substeps << " sub-steps\n"
        << "largest stretch " << 100.0 * statistics.max_stretch << " %";
   if (std::isfinite(statistics.error_estimate)) text << ", error " << 1000.0 * statistics.error_estimate << " mm";
@@ -278,7 +299,7 @@ Marker makeDiscsMarker(const std_msgs::Header& header, const Points& positions, 
     const auto corner = [&](int k) { return toPoint(positions[i] + orientations[i] * (radius * onCircle(k, kCorners))); };
     for (int k = 0; k < kCorners; ++k) {
       marker.points.insert(marker.points.end(), {toPoint(positions[i]), corner(k), corner(k + 1)});
-      marker.colors.insert(marker.colors.end(), 3, colorOf(values[i] / full_scale));
+      marker.colors.insert(marker.colors.end(), 3, shade(colorOf(values[i] / full_scale), orientations[i] * Vec3::UnitZ()));
     }
   }
   return finish(std::move(marker));

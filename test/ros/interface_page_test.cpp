@@ -29,7 +29,8 @@ TEST(InterfacePage, SaysOfEveryEntryWhatItIs) {
 TEST(InterfacePage, HasTheFieldsOfMessagesWithTheirComments) {
   const std::string page = interfacePage();
   EXPECT_NE(page.find("geometry_msgs/Vector3 force # N, the total; zero removes the force of that id"), std::string::npos);
-  EXPECT_NE(page.find("uint32 contacts             # number of simulation points"), std::string::npos);  // of a message in a message
+  // Those of a message in a message too.
+  EXPECT_NE(page.find("uint32 contacts             # number of simulation points"), std::string::npos);
   EXPECT_EQ(page.find("MSG: "), std::string::npos);
 }
 

@@ -1,5 +1,5 @@
-// The node that runs offers what the table of topics and services says, of these types, and nothing else; nothing that it offers is
-// outside its private name; and two of them run side by side.
+// The node that runs offers what the table of topics and services says, of these types, and nothing else; nothing that it offers
+// is outside its private name; and two of them run side by side.
 #include "../../src/ros/interface_page.h"
 #include "bad_clouds.h"
 #include "node_client.h"

@@ -24,7 +24,7 @@ visualization_msgs::Marker makeLinksMarker(const std_msgs::Header& header, const
                                            const std::vector<std::pair<Index, Index>>& links, const std::vector<double>& values,
                                            double full_scale, double width);
 
-/// The surface itself (TRIANGLE_LIST), each corner in the colour of value / full_scale.
+/// The surface itself (TRIANGLE_LIST), each corner in the colour of value / full_scale, as if lit from above.
 visualization_msgs::Marker makeSurfaceMarker(const std_msgs::Header& header, const Points& positions,
                                              const std::vector<model::WeightedTriangle>& triangles,
                                              const std::vector<double>& values, double full_scale);
@@ -64,8 +64,8 @@ visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const 
 // RViz draws a few hundred arrows smoothly, thousands of them at a crawl.
 constexpr int kMaxArrows = 100;
 
-/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what
-/// the surface does to each tool, at its origin), statistics and, of oriented particles, discs and axes. Particles may be born and go; what was not there at first is grey where displacements are shown.
+/// All of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what it does
+/// to each tool, at its origin), statistics and, of oriented particles, discs and axes. Particles may be born and go; what was not there at first is grey where displacements are shown.
 class SimulationMarkers {
  public:
   /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.

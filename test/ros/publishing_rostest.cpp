@@ -1,0 +1,77 @@
+// What nobody listens to is not made, which the statistics count; and who listens in the same process gets the message itself.
+#include "bad_clouds.h"
+#include "node_client.h"
+
+#include "deformable_surface/ros/surface_node.h"
+
+#include <algorithm>
+#include <set>
+
+namespace deformable_surface::node::test {
+namespace {
+
+PointCloud2 makeStampedSheet() {
+  PointCloud2 cloud = makeSheet(20, 10);
+  cloud.header.stamp = ros::Time::now();
+  return cloud;
+}
+
+TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
+  NodeProcess process("/surface", "{model: mass_spring, gravity: [0, 0, -1]}");
+  ros::NodeHandle node("/surface");
+  ros::Publisher cloud = node.advertise<PointCloud2>("cloud_in", 1);
+  int with = 0, without = 0;
+  const ros::Subscriber statistics = node.subscribe<Statistics>("statistics", 1000, [&](const StatisticsConstPtr& m) {
+    const auto isSkipped = [&](const char* name) { return std::count(m->skipped.begin(), m->skipped.end(), name) > 0; };
+    EXPECT_EQ(isSkipped("transfer"), isSkipped("normals"));
+    ++(isSkipped("transfer") ? without : with);
+  });
+  ASSERT_TRUE(waitUntil([&] { return cloud.getNumSubscribers() > 0 && statistics.getNumPublishers() > 0; })) << process.output();
+  cloud.publish(makeStampedSheet());
+  ASSERT_TRUE(waitUntil([&] { return with + without > 20; })) << process.output();
+  // The first is made for those who come later, as it is latched.
+  EXPECT_LE(with, 1);
+
+  std::size_t frames = 0;
+  ros::Subscriber deformed = node.subscribe<PointCloud2>("deformed", 10, [&](const sensor_msgs::PointCloud2ConstPtr&) { ++frames; });
+  ASSERT_TRUE(waitUntil([&] { return frames > 2; }));
+  with = without = 0;
+  ASSERT_TRUE(waitUntil([&] { return with + without > 20; }));
+  EXPECT_EQ(without, 0);
+
+  deformed.shutdown();
+  ASSERT_TRUE(waitUntil([&] { return without > 0; }));
+  with = without = 0;
+  ASSERT_TRUE(waitUntil([&] { return with + without > 20; }));
+  EXPECT_EQ(with, 0);
+}
+
+TEST(Publishing, GivesTheMessageItselfToThoseInTheSameProcess) {
+  ros::NodeHandle node, inside("/inside");
+  ros::Publisher cloud = inside.advertise<PointCloud2>("cloud_in", 1);
+  std::set<const PointCloud2*> first, second;
+  // Kept, so that no address is used again.
+  std::vector<sensor_msgs::PointCloud2ConstPtr> kept;
+  const auto collect = [&](std::set<const PointCloud2*>& addresses) {
+    return [&](const sensor_msgs::PointCloud2ConstPtr& m) {
+      kept.push_back(m);
+      addresses.insert(m.get());
+    };
+  };
+  const ros::Subscriber one = inside.subscribe<PointCloud2>("deformed", 100, collect(first));
+  const ros::Subscriber two = inside.subscribe<PointCloud2>("deformed", 100, collect(second));
+  const SurfaceNode surface(node, inside, simulation::SceneParams());
+  ASSERT_TRUE(waitUntil([&] { return cloud.getNumSubscribers() > 0 && one.getNumPublishers() > 0; }));
+  cloud.publish(makeStampedSheet());
+  ASSERT_TRUE(waitUntil([&] { return first.size() > 5 && first == second; }));
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "publishing_rostest");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
