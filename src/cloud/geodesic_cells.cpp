@@ -92,6 +92,10 @@ GeodesicCells findGeodesicCells(const Points& positions, const Lists& neighbors,
 }
 
 Lists findChosenNear(const GeodesicCells& cells, const Points& positions, Index k) {
+  return findChosenNear(cells, cells.owner, positions, k);
+}
+
+Lists findChosenNear(const GeodesicCells& cells, const std::vector<Index>& owner, const Points& positions, Index k) {
   const Index n = static_cast<Index>(positions.size());
   const Lists& neighbors = cells.neighbors;
   const auto measure = [&](Index a, Index b) { return (cells.chosen[b] - cells.chosen[a]).norm(); };
@@ -112,7 +116,7 @@ Lists findChosenNear(const GeodesicCells& cells, const Points& positions, Index 
     std::vector<Neighbor> near;
     for (Index i = begin; i < end; ++i) {
       tree.nearest(positions[i], k, near);
-      const Index a = cells.owner[i];
+      const Index a = owner[i];
       const auto isApart = [&](const Neighbor& other) { return !isNear(a, other.index); };
       const auto kept = a < 0 ? near.end() : std::remove_if(near.begin(), near.end(), isApart);
       if (kept != near.end()) {

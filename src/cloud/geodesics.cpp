@@ -352,4 +352,31 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
   return result;
 }
 
+Lists findRefusedPairs(const Points& positions, const Lists& over_surface) {
+  const Index n = over_surface.size();
+  Index longest = 0;
+  for (Index i = 0; i < n; ++i) longest = std::max(longest, over_surface.count(i));
+  const Lists in_space = nearestNeighbors(positions, longest);
+  const auto lists = [&](Index i, Index j) {
+    return std::find(over_surface.begin(i), over_surface.end(i), j) != over_surface.end(i);
+  };
+  std::vector<std::vector<Index>> refused(n);
+  for (Index i = 0; i < n; ++i) {
+    const Index* last = in_space.begin(i) + std::min(in_space.count(i), over_surface.count(i));
+    for (const Index* j = in_space.begin(i); j != last; ++j) {
+      if (lists(i, *j) || lists(*j, i)) continue;
+      refused[i].push_back(*j);
+      refused[*j].push_back(i);
+    }
+  }
+  Lists result;
+  for (std::vector<Index>& pairs : refused) {
+    std::sort(pairs.begin(), pairs.end());
+    pairs.erase(std::unique(pairs.begin(), pairs.end()), pairs.end());
+    result.items.insert(result.items.end(), pairs.begin(), pairs.end());
+    result.offsets.push_back(static_cast<Index>(result.items.size()));
+  }
+  return result;
+}
+
 }  // namespace deformable_surface::cloud

@@ -136,13 +136,25 @@ void DeformedSurface::analyseNormals() {
   }
 }
 
+// Of the inserted points, over the surface: an inserted point lies in the cell of the first of those between which it was inserted.
+Lists DeformedSurface::findFollowed() const {
+  std::vector<Index> owner = rest_.cells.owner;
+  for (const auto& [a, b] : resampler_->parents()) owner.push_back(owner[a]);
+  owner.erase(owner.begin(), owner.begin() + rest_.dense.positions.size());
+  return cloud::findChosenNear(rest_.cells, owner, resampler_->insertedRest(), params_.transfer.k);
+}
+
 void DeformedSurface::moveInserted(const Points& positions, bool with_normals) {
   inserted_now_.clear();
   inserted_normals_now_.clear();
   if (resampler_->insertedRest().empty()) return;
-  if (inserted_transfer_.numDense() != static_cast<Index>(resampler_->insertedRest().size()))
+  if (inserted_transfer_.numDense() != static_cast<Index>(resampler_->insertedRest().size())) {
+    const bool is_euclidean = params_.neighbors.areEuclidean();
+    const Lists followed = is_euclidean ? Lists{} : findFollowed();
     inserted_transfer_ = transfer::Transfer(resampler_->insertedRest(), resampler_->insertedNormals(), rest_.points,
-                                            std::vector<char>(rest_.points.size(), 1), params_.transfer);
+                                            std::vector<char>(rest_.points.size(), 1), params_.transfer,
+                                            is_euclidean ? nullptr : &followed);
+  }
   if (with_normals) {
     inserted_transfer_.apply(positions, inserted_now_, inserted_normals_now_);
   } else {

@@ -39,6 +39,7 @@ class DeformedSurface {
   void followPopulation(const model::State& state);
   void takeParticles(const model::State& state, bool with_normals);
   void analyseNormals();
+  Lists findFollowed() const;
   void moveInserted(const Points& positions, bool with_normals);
   void expand(bool with_normals);
   void appendInserted(bool with_normals);

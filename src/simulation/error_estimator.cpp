@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 
 namespace deformable_surface::simulation {
@@ -41,6 +42,19 @@ bool isDamping(IntegratorType type) {
   return type == IntegratorType::kImplicit || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
+// Over the surface: the usable ones among the coarser points near each point of the level.
+Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& usable, const RestSurface& level, Index k) {
+  std::vector<Index> owner;
+  for (Index i : level.dense_index) owner.push_back(cells.owner[i]);
+  const Lists near = cloud::findChosenNear(cells, owner, level.points, k);
+  Lists followed;
+  for (Index i = 0; i < near.size(); ++i) {
+    std::copy_if(near.begin(i), near.end(i), std::back_inserter(followed.items), [&](Index j) { return usable[j] != 0; });
+    followed.offsets.push_back(static_cast<Index>(followed.items.size()));
+  }
+  return followed;
+}
+
 }  // namespace
 
 ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level)
@@ -65,7 +79,10 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
     common_.push_back(exists ? static_cast<Index>(found - level.dense_index.begin()) : Index{-1});
     usable.push_back(exists ? 1 : 0);
   }
-  refine_ = transfer::Transfer(level.points, level.normals, surface.points, usable, params.transfer);
+  Lists followed;
+  if (!params.neighbors.areEuclidean()) followed = findFollowed(surface.cells, usable, level, params.transfer.k);
+  refine_ = transfer::Transfer(level.points, level.normals, surface.points, usable, params.transfer,
+                               params.neighbors.areEuclidean() ? nullptr : &followed);
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;

@@ -1,7 +1,6 @@
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include "deformable_surface/base/error.h"
-#include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
@@ -11,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -134,19 +134,18 @@ void take(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSu
   }
 }
 
-// Makes the simulation points and their rings; those that belong to no surface (far outliers, hairs) are dropped and ride along.
-// Returns their cells on the dense points, or none if neighbourhoods are Euclidean.
-cloud::GeodesicCells connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors,
-                             std::vector<Index> kept, RestSurface& s) {
-  cloud::GeodesicCells cells;
+// Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
+// ride along.
+void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
+             RestSurface& s) {
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
     take(dense, kept, s);
     // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
     const Index k = params.neighbors.k;
     const bool is_euclidean = params.neighbors.areEuclidean();
-    if (!is_euclidean) cells = cloud::findGeodesicCells(dense.positions, dense_neighbors, kept, k);
-    const Lists neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
+    if (!is_euclidean) s.cells = cloud::findGeodesicCells(dense.positions, dense_neighbors, kept, k);
+    const Lists neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : s.cells.neighbors;
     if (kept.size() < dense.positions.size()) {
       const Points fine = std::move(s.normals);
       s.normals = cloud::estimateNormals(s.points, neighbors);
@@ -166,7 +165,6 @@ cloud::GeodesicCells connect(const SceneParams& params, const cloud::CleanCloud&
                      count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
   const Index dropped = before - static_cast<Index>(kept.size());
   if (dropped > 0) s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
-  return cells;
 }
 
 double measureDenseArea(const RestSurface& s) {
@@ -238,7 +236,13 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
     if (!(spacing > 0.0))
       throw InputError("oriented_particles.spacing: found auto, but the " + count(m, "points span no surface; accepted: a number"));
   }
-  auto particles = std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles);
+  // What is near in space and apart over the surface at rest stays without forces.
+  Lists apart;
+  if (!params.neighbors.areEuclidean()) apart = cloud::findRefusedPairs(s.points, s.cells.neighbors);
+  if (!apart.items.empty())
+    s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2), "pairs of particles are apart over the surface: no forces act between them"));
+  auto particles = std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles,
+                                                              std::move(apart));
   s.creased.assign(m, 0);
   for (std::size_t c = 0; c < params.creases.size(); ++c) {
     bool holds_any = false;
@@ -293,20 +297,19 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     kept = s.order.keepCount(choose(s));
   }
   const bool is_euclidean = params.neighbors.areEuclidean();
-  cloud::GeodesicCells cells;
   if (params.model == ModelKind::kOrientedParticles) {
     std::sort(kept.begin(), kept.end());
     take(s.dense, kept, s);
-    if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, kept, params.neighbors.k);
+    if (!is_euclidean) s.cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, kept, 2 * params.neighbors.k);
     buildParticles(params, s);
   } else {
-    cells = connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
+    connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
     // The area of the full surface; where every point is simulated it is that of the rings.
     const bool is_all = static_cast<Index>(s.points.size()) == n;
     s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
     buildModel(params, s);
   }
-  const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(cells, s.dense.positions, params.transfer.k);
+  const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
   s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1),
                                   params.transfer, is_euclidean ? nullptr : &followed);
   if (s.transfer.numDegenerate() > 0)

@@ -403,6 +403,47 @@ TEST(GeodesicCells, PointsFollowTheirOwnSideOfANarrowGap) {
   EXPECT_EQ(across, 0);
 }
 
+TEST(GeodesicCells, PointsInsertedBetweenOthersFollowTheSideOfTheirCell) {
+  const Thinned thinned;
+  const Points& positions = thinned.bars.positions;
+  const GeodesicCells cells = findGeodesicCells(positions, thinned.neighbors, thinned.kept, 16);
+  Points middles;
+  for (Index i = 0; i < thinned.neighbors.size(); ++i)
+    middles.push_back(0.5 * (positions[i] + positions[thinned.neighbors.begin(i)[0]]));
+  const Lists followed = findChosenNear(cells, cells.owner, middles, 8);
+  const KdTree tree(cells.chosen);
+  std::vector<Neighbor> nearest;
+  Index across = 0, across_in_space = 0;
+  for (Index i = 0; i < followed.size(); ++i) {
+    const auto isAcross = [&](Index a) {
+      const Index j = thinned.kept[a];
+      return thinned.bars.is_asked[i] && thinned.bars.is_asked[j] && thinned.bars.part[i] != thinned.bars.part[j];
+    };
+    for (const Index* a = followed.begin(i); a != followed.end(i); ++a) across += isAcross(*a);
+    tree.nearest(middles[i], 8, nearest);
+    for (const Neighbor& other : nearest) across_in_space += isAcross(other.index);
+  }
+  EXPECT_EQ(across, 0);
+  EXPECT_GT(across_in_space, 100);
+}
+
+TEST(GeodesicCells, RefusedPairsAreThoseAcrossTheGap) {
+  const Thinned thinned;
+  const GeodesicCells cells = findGeodesicCells(thinned.bars.positions, thinned.neighbors, thinned.kept, 16);
+  const Lists refused = findRefusedPairs(cells.chosen, cells.neighbors);
+  Index across = 0, within = 0;
+  for (Index a = 0; a < refused.size(); ++a) {
+    for (const Index* b = refused.begin(a); b != refused.end(a); ++b) {
+      const Index i = thinned.kept[a], j = thinned.kept[*b];
+      EXPECT_TRUE(std::binary_search(refused.begin(*b), refused.end(*b), a)) << "not symmetric";
+      if (thinned.bars.is_asked[i] && thinned.bars.is_asked[j])
+        ++(thinned.bars.part[i] == thinned.bars.part[j] ? within : across);
+    }
+  }
+  EXPECT_GT(across, 100);
+  EXPECT_EQ(within, 0);
+}
+
 TEST(GeodesicCells, WithoutGapsTheNearestInSpaceAreFound) {
   const TestSurface sphere = makeSphere(3000);
   const Lists neighbors = nearestNeighbors(sphere.positions, kListed);

@@ -50,6 +50,29 @@ TEST(NeighborList, HoldsWhatComparingAllWithAllFindsInAscendingOrder) {
   expectAllPairs(clusters);
 }
 
+TEST(NeighborList, LeavesOutThoseThatAreApartAndWhatDescendsFromThem) {
+  // In a row, each near all others; the first and the third are apart.
+  Lists apart;
+  apart.items = {2, 0};
+  apart.offsets = {0, 1, 1, 2};
+  NeighborList lists(kRadius, kSkin, apart);
+  const Points row{Vec3(0.0, 0.0, 0.0), Vec3(0.01, 0.0, 0.0), Vec3(0.02, 0.0, 0.0), Vec3(0.03, 0.0, 0.0), Vec3(0.04, 0.0, 0.0)};
+  std::vector<model::ParticleTraits> traits(5);
+  for (Index i = 0; i < 3; ++i) traits[i].ancestor = i;
+  traits[3].ancestor = 2;  // born
+  traits[4].ancestor = 4;  // added later: of no first one
+  ASSERT_TRUE(lists.update(row, traits));
+  EXPECT_EQ(listOf(lists, 0), (std::vector<Index>{1, 4}));
+  EXPECT_EQ(listOf(lists, 1), (std::vector<Index>{0, 2, 3, 4}));
+  EXPECT_EQ(listOf(lists, 2), (std::vector<Index>{1, 3, 4}));
+  EXPECT_EQ(listOf(lists, 3), (std::vector<Index>{1, 2, 4}));
+  // The first one is gone: nothing else has moved, but others are apart.
+  traits[0].ancestor = 4;
+  lists.forget();
+  ASSERT_TRUE(lists.update(row, traits));
+  EXPECT_EQ(listOf(lists, 0), (std::vector<Index>{1, 2, 3, 4}));
+}
+
 TEST(NeighborList, ListsParticlesInOnePlace) { expectAllPairs(Points(500, Vec3(0.1, -0.2, 0.3))); }
 
 TEST(NeighborList, FindsPairsAcrossEveryBorderOfCells) {

@@ -19,8 +19,10 @@ struct GeodesicCells {
 /// cell leads to. O(n k log n).
 GeodesicCells findGeodesicCells(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen, Index k);
 
-/// The k chosen points nearest to every point (n) that are its cell's, neighbours of it, or theirs without a detour; points without
-/// a cell get the nearest in space. Nearest first. Parallel; O(n (log m + k)).
+/// The k chosen points nearest to every point (n) that are its cell's, neighbours of it, or theirs without a detour; points
+/// without a cell get the nearest in space. Nearest first. Parallel; O(n (log m + k)).
 Lists findChosenNear(const GeodesicCells& cells, const Points& positions, Index k);
+/// The same for any points (p x 3) of which owner (p) tells the cell, as cells.owner does.
+Lists findChosenNear(const GeodesicCells& cells, const std::vector<Index>& owner, const Points& positions, Index k);
 
 }  // namespace deformable_surface::cloud

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "deformable_surface/cloud/clean.h"
+#include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
@@ -23,6 +24,7 @@ struct RestSurface {
   cloud::Simplification order;     // of the dense points: every coarser set of simulation points is a prefix of it
   Points points, normals;          // (m x 3) simulation points
   std::vector<Index> dense_index;  // (m) the dense point that each simulation point is
+  cloud::GeodesicCells cells;      // of the simulation points on the dense ones; empty if neighbourhoods are Euclidean
   cloud::Rings rings;              // of the simulation points
   double area = 0.0;               // m^2, of the dense surface
   bool closed = false;             // the dense surface has no boundary

@@ -28,7 +28,7 @@ std::int64_t wrap(double quotient) {
 
 }  // namespace
 
-bool NeighborList::update(const Points& positions) {
+bool NeighborList::update(const Points& positions, const std::vector<ParticleTraits>& traits) {
   bool is_finite = true;
   const bool moved = hasMovedFar(positions, is_finite);
   if (!is_finite) return is_valid_ = false;
@@ -39,7 +39,7 @@ bool NeighborList::update(const Points& positions) {
   counts_.resize(n);
   blocks_.resize((n + kBlock - 1) / kBlock);
   sortIntoBins(positions);
-  is_valid_ = listNeighbors(positions);
+  is_valid_ = listNeighbors(positions, traits);
   rebuilt_at_ = positions;
   ++num_rebuilds_;
   return is_valid_;
@@ -96,9 +96,17 @@ void NeighborList::sortIntoBins(const Points& positions) {
   starts_[0] = 0;
 }
 
-bool NeighborList::listNeighbors(const Points& positions) {
+bool NeighborList::listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits) {
   const double reach = radius_ + skin_, most = reach * reach;
   const Index n = static_cast<Index>(positions.size());
+  // Those near i without those that are apart from it.
+  const auto removeApart = [&](Index i, Index* near, Index count) {
+    const Index first = traits[i].ancestor;
+    if (first >= apart_.size()) return count;
+    return static_cast<Index>(std::remove_if(near, near + count, [&](Index j) {
+                                return std::binary_search(apart_.begin(first), apart_.end(first), traits[j].ancestor);
+                              }) - near);
+  };
   const double overfull = parallelSum(n, kBlock, [&](Index first, Index last) {
     std::vector<Index>& list = blocks_[first / kBlock];
     list.clear();
@@ -136,6 +144,7 @@ bool NeighborList::listNeighbors(const Points& positions) {
             for (Index bin : {(middle - 1) & mask_, middle, (middle + 1) & mask_}) take(starts_[bin], starts_[bin + 1], row);
           }
         }
+      if (!apart_.items.empty()) count = removeApart(i, near, count);
       std::sort(near, near + count);
       begins_[i] = static_cast<Index>(list.size());
       counts_[i] = count;
@@ -148,7 +157,7 @@ bool NeighborList::listNeighbors(const Points& positions) {
 
 std::size_t NeighborList::bytes() const {
   std::size_t sum = rebuilt_at_.capacity() * sizeof(Vec3) + slots_.capacity() * sizeof(Slot);
-  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_}) sum += v->capacity() * sizeof(Index);
+  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_, &apart_.offsets, &apart_.items}) sum += v->capacity() * sizeof(Index);
   for (const std::vector<Index>& block : blocks_) sum += block.capacity() * sizeof(Index);
   return sum;
 }

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace deformable_surface::model {
 namespace {
@@ -36,14 +37,14 @@ Quaternion turnFromZ(const Vec3& normal) {
 double OrientedParticles::findSpacing(double area, Index n) { return std::sqrt(2.0 * area / (std::sqrt(3.0) * n)); }
 
 OrientedParticles::OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,
-                                     const OrientedParticlesParams& params)
+                                     const OrientedParticlesParams& params, Lists apart)
     : params_(params),
       lattice_(calibrateLattice(params.spacing.valueOr(spacing), material, params)),
       mass_(material.arealDensity() * lattice_.area_per_particle),
       normals_(normals),
       masses_(rest.size(), mass_),
       inertias_(rest.size(), lattice_.inertia_by_mass * mass_),
-      lists_(lattice_.pair.cutoff, kSkin * lattice_.pair.distance) {}
+      lists_(lattice_.pair.cutoff, kSkin * lattice_.pair.distance, std::move(apart)) {}
 
 void OrientedParticles::beginAtRest(State& state) {
   const std::size_t n = state.positions.size();
@@ -67,6 +68,7 @@ void OrientedParticles::beginAtRest(State& state) {
 }
 
 void OrientedParticles::adopt(const State& state) {
+  lists_.forget();
   masses_.assign(state.positions.size(), mass_);
   inertias_.assign(state.positions.size(), lattice_.inertia_by_mass * mass_);
 }
@@ -77,7 +79,7 @@ double OrientedParticles::coolDown(double temperature, double time) const {
 
 // Lists and copies for this state; false if forces cannot be told.
 bool OrientedParticles::prepare(const State& state) const {
-  if (!lists_.update(state.positions)) return false;
+  if (!lists_.update(state.positions, state.traits)) return false;
   const Index n = state.size();
   packed_.places.resize(4 * static_cast<std::size_t>(n));
   packed_.normals.resize(4 * static_cast<std::size_t>(n));

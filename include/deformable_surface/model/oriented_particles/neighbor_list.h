@@ -1,7 +1,10 @@
-// Which particles are near which, kept while nothing has moved far. It is a file of its own because it knows positions only.
+// Which particles are near which, kept while nothing has moved far. It is a file of its own because it knows positions and
+// descent only.
 #pragma once
 
-#include "deformable_surface/base/types.h"
+#include "deformable_surface/model/deformable_model.h"
+
+#include <utility>
 
 namespace deformable_surface::model {
 
@@ -13,13 +16,17 @@ class NeighborList {
   /// More than these are not listed: such a heap of particles is no surface.
   static constexpr Index kMostNeighbors = 1024;
 
-  /// radius, skin: m, > 0.
-  NeighborList(double radius, double skin) : radius_(radius), skin_(skin) {}
+  /// radius, skin: m, > 0. apart: of every first particle, by its id, those that are no neighbours of it however near they are,
+  /// ascending, and symmetric; empty: there are none. What descends from two that are apart is apart, too.
+  NeighborList(double radius, double skin, Lists apart = {}) : radius_(radius), skin_(skin), apart_(std::move(apart)) {}
 
-  /// Makes the lists hold every pair within the radius at these positions, and none beyond radius and skin at those of the last
+  /// Makes the lists hold every pair within the radius at these positions that is not apart, and none beyond radius and skin at those of the last
   /// rebuild. False if that cannot be: a position is not finite, or a particle has more than kMostNeighbors others; the lists are
   /// then not to be used. Parallel; allocates only where there is more to list than before. O(n).
-  bool update(const Points& positions);
+  /// traits: (n), read only if some particles are apart.
+  bool update(const Points& positions, const std::vector<ParticleTraits>& traits = {});
+  /// The next update makes the lists anew: the particles are others.
+  void forget() { is_valid_ = false; }
 
   /// The others near particle i, ascending.
   const Index* begin(Index i) const { return blocks_[i / kBlock].data() + begins_[i]; }
@@ -43,11 +50,12 @@ class NeighborList {
   Cell cellOf(const Vec3& p) const;
   Index findBin(std::uint64_t row, std::int64_t x) const;
   void sortIntoBins(const Points& positions);
-  bool listNeighbors(const Points& positions);
+  bool listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits);
 
   static constexpr Index kBlock = 1024;
 
   double radius_, skin_;
+  Lists apart_;
   double cell_ = 0.0;                       // m, edge of the cells
   Points rebuilt_at_;
   bool is_valid_ = false;
