@@ -46,6 +46,12 @@ template <int Sheets>
 test::Gapped makeSheets(double gap, double jitter, unsigned seed) {
   return test::makeStack(Sheets, gap, jitter, false, seed);
 }
+test::Gapped makeBarsWithHoles(double gap, double jitter, unsigned seed) {
+  return test::dropPoints(test::makeTwoBars(gap, jitter, 1, seed), 0.1, seed);
+}
+test::Gapped makeSheetsWithHoles(double gap, double jitter, unsigned seed) {
+  return test::dropPoints(test::makeStack(2, gap, jitter, false, seed), 0.1, seed);
+}
 test::Gapped makeBody(double gap, double jitter, unsigned seed) { return test::makeStack(2, gap, jitter, true, seed); }
 
 struct Kind {
@@ -56,7 +62,9 @@ struct Kind {
 };
 const Kind kKinds[] = {
     {"bars", makeBars<1>, true, false, false},         {"bars with normals", makeBars<1>, true, true, false},
+    {"bars, a tenth missing", makeBarsWithHoles, true, false, false},
     {"thick bars", makeBars<3>, true, false, false},   {"two sheets", makeSheets<2>, false, true, false},
+    {"two sheets, a tenth missing", makeSheetsWithHoles, false, true, false},
     {"four sheets", makeSheets<4>, false, true, false}, {"thin body", makeBody, false, true, true},
     {"fold", test::makeFold, false, true, false}};
 
@@ -67,7 +75,7 @@ void sweepGaps(Report& report) {
   const double gaps_of_bars[] = {1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.75, 2.0, 2.5};
   for (const Kind& kind : kKinds) {
     const auto sweep = [&](const auto& gaps) {
-      for (double jitter : {0.0, 0.2}) {
+      for (double jitter : {0.0, 0.1, 0.2, 0.3}) {
         for (double gap : gaps) {
           for (const Form& form : kForms) {
             // The exponent takes no normals.

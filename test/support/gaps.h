@@ -101,6 +101,16 @@ inline Gapped makeFold(double gap, double share, unsigned seed = 1) {
   return fold;
 }
 
+/// Without a share of the points, at random: a sampling with holes, whose density changes from spot to spot.
+inline Gapped dropPoints(const Gapped& cloud, double share, unsigned seed = 1) {
+  Gapped left;
+  std::mt19937 random(seed);
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
+    if (static_cast<double>(random()) >= share * 4294967296.0)
+      left.add(cloud.positions[i], cloud.normals[i], cloud.part[i], cloud.is_asked[i] != 0);
+  return left;
+}
+
 /// What is left of the coupling of neighbours, (sum of kernel times weight) / (sum of kernel), over pairs that are asked: within a
 /// part, and across. The kernel is Wendland's C2, as wide as the longest pair of a point: models couple near pairs more than far
 /// ones.
