@@ -149,6 +149,32 @@ Points makeLattice(const simulation::CloudParams& params, Jitter& jitter) {
   return points;
 }
 
+/// Filled, with as equal spacings as whole numbers of points allow; points on a face move within it, on an edge along it.
+Points makeBar(const simulation::CloudParams& params, Jitter& jitter) {
+  const Vec3 size(params.size.x(), params.size.y(), params.height);
+  const auto countAt = [&](double h) { return Vec3(size / h + Vec3::Ones()); };
+  const double spacing = findSpacing(params.points, 1e-6 * size.minCoeff(), size.sum(), [&](double h) { return countAt(h).prod(); });
+  std::vector<double> ticks[3];
+  for (int axis = 0; axis < 3; ++axis) {
+    const Index count = std::max(Index{2}, static_cast<Index>(std::lround(countAt(spacing)[axis])));
+    const double from = axis == 0 ? 0.0 : -0.5 * size[axis];
+    ticks[axis] = makeTicks(from, from + size[axis], count);
+  }
+  Points points;
+  for (const double x : ticks[0])
+    for (const double y : ticks[1])
+      for (const double z : ticks[2]) {
+        Vec3 p(x, y, z);
+        for (int axis = 0; axis < 3; ++axis) {
+          const double shift = jitter.draw(ticks[axis][1] - ticks[axis][0]);
+          const bool is_end = p[axis] == ticks[axis].front() || p[axis] == ticks[axis].back();
+          if (!is_end) p[axis] += shift;
+        }
+        points.push_back(p);
+      }
+  return points;
+}
+
 Points makeChain(const simulation::CloudParams& params, Jitter& jitter) {
   const double length = params.size.x();
   Points points;
@@ -213,7 +239,7 @@ cloud::PointCloud makeShape(const simulation::CloudParams& params) {
   cloud::PointCloud cloud;
   switch (params.shape) {
     case Shape::kNone:
-      throw InputError("cloud.shape: found none; accepted: sheet, strip, lattice, chain, sine, sphere, cap, two_bars");
+      throw InputError("cloud.shape: found none; accepted: sheet, strip, lattice, chain, sine, sphere, cap, two_bars, bar");
     case Shape::kSheet:
       cloud.positions = makeSheet(params, -0.5 * params.size.x(), jitter);
       break;
@@ -234,6 +260,9 @@ cloud::PointCloud makeShape(const simulation::CloudParams& params) {
       break;
     case Shape::kSphere:
       cloud.positions = makeSphere(params, jitter);
+      break;
+    case Shape::kBar:
+      cloud.positions = makeBar(params, jitter);
       break;
     case Shape::kTwoBars:
       cloud.positions = makeTwoBars(params, jitter);

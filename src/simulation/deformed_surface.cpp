@@ -22,7 +22,7 @@ DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointClou
       input_(input),
       params_(params),
       first_input_(rest.dense.positions.size(), -1),
-      is_direct_(rest.particles && rest.points.size() == rest.dense.positions.size()) {
+      is_direct_((rest.particles || rest.solid) && rest.points.size() == rest.dense.positions.size()) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
 }
@@ -64,14 +64,16 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   if (rest_.particles) followPopulation(state);
   const transfer::Transfer& transfer = survivors_ ? *survivors_ : rest_.transfer;
   const Points& positions = !rest_.particles ? state.positions : first_positions_;
-  if (is_direct_) {
+  if (rest_.solid) {
+    moveSolid(state, with_normals);
+  } else if (is_direct_) {
     takeParticles(state, with_normals);
   } else if (with_normals) {
     transfer.apply(positions, dense_now_, dense_normals_now_);
   } else {
     transfer.apply(positions, dense_now_);
   }
-  if (with_normals && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
+  if (with_normals && !rest_.solid && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
   if (resampler_) moveInserted(positions, with_normals);
   expand(with_normals);
   if (resampler_) appendInserted(with_normals);
@@ -125,6 +127,15 @@ void DeformedSurface::takeParticles(const model::State& state, bool with_normals
   for (std::size_t id = 0; id < dense_now_.size(); ++id)
     if (point_of_id_[id] != kGone)
       dense_normals_now_[id] = (state.orientations[point_of_id_[id]] * Vec3::UnitZ()).cast<float>();
+}
+
+void DeformedSurface::moveSolid(const model::State& state, bool with_normals) {
+  if (!is_direct_) {
+    rest_.solid_transfer.apply(state.positions, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
+    return;
+  }
+  dense_now_ = state.positions;
+  if (with_normals) rest_.solid->turnNormals(state, rest_.dense.normals, dense_normals_now_);
 }
 
 // Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.

@@ -37,6 +37,7 @@ class DeformedSurface {
 
  private:
   void followPopulation(const model::State& state);
+  void moveSolid(const model::State& state, bool with_normals);
   void takeParticles(const model::State& state, bool with_normals);
   void analyseNormals();
   Lists findFollowed() const;

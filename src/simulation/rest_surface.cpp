@@ -12,19 +12,15 @@
 #include <numeric>
 #include <utility>
 
+#include "rest_parts.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few per cent of real time on one core
-constexpr Index kPinPoints = 3;      // that hold a pinned region: fewer would let it turn
 constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
 
-constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
-constexpr Index kGapShare = 1000;    // fewer points at gaps than this part of all are holes of the sampling
-
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
-
-std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
 
 // The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
 // what the neighbours in space show.
@@ -39,10 +35,7 @@ void findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
   const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesicness);
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
   s.dense_neighbors = std::move(found.lists);
-  if (found.margin < kClearMargin && found.num_at_gaps > s.dense_neighbors.size() / kGapShare)
-    s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
-                      "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +
-                      " times as wide as what counts as surface");
+  noteGaps(found, s);
 }
 
 // Normals of the dense points: those given, estimated where none is given, all on one consistent side. Returns the corners.
@@ -75,36 +68,6 @@ std::vector<char> completeCurveNormals(RestSurface& s) {
     s.dense.normals.push_back(normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ());
   }
   return std::vector<char>(x.size(), 0);
-}
-
-// Points that no simplification may take: of every pinned region three that are far from each other.
-std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense) {
-  std::vector<Index> chosen;
-  for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    std::vector<Index> inside;
-    for (Index i = 0; i < static_cast<Index>(dense.size()); ++i)
-      if (params.pins[p].region.contains(dense[i])) inside.push_back(i);
-    if (inside.empty())
-      throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
-                       count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
-    // Farthest point sampling, first from the middle.
-    Vec3 middle = Vec3::Zero();
-    for (Index i : inside) middle += dense[i] / static_cast<double>(inside.size());
-    std::vector<double> distance(inside.size());
-    for (std::size_t k = 0; k < inside.size(); ++k) distance[k] = (dense[inside[k]] - middle).squaredNorm();
-    for (Index c = 0; c < kPinPoints && c < static_cast<Index>(inside.size()); ++c) {
-      const std::size_t far = std::max_element(distance.begin(), distance.end()) - distance.begin();
-      const Index point = inside[far];
-      chosen.push_back(point);
-      for (std::size_t k = 0; k < inside.size(); ++k) {
-        const double to_point = (dense[inside[k]] - dense[point]).squaredNorm();
-        distance[k] = c == 0 ? to_point : std::min(distance[k], to_point);
-      }
-    }
-  }
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
-  return chosen;
 }
 
 // Records the order of removal as far as it is needed and returns the simulation points.
@@ -193,8 +156,6 @@ double findLatticeSpacing(Index k, const RestSurface& s) {
   return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
 }
 
-void applyPins(const SceneParams& params, RestSurface& s);
-
 // What will make particles move or come apart from the beginning.
 void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   constexpr double kFar = 1.3;         // of the spacing, either way: bonds of that length are broken or crushed
@@ -257,35 +218,16 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   applyPins(params, s);
 }
 
-void applyPins(const SceneParams& params, RestSurface& s) {
-  s.pinned.assign(s.points.size(), 0);
-  s.pinned_turns.assign(s.points.size(), 0);
-  for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    bool holds_any = false;
-    for (std::size_t i = 0; i < s.points.size(); ++i) {
-      if (!params.pins[p].region.contains(s.points[i])) continue;
-      s.pinned[i] = 1;
-      if (params.pins[p].orientation) s.pinned_turns[i] = 1;
-      holds_any = true;
-    }
-    if (!holds_any)
-      throw InputError("pins[" + std::to_string(p) + "]: the points it holds belong to no surface (they are too far from all others); "
-                       "accepted: a shape that holds a point of the surface");
-  }
-  s.model->setHeld(s.pinned);
-}
-
 }  // namespace
 
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                              const std::function<Index(const RestSurface&)>& choose) {
-  RestSurface s;
-  s.dense = cloud::clean(input);
+  RestSurface s = cleanInput(input);
+  if (params.model == ModelKind::kElasticSolid) {
+    buildRestSolid(params, input, s);
+    return s;
+  }
   const Index n = static_cast<Index>(s.dense.positions.size());
-  if (n < 3)
-    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
-  if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
-  if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
 
   findNeighbors(params.neighbors, s);
   const bool is_curve = params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;

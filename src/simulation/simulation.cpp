@@ -9,7 +9,7 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   RestSurface rest = buildChosen(params, input, choice);
   impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest));
   impl_->choice = std::move(choice);
-  if (!params.accuracy.estimate || impl_->rest.particles) return;
+  if (!params.accuracy.estimate || impl_->rest.particles || impl_->rest.solid) return;
   try {
     estimateError(impl_->rest);
   } catch (const InputError& problem) {

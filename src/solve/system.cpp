@@ -25,6 +25,7 @@ void System::computeForcesOnAll(double time, const State& state, Points& forces)
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(state, forces);
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+  model_.confine(forces);
 }
 
 void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
@@ -48,6 +49,7 @@ void System::computeSlowForces(const State& state, Points& forces) const {
 
 void System::addLoads(double time, const State& state, Points& forces) const {
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+  model_.confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i]) forces[i].setZero();
 }
@@ -59,6 +61,7 @@ void System::computeConservativeForces(double time, const State& state, Points& 
   model_.addForces(at_rest_, forces);
   for (const ExternalLoad* load : loads_)
     if (load->isConservative()) load->addForces(time, at_rest_, forces);
+  model_.confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i]) forces[i].setZero();
 }
@@ -102,6 +105,7 @@ void System::computeSteadyLoads(double time, const State& state, Points& forces)
     load->addForces(time, state, forces);
     load->addRowBounds(time, state, row_stiffness_, row_damping_);
   }
+  model_.confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i] || row_stiffness_[i] > 0.0) forces[i].setZero();
 }

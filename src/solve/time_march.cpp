@@ -73,8 +73,8 @@ void TimeMarch::restart() {
 std::string TimeMarch::chooseIntegrator() {
   IntegratorType wanted = params_.type;
   std::string notice;
-  if (wanted == IntegratorType::kAuto && system_.isOriented()) {
-    wanted = IntegratorType::kVerlet;  // there is no implicit method for bonds that come and go
+  if (wanted == IntegratorType::kAuto && !system_.hasStiffness()) {
+    wanted = IntegratorType::kVerlet;  // there is no implicit method
   } else if (wanted == IntegratorType::kAuto) {
     const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
     wanted = substeps <= params_.max_substeps ? IntegratorType::kVerlet : IntegratorType::kImplicit;
@@ -147,7 +147,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   }
   SolveReport total;
   double done = 0.0;
-  const bool may_be_implicit = params_.type == IntegratorType::kAuto && !system_.isOriented();
+  const bool may_be_implicit = params_.type == IntegratorType::kAuto && system_.hasStiffness();
   for (;;) {
     const Index left = countSubsteps(part - done, share * memory_.max_substep);
     // The surface has become too stiff within the step: the whole of it is to be taken implicitly.
@@ -277,7 +277,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     sound = isSound(time, report, state);
     retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
   }
-  const bool may_change = params_.type == IntegratorType::kAuto && !system_.isOriented() && memory_.type == IntegratorType::kVerlet;
+  const bool may_change = params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
   for (Index parts = 1; !sound && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
     retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
     goBack(time, state);

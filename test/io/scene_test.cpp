@@ -121,7 +121,7 @@ TEST(ReadScene, AcceptsWhatItPrints) {
 
 TEST(ReadScene, NeedsAModelAndNothingElse) {
   ASSERT_EQ(problemsOf("duration: 1").size(), 1u);
-  EXPECT_EQ(problemsOf("duration: 1")[0], "model: missing; accepted: mass_spring, oriented_particles");
+  EXPECT_EQ(problemsOf("duration: 1")[0], "model: missing; accepted: mass_spring, oriented_particles, elastic_solid");
   EXPECT_EQ(problemOf(""), "accepted");
 }
 
@@ -208,12 +208,10 @@ TEST(ReadScene, RefusesWrongKinds) {
 }
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
-  for (const char* text : {"elastic_solid: {fill: true}",
-                           "neighbors: {radius: 0.1}", "input: {policy: track}"}) {
+  for (const char* text : {"neighbors: {radius: 0.1}", "input: {policy: track}"}) {
     EXPECT_TRUE(contains(problemOf(text), "not built yet; accepted: ")) << text << ": " << problemOf(text);
   }
-  EXPECT_TRUE(contains(problemsOf("model: elastic_solid")[0], "not built yet; accepted: mass_spring, oriented_particles"));
-  EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "no orientation"));
+  EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "only oriented_particles"));
 }
 
 TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {
@@ -250,7 +248,7 @@ TEST(ReadScene, HoldsRulesAmongFields) {
   const std::vector<std::string> anisotropic = problemsOf(bent + ", weighting: anisotropic}");
   ASSERT_EQ(anisotropic.size(), 1u);
   EXPECT_TRUE(contains(anisotropic[0], "which remember no shape; accepted: 0"));
-  EXPECT_TRUE(contains(problemOf("creases: [{sphere: {center: [0, 0, 0], radius: 1}}]"), "mass_spring has no orientation"));
+  EXPECT_TRUE(contains(problemOf("creases: [{sphere: {center: [0, 0, 0], radius: 1}}]"), "only oriented_particles have an orientation"));
   EXPECT_EQ(problemOf("pins: [{}]"), "pins[0]: found neither of box and sphere; accepted: one");
   EXPECT_EQ(problemOf("pins: [{box: {min: [0, 0, 0], max: [0, 0, 0]}, sphere: {center: [0, 0, 0], radius: 1}}]"),
             "pins[0]: found both of box and sphere; accepted: one");

@@ -111,6 +111,23 @@ class DeformableModel {
   /// Size of the terms of which elasticEnergy() is the small difference, J: what its rounding is in proportion to. 0: it is no difference.
   virtual double energyScale() const { return 0.0; }
 
+  /// Takes from forces (n x 3) on the points what these cannot follow, as they stay in a plane.
+  virtual void confine(Points& /*forces*/) const {}
+
+  /// False: the stiffness is not known, and there is no implicit method.
+  virtual bool hasStiffness() const { return true; }
+  /// True: the stiffness is known by its products alone, which linearize() prepares; addStiffness() adds nothing.
+  virtual bool isMatrixFree() const { return false; }
+  virtual void linearize(const State& /*state*/) const {}
+  /// Adds the stiffness at the state of linearize(), exact, times a motion (n x 3) of the points, N.
+  virtual void addStiffnessProduct(const Points& /*motion*/, Points& /*product*/) const {}
+  /// Of a matrix-free model: springs, the same in all directions, whose stiffness is much like the model's: a solver conditions with them.
+  struct Coupling {
+    Index i, j;
+    double stiffness;  // N/m
+  };
+  virtual std::vector<Coupling> listCouplings() const { return {}; }
+
   /// Adds the Hessian of the elastic energy, N/m. step: the time over which a solver differentiates velocities; the viscous
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
   virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;
@@ -137,6 +154,9 @@ class DeformableModel {
 
   /// Strain of each point for display: the largest |l / l0 - 1| of its links. (n), overwritten.
   virtual void computePointStrain(const State& state, std::vector<double>& strain) const = 0;
+
+  /// Equivalent stress of von Mises of each point, Pa: (n), overwritten. False, and nothing done, of models that know no stress.
+  virtual bool computePointStress(const State& /*state*/, std::vector<double>& /*stress*/) const { return false; }
 
   /// The links (springs, edges) of the two kinds, for display and counting.
   virtual const std::vector<std::pair<Index, Index>>& stretchLinks() const = 0;

@@ -5,8 +5,10 @@
 #include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/scene_params.h"
+#include "deformable_surface/transfer/solid_transfer.h"
 #include "deformable_surface/transfer/transfer.h"
 
 #include <functional>
@@ -30,7 +32,9 @@ struct RestSurface {
   bool closed = false;             // the dense surface has no boundary
   std::unique_ptr<model::DeformableModel> model;
   model::OrientedParticles* particles = nullptr;  // the model, if it is this one
+  const model::ElasticSolid* solid = nullptr;     // the same
   transfer::Transfer transfer;
+  transfer::SolidTransfer solid_transfer;  // in its place, of a solid; empty where every point is simulated
   std::vector<char> pinned;        // (m) by the scene's pins
   std::vector<char> pinned_turns;  // (m) those whose orientation is held too
   std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another

@@ -6,6 +6,7 @@
 #include "deformable_surface/cloud/neighbors_params.h"
 #include "deformable_surface/cloud/simplification_params.h"
 #include "deformable_surface/geometry/region.h"
+#include "deformable_surface/model/elastic_solid/elastic_solid_params.h"
 #include "deformable_surface/model/mass_spring/mass_spring_params.h"
 #include "deformable_surface/model/material_params.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
@@ -23,22 +24,23 @@
 
 namespace deformable_surface::simulation {
 
-enum class ModelKind { kMassSpring, kOrientedParticles };
+enum class ModelKind { kMassSpring, kOrientedParticles, kElasticSolid };
 
 /// Which tools a model knows.
 inline bool hasToolMode(ModelKind model, tool::Mode mode) {
   return model == ModelKind::kOrientedParticles || mode == tool::Mode::kSolid || mode == tool::Mode::kAttract ||
          mode == tool::Mode::kMove;
 }
-constexpr char kToolModes[] = "found one that is not built for mass_spring; accepted: solid, attract, move";
+constexpr char kToolModes[] = "found one that is not built for this model; accepted: solid, attract, move";
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
-  enum class Shape { kNone, kSheet, kStrip, kLattice, kChain, kSine, kSphere, kCap, kTwoBars };
+  enum class Shape { kNone, kSheet, kStrip, kLattice, kChain, kSine, kSphere, kCap, kTwoBars, kBar };
   std::string file;            // path or package://deformable_surface/...; .pcd .ply .xyz
   Shape shape = Shape::kNone;  // a generated one instead of a file
   Index points = 4096;         // >= 4
   Vec2 size{1.0, 1.0};         // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
+  double height = 0.1;         // m, bar: along z
   double radius = 0.5;         // m, sphere and cap
   double angle = 1.0;          // rad, cap: from its lowest point to its rim
   double amplitude = 0.1;      // m, sine
@@ -115,6 +117,7 @@ struct SceneParams {
   cloud::SimplificationParams simplification;
   model::MassSpringParams mass_spring;
   model::OrientedParticlesParams oriented_particles;
+  model::ElasticSolidParams elastic_solid;
   transfer::TransferParams transfer;
   solve::IntegratorParams integrator;
   AccuracyParams accuracy;
@@ -166,13 +169,15 @@ inline void visit(Fields& fields, CloudParams& p) {
                  {"sine", Shape::kSine},
                  {"sphere", Shape::kSphere},
                  {"cap", Shape::kCap},
-                 {"two_bars", Shape::kTwoBars}},
+                 {"two_bars", Shape::kTwoBars},
+                 {"bar", Shape::kBar}},
                 "a generated cloud instead of a file");
   fields.require(p.file.empty() || p.shape == Shape::kNone, "shape", "found beside a file; accepted: one of the two");
   fields.integer("points", p.points, "", between(4, kMaxPoints), "shapes: how many points, about; the count made is printed");
   fields.vector("size", p.size, "m", between(1e-6, kMaxLength),
                 "sheet, sine and lattice (the hexagonal one): extent in x and y; strip: length and width; chain: length along x; two_bars: "
-                "length and the height of one bar");
+                "length and the height of one bar; bar (filled with points): extent in x, from 0 on, and in y");
+  fields.number("height", p.height, "m", between(1e-6, kMaxLength), "bar: extent in z");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength), "sphere and cap: radius");
   fields.number("angle", p.angle, "rad", between(1e-3, 3.1), "cap: the lower part of a sphere, from its lowest point to its rim");
   fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength), "sine: height of the crests; one of them runs along x = 0");
@@ -267,8 +272,10 @@ inline void visit(Fields& fields, InputParams& p) {
 
 inline void visit(Fields& fields, SceneParams& p) {
   fields.required().choice("model", p.model,
-                           {{"mass_spring", ModelKind::kMassSpring}, {"oriented_particles", ModelKind::kOrientedParticles}},
-                           "what the surface is made of", {"elastic_solid"});
+                           {{"mass_spring", ModelKind::kMassSpring},
+                            {"oriented_particles", ModelKind::kOrientedParticles},
+                            {"elastic_solid", ModelKind::kElasticSolid}},
+                           "what the surface is made of, or the body");
   fields.text("frame_id", p.frame_id, "frame of the outputs; empty = the cloud's frame");
   fields.section("cloud", p.cloud, "Where `simulate` takes its cloud from; the node takes `~cloud_in`.");
   fields.section("material", p.material, "What the surface is made of, in the units of the laboratory.");
@@ -288,16 +295,21 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with oriented_particles, which have no springs; accepted: 0");
   fields.section("oriented_particles", p.oriented_particles, "Choices within the model of oriented particles (docs/oriented_particles.md).");
-  fields.notBuilt("elastic_solid", "elastic solids");
+  fields.section("elastic_solid", p.elastic_solid, "Choices within the model of elastic solids (docs/elastic_solid.md).");
+  const bool is_solid = p.model == ModelKind::kElasticSolid;
+  fields.require(!is_solid || p.material.spring_damping == 0.0, "material.spring_damping",
+                 "found one, but elastic_solid has no springs; accepted: 0");
   fields.section("integrator", p.integrator, "How time is stepped.");
   const bool has_method = p.integrator.type == solve::IntegratorType::kAuto || p.integrator.type == solve::IntegratorType::kVerlet ||
                           p.integrator.type == solve::IntegratorType::kStatic;
-  fields.require(p.model == ModelKind::kMassSpring || has_method, "integrator.type",
+  fields.require(p.model != ModelKind::kOrientedParticles || has_method, "integrator.type",
                  "found one that oriented_particles has not; accepted: auto, verlet, static");
   fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
   fields.section("activity", p.activity, "Leaves out of the steps what is at rest (docs/activity.md).");
   fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
-                 "found a wish, but oriented_particles has no error estimate; accepted: 0");
+                 "found a wish, but only mass_spring has an error estimate; accepted: 0");
+  fields.require(!is_solid || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
+                 "found a wish, which is not built for elastic_solid; accepted: 0");
   const cloud::SimplificationParams& how = p.simplification;
   const bool is_number_free =
       how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && how.threshold.is_auto;
@@ -308,13 +320,15 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.text("gravity_frame", p.gravity_frame, "empty = frame_id; else looked up in tf by the node");
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");
   fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "on the current area along the outward normal");
+  fields.require(!is_solid || p.viscous_drag == 0.0, "viscous_drag", "found one, but the points of elastic_solid have no sides; accepted: 0");
+  fields.require(!is_solid || p.pressure == 0.0, "pressure", "found one, but the points of elastic_solid have no sides; accepted: 0");
   fields.list("pins", p.pins, "Each fixes the simulation points whose rest position lies in a closed box or sphere.");
   for (std::size_t i = 0; i < p.pins.size(); ++i)
     fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles, "pins[" + std::to_string(i) + "].orientation",
-                   "found true, but mass_spring has no orientation; accepted: false");
+                   "found true, but only oriented_particles have an orientation; accepted: false");
   fields.list("creases", p.creases, "Particles that lie in one of these at rest keep their spacing but no smoothness.");
   fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
-                 "found some, but mass_spring has no orientation; accepted: none");
+                 "found some, but only oriented_particles have an orientation; accepted: none");
   fields.list("anchors", p.anchors, "World springs.");
   fields.list("forces", p.forces, "Named forces on the surface near a point.");
   std::set<std::string> ids;
@@ -337,6 +351,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");
   fields.section("output", p.output, "What is computed and published.");
+  fields.require(!is_solid || !p.output.resample, "output.resample", "found true, but points are inserted in surfaces only; accepted: false");
   fields.section("input", p.input, "What clouds are taken.");
   fields.text("save_directory", p.save_directory, "where `~save` writes; empty = `~save` is off");
   fields.flag("diagnostics", p.diagnostics, "publish `/diagnostics`");

@@ -1,6 +1,7 @@
 // The largest step with which an explicit integrator is stable: from the highest frequency of the system, measured instead of bounded.
 #pragma once
 
+#include "deformable_surface/base/lanczos.h"
 #include "deformable_surface/solve/system.h"
 
 namespace deformable_surface::solve {
@@ -15,11 +16,10 @@ class StableStep {
   double estimate(double time, const State& state, const System& system);
 
  private:
-  double largestEigenvalue();
-
   BlockSparse stiffness_;
   Points rank_one_;
-  Eigen::VectorXd scale_, v_, w_, previous_, product_;  // (3 n)
+  Lanczos lanczos_;
+  Eigen::VectorXd scale_, scaled_;  // (3 n)
 };
 
 }  // namespace deformable_surface::solve

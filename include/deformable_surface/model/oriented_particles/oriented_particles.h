@@ -40,6 +40,7 @@ class OrientedParticles : public DeformableModel {
   double energyScale() const override { return std::abs(lattice_.energy_per_particle) * static_cast<double>(masses_.size()); }
 
   /// Adds nothing: bonds come and go with the distance, so that no implicit method is offered for this model.
+  bool hasStiffness() const override { return false; }
   void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   /// The normal times the area per particle of the flat lattice.

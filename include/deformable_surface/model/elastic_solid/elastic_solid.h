@@ -1,0 +1,81 @@
+// Elastic bodies without a mesh: the points themselves carry strain, fitted to their neighbours.
+#pragma once
+
+#include "deformable_surface/base/padded_points.h"
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/elastic_solid/elastic_solid_params.h"
+#include "deformable_surface/model/elastic_solid/solid_passes.h"
+#include "deformable_surface/model/material_params.h"
+
+namespace deformable_surface::model {
+
+/// Total Lagrangian meshfree elasticity with moving-least-squares gradients [Mueller et al. 2004; Ganzenmueller 2015]:
+///   E = sum_i V_i psi(F_i) + s/2 sum_i sum_j w'_ij |x_j - x_i - F'_i (X_j - X_i)|^2,
+/// F_i by gradients that keep Gauss's theorem (ConsistentGradients), psi by Young's modulus, Poisson's ratio and law. The
+/// second sum is what the first does not show: motions from point to point would else be free. F'_i is the fit of the nearest
+/// points with the same weights, for which the sum is least, so that its forces need no derivative of F'_i; it is zero for
+/// every affine motion. Rigid motions and uniform strains are exact.
+class ElasticSolid : public DeformableModel {
+ public:
+  /// rest: (n x 3) m; neighbors: lists of some thirty (planar: sixteen), nearest first; detours: weight of each listed pair, or
+  /// empty. across: unit normal of the plane that the points lie in, or zero for a body in space.
+  ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
+               const MaterialParams& material, const ElasticSolidParams& params);
+
+  const std::vector<double>& masses() const override { return masses_; }
+  /// A planar solid takes nothing across its plane.
+  void confine(Points& forces) const override;
+  bool forcesReadVelocities() const override { return false; }
+  void addForces(const State& state, Points& forces) const override;
+  double elasticEnergy(const State& state) const override;
+  /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): it does not depend on the
+  /// state.
+  double findStableStep(const State&) const override { return stable_step_; }
+  bool hasStiffness() const override { return false; }
+  void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
+  void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+
+  /// A body has no sides to which pressure or drag could be applied: area vectors are zero, no volume is enclosed.
+  void computeAreaVectors(const State& state, Points& area_vectors) const override;
+  bool isClosed() const override { return false; }
+  double enclosedVolume(const State&) const override { return 0.0; }
+  void computeVolumeGradient(const State& state, Points& gradient) const override;
+
+  /// The largest |principal stretch - 1| of any F.
+  double maxStretch(const State& state) const override;
+  void computePointStrain(const State& state, std::vector<double>& strain) const override;
+  /// Of the Cauchy stress P F^T / det F, by the linear law of P.
+  bool computePointStress(const State& state, std::vector<double>& stress) const override;
+  /// Of points that are among each other's nearest: for display.
+  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
+  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
+  const std::vector<WeightedTriangle>& triangles() const override { return no_triangles_; }
+
+  /// Normals (n x 3, unit or zero) at rest -> at the state: by the cofactors of F.
+  void turnNormals(const State& state, const Points& normals, std::vector<Eigen::Vector3f>& turned) const;
+
+  const std::vector<double>& volumes() const { return passes_.rest.volumes; }
+  bool isPlanar() const { return !passes_.rest.across.isZero(0.0); }
+  const Vec3& across() const { return passes_.rest.across; }
+  /// Points whose neighbours span less than the body does: missing directions have no strain there.
+  Index numDeficient() const { return num_deficient_; }
+
+ private:
+  void findRowBounds();
+  void findStableStep();
+  void addPassForces(StressLaw law, const double* positions, Points& forces) const;
+
+  StressLaw law_;
+  bool is_plate_;  // no stress across the plane
+  mutable SolidPasses passes_;  // with scratch of its own
+  std::vector<double> masses_, row_bounds_;
+  double stable_step_ = 0.0;
+  Index num_deficient_ = 0;
+  std::vector<std::pair<Index, Index>> links_, no_links_;
+  std::vector<WeightedTriangle> no_triangles_;
+  // Scratch.
+  mutable PaddedPoints positions_;
+  mutable std::vector<double> strain_;
+};
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,38 @@
+// The choices within the model of elastic solids.
+#pragma once
+
+#include "deformable_surface/base/params.h"
+
+namespace deformable_surface::model {
+
+/// What a cloud fills: a part of a plane, or of space. auto: what it looks like.
+enum class SolidDimension { kAuto, kPlanar, kVolume };
+
+/// What holds across a planar solid: no stress (a thin plate) or no strain (a slice of a long body).
+enum class PlaneKind { kStress, kStrain };
+
+/// corotated: strain is measured against the local rotation. linear: small strain [as published], which takes a rotation for one.
+enum class SolidLaw { kCorotated, kLinear };
+
+struct ElasticSolidParams {
+  SolidDimension dimension = SolidDimension::kAuto;
+  PlaneKind plane = PlaneKind::kStress;
+  SolidLaw law = SolidLaw::kCorotated;
+  double stabilization = 0.05;  // >= 0: stiffness, over Young's modulus, against motions that no fitted gradient shows
+};
+
+inline void visit(Fields& fields, ElasticSolidParams& p) {
+  fields.choice("dimension", p.dimension,
+                {{"auto", SolidDimension::kAuto}, {"planar", SolidDimension::kPlanar}, {"volume", SolidDimension::kVolume}},
+                "what the cloud fills; `auto` = a part of a plane if it lies in one, else of space. A planar solid moves in its own "
+                "plane only");
+  fields.choice("plane", p.plane, {{"stress", PlaneKind::kStress}, {"strain", PlaneKind::kStrain}},
+                "of a planar solid: without `stress` across it, as a plate of the material's thickness, or without `strain`");
+  fields.choice("law", p.law, {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}},
+                "`linear` strain, as published, takes a rotation for strain: half a per cent at 6 degrees, 13 at 30");
+  fields.number("stabilization", p.stabilization, "", between(0.0, 10.0),
+                "stiffness, over Young's modulus, against motions from point to point that the fitted strain does not show; 0 leaves "
+                "them free");
+}
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,66 @@
+// The loops over points and pairs of an elastic solid, four points side by side: those in which a simulation spends its time.
+#pragma once
+
+#include "deformable_surface/model/elastic_solid/fitted_gradients.h"
+
+namespace deformable_surface::model {
+
+/// What a point's stress is made of. The laws have P for the first Piola-Kirchhoff stress and psi for the energy density:
+///   kCorotated   psi = mu |F - R|^2 + lambda/2 tr^2(R^T F - I),  P = 2 mu (F - R) + lambda tr(R^T F - I) R,
+///   kLinear      psi = mu |e|^2 + lambda/2 tr^2(e), e = (F + F^T)/2 - I,  P = 2 mu e + lambda tr(e) I,
+///   kBound       P = 2 mu F + lambda tr(F) I, linear in F: of motions instead of places, at least as stiff as the others are
+/// while
+///                lambda tr(R^T F - I) <= 2 mu.
+/// R is the rotation nearest to F (a proper one, also where F turns the body inside out).
+enum class StressLaw { kCorotated, kLinear, kBound };
+
+/// What an elastic solid is, fixed at rest.
+struct SolidRest {
+  PairFit fit;                    // whose corrected gradients strain is measured by
+  ConsistentGradients gradients;
+  PairFit near;                   // the fit that motions from point to point are compared with
+  std::vector<double> volumes;    // (n) m^3
+  double mu = 0.0, lambda = 0.0;  // Lame's, Pa
+  double stabilization = 0.0;     // s, Pa m^3
+  Vec3 across = Vec3::Zero();     // the normal of a planar solid
+};
+
+class SolidPasses {
+ public:
+  explicit SolidPasses(SolidRest given);
+
+  const SolidRest rest;
+  Index size() const { return rest.fit.size(); }
+
+  /// First pass: of each point in [begin, end), begin a multiple of four, what it spreads: Q_i = V_i P_i and N_i = -s F'_i, and
+  /// the force on itself, Q_i sum_j g_ij + N_i sum_j m'_ij + 2 s sum_j w'_ij (x_j - x_i); with a dash what belongs to `near`.
+  /// positions: (4 x n) padded.
+  void spreadStress(StressLaw law, Index begin, Index end, const double* positions);
+  /// Second pass: adds the force on each point, its own and sum_j (N_j m'_ij - Q_j g_ji), N. forces: (n x 3). After all blocks
+  /// of the first.
+  void gatherForces(Index begin, Index end, double* forces) const;
+  /// Energy of the points, J:  sum_i V_i psi_i + s/2 sum_i sum_j w'_ij |x_j - x_i - F'_i (X_j - X_i)|^2.
+  double sumEnergy(StressLaw law, Index begin, Index end, const double* positions) const;
+
+  /// Of one point, slowly: F_i, completed where its neighbours span no volume: what is missing is as at rest across the plane
+  /// of a planar solid, and else keeps its length and stands upright on the rest, so that it has no strain.
+  Mat3 fitGradient(Index i, const double* positions) const;
+  /// The stress by law of one F.
+  Mat3 findStress(StressLaw law, const Mat3& F) const;
+  /// Neighbours that span less than the solid.
+  bool isDeficient(Index i) const { return rest.fit.rank[i] < (rest.across.isZero(0.0) ? 3 : 2); }
+
+ private:
+  void repair(StressLaw law, Index i, const double* positions);
+  double findEnergy(StressLaw law, Index i, const double* positions) const;
+
+  std::vector<double> constants_;  // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
+  std::vector<double> spread_;     // (n x 6 x 4) columns of Q and of N
+  std::vector<double> own_;        // (n x 4) N, and 0
+  bool any_deficient_ = false;
+};
+
+/// The rotation nearest to F, also where F is singular or turns inside out; of several always the same.
+Mat3 findRotation(const Mat3& F);
+
+}  // namespace deformable_surface::model

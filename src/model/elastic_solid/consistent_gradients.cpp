@@ -1,0 +1,150 @@
+// The correction of fitted gradients: Lagrange's multipliers l (n x 3) of Gauss's theorem make it
+//   d_ij = w_ij / V_i (l_j - l_i - grad l_i (X_j - X_i)),
+// grad l_i by the same fit, so that linear motions stay exact; the theorem is then S l = r, S symmetric, at least zero, and
+// zero for linear l alone.
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/model/elastic_solid/fitted_gradients.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::model {
+namespace {
+
+constexpr Index kBlock = 256;
+constexpr int kMostIterations = 400;  // what is left then is smooth, and small
+constexpr double kEnough = 1e-11;     // of the first residual: rounding
+
+using Map3 = Eigen::Map<const Vec3>;
+
+const double* pairAt(const PairFit& fit, Index k) { return fit.m.data() + 4 * static_cast<std::size_t>(k); }
+
+// grad l of every point.
+void fitAll(const PairFit& fit, const Points& l, std::vector<Mat3>& gradient) {
+  parallelFor(fit.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      Mat3 A = Mat3::Zero();
+      for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k)
+        A += (l[fit.pairs.items[k]] - l[i]) * Map3(pairAt(fit, k)).transpose();
+      gradient[i] = A * fit.inverseAt(i);
+    }
+  });
+}
+
+// S l: what each pair's residuals at both ends give its points.
+void applyResiduals(const PairFit& fit, const Points& l, std::vector<Mat3>& gradient, Points& product) {
+  fitAll(fit, l, gradient);
+  parallelFor(fit.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      Vec3 sum = Vec3::Zero();
+      for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k) {
+        const Index j = fit.pairs.items[k];
+        const double* m = pairAt(fit, k);
+        sum -= 2.0 * m[3] * (l[j] - l[i]) - (gradient[i] + gradient[j]) * Map3(m);
+      }
+      product[i] = sum;
+    }
+  });
+}
+
+double dot(const Points& a, const Points& b) {
+  return parallelSum(static_cast<Index>(a.size()), kBlock, [&](Index begin, Index end) {
+    double sum = 0.0;
+    for (Index i = begin; i < end; ++i) sum += a[i].dot(b[i]);
+    return sum;
+  });
+}
+
+double largestOf(const Points& vectors) {
+  double largest = 0.0;
+  for (const Vec3& v : vectors) largest = std::max(largest, v.norm());
+  return largest;
+}
+
+// Changes r on the outside, in proportion to its area there and linearly in space, until it has neither sum nor moment.
+void balance(const Points& points, const Points& outside, Points& r) {
+  Vec3 middle = Vec3::Zero();
+  double total = 0.0;
+  for (std::size_t j = 0; j < r.size(); ++j) {
+    total += outside[j].norm();
+    middle += outside[j].norm() * points[j];
+  }
+  if (!(total > 0.0)) return;
+  middle /= total;
+  Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
+  Eigen::Matrix<double, 4, 3> wanted = Eigen::Matrix<double, 4, 3>::Zero();
+  const auto linear = [&](std::size_t j) {
+    Vec4 values;
+    values << 1.0, points[j] - middle;
+    return values;
+  };
+  for (std::size_t j = 0; j < r.size(); ++j) {
+    moments += outside[j].norm() * linear(j) * linear(j).transpose();
+    wanted -= linear(j) * r[j].transpose();
+  }
+  const Eigen::Matrix<double, 4, 3> change = moments.completeOrthogonalDecomposition().solve(wanted);
+  for (std::size_t j = 0; j < r.size(); ++j) r[j] += outside[j].norm() * change.transpose() * linear(j);
+}
+
+}  // namespace
+
+ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, const PointCells& cells) {
+  const Index n = fit.size();
+  ConsistentGradients result;
+  result.row.assign(fit.m.size(), 0.0);
+  result.column.assign(fit.m.size(), 0.0);
+  result.own.assign(n, Vec3::Zero());
+  const auto fittedAt = [&](Index i, Index k) { return Vec3(fit.inverseAt(i) * Map3(pairAt(fit, k))); };
+
+  // What the theorem lacks: a_j - sum_i V_i g_i(j). The fit of j is asked for by i as that of the opposite pair.
+  Points r = cells.outside;
+  for (Index i = 0; i < n; ++i)
+    for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k) {
+      const Vec3 g = cells.volume[i] * fittedAt(i, k);
+      r[fit.pairs.items[k]] -= g;
+      r[i] += g;
+    }
+  balance(points, cells.outside, r);
+
+  // Conjugate gradients.
+  Points l(n, Vec3::Zero()), p = r, product(n);
+  std::vector<Mat3> gradient(n);
+  const double first = dot(r, r), first_largest = largestOf(r);
+  double squared = first;
+  for (int iteration = 0; iteration < kMostIterations && squared > kEnough * kEnough * first; ++iteration) {
+    applyResiduals(fit, p, gradient, product);
+    const double curvature = dot(p, product);
+    if (!(curvature > 0.0)) break;
+    const double step = squared / curvature;
+    for (Index i = 0; i < n; ++i) {
+      l[i] += step * p[i];
+      r[i] -= step * product[i];
+    }
+    const double next = dot(r, r);
+    for (Index i = 0; i < n; ++i) p[i] = r[i] + next / squared * p[i];
+    squared = next;
+  }
+  result.residual = first_largest > 0.0 ? largestOf(r) / first_largest : 0.0;
+
+  fitAll(fit, l, gradient);
+  for (Index i = 0; i < n; ++i) {
+    const Mat3 inverse = fit.inverseAt(i);
+    // Where neighbours span no volume the correction stays in what they span.
+    const Mat3 span = fit.rank[i] == 3 ? Mat3(Mat3::Identity()) : Mat3(inverse * inverse.completeOrthogonalDecomposition().pseudoInverse());
+    for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k) {
+      const Index j = fit.pairs.items[k];
+      const double* m = pairAt(fit, k);
+      const Vec3 rest = m[3] * (l[j] - l[i]) - gradient[i] * Map3(m);
+      const Vec3 g = inverse * Map3(m) + span * rest / cells.volume[i];
+      Eigen::Map<Vec3>(result.row.data() + 4 * static_cast<std::size_t>(k)) = g;
+      result.own[i] += g;
+      const Index* back = std::lower_bound(fit.pairs.begin(j), fit.pairs.end(j), i);
+      Eigen::Map<Vec3>(result.column.data() + 4 * (back - fit.pairs.items.data())) = g;
+    }
+  }
+  return result;
+}
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,212 @@
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
+
+#include "deformable_surface/base/lanczos.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/model/elastic_solid/point_volumes.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::model {
+namespace {
+
+constexpr Index kBlock = 256;       // points a task, a multiple of four: some ten microseconds of work
+constexpr double kLeastVolume = 1e-3;  // of the median: a point that cells leave nothing must still have a mass
+constexpr double kReach = 2.0;      // of the local spacing: some thirty neighbours, and no more than one layer beyond the next
+constexpr double kNearReach = 1.6;  // of the neighbours that motions from point to point are compared with: half as many
+constexpr Index kLinks = 6;         // nearest neighbours that are drawn, as on a cubic lattice
+
+double findMu(const MaterialParams& m) { return m.young_modulus / (2.0 * (1.0 + m.poisson_ratio)); }
+
+// Of a thin plate that bears no stress across it, or of a body.
+double findLambda(const MaterialParams& m, bool is_plate) {
+  const double nu = m.poisson_ratio;
+  return is_plate ? m.young_modulus * nu / (1.0 - nu * nu) : m.young_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+}
+
+// s = stiffness sum_i V_i / sum_i (tr K'_i / d): a deviation of the size of a strain costs what the strain would.
+double findStabilization(const PairFit& near, const Points& points, const std::vector<double>& volumes, double stiffness, int dimension) {
+  double volume = 0.0, spread = 0.0;
+  for (Index i = 0; i < near.size(); ++i) {
+    volume += volumes[i];
+    for (Index k = near.pairs.offsets[i]; k < near.pairs.offsets[i + 1]; ++k)
+      spread += Eigen::Map<const Vec3>(near.m.data() + 4 * static_cast<std::size_t>(k)).dot(points[near.pairs.items[k]] - points[i]);
+  }
+  return spread > 0.0 ? stiffness * volume * dimension / spread : 0.0;
+}
+
+SolidRest makeRest(const Points& points, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
+                   const MaterialParams& material, const ElasticSolidParams& params) {
+  const bool is_planar = !across.isZero(0.0);
+  PointCells cells = findPointCells(points, neighbors, across);
+  std::vector<double> sorted = cells.volume;
+  std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
+  for (double& v : cells.volume) v = std::max(v, kLeastVolume * sorted[sorted.size() / 2]);
+  SolidRest rest;
+  rest.fit = fitPairs(points, neighbors, detours, kReach);
+  rest.gradients = makeConsistent(points, rest.fit, cells);
+  rest.near = fitPairs(points, neighbors, detours, kNearReach);
+  rest.volumes = cells.volume;
+  if (is_planar)
+    for (double& v : rest.volumes) v *= material.thickness;
+  rest.mu = findMu(material);
+  rest.lambda = findLambda(material, is_planar && params.plane == PlaneKind::kStress);
+  rest.stabilization = findStabilization(rest.near, points, rest.volumes, params.stabilization * material.young_modulus, is_planar ? 2 : 3);
+  rest.across = across;
+  return rest;
+}
+
+}  // namespace
+
+ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
+                           const MaterialParams& material, const ElasticSolidParams& params)
+    : law_(params.law == SolidLaw::kLinear ? StressLaw::kLinear : StressLaw::kCorotated),
+      is_plate_(!across.isZero(0.0) && params.plane == PlaneKind::kStress),
+      passes_(makeRest(rest, neighbors, detours, across, material, params)) {
+  for (double volume : passes_.rest.volumes) masses_.push_back(material.density * volume);
+  const char full = isPlanar() ? 2 : 3;
+  for (char rank : passes_.rest.fit.rank) num_deficient_ += rank < full;
+  for (Index i = 0; i < neighbors.size(); ++i)
+    for (const Index* j = neighbors.begin(i); j != neighbors.begin(i) + std::min(kLinks, neighbors.count(i)); ++j) {
+      const Index* end = neighbors.begin(*j) + std::min(kLinks, neighbors.count(*j));
+      if (i < *j && std::find(neighbors.begin(*j), end, i) != end) links_.emplace_back(i, *j);
+    }
+  findRowBounds();
+  findStableStep();
+}
+
+// Sums of the norms of the blocks of a row of kBound's stiffness: E is a sum over k of what the neighbours i and j of k do to
+// F_k and F'_k.
+void ElasticSolid::findRowBounds() {
+  const SolidRest& rest = passes_.rest;
+  const Index n = passes_.size();
+  const double stiffness = 2.0 * rest.mu + 3.0 * std::abs(rest.lambda), s = rest.stabilization;
+  row_bounds_.assign(n, 0.0);
+  for (Index i = 0; i < n; ++i) {
+    double sum = rest.gradients.own[i].norm(), near_sum = 0.0, weights = 0.0;
+    const auto gradientAt = [&](Index k) { return Eigen::Map<const Vec3>(rest.gradients.row.data() + 4 * static_cast<std::size_t>(k)).norm(); };
+    const auto near = [&](Index k) { return rest.near.m.data() + 4 * static_cast<std::size_t>(k); };
+    const Mat3 inverse = rest.near.inverseAt(i);
+    for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) sum += gradientAt(k);
+    for (Index k = rest.near.pairs.offsets[i]; k < rest.near.pairs.offsets[i + 1]; ++k) {
+      near_sum += 2.0 * (inverse * Eigen::Map<const Vec3>(near(k))).norm();
+      weights += near(k)[3];
+    }
+    const double strained = rest.volumes[i] * stiffness * sum, deviated = s * near_sum;
+    row_bounds_[i] += strained * rest.gradients.own[i].norm() + 4.0 * s * weights;
+    for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) row_bounds_[rest.fit.pairs.items[k]] += strained * gradientAt(k);
+    for (Index k = rest.near.pairs.offsets[i]; k < rest.near.pairs.offsets[i + 1]; ++k) {
+      const double part = deviated * Eigen::Map<const Vec3>(near(k)).norm();
+      row_bounds_[rest.near.pairs.items[k]] += part;
+      row_bounds_[i] += part;
+    }
+  }
+}
+
+void ElasticSolid::findStableStep() {
+  const Index n = static_cast<Index>(masses_.size());
+  Eigen::VectorXd scale(3 * n);
+  for (Index i = 0; i < n; ++i) scale.segment<3>(3 * i).setConstant(1.0 / std::sqrt(masses_[i]));
+  Points motion(n), forces(n);
+  Lanczos lanczos;
+  const double eigenvalue = lanczos.boundLargest(scale, [&](const Eigen::VectorXd& v, Eigen::VectorXd& product) {
+    for (Index i = 0; i < n; ++i) motion[i] = scale[3 * i] * v.segment<3>(3 * i);
+    positions_.assign(motion);
+    forces.assign(n, Vec3::Zero());
+    addPassForces(StressLaw::kBound, positions_.data(), forces);
+    product.resize(3 * n);
+    for (Index i = 0; i < n; ++i) product.segment<3>(3 * i) = -scale[3 * i] * forces[i];
+  });
+  stable_step_ = eigenvalue > 0.0 ? 2.0 / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
+}
+
+void ElasticSolid::addPassForces(StressLaw law, const double* positions, Points& forces) const {
+  const Index n = passes_.size();
+  parallelFor(n, kBlock, [&](Index begin, Index end) { passes_.spreadStress(law, begin, end, positions); });
+  parallelFor(n, kBlock, [&](Index begin, Index end) { passes_.gatherForces(begin, end, forces.data()->data()); });
+}
+
+void ElasticSolid::addForces(const State& state, Points& forces) const {
+  positions_.assign(state.positions);
+  addPassForces(law_, positions_.data(), forces);
+}
+
+double ElasticSolid::elasticEnergy(const State& state) const {
+  positions_.assign(state.positions);
+  return parallelSum(passes_.size(), kBlock, [&](Index begin, Index end) {
+    return passes_.sumEnergy(law_, begin, end, positions_.data());
+  });
+}
+
+void ElasticSolid::confine(Points& forces) const {
+  if (!isPlanar()) return;
+  for (Vec3& f : forces) f -= across().dot(f) * across();
+}
+
+bool ElasticSolid::computePointStress(const State& state, std::vector<double>& stress) const {
+  positions_.assign(state.positions);
+  stress.resize(state.positions.size());
+  parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Mat3 F = passes_.fitGradient(i, positions_.data());
+      Mat3 sigma = passes_.findStress(law_, F);
+      if (law_ == StressLaw::kCorotated) sigma = Mat3(sigma * F.transpose() / F.determinant());
+      if (is_plate_) sigma -= across().dot(sigma * across()) * across() * across().transpose();
+      sigma -= sigma.trace() / 3.0 * Mat3::Identity();
+      stress[i] = std::sqrt(1.5) * sigma.norm();
+    }
+  });
+  return true;
+}
+
+void ElasticSolid::turnNormals(const State& state, const Points& normals, std::vector<Eigen::Vector3f>& turned) const {
+  positions_.assign(state.positions);
+  turned.resize(normals.size());
+  parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Mat3 F = passes_.fitGradient(i, positions_.data());
+      Mat3 cofactor;
+      cofactor << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
+      const Vec3 normal = cofactor * normals[i];
+      const double length = normal.norm();
+      turned[i] = (length > 0.0 ? Vec3(normal / length) : normals[i]).cast<float>();
+    }
+  });
+}
+
+void ElasticSolid::addRowBounds(const State&, std::vector<double>& stiffness, std::vector<double>&) const {
+  for (std::size_t i = 0; i < row_bounds_.size(); ++i) stiffness[i] += row_bounds_[i];
+}
+
+void ElasticSolid::computeAreaVectors(const State& state, Points& area_vectors) const {
+  area_vectors.assign(state.positions.size(), Vec3::Zero());
+}
+
+void ElasticSolid::computeVolumeGradient(const State& state, Points& gradient) const {
+  gradient.assign(state.positions.size(), Vec3::Zero());
+}
+
+double ElasticSolid::maxStretch(const State& state) const {
+  computePointStrain(state, strain_);
+  return strain_.empty() ? 0.0 : *std::max_element(strain_.begin(), strain_.end());
+}
+
+void ElasticSolid::computePointStrain(const State& state, std::vector<double>& strain) const {
+  positions_.assign(state.positions);
+  strain.resize(state.positions.size());
+  parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    for (Index i = begin; i < end; ++i) {
+      const Mat3 F = passes_.fitGradient(i, positions_.data());
+      solver.computeDirect(F.transpose() * F, Eigen::EigenvaluesOnly);
+      strain[i] = 0.0;
+      for (int c = 0; c < 3; ++c)
+        strain[i] = std::max(strain[i], std::abs(std::sqrt(std::max(0.0, solver.eigenvalues()[c])) - 1.0));
+    }
+  });
+}
+
+}  // namespace deformable_surface::model

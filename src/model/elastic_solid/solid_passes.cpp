@@ -1,0 +1,440 @@
+#include "deformable_surface/model/elastic_solid/solid_passes.h"
+
+#include "deformable_surface/base/simd.h"
+
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::model {
+namespace {
+
+constexpr Index kConstants = 13;
+constexpr Index kEnergies = 256;       // points whose energies stand on the stack
+constexpr int kMostIterations = 9;     // of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one
+constexpr double kConverged = 1e-14;   // squared change after which the next iterate is exact to rounding, as the order is two
+constexpr double kSmallest = 1e-3;     // determinant of F below which iterations may not end in a rotation
+
+// Of four points side by side, F or what is made of it: entry [row][column].
+struct Four {
+  Double4 at[3][3];
+};
+
+// Sums over the neighbours j of (x_j - x_i) row_j[c] for c < kCount, x y z 0 each.
+template <int kCount>
+DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* items, const double* rows, const double* positions,
+                                           Index i, Double4* columns) {
+  Double4 here, a[kCount]{}, b[kCount]{};
+  load(positions + 4 * static_cast<std::ptrdiff_t>(i), here);
+  Index k = begin;
+  for (; k + 1 < end; k += 2) {
+    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    Double4 d, e;
+    load(positions + 4 * static_cast<std::ptrdiff_t>(items[k]), d);
+    load(positions + 4 * static_cast<std::ptrdiff_t>(items[k + 1]), e);
+    d -= here;
+    e -= here;
+    for (int c = 0; c < kCount; ++c) {
+      a[c] += d * u[c];
+      b[c] += e * u[4 + c];
+    }
+  }
+  if (k < end) {
+    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    Double4 d;
+    load(positions + 4 * static_cast<std::ptrdiff_t>(items[k]), d);
+    d -= here;
+    for (int c = 0; c < kCount; ++c) a[c] += d * u[c];
+  }
+  for (int c = 0; c < kCount; ++c) columns[c] = a[c] + b[c];
+}
+
+// The same of four points in a row, side by side; sums are those with the fourth number of a row.
+template <int kCount>
+DEFORMABLE_SURFACE_INLINE void gatherFour(Index first, Index n, const Index* offsets, const Index* items, const double* rows,
+                                          const double* positions, Four& A, Double4* sums) {
+  Double4 columns[4][kCount];
+  for (Index lane = 0; lane < 4; ++lane) {
+    const Index i = first + lane < n ? first + lane : n - 1;  // the last group is filled up
+    gatherPairs<kCount>(offsets[i], offsets[i + 1], items, rows, positions, i, columns[lane]);
+  }
+  for (int c = 0; c < kCount; ++c) {
+    transpose(columns[0][c], columns[1][c], columns[2][c], columns[3][c]);
+    for (int r = 0; r < 3; ++r) (c < 3 ? A.at[r][c] : sums[r]) = columns[r][c];
+  }
+}
+
+// product = a * K^-1, K^-1 symmetric.
+DEFORMABLE_SURFACE_INLINE void multiplyByInverse(const Four& a, const double* constants, Four& product) {
+  Double4 xx, xy, xz, yy, yz, zz;
+  load(constants, xx);
+  load(constants + 4, xy);
+  load(constants + 8, xz);
+  load(constants + 12, yy);
+  load(constants + 16, yz);
+  load(constants + 20, zz);
+  for (int r = 0; r < 3; ++r) {
+    product.at[r][0] = a.at[r][0] * xx + a.at[r][1] * xy + a.at[r][2] * xz;
+    product.at[r][1] = a.at[r][0] * xy + a.at[r][1] * yy + a.at[r][2] * yz;
+    product.at[r][2] = a.at[r][0] * xz + a.at[r][1] * yz + a.at[r][2] * zz;
+  }
+}
+
+// The rotations nearest to four F by Newton's iteration R <- (R + R^-T) / 2 [Higham 1986]. A lane is left out (not sound) where F
+// is nearly singular, inside out or not finite.
+DEFORMABLE_SURFACE_INLINE void findRotations(const Four& F, Four& R, bool* is_sound) {
+  R = F;
+  Double4 first{}, change{};
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    Four C;  // cofactors
+    for (int r = 0; r < 3; ++r) {
+      const int s = (r + 1) % 3, t = (r + 2) % 3;
+      for (int c = 0; c < 3; ++c) {
+        const int d = (c + 1) % 3, e = (c + 2) % 3;
+        C.at[r][c] = R.at[s][d] * R.at[t][e] - R.at[s][e] * R.at[t][d];
+      }
+    }
+    const Double4 determinant = R.at[0][0] * C.at[0][0] + R.at[0][1] * C.at[0][1] + R.at[0][2] * C.at[0][2];
+    if (iteration == 0) first = determinant;
+    const Double4 half = 0.5 / determinant;
+    change = Double4{};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const Double4 next = 0.5 * R.at[r][c] + half * C.at[r][c], d = next - R.at[r][c];
+        change += d * d;
+        R.at[r][c] = next;
+      }
+    if (change[0] < kConverged && change[1] < kConverged && change[2] < kConverged && change[3] < kConverged) break;
+  }
+  for (int lane = 0; lane < 4; ++lane) is_sound[lane] = change[lane] < kConverged && first[lane] > kSmallest;
+}
+
+// P by law; of kCorotated with the rotations.
+DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lambda, const Four& F, const Four& R, Four& P) {
+  if (law == StressLaw::kCorotated) {
+    Double4 trace{};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) trace += R.at[r][c] * F.at[r][c];
+    const Double4 turned = lambda * (trace - 3.0) - 2.0 * mu;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) P.at[r][c] = 2.0 * mu * F.at[r][c] + turned * R.at[r][c];
+    return;
+  }
+  const double rest = law == StressLaw::kLinear ? 1.0 : 0.0;
+  const Double4 trace = (F.at[0][0] - rest) + (F.at[1][1] - rest) + (F.at[2][2] - rest);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      P.at[r][c] = law == StressLaw::kLinear ? mu * (F.at[r][c] + F.at[c][r]) : 2.0 * mu * F.at[r][c];
+      if (r == c) P.at[r][c] += lambda * trace - 2.0 * mu * rest;
+    }
+}
+
+// The arrays of both fits; those of the near one have a dash in the header.
+struct PassArrays {
+  Index n;
+  const Index *offsets, *items;
+  const double *row, *column;
+  const Index *near_offsets, *near_items;
+  const double *m, *constants, *positions;
+  double mu, lambda, stabilization, across[3];
+};
+
+DEFORMABLE_SURFACE_INLINE void addAcross(const PassArrays& a, Four& F) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) F.at[r][c] += a.across[r] * a.across[c];
+}
+
+// One column of four points, to their columns behind each other, x y z 0.
+DEFORMABLE_SURFACE_INLINE void storeColumn(const Double4& x, const Double4& y, const Double4& z, Index lanes, Index stride, double* to) {
+  Double4 rows[4] = {x, y, z, Double4{}};
+  transpose(rows[0], rows[1], rows[2], rows[3]);
+  for (Index lane = 0; lane < lanes; ++lane) store(rows[lane], to + stride * lane);
+}
+
+// Returns whether any point is left to be done one by one; those are marked in the fourth number of own.
+DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const PassArrays& a, double* spread_to, double* own) {
+  bool any_unsound = false;
+  for (Index i = begin; i < end; i += 4) {
+    Four F, R, Q, A, N;
+    Double4 sums[3];
+    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    if (law != StressLaw::kBound) addAcross(a, F);
+    bool is_sound[4] = {true, true, true, true};
+    if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
+    findStresses(law, a.mu, a.lambda, F, R, Q);
+    const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
+    Double4 volume, g[3], m[3];
+    load(constants, volume);
+    gatherFour<4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
+    multiplyByInverse(A, constants + 16, N);
+    for (int c = 0; c < 3; ++c) {
+      load(constants + 4 * (1 + c), g[c]);
+      load(constants + 4 * (10 + c), m[c]);
+      for (int r = 0; r < 3; ++r) {
+        Q.at[r][c] *= volume;
+        N.at[r][c] *= -a.stabilization;
+      }
+    }
+    const Index lanes = a.n - i < 4 ? a.n - i : 4;
+    for (int c = 0; c < 3; ++c) {
+      storeColumn(Q.at[0][c], Q.at[1][c], Q.at[2][c], lanes, 24, spread_to + 24 * static_cast<std::ptrdiff_t>(i) + 4 * c);
+      storeColumn(N.at[0][c], N.at[1][c], N.at[2][c], lanes, 24, spread_to + 24 * static_cast<std::ptrdiff_t>(i) + 12 + 4 * c);
+    }
+    Double4 force[3];
+    for (int r = 0; r < 3; ++r) {
+      force[r] = 2.0 * a.stabilization * sums[r];
+      for (int c = 0; c < 3; ++c) force[r] += Q.at[r][c] * g[c] + N.at[r][c] * m[c];
+    }
+    storeColumn(force[0], force[1], force[2], lanes, 4, own + 4 * static_cast<std::ptrdiff_t>(i));
+    for (Index lane = 0; lane < lanes; ++lane) {
+      if (is_sound[lane]) continue;
+      any_unsound = true;
+      own[4 * static_cast<std::ptrdiff_t>(i + lane) + 3] = 1.0;
+    }
+  }
+  return any_unsound;
+}
+
+// Adds sum_j M_j rows_j of one point, M_j the matrices (columns x y z 0) that stand at from, 24 numbers a point.
+DEFORMABLE_SURFACE_INLINE void addProducts(Index begin, Index end, const Index* items, const double* rows, const double* from,
+                                           Double4& sum) {
+  Double4 f[3]{}, g[3]{};
+  Index k = begin;
+  for (; k + 1 < end; k += 2) {
+    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    const double *p = from + 24 * static_cast<std::ptrdiff_t>(items[k]), *q = from + 24 * static_cast<std::ptrdiff_t>(items[k + 1]);
+    for (int c = 0; c < 3; ++c) {
+      Double4 at, next;
+      load(p + 4 * c, at);
+      load(q + 4 * c, next);
+      f[c] += at * u[c];
+      g[c] += next * u[4 + c];
+    }
+  }
+  if (k < end) {
+    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    const double* p = from + 24 * static_cast<std::ptrdiff_t>(items[k]);
+    for (int c = 0; c < 3; ++c) {
+      Double4 at;
+      load(p + 4 * c, at);
+      f[c] += at * u[c];
+    }
+  }
+  sum += (f[0] + g[0]) + (f[1] + g[1]) + (f[2] + g[2]);
+}
+
+DEFORMABLE_SURFACE_WIDE void gather(Index begin, Index end, const PassArrays& a, const double* spread_from, const double* own,
+                                    double* forces) {
+  for (Index i = begin; i < end; ++i) {
+    Double4 sum, stress{};
+    load(own + 4 * static_cast<std::ptrdiff_t>(i), sum);
+    addProducts(a.offsets[i], a.offsets[i + 1], a.items, a.column, spread_from, stress);
+    addProducts(a.near_offsets[i], a.near_offsets[i + 1], a.near_items, a.m, spread_from + 12, sum);
+    sum -= stress;
+    for (int c = 0; c < 3; ++c) forces[3 * static_cast<std::ptrdiff_t>(i) + c] += sum[c];
+  }
+}
+
+// Energies of four points at a time, J; NaN for those that are to be done one by one. energies: (end - begin, filled up to
+// fours).
+DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end, const PassArrays& a, double* energies) {
+  for (Index i = begin; i < end; i += 4) {
+    Four A, F, R, N;
+    Double4 sums[3];
+    const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
+    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    gatherFour<3>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
+    multiplyByInverse(A, constants + 16, N);
+    addAcross(a, F);
+    bool is_sound[4] = {true, true, true, true};
+    if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
+    Double4 square{}, trace{}, volume;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const double rest = r == c ? 1.0 : 0.0;
+        const Double4 strain = law == StressLaw::kCorotated ? F.at[r][c] - R.at[r][c] : 0.5 * (F.at[r][c] + F.at[c][r]) - rest;
+        square += strain * strain;
+        if (law == StressLaw::kCorotated) trace += R.at[r][c] * strain;
+        if (law == StressLaw::kLinear && r == c) trace += strain;
+      }
+    load(constants, volume);
+    const Double4 elastic = volume * (a.mu * square + 0.5 * a.lambda * trace * trace);
+    Double4 columns[3][4];
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) columns[c][r] = N.at[r][c];
+      columns[c][3] = Double4{};
+      transpose(columns[c][0], columns[c][1], columns[c][2], columns[c][3]);
+    }
+    const Index lanes = a.n - i < 4 ? a.n - i : 4;
+    for (Index lane = 0; lane < lanes; ++lane) {
+      Double4 here, sum{};
+      load(a.positions + 4 * static_cast<std::ptrdiff_t>(i + lane), here);
+      for (Index k = a.near_offsets[i + lane]; k < a.near_offsets[i + lane + 1]; ++k) {
+        const double* m = a.m + 4 * static_cast<std::ptrdiff_t>(k);
+        Double4 d;
+        load(a.positions + 4 * static_cast<std::ptrdiff_t>(a.near_items[k]), d);
+        d = (d - here) * m[3] - columns[0][lane] * m[0] - columns[1][lane] * m[1] - columns[2][lane] * m[2];
+        sum += d * d * (1.0 / m[3]);
+      }
+      const double rest = 0.5 * a.stabilization * (sum[0] + sum[1] + sum[2]);
+      energies[i - begin + lane] = is_sound[lane] ? elastic[lane] + rest : std::numeric_limits<double>::quiet_NaN();
+    }
+  }
+}
+
+PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, const double* positions) {
+  return {s.fit.size(), s.fit.pairs.offsets.data(), s.fit.pairs.items.data(), s.gradients.row.data(), s.gradients.column.data(),
+          s.near.pairs.offsets.data(), s.near.pairs.items.data(), s.near.m.data(), constants.data(), positions,
+          s.mu, s.lambda, s.stabilization, {s.across.x(), s.across.y(), s.across.z()}};
+}
+
+// Sum over the neighbours of (x_j - x_i) row_j^T, and of (x_j - x_i) times the fourth number.
+Mat3 sumPairs(const Lists& pairs, const std::vector<double>& rows, Index i, const double* positions, Vec3& sum) {
+  Mat3 A = Mat3::Zero();
+  sum.setZero();
+  const Eigen::Map<const Vec3> here(positions + 4 * static_cast<std::ptrdiff_t>(i));
+  for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k) {
+    const double* row = rows.data() + 4 * static_cast<std::size_t>(k);
+    const Vec3 d = Eigen::Map<const Vec3>(positions + 4 * static_cast<std::ptrdiff_t>(pairs.items[k])) - here;
+    A += d * Eigen::Map<const Vec3>(row).transpose();
+    sum += row[3] * d;
+  }
+  return A;
+}
+
+Vec3 sumMoments(const PairFit& fit, Index i) {
+  Vec3 sum = Vec3::Zero();
+  for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k)
+    sum += Eigen::Map<const Vec3>(fit.m.data() + 4 * static_cast<std::size_t>(k));
+  return sum;
+}
+
+// The turn by the shortest way from unit a to unit b.
+Mat3 turnTo(const Vec3& a, const Vec3& b) { return Quaternion::FromTwoVectors(a, b).toRotationMatrix(); }
+
+// F where neighbours lie in a plane or on a line only: see fitGradient().
+Mat3 complete(const Mat3& F, const Mat3& inverse, int rank) {
+  const Eigen::JacobiSVD<Mat3> at_rest(inverse, Eigen::ComputeFullU);
+  const Mat3 axes = at_rest.matrixU();
+  if (rank == 2) {
+    const Vec3 normal = axes.col(2), image = (F * axes.col(0)).cross(F * axes.col(1)) * (axes.col(0).cross(axes.col(1)).dot(normal));
+    const double length = image.norm();
+    return length > 0.0 ? Mat3(F + image / length * normal.transpose()) : F;
+  }
+  if (rank == 1) {
+    const Vec3 along = axes.col(0), image = F * along;
+    const double length = image.norm();
+    return length > 0.0 ? Mat3(F + turnTo(along, image / length) * (Mat3::Identity() - along * along.transpose())) : F;
+  }
+  return Mat3::Identity();
+}
+
+}  // namespace
+
+Mat3 findRotation(const Mat3& F) {
+  const Eigen::JacobiSVD<Mat3> svd(F, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  Mat3 U = svd.matrixU();
+  if (U.determinant() * svd.matrixV().determinant() < 0.0) U.col(2) = -U.col(2);
+  return U * svd.matrixV().transpose();
+}
+
+SolidPasses::SolidPasses(SolidRest given) : rest(std::move(given)) {
+  const Index n = size();
+  const std::size_t groups = (static_cast<std::size_t>(n) + 3) / 4;
+  constants_.assign(4 * kConstants * groups, 0.0);
+  for (std::size_t g = 0; g < groups; ++g)
+    for (std::size_t lane = 0; lane < 4; ++lane) {
+      const Index i = std::min(static_cast<Index>(4 * g + lane), n - 1);
+      double values[kConstants];
+      values[0] = rest.volumes[i];
+      for (int c = 0; c < 3; ++c) values[1 + c] = rest.gradients.own[i][c];
+      for (int k = 0; k < 6; ++k) values[4 + k] = rest.near.inverse[6 * static_cast<std::size_t>(i) + k];
+      for (int c = 0; c < 3; ++c) values[10 + c] = sumMoments(rest.near, i)[c];
+      for (Index k = 0; k < kConstants; ++k) constants_[4 * (kConstants * g + k) + lane] = values[k];
+    }
+  for (Index i = 0; i < n; ++i) any_deficient_ = any_deficient_ || isDeficient(i);
+  spread_.resize(24 * static_cast<std::size_t>(n));
+  own_.resize(4 * static_cast<std::size_t>(n));
+}
+
+void SolidPasses::spreadStress(StressLaw law, Index begin, Index end, const double* positions) {
+  const bool any_unsound = spread(law, begin, end, arraysOf(rest, constants_, positions), spread_.data(), own_.data());
+  if (!any_unsound && !(law == StressLaw::kLinear && any_deficient_)) return;
+  for (Index i = begin; i < end; ++i)
+    if (own_[4 * static_cast<std::size_t>(i) + 3] != 0.0 || (law == StressLaw::kLinear && isDeficient(i))) repair(law, i, positions);
+}
+
+void SolidPasses::repair(StressLaw law, Index i, const double* positions) {
+  Vec3 sum;
+  const Mat3 N = -rest.stabilization * sumPairs(rest.near.pairs, rest.near.m, i, positions, sum) * rest.near.inverseAt(i);
+  const Mat3 Q = rest.fit.rank[i] > 0 ? Mat3(rest.volumes[i] * findStress(law, fitGradient(i, positions))) : Mat3(Mat3::Zero());
+  const Vec3 own = Q * rest.gradients.own[i] + N * sumMoments(rest.near, i) + 2.0 * rest.stabilization * sum;
+  double* to = spread_.data() + 24 * static_cast<std::size_t>(i);
+  for (int c = 0; c < 3; ++c) {
+    Eigen::Map<Vec3>(to + 4 * c) = Q.col(c);
+    Eigen::Map<Vec3>(to + 12 + 4 * c) = N.col(c);
+  }
+  Eigen::Map<Vec4>(own_.data() + 4 * static_cast<std::size_t>(i)) << own, 0.0;
+}
+
+void SolidPasses::gatherForces(Index begin, Index end, double* forces) const {
+  gather(begin, end, arraysOf(rest, constants_, nullptr), spread_.data(), own_.data(), forces);
+}
+
+Mat3 SolidPasses::fitGradient(Index i, const double* positions) const {
+  Vec3 sum;
+  const Mat3 F = sumPairs(rest.fit.pairs, rest.gradients.row, i, positions, sum);
+  const bool is_planar = !rest.across.isZero(0.0);
+  if (is_planar && rest.fit.rank[i] == 2) return F + rest.across * rest.across.transpose();
+  return rest.fit.rank[i] == 3 ? F : complete(F, rest.fit.inverseAt(i), rest.fit.rank[i]);
+}
+
+Mat3 SolidPasses::findStress(StressLaw law, const Mat3& F) const {
+  const double mu = rest.mu, lambda = rest.lambda;
+  if (law == StressLaw::kBound) return 2.0 * mu * F + lambda * F.trace() * Mat3::Identity();
+  if (law == StressLaw::kLinear) {
+    const Mat3 strain = 0.5 * (F + F.transpose()) - Mat3::Identity();
+    return 2.0 * mu * strain + lambda * strain.trace() * Mat3::Identity();
+  }
+  const Mat3 R = findRotation(F);
+  return 2.0 * mu * (F - R) + lambda * (R.cwiseProduct(F).sum() - 3.0) * R;
+}
+
+double SolidPasses::findEnergy(StressLaw law, Index i, const double* positions) const {
+  double density = 0.0;
+  if (rest.fit.rank[i] > 0) {
+    const Mat3 F = fitGradient(i, positions);
+    const Mat3 R = law == StressLaw::kLinear ? Mat3(Mat3::Identity()) : findRotation(F);
+    const Mat3 strain = law == StressLaw::kLinear ? Mat3(0.5 * (F + F.transpose()) - R) : Mat3(F - R);
+    const double trace = R.cwiseProduct(strain).sum();
+    density = rest.mu * strain.squaredNorm() + 0.5 * rest.lambda * trace * trace;
+  }
+  Vec3 unused;
+  const Mat3 N = sumPairs(rest.near.pairs, rest.near.m, i, positions, unused) * rest.near.inverseAt(i);
+  double sum = 0.0;
+  const Eigen::Map<const Vec3> here(positions + 4 * static_cast<std::ptrdiff_t>(i));
+  for (Index k = rest.near.pairs.offsets[i]; k < rest.near.pairs.offsets[i + 1]; ++k) {
+    const double* m = rest.near.m.data() + 4 * static_cast<std::size_t>(k);
+    const Vec3 d = Eigen::Map<const Vec3>(positions + 4 * static_cast<std::ptrdiff_t>(rest.near.pairs.items[k])) - here;
+    sum += (m[3] * d - N * Eigen::Map<const Vec3>(m)).squaredNorm() / m[3];
+  }
+  return rest.volumes[i] * density + 0.5 * rest.stabilization * sum;
+}
+
+double SolidPasses::sumEnergy(StressLaw law, Index begin, Index end, const double* positions) const {
+  double energies[kEnergies], sum = 0.0;
+  const PassArrays arrays = arraysOf(rest, constants_, positions);
+  for (Index first = begin; first < end; first += kEnergies) {
+    const Index last = std::min(end, first + kEnergies);
+    findEnergies(law, first, last, arrays, energies);
+    for (Index i = first; i < last; ++i) {
+      const bool is_sound = std::isfinite(energies[i - first]) && !(law == StressLaw::kLinear && isDeficient(i));
+      sum += is_sound ? energies[i - first] : findEnergy(law, i, positions);
+    }
+  }
+  return sum;
+}
+
+}  // namespace deformable_surface::model

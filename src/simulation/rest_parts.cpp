@@ -1,0 +1,85 @@
+#include "rest_parts.h"
+
+#include "deformable_surface/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kPinPoints = 3;      // that hold a pinned region: fewer would let it turn
+
+constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
+constexpr Index kGapShare = 1000;    // fewer points at gaps than this part of all are holes of the sampling
+
+}  // namespace
+
+std::string count(Index n, const std::string& what) { return std::to_string(n) + " " + what; }
+
+RestSurface cleanInput(const cloud::PointCloud& input) {
+  RestSurface s;
+  s.dense = cloud::clean(input);
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (n < 3)
+    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
+  if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
+  if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
+  return s;
+}
+
+void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
+  if (found.margin < kClearMargin && found.num_at_gaps > static_cast<Index>(s.dense.positions.size()) / kGapShare)
+    s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
+                      "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +
+                      " times as wide as what counts as surface");
+}
+
+std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense) {
+  std::vector<Index> chosen;
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    std::vector<Index> inside;
+    for (Index i = 0; i < static_cast<Index>(dense.size()); ++i)
+      if (params.pins[p].region.contains(dense[i])) inside.push_back(i);
+    if (inside.empty())
+      throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
+                       count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
+    // Farthest point sampling, first from the middle.
+    Vec3 middle = Vec3::Zero();
+    for (Index i : inside) middle += dense[i] / static_cast<double>(inside.size());
+    std::vector<double> distance(inside.size());
+    for (std::size_t k = 0; k < inside.size(); ++k) distance[k] = (dense[inside[k]] - middle).squaredNorm();
+    for (Index c = 0; c < kPinPoints && c < static_cast<Index>(inside.size()); ++c) {
+      const std::size_t far = std::max_element(distance.begin(), distance.end()) - distance.begin();
+      const Index point = inside[far];
+      chosen.push_back(point);
+      for (std::size_t k = 0; k < inside.size(); ++k) {
+        const double to_point = (dense[inside[k]] - dense[point]).squaredNorm();
+        distance[k] = c == 0 ? to_point : std::min(distance[k], to_point);
+      }
+    }
+  }
+  std::sort(chosen.begin(), chosen.end());
+  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  return chosen;
+}
+
+void applyPins(const SceneParams& params, RestSurface& s) {
+  s.pinned.assign(s.points.size(), 0);
+  s.pinned_turns.assign(s.points.size(), 0);
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    bool holds_any = false;
+    for (std::size_t i = 0; i < s.points.size(); ++i) {
+      if (!params.pins[p].region.contains(s.points[i])) continue;
+      s.pinned[i] = 1;
+      if (params.pins[p].orientation) s.pinned_turns[i] = 1;
+      holds_any = true;
+    }
+    if (!holds_any)
+      throw InputError("pins[" + std::to_string(p) + "]: the points it holds belong to no surface (they are too far from all others); "
+                       "accepted: a shape that holds a point of the surface");
+  }
+  s.model->setHeld(s.pinned);
+}
+
+}  // namespace deformable_surface::simulation

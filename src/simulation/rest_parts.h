@@ -1,0 +1,27 @@
+// What surfaces and bodies share on the way from a cloud to what can be simulated. Private.
+#pragma once
+
+#include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/simulation/rest_surface.h"
+
+namespace deformable_surface::simulation {
+
+/// "3 points".
+std::string count(Index n, const std::string& what);
+
+/// The finite, distinct points of the input. InputError if there are fewer than three.
+RestSurface cleanInput(const cloud::PointCloud& input);
+
+/// Tells of gaps that the sampling hardly resolves.
+void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s);
+
+/// Points that no simplification may take: of every pinned region three that are far from each other.
+std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense);
+
+/// Which simulation points the scene's pins hold.
+void applyPins(const SceneParams& params, RestSurface& s);
+
+/// Neighbours, simulation points, model and transfer of an elastic solid, from cleaned points. Throws InputError. O(n k log n).
+void buildRestSolid(const SceneParams& params, const cloud::PointCloud& input, RestSurface& s);
+
+}  // namespace deformable_surface::simulation

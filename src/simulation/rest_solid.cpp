@@ -1,0 +1,189 @@
+// From a cloud to an elastic solid: like rest_surface.cpp, but a body has neither rings nor tangent planes.
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/cloud/farthest_points.h"
+#include "deformable_surface/cloud/geodesic_cells.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "rest_parts.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kAutoPoints = 5000;   // simulation points that auto keeps: a soft bar of them moves in real time on one core
+constexpr double kFlat = 0.02;        // of the spacing: rms distance from a plane below which a cloud lies in it
+constexpr Index kLocal = 12;          // neighbours that show whether a point lies in a body or on a surface
+constexpr double kThin = 0.25;        // their spread across over that along: a curved surface has less, the face of a body about a half
+constexpr double kLoneSide = 0.25;    // how far the neighbours' middle lies off a point on the outside, over their distance
+
+struct Spread {
+  Vec3 middle, normal;        // the normal of the plane that fits best, with its largest part positive
+  double across, along;       // rms, m: across it, and along its second direction
+};
+
+template <class At>
+Spread measureSpread(Index n, const At& at) {
+  Spread s;
+  s.middle.setZero();
+  for (Index k = 0; k < n; ++k) s.middle += at(k) / static_cast<double>(n);
+  Mat3 covariance = Mat3::Zero();
+  for (Index k = 0; k < n; ++k) covariance += (at(k) - s.middle) * (at(k) - s.middle).transpose() / static_cast<double>(n);
+  const Eigen::SelfAdjointEigenSolver<Mat3> solver(covariance);
+  s.across = std::sqrt(std::max(0.0, solver.eigenvalues()[0]));
+  s.along = std::sqrt(std::max(0.0, solver.eigenvalues()[1]));
+  s.normal = solver.eigenvectors().col(0);
+  constexpr double kRounding = 1e-12;  // of a direction: a plane across an axis is that
+  s.normal = (s.normal.array().abs() < kRounding).select(0.0, s.normal).normalized();
+  int largest = 0;
+  s.normal.cwiseAbs().maxCoeff(&largest);
+  if (s.normal[largest] < 0.0) s.normal = -s.normal;
+  return s;
+}
+
+double findMedian(std::vector<double> values) {
+  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
+  return values[values.size() / 2];
+}
+
+// The normal of a planar cloud, or zero of one that fills space. Refuses what is neither.
+Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
+  const Points& x = s.dense.positions;
+  const Index n = static_cast<Index>(x.size());
+  std::vector<double> spacing, thinness;
+  for (Index i = 0; i < n; ++i) {
+    const Index count = std::min(kLocal, s.dense_neighbors.count(i));
+    if (count == 0) continue;
+    const Index* near = s.dense_neighbors.begin(i);
+    spacing.push_back((x[near[0]] - x[i]).norm());
+    const Spread local = measureSpread(count + 1, [&](Index k) { return k < count ? x[near[k]] : x[i]; });
+    thinness.push_back(local.along > 0.0 ? local.across / local.along : 1.0);
+  }
+  const Spread all = measureSpread(n, [&](Index k) { return x[k]; });
+  const bool is_flat = all.across <= kFlat * findMedian(spacing);
+  const model::SolidDimension wish = params.elastic_solid.dimension;
+  if (!(all.along > kFlat * findMedian(spacing)))
+    throw InputError("cloud: its " + count(n, "points lie on a line; accepted: those of a body, or of a part of a plane"));
+  if (wish == model::SolidDimension::kPlanar && !is_flat)
+    throw InputError("elastic_solid.dimension: found planar, but the points lie " + formatShort(all.across) +
+                     " m (rms) off the plane that fits them best; accepted: points in a plane, or volume");
+  if (wish == model::SolidDimension::kVolume && is_flat)
+    throw InputError("elastic_solid.dimension: found volume, but all points lie in a plane; accepted: points that fill space, or planar");
+  if (is_flat) return all.normal;
+  if (findMedian(thinness) < kThin)
+    throw InputError("cloud: its " + count(n, "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane"));
+  return Vec3::Zero();
+}
+
+// The 2k neighbours of the dense points, in space or over the body, and the weights of their detours (empty: all one).
+std::vector<double> findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
+  const Points& positions = s.dense.positions;
+  s.dense_neighbors = cloud::nearestNeighbors(positions, 2 * params.k);
+  if (params.areEuclidean()) return {};
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, {}, s.dense_neighbors, params.geodesicness);
+  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, {}, std::move(s.dense_neighbors));
+  s.dense_neighbors = std::move(found.lists);
+  noteGaps(found, s);
+  return cloud::geodesicWeights(graph, positions, s.dense_neighbors);
+}
+
+// Those given; else of points on the outside the direction away from their neighbours, and none inside. Of a planar solid its
+// own.
+void completeNormals(const Vec3& across, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (!s.dense.normals.empty()) return;
+  s.dense.normals.assign(n, across);
+  if (!across.isZero(0.0)) return;
+  for (Index i = 0; i < n; ++i) {
+    Vec3 sum = Vec3::Zero();
+    double distance = 0.0;
+    for (const Index* j = s.dense_neighbors.begin(i); j != s.dense_neighbors.end(i); ++j) {
+      sum += s.dense.positions[*j] - s.dense.positions[i];
+      distance += (s.dense.positions[*j] - s.dense.positions[i]).norm();
+    }
+    if (sum.norm() > kLoneSide * distance) s.dense.normals[i] = -sum.normalized();
+  }
+}
+
+std::vector<Index> choosePoints(const SceneParams& params, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  const cloud::SimplificationParams& how = params.simplification;
+  const bool by_threshold = how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
+  Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
+  if (how.method == cloud::SimplificationMethod::kNone) target = n;
+  s.order.num_points = n;
+  const Index last = by_threshold ? Index{4} : target;
+  if (last < n) s.order = cloud::orderByDistance(s.dense.positions, s.dense_neighbors, last, choosePinPoints(params, s.dense.positions));
+  return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
+}
+
+void noteLoadsAcross(const SceneParams& params, const Vec3& across, RestSurface& s) {
+  constexpr double kRounding = 1e-9;
+  const auto leaves = [&](const Vec3& v) { return std::abs(across.dot(v)) > kRounding * v.norm(); };
+  if (leaves(params.gravity)) s.notes.push_back("the solid is planar and moves in its plane only: gravity across it is dropped");
+  for (const ForceParams& force : params.forces)
+    if (leaves(force.force)) s.notes.push_back("force " + quote(force.id) + ": what of it is across the planar solid is dropped");
+}
+
+}  // namespace
+
+void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (params.integrator.type == solve::IntegratorType::kImplicit || params.integrator.type == solve::IntegratorType::kStatic)
+    throw InputError("integrator.type: found one that elastic_solid has not; accepted: auto, verlet, symplectic_euler, explicit_euler");
+  std::vector<double> detours = findNeighbors(params.neighbors, s);
+  const Vec3 across = findAcross(params, s);
+  const bool is_planar = !across.isZero(0.0);
+  completeNormals(across, s);
+  s.dense_index = choosePoints(params, s);
+  const Index m = static_cast<Index>(s.dense_index.size());
+  for (Index i : s.dense_index) {
+    s.points.push_back(s.dense.positions[i]);
+    s.normals.push_back(s.dense.normals[i]);
+  }
+
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  const Index k = is_planar ? params.neighbors.k : 2 * params.neighbors.k;
+  cloud::GeodesicCells cells;
+  Lists neighbors;
+  if (m < n || is_planar) {
+    detours.clear();
+    if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, s.dense_index, k);
+    neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
+  }
+  auto solid = std::make_unique<model::ElasticSolid>(s.points, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across,
+                                                     params.material, params.elastic_solid);
+  if (solid->numDeficient() > 0)
+    s.notes.push_back(count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
+  s.solid = solid.get();
+  s.model = std::move(solid);
+  applyPins(params, s);
+  if (is_planar) noteLoadsAcross(params, across, s);
+
+  if (m < n) {
+    Lists followed;
+    if (is_euclidean) {
+      const cloud::KdTree tree(s.points);
+      std::vector<cloud::Neighbor> near;
+      for (const Vec3& x : s.dense.positions) {
+        tree.nearest(x, 2 * params.transfer.k, near);
+        for (const cloud::Neighbor& other : near) followed.items.push_back(other.index);
+        followed.offsets.push_back(static_cast<Index>(followed.items.size()));
+      }
+    } else {
+      followed = cloud::findChosenNear(cells, s.dense.positions, 2 * params.transfer.k);
+    }
+    s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
+  }
+  const std::vector<double>& volumes = s.solid->volumes();
+  const double volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+  s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) + " m^3: " + count(n, "points, ") +
+                    count(m, "simulation points, ") + count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+}
+
+}  // namespace deformable_surface::simulation

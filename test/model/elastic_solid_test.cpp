@@ -1,0 +1,216 @@
+// The elastic solid as a model: what its points stand for, what they feel, and what they must not feel.
+#include "deformable_surface/base/parallel.h"
+#include "model_checks.h"
+#include "solids.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+using model::ElasticSolid;
+
+constexpr double kSpacing = 0.1;
+
+Points mapAll(Points points, const Mat3& map) {
+  for (Vec3& p : points) p = map * p;
+  return points;
+}
+
+// Some strain of a tenth, everywhere the same.
+Mat3 someStrain(bool is_planar = false) {
+  Mat3 F;
+  F << 1.10, 0.08, -0.03, -0.04, 0.93, 0.05, 0.02, -0.06, 1.04;
+  if (is_planar) F.row(2) = F.col(2).transpose() = Vec3::UnitZ().transpose();
+  return F;
+}
+
+Points flatten(Points points) {
+  for (Vec3& p : points) p.z() = 0.0;
+  return points;
+}
+
+struct Body {
+  Points rest;
+  ElasticSolid solid;
+};
+
+Body makeBody(bool is_planar, const SolidOptions& options = {}) {
+  const Points rest = is_planar ? makeBox(12, 6, 1, kSpacing, 0.3) : makeBox(7, 5, 5, kSpacing, 0.3);
+  return {rest, is_planar ? makePlanarSolid(rest, options) : makeSolid(rest, options)};
+}
+
+Points deform(const Body& body, bool is_planar) {
+  const Points points = perturb(mapAll(body.rest, someStrain(is_planar)), 0.05 * kSpacing);
+  return is_planar ? flatten(points) : points;
+}
+
+// Derivative of the forces by central differences, (3 n x 3 n).
+Eigen::MatrixXd differentiateForces(const ElasticSolid& solid, const Points& at, double step) {
+  const Index n = static_cast<Index>(at.size());
+  Eigen::MatrixXd K(3 * n, 3 * n);
+  for (Index c = 0; c < 3 * n; ++c) {
+    Points ahead = at, behind = at;
+    ahead[c / 3][c % 3] += step;
+    behind[c / 3][c % 3] -= step;
+    const Points f = forcesAt(solid, stateAt(ahead)), g = forcesAt(solid, stateAt(behind));
+    for (Index i = 0; i < n; ++i) K.block<3, 1>(3 * i, c) = (g[i] - f[i]) / (2.0 * step);
+  }
+  return K;
+}
+
+TEST(ElasticSolid, IsAtRestAtRest) {
+  for (const bool is_planar : {false, true}) {
+    const Body body = makeBody(is_planar);
+    checkRestIsAtRest(body.solid, body.rest, 1e5 * kSpacing * kSpacing);
+  }
+}
+
+TEST(ElasticSolid, KeepsMomentum) {
+  for (const bool is_planar : {false, true}) {
+    const Body body = makeBody(is_planar);
+    checkMomentumIsKept(body.solid, stateAt(deform(body, is_planar)));
+  }
+}
+
+TEST(ElasticSolid, DoesNotNoticeRigidMotion) {
+  const Body body = makeBody(false);
+  checkRigidMotionIsNotNoticed(body.solid, deform(body, false));
+}
+
+// By central differences of fourth order: what is left is rounding.
+TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergy) {
+  for (const bool is_planar : {false, true})
+    for (const model::SolidLaw law : {model::SolidLaw::kCorotated, model::SolidLaw::kLinear}) {
+      SolidOptions options;
+      options.params.law = law;
+      const Body body = makeBody(is_planar, options);
+      const Points at = mapAll(deform(body, is_planar), Eigen::AngleAxisd(0.8, is_planar ? Vec3(Vec3::UnitZ()) : Vec3(Vec3(1, 2, 3).normalized())).toRotationMatrix());
+      const Points forces = forcesAt(body.solid, stateAt(at));
+      std::mt19937 generator(5);
+      const double h = 1e-3 * kSpacing;
+      for (int trial = 0; trial < 4; ++trial) {
+        Points direction;
+        double expected = 0.0;
+        for (const Vec3& f : forces) {
+          direction.push_back(randomVector(generator));
+          if (is_planar) direction.back().z() = 0.0;
+          expected -= f.dot(direction.back());
+        }
+        const auto energyAt = [&](double t) {
+          Points moved = at;
+          for (std::size_t i = 0; i < at.size(); ++i) moved[i] += t * direction[i];
+          return body.solid.elasticEnergy(stateAt(moved));
+        };
+        const double slope = (8.0 * (energyAt(h) - energyAt(-h)) - (energyAt(2.0 * h) - energyAt(-2.0 * h))) / (12.0 * h);
+        EXPECT_NEAR(slope, expected, 1e-7 * std::abs(expected)) << is_planar << " trial " << trial;
+      }
+    }
+}
+
+// psi = mu |e|^2 + lambda/2 tr^2 e of a symmetric stretch, times the volume; no stabilisation.
+TEST(ElasticSolid, HasTheEnergyOfAUniformStrainOnJitteredPoints) {
+  for (const bool is_planar : {false, true}) {
+    const Body body = makeBody(is_planar);
+    const Mat3 stretch = Vec3(1.05, 0.97, is_planar ? 1.0 : 1.02).asDiagonal(), strain = stretch - Mat3::Identity();
+    const double E = 1e5, nu = 0.3, mu = E / (2.0 * (1.0 + nu));
+    const double lambda = is_planar ? E * nu / (1.0 - nu * nu) : E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
+    const double volume = is_planar ? 11 * 5 * kSpacing * kSpacing * 0.001 : 6 * 4 * 4 * std::pow(kSpacing, 3);
+    const double expected = volume * (mu * strain.squaredNorm() + 0.5 * lambda * strain.trace() * strain.trace());
+    const Mat3 R = Eigen::AngleAxisd(2.0, Vec3::UnitZ()).toRotationMatrix();
+    EXPECT_NEAR(body.solid.elasticEnergy(stateAt(mapAll(body.rest, R * stretch))), expected, 1e-7 * expected);  // of cells, see point_volumes_test
+  }
+}
+
+TEST(ElasticSolid, TakesARotationForStrainOnlyByTheLinearLaw) {
+  SolidOptions options;
+  const Mat3 R = Eigen::AngleAxisd(30.0 * M_PI / 180.0, Vec3(1, 1, 1).normalized()).toRotationMatrix();
+  const Body corotated = makeBody(false, options);
+  options.params.law = model::SolidLaw::kLinear;
+  const Body linear = makeBody(false, options);
+  const double scale = 1e5 * 0.096;  // Young's modulus times the volume
+  EXPECT_LT(corotated.solid.elasticEnergy(stateAt(mapAll(corotated.rest, R))), 1e-20 * scale);
+  EXPECT_GT(linear.solid.elasticEnergy(stateAt(mapAll(linear.rest, R))), 0.01 * scale);
+}
+
+// Six rigid motions, and none beside that would cost next to nothing.
+TEST(ElasticSolid, HasNoMotionWithoutEnergyButRigidOnes) {
+  const Points rest = makeBox(5, 4, 4, kSpacing, 0.2);
+  const auto softest = [&](double stabilization) {
+    SolidOptions options;
+    options.params.stabilization = stabilization;
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(differentiateForces(makeSolid(rest, options), rest, 1e-4 * kSpacing),
+                                                                Eigen::EigenvaluesOnly);
+    const double largest = solver.eigenvalues().maxCoeff();
+    EXPECT_LT(std::abs(solver.eigenvalues()[5]), 1e-7 * largest);
+    return solver.eigenvalues()[6] / largest;
+  };
+  EXPECT_GT(softest(0.05), 1.3 * softest(0.0));
+  EXPECT_GT(softest(0.05), 0.01);
+  std::printf("softest over stiffest: %.4f, without stabilisation %.4f\n", softest(0.05), softest(0.0));
+}
+
+TEST(ElasticSolid, KnowsAStableStep) {
+  for (const bool is_planar : {false, true}) {
+    const Points rest = is_planar ? makeBox(8, 6, 1, kSpacing, 0.3) : makeBox(5, 4, 4, kSpacing, 0.3);
+    const ElasticSolid solid = is_planar ? makePlanarSolid(rest) : makeSolid(rest);
+    Eigen::MatrixXd K = differentiateForces(solid, rest, 1e-4 * kSpacing);
+    for (Index i = 0; i < K.rows(); ++i) {
+      K.row(i) /= std::sqrt(solid.masses()[i / 3]);
+      K.col(i) /= std::sqrt(solid.masses()[i / 3]);
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(K, Eigen::EigenvaluesOnly);
+    const double largest = 2.0 / std::sqrt(solver.eigenvalues().maxCoeff());
+    EXPECT_LT(solid.findStableStep(stateAt(rest)), largest);
+    EXPECT_GT(solid.findStableStep(stateAt(rest)), 0.8 * largest);
+    std::vector<double> rows(rest.size(), 0.0), damping(rest.size(), 0.0);
+    solid.addRowBounds(stateAt(rest), rows, damping);
+    double bound = 0.0;
+    for (std::size_t i = 0; i < rows.size(); ++i) bound = std::max(bound, rows[i] / solid.masses()[i]);
+    EXPECT_GT(bound, solver.eigenvalues().maxCoeff());
+  }
+}
+
+// Turned inside out, flattened or crushed to a point: the forces are finite, and minus the gradient wherever there is one.
+TEST(ElasticSolid, HasForcesInWhateverStateItIs) {
+  const Body body = makeBody(false);
+  for (const Vec3& squeeze : {Vec3(-0.7, 1.1, 0.9), Vec3(1.0, 1.0, 0.0), Vec3(0.0, 0.0, 0.0), Vec3(-1.2, -0.9, -0.8), Vec3(20.0, 0.01, 1.0)}) {
+    const Points at = mapAll(body.rest, squeeze.asDiagonal());
+    const Points forces = forcesAt(body.solid, stateAt(at));
+    EXPECT_TRUE(std::isfinite(largest(forces))) << squeeze.transpose();
+    EXPECT_TRUE(std::isfinite(body.solid.elasticEnergy(stateAt(at))));
+  }
+  checkForcesAreMinusTheGradient(body.solid, perturb(mapAll(body.rest, Vec3(-0.7, 1.1, 0.9).asDiagonal()), 0.02 * kSpacing), kSpacing);
+  checkMomentumIsKept(body.solid, stateAt(perturb(mapAll(body.rest, Vec3(-0.7, 1.1, 0.9).asDiagonal()), 0.02 * kSpacing)));
+}
+
+// A body with a chain of points that sticks out of it: those on the chain span no volume.
+TEST(ElasticSolid, GivesPointsOfAThinPartNoStrainWhereNeighboursAreMissing) {
+  Points rest = makeBox(5, 5, 5, kSpacing, 0.2);
+  for (int k = 1; k < 40; ++k) rest.push_back(Vec3(4.0 + k, 2.0, 2.0) * kSpacing);
+  const ElasticSolid solid = makeSolid(rest);
+  EXPECT_GT(solid.numDeficient(), 0);
+  checkRestIsAtRest(solid, rest, 1e5 * kSpacing * kSpacing);
+  const Points at = perturb(mapAll(rest, someStrain()), 0.02 * kSpacing);
+  checkRigidMotionIsNotNoticed(solid, at);
+  checkMomentumIsKept(solid, stateAt(at));
+  checkForcesAreMinusTheGradient(solid, at, kSpacing);
+}
+
+TEST(ElasticSolid, GivesTheSameBitsForEveryNumberOfThreads) {
+  const Points rest = makeBox(16, 9, 9, kSpacing, 0.3);  // several blocks, and a last group of four that is not full
+  const ElasticSolid solid = makeSolid(rest);
+  const State state = stateAt(perturb(mapAll(rest, someStrain()), 0.1 * kSpacing));
+  setNumThreads(1);
+  const Points one = forcesAt(solid, state);
+  const double energy = solid.elasticEnergy(state);
+  for (const int threads : {2, 3}) {
+    setNumThreads(threads);
+    EXPECT_EQ(forcesAt(solid, state), one);
+    EXPECT_EQ(solid.elasticEnergy(state), energy);
+  }
+  setNumThreads(0);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test

@@ -1,0 +1,176 @@
+// Elastic solids as scenes: what is made of a cloud, and how it moves, is cut down to fewer points, and is refused.
+#include "clouds.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/io/shapes.h"
+#include "deformable_surface/simulation/rest_surface.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+
+// A bar of soft rubber, clamped at x = 0.
+SceneParams makeBarScene(Index points = 600) {
+  SceneParams scene;
+  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.cloud.shape = simulation::CloudParams::Shape::kBar;
+  scene.cloud.points = points;
+  scene.cloud.size = Vec2(0.4, 0.1);
+  scene.cloud.height = 0.1;
+  scene.cloud.jitter = 0.2;
+  scene.material.poisson_ratio = 0.3;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, -1.0);
+  pin.region.max = Vec3(1e-6, 1.0, 1.0);
+  scene.pins.push_back(pin);
+  return scene;
+}
+
+Simulation makeSimulation(const SceneParams& scene) { return Simulation(scene, io::makeShape(scene.cloud)); }
+
+std::string problemOf(const SceneParams& scene, const cloud::PointCloud& cloud) {
+  try {
+    Simulation simulation(scene, cloud);
+  } catch (const InputError& problem) {
+    return problem.what();
+  }
+  return "accepted";
+}
+
+bool hasNote(const Simulation& s, const std::string& part) {
+  for (const std::string& note : s.buildNotes())
+    if (note.find(part) != std::string::npos) return true;
+  return false;
+}
+
+TEST(SolidSimulation, WeighsWhatItsBodyDoes) {
+  const Simulation s = makeSimulation(makeBarScene());
+  double mass = 0.0;
+  for (double m : s.model().masses()) mass += m;
+  EXPECT_NEAR(mass, 1000.0 * 0.004, 1e-3 * 4.0);  // cells of jittered points overlap a little where neighbours end
+}
+
+// Undamped: what falls is what is stored and moves.
+TEST(SolidSimulation, SwingsUnderItsWeightAndKeepsItsEnergy) {
+  SceneParams scene = makeBarScene();
+  scene.material.young_modulus = 1e6;
+  Simulation s = makeSimulation(scene);
+  double lowest = 0.0, largest_energy = 0.0;
+  const double before = s.statistics().potential_energy;
+  for (int k = 0; k < 60; ++k) {
+    ASSERT_TRUE(s.step().ok);
+    const simulation::Statistics now = s.statistics();
+    lowest = std::min(lowest, s.surface(false).positions.back().z() - 0.05);
+    largest_energy = std::max(largest_energy, now.kinetic_energy);
+    EXPECT_NEAR(now.kinetic_energy + now.elastic_energy + now.potential_energy, before, 0.02 * largest_energy + 1e-9);
+  }
+  // Euler and Bernoulli's deflection is rho g L^4 12 / (8 E h^2) = 0.038 m at rest, and twice that in a sudden fall; shear adds
+  // a little.
+  EXPECT_LT(lowest, -0.065);
+  EXPECT_GT(lowest, -0.095);
+}
+
+TEST(SolidSimulation, GivesTheSameBitsForEveryNumberOfThreads) {
+  SceneParams scene = makeBarScene(1500);
+  std::uint64_t hash = 0;
+  for (const Index threads : {1, 2, 3}) {
+    scene.threads = threads;
+    Simulation s = makeSimulation(scene);
+    run(s, 3);
+    if (threads == 1) hash = s.stateHash();
+    EXPECT_EQ(s.stateHash(), hash);
+  }
+}
+
+TEST(SolidSimulation, IsSimplifiedToAsManyPointsAsAskedForAndCarriesTheOthersAlong) {
+  SceneParams scene = makeBarScene(3000);
+  scene.simplification.target_points = 400;
+  Simulation s = makeSimulation(scene);
+  EXPECT_EQ(s.state().size(), 400);
+  EXPECT_EQ(s.surface(false).positions.size(), s.input().positions.size());
+  double mass = 0.0;
+  for (double m : s.model().masses()) mass += m;
+  EXPECT_NEAR(mass, 4.0, 0.05 * 4.0);  // the hull of fewer points
+  run(s, 10);
+  // No point of the cloud is far from what its neighbours do.
+  const Points& now = s.surface(false).positions;
+  for (std::size_t i = 0; i < now.size(); ++i) EXPECT_LT((now[i] - s.input().positions[i]).norm(), 0.1) << i;
+}
+
+TEST(SolidSimulation, RefusesWhatIsNoBody) {
+  SceneParams scene = makeBarScene();
+  scene.pins.clear();
+  EXPECT_NE(problemOf(scene, asCloud(makeSphere(800, 0.5).points)).find("lie on a curved surface"), std::string::npos);
+  Points line;
+  for (int k = 0; k < 20; ++k) line.push_back(Vec3(0.1 * k, 0.0, 0.0));
+  EXPECT_NE(problemOf(scene, asCloud(line)).find("lie on a line"), std::string::npos);
+  scene.elastic_solid.dimension = model::SolidDimension::kPlanar;
+  EXPECT_NE(problemOf(scene, io::makeShape(scene.cloud)).find("elastic_solid.dimension: found planar"), std::string::npos);
+  scene.elastic_solid.dimension = model::SolidDimension::kVolume;
+  EXPECT_NE(problemOf(scene, sheetCloud()).find("elastic_solid.dimension: found volume"), std::string::npos);
+}
+
+// A plate in the x-z plane: gravity along z moves it, along y it cannot.
+TEST(SolidSimulation, APlanarCloudMovesInItsPlaneOnly) {
+  SceneParams scene = makeBarScene();
+  scene.cloud.shape = simulation::CloudParams::Shape::kTwoBars;
+  scene.cloud.points = 500;
+  scene.cloud.size = Vec2(0.4, 0.08);
+  scene.cloud.gap = 0.03;
+  scene.gravity = Vec3(0.0, 5.0, -9.81);
+  Simulation s = makeSimulation(scene);
+  EXPECT_TRUE(hasNote(s, "gravity across it is dropped"));
+  EXPECT_TRUE(hasNote(s, "a planar solid"));
+  run(s, 10);
+  double lowest = 0.0;
+  for (const Vec3& p : s.state().positions) {
+    EXPECT_EQ(p.y(), 0.0);
+    lowest = std::min(lowest, p.z());
+  }
+  EXPECT_LT(lowest, -0.1);
+}
+
+TEST(SolidSimulation, TellsAVonMisesStressThatIsLargestAtTheClamp) {
+  SceneParams scene = makeBarScene();
+  scene.material.damping = 8.0;
+  Simulation s = makeSimulation(scene);
+  run(s, 100);
+  std::vector<double> stress;
+  ASSERT_TRUE(s.model().computePointStress(s.state(), stress));
+  const Index largest = static_cast<Index>(std::max_element(stress.begin(), stress.end()) - stress.begin());
+  EXPECT_LT(s.state().positions[largest].x(), 0.05);
+  // M h / 2 I = 3 rho g L^2 / h = 47 kPa at the clamp's outer fibres by the theory of thin bars.
+  EXPECT_GT(stress[largest], 25e3);
+  EXPECT_LT(stress[largest], 75e3);
+}
+
+TEST(SolidSimulation, RefusesMethodsItHasNot) {
+  SceneParams scene = makeBarScene();
+  scene.integrator.type = solve::IntegratorType::kImplicit;
+  EXPECT_NE(problemOf(scene, io::makeShape(scene.cloud)).find("integrator.type"), std::string::npos);
+}
+
+TEST(SolidSimulation, IsPushedByToolsAndHeldByGrips) {
+  SceneParams scene = makeBarScene();
+  scene.gravity.setZero();
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.05;
+  tool::WaypointParams from, to;
+  from.position = Vec3(0.4, 0.0, 0.2);
+  to.time = 0.3;
+  to.position = Vec3(0.4, 0.0, 0.05);
+  ball.path = {from, to};
+  scene.tools.push_back(ball);
+  Simulation s = makeSimulation(scene);
+  run(s, 30);
+  double lowest = 0.0;
+  for (const Vec3& p : s.state().positions) lowest = std::min(lowest, p.z());
+  EXPECT_LT(lowest, -0.06);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
