@@ -128,6 +128,8 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
     point_step = appendFloats({"temperature"}, point_step, message.fields);
     point_step = appendField("id", sensor_msgs::PointField::UINT32, 1, point_step, message.fields);
   }
+  const std::uint32_t stress_offset = point_step;
+  if (!points.stress.empty()) point_step = appendFloats({"stress"}, point_step, message.fields);
   setShape(m, 1, point_step, message);
   for (Index i = 0; i < m; ++i) {
     const Vec3 &p = points.positions[i], &normal = points.normals[i];
@@ -137,6 +139,10 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
     std::memcpy(point, floats, floats_size);
     point[floats_size] = points.awake[i] != 0;
     point[floats_size + 1] = points.pinned[i] != 0;
+    if (!points.stress.empty()) {
+      const float stress = float(points.stress[i]);
+      std::memcpy(point + stress_offset, &stress, sizeof stress);
+    }
     if (points.traits.empty()) continue;
     const float temperature = float(points.traits[i].temperature);
     const auto id = static_cast<std::uint32_t>(points.traits[i].id);
@@ -149,12 +155,13 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
 void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msgs::PointCloud2& message) {
   Points normals;
   simulation.computeSimulationNormals(normals);
-  std::vector<double> strain;
+  std::vector<double> strain, stress;
   simulation.model().computePointStrain(simulation.state(), strain);
+  simulation.model().computePointStress(simulation.state(), stress);
   std::vector<char> awake = simulation.pinned();
   for (char& flag : awake) flag = !flag;
   encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned(),
-                          simulation.state().traits},
+                          simulation.state().traits, stress},
                          message);
 }
 

@@ -169,7 +169,7 @@ TEST(SurfaceEncoder, FillsAMessageThatWasUsedBefore) {
 TEST(SimulationPoints, BringPositionNormalMassStrainAndFlags) {
   const Points positions{{1, 2, 3}, {4, 5, 6}}, normals(2, Vec3::UnitZ());
   sensor_msgs::PointCloud2 message;
-  encodeSimulationPoints({positions, normals, {0.1, 0.2}, {0.01, 0.02}, {1, 0}, {0, 1}, {}}, message);
+  encodeSimulationPoints({positions, normals, {0.1, 0.2}, {0.01, 0.02}, {1, 0}, {0, 1}, {}, {}}, message);
   EXPECT_EQ(fieldNames(message), (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "mass", "strain",
                                                            "awake", "pinned"}));
   expectPacked(message);
@@ -190,7 +190,7 @@ TEST(SimulationPoints, OfParticlesBringTheirTemperatureAndId) {
   traits[1].temperature = 300.5;
   traits[1].id = 77;
   sensor_msgs::PointCloud2 message;
-  encodeSimulationPoints({positions, normals, {0.1, 0.2}, {0.01, 0.02}, {1, 0}, {0, 1}, traits}, message);
+  encodeSimulationPoints({positions, normals, {0.1, 0.2}, {0.01, 0.02}, {1, 0}, {0, 1}, traits, {}}, message);
   const std::vector<std::string> names = fieldNames(message);
   ASSERT_EQ(names.size(), 12u);
   EXPECT_EQ(names[10], "temperature");
@@ -200,6 +200,17 @@ TEST(SimulationPoints, OfParticlesBringTheirTemperatureAndId) {
   std::uint32_t id = 0;
   std::memcpy(&id, message.data.data() + message.point_step + 38, sizeof id);
   EXPECT_EQ(id, 77u);
+}
+
+TEST(SimulationPoints, OfSolidsBringTheirStress) {
+  const Points positions{{1, 2, 3}, {4, 5, 6}}, normals(2, Vec3::UnitZ());
+  sensor_msgs::PointCloud2 message;
+  encodeSimulationPoints({positions, normals, {0.1, 0.2}, {0.01, 0.02}, {1, 0}, {0, 1}, {}, {1000.0, 2500.0}}, message);
+  ASSERT_EQ(fieldNames(message).size(), 11u);
+  EXPECT_EQ(fieldNames(message)[10], "stress");
+  expectPacked(message);
+  EXPECT_EQ(readFloat(message, 0, 34), 1000.0f);
+  EXPECT_EQ(readFloat(message, 1, 34), 2500.0f);
 }
 
 }  // namespace

@@ -39,10 +39,11 @@ struct SimulationPoints {
   const std::vector<char>& awake;      // 0 or 1
   const std::vector<char>& pinned;     // 0 or 1
   const std::vector<model::ParticleTraits>& traits;  // of oriented particles, else empty
+  const std::vector<double>& stress;   // Pa, von Mises' equivalent of elastic solids, else empty
 };
 
 /// Fills all but the header: x y z normal_x normal_y normal_z mass strain as float32, awake and pinned as uint8; of oriented
-/// particles also temperature (K above ambient) as float32 and id as uint32.
+/// particles also temperature (K above ambient) as float32 and id as uint32; of elastic solids also stress as float32.
 void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCloud2& message);
 /// The same of a simulation now. Nothing sleeps yet: all that is not pinned is awake.
 void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msgs::PointCloud2& message);
