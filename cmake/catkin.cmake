@@ -2,10 +2,12 @@
 find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs
              interactive_markers message_generation nodelet pluginlib rosbag
              roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs
-             tf2_ros visualization_msgs xmlrpcpp)
+             tf2_ros urdf visualization_msgs xmlrpcpp)
 find_package(PCL REQUIRED COMPONENTS common io)
+find_path(ASSIMP_INCLUDE_DIR assimp/Importer.hpp)
+find_library(ASSIMP_LIBRARY assimp)
 
-add_message_files(FILES PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
+add_message_files(FILES PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
 add_service_files(FILES EditParticles.srv FitSurface.srv SaveCloud.srv SelectRegion.srv Step.srv)
 generate_messages(DEPENDENCIES geometry_msgs shape_msgs std_msgs)
 
@@ -14,8 +16,8 @@ catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${libraries}
   CATKIN_DEPENDS diagnostic_msgs diagnostic_updater geometry_msgs message_runtime nodelet pluginlib rosbag roscpp
-                 rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros visualization_msgs
-                 xmlrpcpp
+                 rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros urdf
+                 visualization_msgs xmlrpcpp
   DEPENDS EIGEN3)
 
 file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp)
@@ -40,8 +42,8 @@ target_link_libraries(deformable_surface_io PUBLIC deformable_surface_core PRIVA
 
 add_library(deformable_surface_ros ${ros_sources})
 add_dependencies(deformable_surface_ros ${PROJECT_NAME}_generate_messages_cpp)
-target_include_directories(deformable_surface_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
-target_link_libraries(deformable_surface_ros PUBLIC deformable_surface_io ${catkin_LIBRARIES})
+target_include_directories(deformable_surface_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS} PRIVATE ${ASSIMP_INCLUDE_DIR})
+target_link_libraries(deformable_surface_ros PUBLIC deformable_surface_io ${catkin_LIBRARIES} PRIVATE ${ASSIMP_LIBRARY})
 
 add_library(deformable_surface_nodelet ${nodelet_sources})
 target_link_libraries(deformable_surface_nodelet PUBLIC deformable_surface_ros)

@@ -25,13 +25,13 @@ debian_packages=(
   python3-rospy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-shape-msgs
   libros-rosgraph-msgs-dev
   librostest-dev python3-rostest libgtest-dev libgmock-dev
-  libeigen3-dev libyaml-cpp-dev libpcl-dev
+  libeigen3-dev libyaml-cpp-dev libpcl-dev libassimp-dev liburdf-dev
   python3-matplotlib python3-numpy python3-yaml catkin-lint iproute2
 )
 noetic_packages=(
   build-essential ros-noetic-ros-base ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-rosgraph-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
   ros-noetic-diagnostic-updater ros-noetic-interactive-markers ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
-  libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev
+  ros-noetic-urdf libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev libassimp-dev
   python3-matplotlib python3-numpy python3-yaml iproute2
 )
 debian_rviz_packages=(rviz)

@@ -32,6 +32,11 @@ class Printer : public Fields {
   void onFlag(const About& about, bool& value) override { put(about, value); }
   void onText(const About& about, std::string& value) override { put(about, value); }
   void onVector(const About& about, double* value, int size) override { put(about, Value::List(value, value + size)); }
+  void onRows(const About& about, Points& value) override {
+    Value::List rows;
+    for (const Vec3& row : value) rows.push_back(Value::List(row.data(), row.data() + 3));
+    put(about, std::move(rows));
+  }
   void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted,
                 const std::vector<std::string>&) override {
     put(about, chosen < 0 ? "a value without a name" : accepted[chosen]);

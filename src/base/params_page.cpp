@@ -50,6 +50,9 @@ class Page : public Fields {
     for (int i = 0; i < size; ++i) numbers.push_back(toShortText(value[i]));
     addRow(about, "[" + join(numbers, ", ") + "]", std::to_string(size) + " numbers, each " + about.range.describe());
   }
+  void onRows(const About& about, Points&) override {
+    addRow(about, "[]", "a list of lists of 3 numbers, each " + about.range.describe());
+  }
   void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted,
                 const std::vector<std::string>& planned) override {
     std::string names = "`" + join(accepted, "`, `") + "`";

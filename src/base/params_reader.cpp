@@ -156,18 +156,34 @@ class Reader : public Fields {
   }
 
   void onVector(const About& about, double* value, int size) override {
-    const std::string accepted =
-        "a list of " + std::to_string(size) + " numbers, each " + withUnit(about.range.describe(), about.unit);
+    if (const Value* given = get(about, describeRow(about, size))) readRow(about, about.name, *given, value, size);
+  }
+
+  void onRows(const About& about, Points& value) override {
+    const std::string accepted = "a list of lists, each " + describeRow(about, 3);
     const Value* given = get(about, accepted);
     if (!given) return;
     const Value::List* list = given->asList();
-    if (!list || static_cast<int>(list->size()) != size) return refuse(about, *given, accepted);
+    if (!list) return refuse(about, *given, accepted);
+    value.assign(list->size(), Vec3::Zero());
+    for (std::size_t i = 0; i < list->size(); ++i)
+      readRow(about, about.name + "[" + std::to_string(i) + "]", (*list)[i], value[i].data(), 3);
+  }
+
+  static std::string describeRow(const About& about, int size) {
+    return "a list of " + std::to_string(size) + " numbers, each " + withUnit(about.range.describe(), about.unit);
+  }
+
+  void readRow(const About& about, const std::string& name, const Value& given, double* value, int size) {
+    const Value::List* list = given.asList();
+    if (!list || static_cast<int>(list->size()) != size)
+      return addProblem(name, "found " + given.describe() + "; accepted: " + describeRow(about, size));
     for (int i = 0; i < size; ++i) {
       double number = 0.0;
       if (toNumber((*list)[i], number) && about.range.contains(number)) {
         value[i] = number;
       } else {
-        addProblem(about.name + "[" + std::to_string(i) + "]",
+        addProblem(name + "[" + std::to_string(i) + "]",
                    "found " + (*list)[i].describe() + "; accepted: " + withUnit(about.range.describe(), about.unit));
       }
     }

@@ -55,17 +55,45 @@ SignedDistance fromProfile(const Vec2 (&corners)[n], const Vec3& p) {
 
 }  // namespace
 
-SignedDistance findSignedDistance(const Solid& solid, const Vec3& point) {
+SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double limit) {
   const double r = solid.radius, h = 0.5 * solid.height;
   switch (solid.kind) {
     case Solid::Kind::kSphere: return fromSphere(r, point);
     case Solid::Kind::kBox: return fromBox(0.5 * solid.size, point);
     case Solid::Kind::kCylinder: return fromProfile<4>({Vec2(0.0, -h), Vec2(r, -h), Vec2(r, h), Vec2(0.0, h)}, point);
     case Solid::Kind::kCone: return fromProfile<3>({Vec2(0.0, -h), Vec2(r, -h), Vec2(0.0, h)}, point);
+    case Solid::Kind::kMesh: {
+      const double least = solid.mesh->boundDistance(point);
+      return least > limit ? SignedDistance{least, Vec3::UnitZ()} : solid.mesh->findSignedDistance(point);
+    }
     case Solid::Kind::kPlane: break;
   }
   const Vec3 normal = solid.normal.normalized();
   return {normal.dot(point) - solid.offset, normal};
+}
+
+double findLargestExtent(const Solid& solid) {
+  switch (solid.kind) {
+    case Solid::Kind::kSphere: return 2.0 * solid.radius;
+    case Solid::Kind::kBox: return solid.size.maxCoeff();
+    case Solid::Kind::kCylinder:
+    case Solid::Kind::kCone: return std::max(2.0 * solid.radius, solid.height);
+    case Solid::Kind::kMesh: return (solid.mesh->high() - solid.mesh->low()).maxCoeff();
+    case Solid::Kind::kPlane: break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+double findSmallestExtent(const Solid& solid) {
+  switch (solid.kind) {
+    case Solid::Kind::kSphere: return 2.0 * solid.radius;
+    case Solid::Kind::kBox: return solid.size.minCoeff();
+    case Solid::Kind::kCylinder:
+    case Solid::Kind::kCone: return std::min(2.0 * solid.radius, solid.height);
+    case Solid::Kind::kMesh: return (solid.mesh->high() - solid.mesh->low()).minCoeff();
+    case Solid::Kind::kPlane: break;
+  }
+  return std::numeric_limits<double>::infinity();
 }
 
 }  // namespace deformable_surface::geometry

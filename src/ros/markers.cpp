@@ -124,6 +124,11 @@ void setShape(const geometry::Solid& solid, const tool::Pose& pose, double exten
       }
       return;
     }
+    case Kind::kMesh:
+      marker.type = Marker::TRIANGLE_LIST;
+      for (const geometry::Polyhedron::Triangle& triangle : solid.mesh->triangles())
+        for (Index corner : triangle) marker.points.push_back(toPoint(solid.mesh->vertices()[corner]));
+      return;
     case Kind::kPlane: {
       // The plate lies below the plane, across its normal.
       marker.type = Marker::CUBE;
@@ -351,10 +356,10 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
   const model::DeformableModel& model = simulation.model();
   const Points& positions = state.positions;
   const bool is_oriented = model.isOriented();
-  if (is_oriented) {
-    model.refreshDisplay(state);
-    edges_ = collectEdges(model.triangles());
-  }
+  if (is_oriented) model.refreshDisplay(state);
+  // Triangles come and go with particles, and go where a surface is cut.
+  if (is_oriented || model.triangles().size() != num_triangles_) edges_ = collectEdges(model.triangles());
+  num_triangles_ = model.triangles().size();
   model.computePointStrain(state, strain_);
   displacement_.resize(positions.size());
   for (Index i = 0; i < state.size(); ++i)

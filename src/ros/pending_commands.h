@@ -22,6 +22,8 @@ class PendingCommands {
   PendingCommands(const simulation::WrenchParams& wrench, const tf2::BufferCore& transforms, Complaints& complaints)
       : wrench_(wrench), transforms_(transforms), complaints_(complaints), tools_(transforms) {}
 
+  /// See ToolCommands.
+  void setStanding(std::vector<Tool> tools) { tools_.setStanding(std::move(tools)); }
   /// Too many: the oldest are dropped.
   void append(std::vector<Command>&& commands);
   /// Drops those that count from before the stamp (ns).

@@ -119,7 +119,7 @@ void Publishers::publishWrenches(const std_msgs::Header& header, const simulatio
   if (tool_wrenches_.getNumSubscribers() == 0 && std::none_of(wrenches_.begin(), wrenches_.end(), hasListeners)) return;
   const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
   if (tool_wrenches_.getNumSubscribers() > 0)
-    tool_wrenches_.publish(boost::make_shared<ToolWrenchArray>(makeToolWrenches(header, reactions)));
+    tool_wrenches_.publish(boost::make_shared<ToolWrenchArray>(makeToolWrenches(header, reactions, simulation.pinReactions())));
   for (std::size_t t = 0; t < tools.size(); ++t) {
     const auto found = wrenches_.find(tools[t].id);
     if (found == wrenches_.end() || found->second.getNumSubscribers() == 0) continue;

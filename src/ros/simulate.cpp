@@ -1,6 +1,8 @@
 #include "simulate.h"
 
 #include "frames.h"
+#include "mesh_files.h"
+#include "robot_tools.h"
 #include "simulate_bag.h"
 #include "simulate_options.h"
 #include "simulate_outputs.h"
@@ -18,7 +20,6 @@
 #include "deformable_surface/simulation/expectations.h"
 #include "deformable_surface/simulation/loads.h"
 
-#include <ros/package.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -39,24 +40,14 @@ constexpr int kDone = 0, kWrongInput = 2, kNoSoundStep = 3, kInterrupted = 128;
 // RViz shows nothing without a frame, and this one means "fixed in the world" everywhere (REP 105).
 constexpr char kDefaultFrame[] = "map";
 
-/// The folder of a package by ROS, else of this one beside the program in an install space without a ROS environment.
-std::string findPackage(const std::string& package) {
-  // To ask for a package that there is not would write to the terminal.
-  std::vector<std::string> known;
-  ros::package::getAll(known);
-  if (std::find(known.begin(), known.end(), package) != known.end()) return ros::package::getPath(package);
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = program.parent_path() / "../../share" / package;
-  if (!error && fs::is_directory(installed, error)) return installed.lexically_normal().string();
-  throw InputError("package " + quote(package) + ": not found; accepted: packages on ROS_PACKAGE_PATH");
-}
-
 SceneParams loadScene(const SimulateOptions& options) {
   Value root = io::loadYamlFile(options.scene);
   for (const std::string& assignment : options.assignments) io::setByPath(root, assignment);
-  const SceneParams params = io::readScene(root);
+  SceneParams params = io::readScene(root);
   io::checkForSimulate(params, options.bag_in.empty());
+  readMeshFiles(params.tools);
+  if (!params.robot.links.empty() && (options.bag_in.empty() || params.robot.file.empty()))
+    throw InputError("robot.links: found some without --bag_in, which has their frames, or without robot.file; accepted: both, or no links");
   return params;
 }
 
@@ -174,6 +165,7 @@ class Run {
     } else {
       bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points});
       tool_commands_.emplace(bag_->transforms());
+      if (!params_.robot.links.empty()) tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
       playBag();
     }
     stepUntil(end_);

@@ -140,7 +140,7 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
   cloud.header = header;
   write("simulation_points", cloud);
 
-  write("tool_wrenches", makeToolWrenches(header, simulation.toolReactions()));
+  write("tool_wrenches", makeToolWrenches(header, simulation.toolReactions(), simulation.pinReactions()));
 
   visualization_msgs::MarkerArray markers;
   markers_->make(header, simulation, markers);

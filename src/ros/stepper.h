@@ -38,6 +38,9 @@ class Stepper {
   Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers& publishers, const tf2::BufferCore& transforms,
           Complaints& complaints);
 
+  /// See ToolCommands. Before the first turn.
+  void setStanding(std::vector<Tool> tools) { commands_.setStanding(std::move(tools)); }
+
   /// Waits for the next thing to do, but not beyond the given time, and does it. Returns false when the inbox is closed.
   bool turn(Inbox::SteadyTime until);
 

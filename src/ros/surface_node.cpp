@@ -2,14 +2,17 @@
 
 #include "complaints.h"
 #include "inbox.h"
+#include "mesh_files.h"
 #include "node_diagnostics.h"
 #include "publishers.h"
 #include "registration_watchdog.h"
+#include "robot_tools.h"
 #include "services.h"
 #include "stepper.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/ros/bounded_cloud.h"
@@ -40,14 +43,25 @@ constexpr std::uint32_t kClockQueue = 10000;
 // Drivers and players of bags have started by then; a remapping that is wrong would otherwise stay silent.
 constexpr std::chrono::seconds kCloudPatience(10);
 
+// The robot's links as tools, none if the parameters name none. Throws InputError.
+std::vector<Tool> readRobotTools(const ros::NodeHandle& private_node, const tool::RobotParams& robot) {
+  if (robot.links.empty()) return {};
+  if (!robot.file.empty()) return makeRobotTools(readDescription(robot.file), robot.links);
+  std::string name, urdf;
+  if (!private_node.searchParam(robot.description, name) || !private_node.getParam(name, urdf))
+    throw InputError("robot.description: found no parameter " + quote(robot.description) + "; accepted: one that holds a URDF, or robot.file");
+  return makeRobotTools(urdf, robot.links);
+}
+
 }  // namespace
 
 simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   private_node.getParam(private_node.getNamespace(), tree);
   if (!tree.valid()) tree.setSize(0);
-  const simulation::SceneParams params =
+  simulation::SceneParams params =
       io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
+  readMeshFiles(params.tools);
   const std::filesystem::path directory = params.save_directory;
   std::error_code error;
   if (!directory.empty() && !(directory.is_absolute() && std::filesystem::is_directory(directory, error)))
@@ -93,6 +107,7 @@ struct SurfaceNode::Impl {
         // One thread each: input keeps its order, and a service that waits does not hold it up.
         input_spinner(1, &input_queue),
         service_spinner(1, &service_queue) {
+    stepper.setStanding(readRobotTools(private_node, params.robot));
     if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
     subscribe(params);
     simulation_thread = std::thread([this, num_threads = params.threads] {

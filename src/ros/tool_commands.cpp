@@ -17,6 +17,9 @@ using shape_msgs::SolidPrimitive;
 using tool::Mode;
 using tool::ToolParams;
 
+// Its tree is built anew for every message that adds or moves the tool: some ten milliseconds.
+constexpr std::size_t kMaxMeshTriangles = 20000;
+
 // Rounding of times must not make a tool late by a step.
 constexpr double kRounding = 1e-6;  // of a step
 
@@ -71,22 +74,31 @@ Solid toSolid(const shape_msgs::Plane& plane) {
   return solid;
 }
 
+Solid toSolid(const shape_msgs::Mesh& mesh) {
+  if (mesh.triangles.size() > kMaxMeshTriangles)
+    throw InputError("mesh.triangles: found " + std::to_string(mesh.triangles.size()) + "; accepted: up to " + std::to_string(kMaxMeshTriangles));
+  Points vertices, triangles;
+  for (const geometry_msgs::Point& v : mesh.vertices) vertices.emplace_back(v.x, v.y, v.z);
+  for (const shape_msgs::MeshTriangle& t : mesh.triangles)
+    triangles.emplace_back(t.vertex_indices[0], t.vertex_indices[1], t.vertex_indices[2]);
+  Solid solid;
+  solid.kind = Solid::Kind::kMesh;
+  const std::string problem = geometry::setMesh(vertices, triangles, solid);
+  if (!problem.empty()) throw InputError("mesh: " + problem);
+  return solid;
+}
+
 Solid readShape(const Tool& command) {
   if (command.shape == Tool::PRIMITIVE) return toSolid(command.primitive);
   if (command.shape == Tool::PLANE) return toSolid(command.plane);
-  if (command.shape == Tool::MESH) throw InputError("shape: found MESH, which is not built yet; accepted: PRIMITIVE, PLANE");
-  throw InputError("shape: found " + std::to_string(command.shape) + "; accepted: 0 (PRIMITIVE), 1 (PLANE)");
+  if (command.shape == Tool::MESH) return toSolid(command.mesh);
+  throw InputError("shape: found " + std::to_string(command.shape) + "; accepted: 0 (PRIMITIVE), 1 (PLANE), 2 (MESH)");
 }
 
-double findLargestExtent(const Solid& solid) {
-  switch (solid.kind) {
-    case Solid::Kind::kSphere: return 2.0 * solid.radius;
-    case Solid::Kind::kBox: return solid.size.maxCoeff();
-    case Solid::Kind::kCylinder:
-    case Solid::Kind::kCone: return std::max(2.0 * solid.radius, solid.height);
-    case Solid::Kind::kPlane: break;
-  }
-  throw InputError("shape: found a PLANE that is to ATTRACT, whose reach would be without end; accepted: PRIMITIVE");
+double findReach(const Solid& solid) {
+  if (solid.kind == Solid::Kind::kPlane)
+    throw InputError("shape: found a PLANE that is to ATTRACT, whose reach would be without end; accepted: PRIMITIVE, MESH");
+  return geometry::findLargestExtent(solid);
 }
 
 // All but the path, and the window in time.
@@ -103,7 +115,7 @@ ToolParams readTool(const Tool& command) {
   tool.shape = readShape(command);
   tool.friction = command.friction;
   tool.strength = command.strength;
-  if (tool.mode == Mode::kAttract) tool.reach = findLargestExtent(tool.shape);
+  if (tool.mode == Mode::kAttract) tool.reach = findReach(tool.shape);
   return tool;
 }
 
@@ -204,6 +216,16 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
 std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::Simulation& simulation,
                                             const std::string& surface_frame) {
   std::vector<std::string> problems;
+  for (Tool& tool : standing_) {
+    if (stand_.count(tool.id) > 0) continue;
+    try {
+      tool.header.stamp = stamp;
+      apply(tool, simulation, surface_frame);
+      stand_.insert(tool.id);
+    } catch (const InputError& error) {
+      problems.push_back(std::string(error.what()) + "; the tool waits for it");
+    }
+  }
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   for (auto& [id, course] : courses_) {
     if (!course.isMoving()) continue;

@@ -11,7 +11,9 @@
 #include <tf2/buffer_core.h>
 
 #include <map>
+#include <set>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::node {
@@ -32,8 +34,15 @@ class ToolCommands {
   /// up at the stamp, 0 = the latest; a tool whose frame is not known then stays where it is. Returns a sentence for each of those.
   std::vector<std::string> move(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame);
 
+  /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget(); one that is
+  /// deleted stays away until then.
+  void setStanding(std::vector<Tool> tools) { standing_ = std::move(tools); }
+
   /// The surface is another or at rest again: the tools of before are gone.
-  void forget() { courses_.clear(); }
+  void forget() {
+    courses_.clear();
+    stand_.clear();
+  }
 
   // Longer pauses between messages are no motion, but a tool that was put elsewhere.
   static constexpr double kLongestMove = 0.1;  // s
@@ -56,6 +65,8 @@ class ToolCommands {
 
   const tf2::BufferCore& transforms_;
   std::map<std::string, Course> courses_;  // by id
+  std::vector<Tool> standing_;
+  std::set<std::string> stand_;            // ids of those that have been added
 };
 
 }  // namespace deformable_surface::node

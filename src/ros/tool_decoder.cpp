@@ -21,6 +21,14 @@ std::uint32_t skipArray(IStream& stream, std::uint64_t element) {
   return count;
 }
 
+/// Reads an array whose length comes next, once that is known to be no more than there is.
+template <class Element>
+void readArray(IStream& stream, std::uint64_t element, std::vector<Element>& array) {
+  IStream ahead = stream;
+  skipArray(ahead, element);
+  stream.next(array);
+}
+
 // In the order of Tool.msg.
 Tool readTool(IStream& stream) {
   Tool tool;
@@ -36,8 +44,8 @@ Tool readTool(IStream& stream) {
   else
     tool.primitive.dimensions.resize(kMaxDimensions);  // a wrong number in any case, which the conversion refuses
   stream.next(tool.plane);
-  skipArray(stream, kTriangle);
-  skipArray(stream, kPoint);
+  readArray(stream, kTriangle, tool.mesh.triangles);
+  readArray(stream, kPoint, tool.mesh.vertices);
   stream.next(tool.pose);
   stream.next(tool.twist);
   stream.next(tool.follow_frame);

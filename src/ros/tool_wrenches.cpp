@@ -13,7 +13,8 @@ geometry_msgs::Vector3 toMessage(const Vec3& v) {
 
 }  // namespace
 
-ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions) {
+ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions,
+                                 const std::vector<simulation::PinReaction>& pins) {
   ToolWrenchArray message;
   message.header = header;
   for (const simulation::ToolReaction& reaction : reactions) {
@@ -24,6 +25,14 @@ ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vect
     wrench.contacts = static_cast<std::uint32_t>(reaction.contacts);
     wrench.penetration = reaction.penetration;
     message.wrenches.push_back(wrench);
+  }
+  for (const simulation::PinReaction& reaction : pins) {
+    PinWrench wrench;
+    wrench.id = reaction.id;
+    wrench.wrench.force = toMessage(reaction.force);
+    wrench.wrench.torque = toMessage(reaction.torque);
+    wrench.points = static_cast<std::uint32_t>(reaction.points);
+    message.pins.push_back(wrench);
   }
   return message;
 }

@@ -10,8 +10,9 @@
 
 namespace deformable_surface::node {
 
-/// In each tool's own frame, about its origin; in the order of the reactions.
-ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions);
+/// Tools in their own frames, about their origins; pins in the frame of the header; both in the order of the reactions.
+ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions,
+                                 const std::vector<simulation::PinReaction>& pins);
 
 /// The same of one tool in the surface's frame, that of the header, still about the tool's origin.
 geometry_msgs::WrenchStamped makeToolWrench(const std_msgs::Header& header, const simulation::ToolReaction& reaction,

@@ -46,7 +46,7 @@ void ContactLoad::forEachTouch(const ToolParams& tool, double time, const Points
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
-    const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i]);
+    const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? 0.0 : tool.reach);
     if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
     const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
     visit(Touch{i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});

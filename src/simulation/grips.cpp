@@ -45,7 +45,7 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
       grip.has_begun = true;
       const tool::Pose pose = tool::interpolate(grip.tool.path, time);
       for (Index i = 0; i < state.size(); ++i) {
-        if (pinned[i] || !(tool::findSignedDistance(grip.tool.shape, pose, state.positions[i]).distance <= 0.0)) continue;
+        if (pinned[i] || !(tool::findSignedDistance(grip.tool.shape, pose, state.positions[i], 0.0).distance <= 0.0)) continue;
         grip.points.push_back(i);
         grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
       }

@@ -169,6 +169,9 @@ struct Simulation::Impl {
   }
 
   void setTools(std::vector<tool::ToolParams> given) {
+    for (const tool::ToolParams& tool : given)
+      if (tool.shape.kind == geometry::Solid::Kind::kMesh && !tool.shape.mesh)
+        throw InputError("tool " + quote(tool.id) + " shape.mesh.file: found one that has not been read; accepted: vertices and triangles");
     if (!given.empty() && !(contact_rate > 0.0)) findContactRate();
     tools = std::move(given);
     contact.setTools(tools);

@@ -6,6 +6,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <functional>
 #include <limits>
@@ -27,6 +28,18 @@ Tool makeBall(const std::string& id, const Vec3& position, double radius = 0.1) 
   tool.pose.position.y = position.y();
   tool.pose.position.z = position.z();
   return tool;
+}
+
+/// Three edges of a metre along the axes.
+shape_msgs::Mesh makeTetrahedron() {
+  shape_msgs::Mesh mesh;
+  mesh.vertices.resize(4);
+  mesh.vertices[1].x = mesh.vertices[2].y = mesh.vertices[3].z = 1.0;
+  for (const auto& corners : {std::array<std::uint32_t, 3>{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}}) {
+    mesh.triangles.emplace_back();
+    for (int c = 0; c < 3; ++c) mesh.triangles.back().vertex_indices[c] = corners[c];
+  }
+  return mesh;
 }
 
 geometry_msgs::TransformStamped makeTransform(const std::string& child, const Vec3& position, double turn_about_z = 0.0) {
@@ -129,6 +142,19 @@ TEST_F(ToolCommandsTest, DrawFromAsFarAsTheyAreLarge) {
   EXPECT_EQ(only().reach, 0.5);
 }
 
+TEST_F(ToolCommandsTest, AMeshIsASolidOfItsOwn) {
+  Tool tool = makeBall("wedge", Vec3(0, 0, 1));
+  tool.shape = Tool::MESH;
+  tool.mesh = makeTetrahedron();
+  tool.mode = Tool::ATTRACT;
+  tool.strength = 1.0;
+  apply(tool);
+  ASSERT_EQ(only().shape.kind, Solid::Kind::kMesh);
+  EXPECT_NEAR(only().shape.mesh->volume(), 1.0 / 6.0, 1e-15);
+  EXPECT_EQ(only().reach, 1.0);
+  EXPECT_NEAR(findSignedDistance(only().shape, Vec3(0.1, 0.2, 0.3)).distance, -0.1, 1e-15);
+}
+
 TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
   apply(makeBall("ball", Vec3(1, 2, 3)));
   const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -141,7 +167,10 @@ TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
       {[](Tool& t) { t.action = 1; }, "action: found 1"},
       {[](Tool& t) { t.mode = 6; }, "mode: found 6"},
       {[](Tool& t) { t.mode = Tool::ERASE; }, "mode"},  // a sheet of springs has no particles
-      {[](Tool& t) { t.shape = Tool::MESH; }, "not built yet"},
+      {[](Tool& t) { t.shape = Tool::MESH; }, "mesh: found 0 triangles"},
+      {[](Tool& t) { t.shape = Tool::MESH; t.mesh = makeTetrahedron(); t.mesh.triangles.pop_back(); t.mesh.triangles.push_back(t.mesh.triangles[0]); },
+       "same direction"},
+      {[](Tool& t) { t.shape = Tool::MESH; t.mesh = makeTetrahedron(); t.mesh.triangles[0].vertex_indices[0] = 0xffffffffu; }, "found the corner"},
       {[](Tool& t) { t.shape = 3; }, "shape: found 3"},
       {[](Tool& t) { t.primitive.type = 0; }, "primitive.type: found 0"},
       {[](Tool& t) { t.primitive.dimensions.clear(); }, "found 0 numbers; accepted: 1"},

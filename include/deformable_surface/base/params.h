@@ -75,6 +75,10 @@ class Fields {
   void vector(const char* name, Vec4& value, const char* unit, const Range& range, const char* meaning) {
     onVector(take(name, meaning, unit, range), value.data(), 4);
   }
+  /// A list of rows of three numbers, as the vertices of a mesh.
+  void rows(const char* name, Points& value, const char* unit, const Range& range, const char* meaning) {
+    onRows(take(name, meaning, unit, range), value);
+  }
   /// One of several names. planned: names that are known but not built yet.
   template <class Enum>
   void choice(const char* name, Enum& value, std::initializer_list<std::pair<const char*, Enum>> names, const char* meaning,
@@ -138,6 +142,7 @@ class Fields {
   virtual void onFlag(const About& about, bool& value) = 0;
   virtual void onText(const About& about, std::string& value) = 0;
   virtual void onVector(const About& about, double* value, int size) = 0;
+  virtual void onRows(const About& about, Points& value) = 0;
   /// chosen: position among the accepted names, -1 = none of them.
   virtual void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted,
                         const std::vector<std::string>& planned) = 0;

@@ -2,16 +2,21 @@
 // direction it gets out.
 #pragma once
 
+#include "deformable_surface/geometry/signed_distance.h"
 #include "deformable_surface/geometry/solid_params.h"
+
+#include <limits>
 
 namespace deformable_surface::geometry {
 
-struct SignedDistance {
-  double distance;                // m; negative inside
-  Vec3 normal;                    // its gradient: unit, outward; where several directions are equally short, one of them
-};
+/// Exact signed distance of a point (m, in the solid's frame). Of points outside beyond a limit, m, it may be any value beyond it, with
+/// any normal: what is far need not be looked at closely.
+SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double limit = std::numeric_limits<double>::infinity());
 
-/// Exact signed distance of a point (m, in the solid's frame).
-SignedDistance findSignedDistance(const Solid& solid, const Vec3& point);
+/// The largest extent, m: the diameter of a sphere, the longest edge of a box, the larger of height and diameter of a cylinder or cone, the
+/// longest edge of the box around a mesh; infinite for a plane.
+double findLargestExtent(const Solid& solid);
+/// The smallest, in the same way.
+double findSmallestExtent(const Solid& solid);
 
 }  // namespace deformable_surface::geometry

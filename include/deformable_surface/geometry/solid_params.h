@@ -2,20 +2,49 @@
 #pragma once
 
 #include "deformable_surface/base/params.h"
+#include "deformable_surface/geometry/polyhedron.h"
+
+#include <cmath>
+#include <memory>
 
 namespace deformable_surface::geometry {
 
 /// A solid about its own origin, as in shape_msgs/SolidPrimitive: cylinder and cone along z between -height/2 and height/2, the
 /// cone's tip at the larger z; the plane is the half-space n . x <= offset |n| with the normal n, which points out of the solid.
 struct Solid {
-  enum class Kind { kSphere, kBox, kCylinder, kCone, kPlane };
+  enum class Kind { kSphere, kBox, kCylinder, kCone, kPlane, kMesh };
   Kind kind = Kind::kSphere;
   double radius = 0.1;            // m, > 0: sphere, cylinder, base of the cone
   double height = 0.1;            // m, > 0: cylinder, cone
   Vec3 size{0.1, 0.1, 0.1};       // m, > 0: edges of the box
   Vec3 normal{0.0, 0.0, 1.0};     // of the plane, of any length but zero
   double offset = 0.0;            // m: plane
+  std::shared_ptr<const Polyhedron> mesh;  // of kMesh, once it has been read
+  std::string mesh_file;          // of kMesh: where it is to be read from; empty once it has been
+  double mesh_scale = 1.0;        // units of the file to metres
 };
+
+/// Rows of three as the numbers of a scene.
+inline Points toRows(const std::vector<Polyhedron::Triangle>& triangles) {
+  Points rows;
+  for (const Polyhedron::Triangle& t : triangles) rows.emplace_back(t[0], t[1], t[2]);
+  return rows;
+}
+
+/// Makes the solid the mesh that the rows describe. Returns why it is none; empty: all is well.
+inline std::string setMesh(const Points& vertices, const Points& rows, Solid& solid) {
+  std::vector<Polyhedron::Triangle> triangles;
+  for (const Vec3& row : rows) {
+    if (row != row.array().floor().matrix()) return "triangles: found a corner that is no whole number; accepted: places of vertices, from 0";
+    triangles.push_back({static_cast<Index>(row[0]), static_cast<Index>(row[1]), static_cast<Index>(row[2])});
+  }
+  try {
+    solid.mesh = std::make_shared<const Polyhedron>(vertices, triangles);
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "";
+}
 
 inline void visit(Fields& fields, Solid& p) {
   using Kind = Solid::Kind;
@@ -57,7 +86,23 @@ inline void visit(Fields& fields, Solid& p) {
     fields.number("offset", p.offset, "m", between(-1e6, 1e6), "of the plane from the tool's origin, along the normal");
     fields.end();
   }
-  fields.require(given == 1, "", "found " + std::to_string(given) + " of sphere, box, cylinder, cone and plane; accepted: one");
+  if (fields.begin("mesh", p.kind == Kind::kMesh, "a closed polyhedron, from a file or written out")) {
+    ++given;
+    p.kind = Kind::kMesh;
+    Points vertices = p.mesh ? p.mesh->vertices() : Points(), triangles = p.mesh ? toRows(p.mesh->triangles()) : Points();
+    const Points vertices_before = vertices, triangles_before = triangles;
+    fields.text("file", p.mesh_file, "`.ply`, `.stl`, `.obj`, `.off` or `.dae`; `package://PACKAGE/PATH` is found");
+    fields.number("scale", p.mesh_scale, "", between(1e-9, 1e9), "units of the file to metres");
+    fields.rows("vertices", vertices, "m", between(-kMaxLength, kMaxLength), "corners, in place of a file");
+    fields.rows("triangles", triangles, "", between(0.0, kMaxPoints), "each by three places in vertices, counted from 0; all wound alike");
+    fields.require(p.mesh_file.empty() != vertices.empty(), "", "found both or neither of file and vertices; accepted: one of them");
+    if (!vertices.empty() && (!p.mesh || vertices != vertices_before || triangles != triangles_before)) {
+      const std::string problem = setMesh(vertices, triangles, p);
+      fields.require(problem.empty(), "", problem);
+    }
+    fields.end();
+  }
+  fields.require(given == 1, "", "found " + std::to_string(given) + " of sphere, box, cylinder, cone, plane and mesh; accepted: one");
 }
 
 }  // namespace deformable_surface::geometry

@@ -80,6 +80,7 @@ class SimulationMarkers {
 
   Points rest_positions_;                      // by the particles' ids, else by index; NaN: none
   std::vector<std::pair<Index, Index>> edges_; // of the triangles, each once
+  std::size_t num_triangles_ = 0;  // that the edges are those of
   double spacing_ = 0.0;                       // m, mean length of an edge or link at rest
   double extent_ = 0.0;                        // m, diagonal of the bounding box at rest
   Vec3 top_ = Vec3::Zero();                    // m, above the surface at rest

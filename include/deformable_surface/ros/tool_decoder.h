@@ -21,8 +21,7 @@ struct DecodedTools {
   bool ok() const { return refusal.empty(); }
 };
 
-/// Takes memory in proportion to the bytes only. Refuses more than kMaxTools and messages shorter than they claim. Meshes, which
-/// no tool can be yet, are left out.
+/// Takes memory in proportion to the bytes only. Refuses more than kMaxTools and messages shorter than they claim.
 DecodedTools decodeTools(const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace deformable_surface::node

@@ -13,6 +13,7 @@
 #include "deformable_surface/simulation/activity_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
+#include "deformable_surface/tool/robot_params.h"
 #include "deformable_surface/tool/tool_params.h"
 #include "deformable_surface/transfer/transfer_params.h"
 
@@ -131,6 +132,7 @@ struct SceneParams {
   std::vector<AnchorParams> anchors;
   std::vector<ForceParams> forces;
   std::vector<tool::ToolParams> tools;
+  tool::RobotParams robot;
   WrenchParams force;     // for ~wrench
   double duration = 2.0;  // s, > 0
   Index threads = 0;      // 0 = all cores
@@ -339,6 +341,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   }
   fields.section("force", p.force, "The force that comes as `~wrench`.");
   fields.list("tools", p.tools, "Rigid tools.");
+  fields.section("robot", p.robot, "Links of a robot that are tools, too (docs/tools.md).");
   ids.clear();
   for (std::size_t i = 0; i < p.tools.size(); ++i) {
     const std::string& id = p.tools[i].id;

@@ -55,7 +55,7 @@ inline void visit(Fields& fields, ToolParams& p) {
                 "begins; `erase` takes away what is inside; `cut` is solid and heats what it touches; `heat` warms what is inside "
                 "(the last three: oriented particles)");
   fields.section("shape", p.shape,
-                 "One of sphere, box, cylinder, cone and plane (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
+                 "One of sphere, box, cylinder, cone, plane and mesh (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
                  "is up).");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid and cut");
   fields.number("strength", p.strength, "", between(0.0, 1e12),
