@@ -67,7 +67,8 @@ void ActivePart::setLoads(const Loads& loads) {
     force.shares.resize(kept);
   }
   forces_.restore(forces);
-  contact_.setTools(loads.tools);
+  contact_.restore(loads.contact.all());
+  contact_.renumber(new_index_);
   contact_.setRate(loads.contact_rate);
   loads_ = {&gravity_, &forces_};
   if (params_.pressure != 0.0) loads_.push_back(&pressure_);

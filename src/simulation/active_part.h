@@ -19,7 +19,7 @@ class ActivePart {
     const GravityLoad& gravity;
     const AnchorLoad& anchors;
     const NamedForces& forces;
-    const std::vector<tool::ToolParams>& tools;
+    const ContactLoad& contact;
     double contact_rate;  // 1/s
   };
 

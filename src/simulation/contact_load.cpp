@@ -31,22 +31,34 @@ Vec3 findSliding(const tool::Motion& motion, const Vec3& position, const Vec3& v
 }  // namespace
 
 void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
-  tools_.clear();
-  for (const ToolParams& tool : tools)
-    if (isPushing(tool) || tool.mode == Mode::kAttract) tools_.push_back(tool);
+  std::vector<Body> bodies;
+  for (const ToolParams& tool : tools) {
+    if (!isPushing(tool) && tool.mode != Mode::kAttract) continue;
+    bodies.push_back({tool, {}});
+    for (Body& before : bodies_)
+      if (before.tool.id == tool.id && tool.mode == Mode::kSolid) bodies.back().passed = std::move(before.passed);
+  }
+  bodies_ = std::move(bodies);
 }
 
 double ContactLoad::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
 
 // Calls visit(touch) for every point that the tool acts on.
 template <class Visit>
-void ContactLoad::forEachTouch(const ToolParams& tool, double time, const Points& positions, Visit&& visit) const {
+void ContactLoad::forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const {
+  const ToolParams& tool = body.tool;
+  auto passed = body.passed.begin();
   if (!tool::isActive(tool, time)) return;
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
-    const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? 0.0 : tool.reach);
+    geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? 0.0 : tool.reach);
+    if (passed != body.passed.end() && passed->point == i) {
+      const tool::Entry& entry = passed++->entry;
+      const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
+      if (tool::isHeldUp(tool.shape, entry, place, d)) d = {entry.heightOf(place), pose.orientation * entry.normal};
+    }
     if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
     const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
     visit(Touch{i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});
@@ -54,15 +66,16 @@ void ContactLoad::forEachTouch(const ToolParams& tool, double time, const Points
 }
 
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
-  for (const ToolParams& tool : tools_)
-    forEachTouch(tool, time, state.positions, [&](const Touch& touch) { forces[touch.point] += touch.force; });
+  for (const Body& body : bodies_)
+    forEachTouch(body, time, state.positions, [&](const Touch& touch) { forces[touch.point] += touch.force; });
 }
 
-double ContactLoad::potentialOf(const ToolParams& tool, double time, const Points& positions) const {
+double ContactLoad::potentialOf(const Body& body, double time, const Points& positions) const {
+  const ToolParams& tool = body.tool;
   double sum = 0.0;
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
-  forEachTouch(tool, time, positions, [&](const Touch& touch) {
+  forEachTouch(body, time, positions, [&](const Touch& touch) {
     const double d = touch.distance;
     sum += per_mass * masses_[touch.point] * (pushing ? 0.5 * d * d : attractionPotential(d, tool.reach));
   });
@@ -71,49 +84,52 @@ double ContactLoad::potentialOf(const ToolParams& tool, double time, const Point
 
 double ContactLoad::potential(double time, const model::State& state) const {
   double sum = 0.0;
-  for (const ToolParams& tool : tools_) sum += potentialOf(tool, time, state.positions);
+  for (const Body& body : bodies_) sum += potentialOf(body, time, state.positions);
   return sum;
 }
 
 double ContactLoad::storedEnergy(double time, const model::State& state) const {
   double sum = 0.0;
-  for (const ToolParams& tool : tools_)
-    if (isPushing(tool)) sum += potentialOf(tool, time, state.positions);
+  for (const Body& body : bodies_)
+    if (isPushing(body.tool)) sum += potentialOf(body, time, state.positions);
   return sum;
 }
 
 double ContactLoad::estimateWork(double from, double to, const model::State& before, const model::State& after) const {
-  if (tools_.empty()) return 0.0;
+  if (bodies_.empty()) return 0.0;
   return std::max({0.0, potential(to, before) - potential(from, before), potential(to, after) - potential(from, after)});
 }
 
 // The curvature of the tool's surface would soften a point that slides; leaving it out keeps the matrix positive.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
-  for (const ToolParams& tool : tools_) {
+  for (const Body& body : bodies_) {
+    const ToolParams& tool = body.tool;
     // Also without contact: the pattern stays the same from step to step.
     for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
     const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
-    forEachTouch(tool, time, state.positions, [&](const Touch& touch) {
+    forEachTouch(body, time, state.positions, [&](const Touch& touch) {
       stiffness.add(touch.point, touch.point, masses_[touch.point] * per_mass * touch.normal * touch.normal.transpose());
     });
   }
 }
 
 void ContactLoad::addRowBounds(double, const model::State& state, std::vector<double>& stiffness, std::vector<double>&) const {
-  for (const ToolParams& tool : tools_) {
+  for (const Body& body : bodies_) {
+    const ToolParams& tool = body.tool;
     const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
     for (Index i = 0; i < state.size(); ++i) stiffness[i] += per_mass * masses_[i];
   }
 }
 
 void ContactLoad::addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const {
-  for (const ToolParams& tool : tools_) {
+  for (const Body& body : bodies_) {
+    const ToolParams& tool = body.tool;
     const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == tool.id; });
     if (found == reactions.end()) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     const tool::Motion motion = tool::findMotion(tool.path, time);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    forEachTouch(tool, time, state.positions, [&](const Touch& touch) {
+    forEachTouch(body, time, state.positions, [&](const Touch& touch) {
       const Vec3& x = state.positions[touch.point];
       const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
       const Vec3 on_point = touch.force + FrictionLoad::findForce(*this, tool, touch, sliding);
@@ -129,10 +145,11 @@ void ContactLoad::addReactions(double time, const model::State& state, std::vect
 
 void ContactLoad::appendContacts(double time, const model::State& state, const std::string& id, Index place,
                                  std::vector<Contact>& contacts) const {
-  for (const ToolParams& tool : tools_) {
+  for (const Body& body : bodies_) {
+    const ToolParams& tool = body.tool;
     if (tool.id != id) continue;
     const tool::Motion motion = tool::findMotion(tool.path, time);
-    forEachTouch(tool, time, state.positions, [&](const Touch& touch) {
+    forEachTouch(body, time, state.positions, [&](const Touch& touch) {
       const Vec3& x = state.positions[touch.point];
       const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
       contacts.push_back({place, touch.point, x, touch.normal, touch.force + FrictionLoad::findForce(*this, tool, touch, sliding)});
@@ -141,7 +158,8 @@ void ContactLoad::appendContacts(double time, const model::State& state, const s
 }
 
 bool FrictionLoad::isEmpty() const {
-  return std::none_of(contact_.tools_.begin(), contact_.tools_.end(), [](const ToolParams& tool) { return tool.friction > 0.0; });
+  return std::none_of(contact_.bodies_.begin(), contact_.bodies_.end(),
+                      [](const ContactLoad::Body& body) { return body.tool.friction > 0.0; });
 }
 
 Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch, const Vec3& sliding) {
@@ -152,10 +170,11 @@ Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool,
 }
 
 void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
-  for (const ToolParams& tool : contact_.tools_) {
+  for (const ContactLoad::Body& body : contact_.bodies_) {
+    const ToolParams& tool = body.tool;
     if (!(tool.friction > 0.0)) continue;
     const tool::Motion motion = tool::findMotion(tool.path, time);
-    contact_.forEachTouch(tool, time, state.positions, [&](const ContactLoad::Touch& touch) {
+    contact_.forEachTouch(body, time, state.positions, [&](const ContactLoad::Touch& touch) {
       const Vec3 sliding = findSliding(motion, state.positions[touch.point], state.velocities[touch.point], touch.normal);
       forces[touch.point] += findForce(contact_, tool, touch, sliding);
     });
@@ -164,10 +183,11 @@ void FrictionLoad::addForces(double time, const model::State& state, Points& for
 
 double FrictionLoad::estimateWork(double from, double to, const model::State&, const model::State& after) const {
   double work = 0.0;
-  for (const ToolParams& tool : contact_.tools_) {
+  for (const ContactLoad::Body& body : contact_.bodies_) {
+    const ToolParams& tool = body.tool;
     if (!(tool.friction > 0.0)) continue;
     const tool::Motion motion = tool::findMotion(tool.path, from);
-    contact_.forEachTouch(tool, to, after.positions, [&](const ContactLoad::Touch& touch) {
+    contact_.forEachTouch(body, to, after.positions, [&](const ContactLoad::Touch& touch) {
       work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
     });
   }
@@ -176,10 +196,11 @@ double FrictionLoad::estimateWork(double from, double to, const model::State&, c
 
 void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  for (const ToolParams& tool : contact_.tools_) {
+  for (const ContactLoad::Body& body : contact_.bodies_) {
+    const ToolParams& tool = body.tool;
     if (!(tool.friction > 0.0)) continue;
     const tool::Motion motion = tool::findMotion(tool.path, time);
-    contact_.forEachTouch(tool, time, state.positions, [&](const ContactLoad::Touch& touch) {
+    contact_.forEachTouch(body, time, state.positions, [&](const ContactLoad::Touch& touch) {
       const Vec3 sliding = findSliding(motion, state.positions[touch.point], state.velocities[touch.point], touch.normal);
       const double speed = sliding.norm(), most = contact_.masses_[touch.point] * contact_.rate_;
       const double damping = speed > 0.0 ? std::min(tool.friction * touch.force.norm() / speed, most) : most;
@@ -189,8 +210,8 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
 }
 
 void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
-  for (const ToolParams& tool : contact_.tools_)
-    for (Index i = 0; tool.friction > 0.0 && i < state.size(); ++i) damping[i] += contact_.masses_[i] * contact_.rate_;
+  for (const ContactLoad::Body& body : contact_.bodies_)
+    for (Index i = 0; body.tool.friction > 0.0 && i < state.size(); ++i) damping[i] += contact_.masses_[i] * contact_.rate_;
 }
 
 }  // namespace deformable_surface::simulation

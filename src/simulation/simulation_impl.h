@@ -68,6 +68,7 @@ struct Snapshot::Contents {
   std::vector<NamedForces::Named> forces;
   std::vector<tool::ToolParams> tools;
   std::vector<Grips::Grip> grips;
+  std::vector<ContactLoad::Body> bodies;
   solve::TimeMarch::Memory march, part_march;
   bool has_part;
   Activity::Memory activity;
@@ -204,6 +205,7 @@ struct Simulation::Impl {
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
     grips.reset();
+    contact.reset();
     part.reset();
     setTools(params.tools);
     activity.reset();
@@ -233,7 +235,7 @@ struct Simulation::Impl {
 
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-        identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), march.memory(),
+        identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), contact.all(), march.memory(),
         part ? part->march().memory() : part_march, part != nullptr, activity.memory(),
         surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
   }
@@ -251,6 +253,7 @@ struct Simulation::Impl {
     part.reset();
     setTools(saved.tools);
     grips.restore(saved.grips);
+    contact.restore(saved.bodies);
     march.setMemory(saved.march);
     part_march = saved.part_march;
     activity.setMemory(saved.activity, state);
@@ -328,6 +331,8 @@ struct Simulation::Impl {
     beginAsleep(now);
     if (activity.isAsleep()) return passStep(timer);
 
+    if (!contact.isEmpty() && contact.beginStep(now, dt, state, held)) loadsChanged();
+
     const bool is_nested = beginNested();
     solve::TimeMarch::Outcome taken = advance(now);
     if (is_nested && !taken.ok) {
@@ -344,6 +349,10 @@ struct Simulation::Impl {
       outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + taken.failure +
                         "; the state before it is kept";
       return outcome;
+    }
+    if (!contact.isEmpty()) {
+      const std::string passed = contact.endStep(now, dt, state, held, rest.model->triangles());
+      if (!passed.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + passed;
     }
     ++steps;
     surface.invalidate();
@@ -372,7 +381,7 @@ struct Simulation::Impl {
   // What is awake; in activity_steps.cpp.
   bool canBeInParts() const;
   bool maySleep() const;
-  ActivePart::Loads partLoads() const { return {gravity, anchors, forces, tools, contact_rate}; }
+  ActivePart::Loads partLoads() const { return {gravity, anchors, forces, contact, contact_rate}; }
   solve::TimeMarch& lastMarch() { return part ? part->march() : march; }
   void setParts();
   void makePart();
@@ -421,6 +430,7 @@ struct Simulation::Impl {
       forces.renumber(changes.new_index);
       anchors.renumber(changes.new_index);
       grips.renumber(changes.new_index);
+      contact.renumber(changes.new_index);
       keepThose(changes.new_index, pinned);
       keepThose(changes.new_index, pinned_turns);
     }

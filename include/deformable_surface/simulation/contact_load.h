@@ -4,6 +4,7 @@
 
 #include "deformable_surface/simulation/tool_reaction.h"
 #include "deformable_surface/solve/external_load.h"
+#include "deformable_surface/tool/crossing.h"
 #include "deformable_surface/tool/tool.h"
 
 namespace deformable_surface::simulation {
@@ -11,6 +12,8 @@ namespace deformable_surface::simulation {
 /// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2 / 2. Being
 /// in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and at rest a point is as
 /// deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between them.
+/// A point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came in by, is pushed
+/// back along the latter, with d the depth below the plane there, until it is out or beside the tool.
 ///
 /// An attracting tool draws the points within its reach R on either side to its surface: F = -k s d (1 - (d / R)^2)^2 n at the
 /// distance d, s the point's share of the mass of all; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
@@ -18,9 +21,32 @@ class ContactLoad : public solve::ExternalLoad {
  public:
   explicit ContactLoad(const std::vector<double>& masses) : masses_(masses) {}
 
-  /// Tools of other modes are left alone.
+  /// Tools of other modes are left alone. Those that are there by their id keep what they have passed over.
   void setTools(const std::vector<tool::ToolParams>& tools);
-  bool isEmpty() const { return tools_.empty(); }
+  bool isEmpty() const { return bodies_.empty(); }
+
+  /// A point that a tool has passed over, by the way it came in.
+  struct Passed {
+    Index point;
+    tool::Entry entry;
+  };
+  /// A tool with the points that it has passed over, ascending. What a snapshot must hold.
+  struct Body {
+    tool::ToolParams tool;
+    std::vector<Passed> passed;
+  };
+  const std::vector<Body>& all() const { return bodies_; }
+  void restore(const std::vector<Body>& bodies) { bodies_ = bodies; }
+  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again. held: those that
+  /// cannot be pushed. Returns whether any were or are passed over.
+  bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
+  /// After it: which points they did pass over though it was not foreseen. Returns what a user should know.
+  std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
+                      const std::vector<model::WeightedTriangle>& triangles);
+  /// Forgets what was passed over.
+  void reset();
+  /// Points have got other indices: new_index (of those before), -1 = gone.
+  void renumber(const std::vector<Index>& new_index);
 
   /// r, 1/s. Set once the stable step at rest is known.
   void setRate(double rate) { rate_ = rate; }
@@ -48,13 +74,16 @@ class ContactLoad : public solve::ExternalLoad {
     Vec3 force;       // N, on the point, along the normal
   };
   template <class Visit>
-  void forEachTouch(const tool::ToolParams& tool, double time, const Points& positions, Visit&& visit) const;
-  double potentialOf(const tool::ToolParams& tool, double time, const Points& positions) const;
+  void forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const;
+  double potentialOf(const Body& body, double time, const Points& positions) const;
   double totalMass() const;
 
   const std::vector<double>& masses_;
-  std::vector<tool::ToolParams> tools_;  // solid, cut and attract
+  std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
+  Points before_;                // m, of the last beginStep()
+  std::vector<Passed> scratch_;
+  std::vector<std::string> told_;  // ids of tools whose passing between points was told
 };
 
 /// Coulomb's friction of the points that a solid tool touches: mu F_n against the sliding velocity v, but at most m r v. The limit keeps it

@@ -1,0 +1,145 @@
+// Solid tools that are thinner than their way in a step, or faster than contact can follow, do not go through a sheet.
+#include "clouds.h"
+#include "support/meshes.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+using geometry::Solid;
+
+/// A sheet of a square metre, held along its edges, without gravity; stretchy enough to be pushed far, and damped.
+simulation::SceneParams heldSheet() {
+  simulation::SceneParams p;
+  p.material.damping = 20.0;
+  p.material.bending_rigidity = 1e-4;
+  p.gravity.setZero();
+  for (const auto& [min, max] : {std::pair<Vec3, Vec3>{Vec3(-1, -1, -1), Vec3(0.001, 2, 1)}, {Vec3(0.999, -1, -1), Vec3(2, 2, 1)},
+                                 {Vec3(-1, -1, -1), Vec3(2, -0.499, 1)}, {Vec3(-1, 0.499, -1), Vec3(2, 2, 1)}}) {
+    simulation::PinParams pin;
+    pin.region.min = min;
+    pin.region.max = max;
+    p.pins.push_back(pin);
+  }
+  p.simplification.target_points = 250;
+  return p;
+}
+
+/// From below the middle of the sheet to above it at a speed, m/s, where it rests.
+tool::ToolParams mover(const Solid& shape, double speed) {
+  tool::ToolParams tool;
+  tool.id = "mover";
+  tool.shape = shape;
+  const double from = -0.45, to = 0.15;
+  tool.path = {{0.0, Vec3(0.5, 0.0, from)}, {(to - from) / speed, Vec3(0.5, 0.0, to)}};
+  return tool;
+}
+
+std::vector<std::pair<std::string, Solid>> listSolids() {
+  std::vector<std::pair<std::string, Solid>> solids(4);
+  solids[0].first = "ball";
+  solids[0].second.radius = 0.15;
+  solids[1].first = "box";
+  solids[1].second.kind = Solid::Kind::kBox;
+  solids[1].second.size = Vec3(0.3, 0.3, 0.1);
+  solids[2].first = "plate of a tenth of a millimetre";
+  solids[2].second.kind = Solid::Kind::kBox;
+  solids[2].second.size = Vec3(0.3, 0.3, 1e-4);
+  solids[3].first = "mesh";
+  solids[3].second.kind = Solid::Kind::kMesh;
+  const Mesh mesh = makeBoxMesh(Vec3(0.3, 0.3, 0.02));
+  geometry::setMesh(mesh.vertices, geometry::toRows(mesh.triangles), solids[3].second);
+  return solids;
+}
+
+/// Of the free points over the inner half of the tool: the height of the lowest over the tool's middle, m.
+double findLowest(const simulation::Simulation& s, const Points& rest, double height) {
+  double lowest = 1e300;
+  for (std::size_t i = 0; i < rest.size(); ++i)
+    if ((rest[i] - Vec3(0.5, 0.0, 0.0)).cwiseAbs().maxCoeff() < 0.075) lowest = std::min(lowest, s.state().positions[i].z() - height);
+  return lowest;
+}
+
+TEST(Tunnelling, NoSolidGoesThroughASheetHoweverFastOrThin) {
+  // A sub-step is about a millisecond: the plate passes in a tenth of one at a metre a second, at a hundred in a thousandth.
+  for (const auto& [name, solid] : listSolids())
+    for (double speed : {1.0, 100.0}) {
+      simulation::SceneParams p = heldSheet();
+      p.tools = {mover(solid, speed)};
+      simulation::Simulation s(p, sheetCloud());
+      const Points rest = s.state().positions;
+      run(s, static_cast<int>(0.6 / speed / 0.01) + 120);
+      EXPECT_GT(findLowest(s, rest, 0.15), -0.01) << name << " at " << speed << " m/s";
+      const simulation::ToolReaction reaction = s.toolReactions()[0];
+      EXPECT_LT(reaction.force.z(), -0.1) << name << " at " << speed << " m/s";
+      EXPECT_LT(reaction.penetration, 0.01) << name << " at " << speed << " m/s";
+    }
+}
+
+TEST(Tunnelling, ASheetThatFallsOnAThinPlateStaysOnIt) {
+  simulation::SceneParams p = heldSheet();
+  p.pins.clear();
+  p.material.damping = 2.0;
+  p.gravity = Vec3(0.0, 0.0, -9.81);
+  tool::ToolParams plate;
+  plate.id = "plate";
+  plate.shape.kind = Solid::Kind::kBox;
+  plate.shape.size = Vec3(3.0, 3.0, 1e-4);
+  plate.path = {{0.0, Vec3(0.5, 0.0, -1.0)}};
+  p.tools = {plate};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 100);
+  for (const Vec3& x : s.state().positions) EXPECT_GT(x.z(), -1.01);
+}
+
+TEST(Tunnelling, ASlowToolTouchesAsIfNothingWereRemembered) {
+  // What the solid pushes back by itself is left to it: nothing is passed over.
+  simulation::SceneParams p = heldSheet();
+  Solid ball;
+  ball.radius = 0.15;
+  p.tools = {mover(ball, 0.5)};
+  simulation::Simulation s(p, sheetCloud());
+  std::vector<double> masses = s.model().masses();
+  simulation::ContactLoad load(masses);
+  load.setTools(p.tools);
+  load.setRate(100.0);
+  const std::vector<char> held(masses.size(), 0);
+  for (int k = 0; k < 120; ++k) {
+    EXPECT_FALSE(load.beginStep(s.time(), 0.01, s.state(), held));
+    run(s, 1);
+  }
+  EXPECT_GT(s.toolReactions()[0].contacts, 0);
+}
+
+TEST(Tunnelling, ASnapshotHoldsWhatWasPassedOver) {
+  simulation::SceneParams p = heldSheet();
+  p.tools = {mover(listSolids()[2].second, 30.0)};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 2);
+  const simulation::Snapshot snapshot = s.snapshot();
+  run(s, 5);
+  const std::uint64_t hash = s.stateHash();
+  s.reset();
+  s.restore(snapshot);
+  run(s, 5);
+  EXPECT_EQ(s.stateHash(), hash);
+}
+
+TEST(Tunnelling, ANeedleThatFindsItsWayBetweenThePointsIsReportedOnce) {
+  simulation::SceneParams p = heldSheet();
+  Solid needle;
+  needle.radius = 1e-4;
+  p.tools = {mover(needle, 1.0)};
+  p.tools[0].path[0].position.head<2>() = p.tools[0].path[1].position.head<2>() = Vec2(0.513, 0.013);
+  simulation::Simulation s(p, sheetCloud());
+  int told = 0;
+  for (int k = 0; k < 80; ++k) {
+    const std::string notice = s.step().notice;
+    if (notice.find("tool 'mover' has gone through the surface between its simulation points") != std::string::npos) ++told;
+  }
+  EXPECT_EQ(told, 1);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
