@@ -32,6 +32,7 @@ void DeformedSurface::reset() {
   ids_.clear();
   point_of_id_.clear();
   survivors_.reset();
+  cut_.reset();
   if (!params_.output.resample) return;
   const cloud::Rings rings = cloud::buildRings(rest_.dense.positions, rest_.dense.normals, rest_.dense_neighbors);
   const Index room = std::max<Index>(0, params_.input.max_points - static_cast<Index>(rest_.dense.positions.size()));
@@ -62,7 +63,7 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   with_normals = with_normals && params_.output.normals;
   if (is_made_ && (has_normals_ || !with_normals)) return surface_;
   if (rest_.particles) followPopulation(state);
-  const transfer::Transfer& transfer = survivors_ ? *survivors_ : rest_.transfer;
+  const transfer::Transfer& transfer = currentTransfer();
   const Points& positions = !rest_.particles ? state.positions : first_positions_;
   if (rest_.solid) {
     moveSolid(state, with_normals);
@@ -81,6 +82,31 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   is_made_ = true;
   has_normals_ = with_normals;
   return surface_;
+}
+
+const transfer::Transfer& DeformedSurface::currentTransfer() const {
+  if (cut_) return cut_->transfer();
+  return survivors_ ? *survivors_ : rest_.transfer;
+}
+
+bool DeformedSurface::sever(const tool::BladeSweep& blade, const Points& before, const Points& after) {
+  if (first_input_.empty()) return false;  // simulation points alone
+  if (!cut_) cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
+  return cut_->sever(blade, before, after);
+}
+
+void DeformedSurface::followLinks(const std::vector<std::pair<Index, Index>>& whole) {
+  if (first_input_.empty()) return;
+  if (!cut_) cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
+  cut_->followLinks(whole);
+  invalidate();
+}
+
+void DeformedSurface::restoreCut(const CutTransfer::Memory* saved, const std::vector<std::pair<Index, Index>>& whole) {
+  cut_.reset();
+  if (!saved) return;
+  cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
+  cut_->setMemory(*saved, whole);
 }
 
 // Which particles of the beginning are left, and the operator that does without the others: a dense point follows those that are

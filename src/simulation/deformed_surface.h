@@ -4,9 +4,12 @@
 
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
+#include "deformable_surface/tool/blade.h"
 #include "deformable_surface/transfer/resample.h"
 
 #include <memory>
+
+#include "cut_transfer.h"
 
 namespace deformable_surface::simulation {
 
@@ -23,6 +26,16 @@ class DeformedSurface {
   std::shared_ptr<const transfer::Resampler> saveInserted() const;
   void restoreInserted(const transfer::Resampler* saved);
 
+  /// A knife went through the surface while the simulation points (m x 3) moved from before to after: dense points no longer follow those that
+  /// it went between.
+  /// Returns whether there are any.
+  bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after);
+  /// The links (m) that are whole are others than before.
+  void followLinks(const std::vector<std::pair<Index, Index>>& whole);
+  /// What was severed, for a snapshot; null: nothing.
+  std::shared_ptr<const CutTransfer::Memory> saveCut() const { return cut_ ? cut_->memory() : nullptr; }
+  void restoreCut(const CutTransfer::Memory* saved, const std::vector<std::pair<Index, Index>>& whole);
+
   /// The state is another than that of the last make().
   void invalidate() {
     is_made_ = has_normals_ = false;
@@ -36,6 +49,7 @@ class DeformedSurface {
   const Surface& make(const model::State& state, bool with_normals);
 
  private:
+  const transfer::Transfer& currentTransfer() const;
   void followPopulation(const model::State& state);
   void moveSolid(const model::State& state, bool with_normals);
   void takeParticles(const model::State& state, bool with_normals);
@@ -57,6 +71,8 @@ class DeformedSurface {
   transfer::Transfer inserted_transfer_;
   Points inserted_now_, all_now_;
   std::vector<Eigen::Vector3f> inserted_normals_now_;
+
+  std::unique_ptr<CutTransfer> cut_;  // null: nothing is cut
 
   // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
   std::vector<Index> ids_;            // of the state that the rest below belongs to

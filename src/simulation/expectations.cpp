@@ -113,6 +113,10 @@ std::optional<double> findParticleQuantity(const std::string& name, const Simula
                                        "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean"};
   if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
   const model::OrientedParticles* particles = simulation.particles();
+  if (!particles && (name == "components" || name == "isolated")) {
+    const model::ParticleTopology linked = model::measureTopology(simulation.state().size(), simulation.model().stretchLinks());
+    return name == "components" ? linked.components : linked.isolated;
+  }
   if (!particles) throw InputError(name + ": found a model without particles; accepted: model: oriented_particles");
   const model::State& state = simulation.state();
   const Index first = simulation.numFirst();

@@ -179,6 +179,7 @@ void buildModel(const SceneParams& params, RestSurface& s) {
     s.notes.push_back(count(mass_spring->numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
   if (mass_spring->numWithoutBending() > 0)
     s.notes.push_back(count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
+  s.mass_spring = mass_spring.get();
   s.model = std::move(mass_spring);
 
   applyPins(params, s);

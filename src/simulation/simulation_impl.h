@@ -21,6 +21,7 @@
 #include "accuracy.h"
 #include "active_part.h"
 #include "activity.h"
+#include "cutting.h"
 #include "deformed_surface.h"
 #include "error_estimator.h"
 #include "nested_start.h"
@@ -69,6 +70,8 @@ struct Snapshot::Contents {
   std::vector<tool::ToolParams> tools;
   std::vector<Grips::Grip> grips;
   std::vector<ContactLoad::Body> bodies;
+  std::vector<model::MassSpring::Link> cuts;
+  std::shared_ptr<const CutTransfer::Memory> severed;  // null: nothing
   solve::TimeMarch::Memory march, part_march;
   bool has_part;
   Activity::Memory activity;
@@ -96,6 +99,7 @@ struct Simulation::Impl {
   std::vector<char> pinned, pinned_turns;
   std::vector<char> held, held_turns;  // pinned, gripped or too cold
   std::unique_ptr<ParticleLife> life;  // null: no particles
+  std::unique_ptr<Cutting> cutting;    // null: nothing that can be cut
   solve::System system;
 
   // What a snapshot holds (with the pins, forces and grips above).
@@ -141,6 +145,7 @@ struct Simulation::Impl {
         activity(params.activity, rest.points, std::sqrt(rest.area / static_cast<double>(rest.points.size())),
                  params.integrator.time_step, *rest.model, canBeInParts()),
         surface(rest, input, params) {
+    if (rest.mass_spring) cutting = std::make_unique<Cutting>(*rest.mass_spring, params.mass_spring.tear_strain);
     reset();
   }
 
@@ -173,9 +178,18 @@ struct Simulation::Impl {
     for (const tool::ToolParams& tool : given)
       if (tool.shape.kind == geometry::Solid::Kind::kMesh && !tool.shape.mesh)
         throw InputError("tool " + quote(tool.id) + " shape.mesh.file: found one that has not been read; accepted: vertices and triangles");
+    for (const tool::ToolParams& tool : given)
+      if (cutting && tool.mode == tool::Mode::kCut && (params.output.resample || params.mass_spring.volume_stiffness > 0.0))
+        throw InputError("tool " + quote(tool.id) + " mode: found cut on a surface that " +
+                         (params.output.resample ? "inserts points, which would not know their side" : "keeps its volume") +
+                         "; accepted: cut without output.resample and mass_spring.volume_stiffness");
     if (!given.empty() && !(contact_rate > 0.0)) findContactRate();
     tools = std::move(given);
-    contact.setTools(tools);
+    // Knives cut springs without resistance; particles they push, too.
+    std::vector<tool::ToolParams> pushing = tools;
+    const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
+    if (cutting) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
+    contact.setTools(pushing);
     grips.setTools(tools);
     chooseLoads();
     loadsChanged();
@@ -185,6 +199,7 @@ struct Simulation::Impl {
   double time() const { return static_cast<double>(steps) * params.integrator.time_step; }
 
   void reset() {
+    if (cutting) cutting->setCuts({});
     state.positions = rest.points;
     state.velocities.assign(rest.points.size(), Vec3::Zero());
     rest.model->beginAtRest(state);
@@ -235,12 +250,14 @@ struct Simulation::Impl {
 
   std::shared_ptr<const Snapshot::Contents> save() const {
     return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-        identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), contact.all(), march.memory(),
+        identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), contact.all(),
+        cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(), surface.saveCut(), march.memory(),
         part ? part->march().memory() : part_march, part != nullptr, activity.memory(),
         surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
   }
 
   void restore(const Snapshot::Contents& saved) {
+    if (cutting) cutting->setCuts(saved.cuts);
     state = saved.state;
     rest.model->adopt(state);
     placeAnchors();
@@ -263,6 +280,7 @@ struct Simulation::Impl {
     if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
     if (estimator && !saved.estimate) estimator->lose();
     surface.restoreInserted(saved.resampler.get());
+    if (cutting) surface.restoreCut(saved.severed.get(), rest.model->stretchLinks());
     statistics = saved.statistics;
   }
 
@@ -333,6 +351,8 @@ struct Simulation::Impl {
 
     if (!contact.isEmpty() && contact.beginStep(now, dt, state, held)) loadsChanged();
 
+    const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
+
     const bool is_nested = beginNested();
     solve::TimeMarch::Outcome taken = advance(now);
     if (is_nested && !taken.ok) {
@@ -353,6 +373,15 @@ struct Simulation::Impl {
     if (!contact.isEmpty()) {
       const std::string passed = contact.endStep(now, dt, state, held, rest.model->triangles());
       if (!passed.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + passed;
+    }
+    if (may_be_cut && cutting->endStep(tools, now, dt, state.positions, surface)) {
+      wakeAll();
+      march.restart();
+      if (estimator && std::isfinite(estimator->total()))
+        outcome.notice += (outcome.notice.empty() ? "" : "; ") +
+                          std::string("the surface is cut, which its coarser copies do not follow: there is no error estimate until "
+                                      "the next reset");
+      if (estimator) estimator->lose();
     }
     ++steps;
     surface.invalidate();

@@ -210,14 +210,35 @@ Transfer::Transfer(const Points& dense, const Points& normals, const Points& sim
     return static_cast<double>(degenerate);
   }));
 
-  // The normals as apply() will find them at rest, so that their change at rest is exactly zero.
-  for (std::size_t g = 0; g < num_groups; ++g) {
-    float* const frame = frame_.data() + g * kFrameRows * kLanes;
-    const Vec3x4 n = findNormals(load3(frame + kTangentX * kLanes), load3(frame + kTangentY * kLanes), frame);
-    store(n.x, frame + kNormal * kLanes);
-    store(n.y, frame + (kNormal + 1) * kLanes);
-    store(n.z, frame + (kNormal + 2) * kLanes);
+  for (std::size_t g = 0; g < num_groups; ++g) settleNormals(g);
+}
+
+void Transfer::settleNormals(std::size_t group) {
+  float* const frame = frame_.data() + group * kFrameRows * kLanes;
+  const Vec3x4 n = findNormals(load3(frame + kTangentX * kLanes), load3(frame + kTangentY * kLanes), frame);
+  store(n.x, frame + kNormal * kLanes);
+  store(n.y, frame + (kNormal + 1) * kLanes);
+  store(n.z, frame + (kNormal + 2) * kLanes);
+}
+
+std::vector<Index> Transfer::sourcesOf(Index dense) const {
+  const Index* const index = index_.data() + dense / kLanes * k_ * kLanes + dense % kLanes;
+  std::vector<Index> sources{index[0]};
+  // Rows with fewer are filled up with the first.
+  for (Index j = 1; j < k_ && index[j * kLanes] != index[0]; ++j) sources.push_back(index[j * kLanes]);
+  return sources;
+}
+
+void Transfer::refit(const std::vector<Index>& dense, const Lists& followed, const Points& normals, const TransferParams& params) {
+  std::vector<Index> found;
+  for (std::size_t p = 0; p < dense.size(); ++p) {
+    const std::size_t group = dense[p] / kLanes, lane = dense[p] % kLanes;
+    float* const weight = weight_.data() + group * k_ * 3 * kLanes + lane;
+    for (Index j = 0; j < 3 * k_; ++j) weight[j * kLanes] = 0.0f;
+    found.assign(followed.begin(static_cast<Index>(p)), followed.end(static_cast<Index>(p)));
+    fitRow(dense[p], normals[dense[p]], simulation_rest_, found, params);
   }
+  for (Index d : dense) settleNormals(d / kLanes);
 }
 
 bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found,

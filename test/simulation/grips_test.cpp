@@ -129,9 +129,9 @@ TEST(Simulation, AToolIsGivenAnotherPathOrTheReasonWhyNot) {
 
 TEST(Simulation, ToolsThatTheModelHasNotAreRefused) {
   simulation::Simulation s(hangingSheet(), sheetCloud());
-  tool::ToolParams knife = hand();
-  knife.mode = tool::Mode::kCut;
-  EXPECT_THROW(s.setTool(knife), InputError);
+  tool::ToolParams iron = hand();
+  iron.mode = tool::Mode::kErase;
+  EXPECT_THROW(s.setTool(iron), InputError);
   EXPECT_TRUE(s.tools().empty());
   EXPECT_FALSE(s.removeTool("hand"));
 }

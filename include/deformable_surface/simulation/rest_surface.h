@@ -6,6 +6,7 @@
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/transfer/solid_transfer.h"
@@ -33,6 +34,7 @@ struct RestSurface {
   std::unique_ptr<model::DeformableModel> model;
   model::OrientedParticles* particles = nullptr;  // the model, if it is this one
   const model::ElasticSolid* solid = nullptr;     // the same
+  model::MassSpring* mass_spring = nullptr;       // the same
   transfer::Transfer transfer;
   transfer::SolidTransfer solid_transfer;  // in its place, of a solid; empty where every point is simulated
   std::vector<char> pinned;        // (m) by the scene's pins

@@ -17,6 +17,7 @@
 #include "deformable_surface/tool/tool_params.h"
 #include "deformable_surface/transfer/transfer_params.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -30,9 +31,9 @@ enum class ModelKind { kMassSpring, kOrientedParticles, kElasticSolid };
 /// Which tools a model knows.
 inline bool hasToolMode(ModelKind model, tool::Mode mode) {
   return model == ModelKind::kOrientedParticles || mode == tool::Mode::kSolid || mode == tool::Mode::kAttract ||
-         mode == tool::Mode::kMove;
+         mode == tool::Mode::kMove || (mode == tool::Mode::kCut && model == ModelKind::kMassSpring);
 }
-constexpr char kToolModes[] = "found one that is not built for this model; accepted: solid, attract, move";
+constexpr char kToolModes[] = "found one that this model does not have; accepted: solid, attract, move, and of mass_spring cut";
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
@@ -272,6 +273,12 @@ inline void visit(Fields& fields, InputParams& p) {
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
 }
 
+/// Whether a mass-spring surface can come apart in this scene.
+inline bool canBeCut(const SceneParams& p) {
+  const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
+  return p.model == ModelKind::kMassSpring && (p.mass_spring.tear_strain > 0.0 || std::any_of(p.tools.begin(), p.tools.end(), isKnife));
+}
+
 inline void visit(Fields& fields, SceneParams& p) {
   fields.required().choice("model", p.model,
                            {{"mass_spring", ModelKind::kMassSpring},
@@ -285,6 +292,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("simplification", p.simplification, "How many points move by physics; the others follow them.");
   fields.section("mass_spring", p.mass_spring, "Choices within the mass-spring model.");
   fields.section("transfer", p.transfer, "How all points follow the simulation points.");
+  fields.require(p.model == ModelKind::kMassSpring || p.mass_spring.tear_strain == 0.0, "mass_spring.tear_strain",
+                 "found one, but the model is another; accepted: 0, or model: mass_spring");
   const bool pure_springs = p.mass_spring.membrane == model::Membrane::kSprings;
   // What a rounded 1/3 in a file may differ from it.
   constexpr double kThirdTolerance = 1e-3;
@@ -361,6 +370,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   std::vector<NamedBounds> bounds;
   for (const ExpectParams& expect : p.expect) bounds.push_back({expect.quantity, expect.min, expect.max});
   fields.bounds("expect", bounds, expectQuantities(), "what a test checks after the run");
+  fields.require(!p.output.resample || !canBeCut(p), "output.resample",
+                 "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");
   p.expect.clear();
   for (const NamedBounds& bound : bounds) p.expect.push_back({bound.name, bound.min, bound.max});
 }

@@ -52,8 +52,8 @@ inline void visit(Fields& fields, ToolParams& p) {
                  {"cut", Mode::kCut},
                  {"heat", Mode::kHeat}},
                 "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
-                "begins; `erase` takes away what is inside; `cut` is solid and heats what it touches; `heat` warms what is inside "
-                "(the last three: oriented particles)");
+                "begins; `cut` cuts what it goes between (mass_spring), or is solid and heats what it touches (oriented particles); "
+                "`erase` takes away what is inside, `heat` warms it (oriented particles)");
   fields.section("shape", p.shape,
                  "One of sphere, box, cylinder, cone, plane and mesh (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
                  "is up).");

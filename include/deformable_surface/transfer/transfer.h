@@ -24,6 +24,12 @@ class Transfer {
   Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
            const TransferParams& params, const Lists* followed = nullptr);
 
+  /// The simulation points that a dense point follows, nearest first.
+  std::vector<Index> sourcesOf(Index dense) const;
+  /// Makes some dense points (ascending) follow other simulation points: followed (as many lists as points), as in the constructor; the rest of
+  /// the operator stays bit for bit. normals (n x 3) and params as there.
+  void refit(const std::vector<Index>& dense, const Lists& followed, const Points& normals, const TransferParams& params);
+
   /// positions (m x 3) of the simulation points now -> dense positions (n x 3) and, if wanted, unit normals (n x 3 float).
   /// A normal whose transferred tangents are parallel keeps its rest direction. At rest the positions are the rest positions to
   /// the bit. Parallel, nothing is allocated after the first call; may be called from several threads.
@@ -41,6 +47,9 @@ class Transfer {
  private:
   // Fills row i of the operator from the neighbours of dense point i; true if they span its plane.
   bool fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found, const TransferParams& params);
+
+  // The normals of a group of four as apply() will find them at rest, so that their change at rest is exactly zero.
+  void settleNormals(std::size_t group);
 
   // Displacements less their mean, (max(m, 1) x 4) float, in memory of the calling thread; and that mean.
   const float* findDisplacements(const Points& simulation_now, Vec3& mean) const;

@@ -15,7 +15,7 @@ namespace {
 constexpr Index kBlock = 2048;
 constexpr double kSmallestMass = 1e-3;  // of the median: a ring of no area must not give infinite acceleration
 
-using Link = std::pair<Index, Index>;
+using Link = MassSpring::Link;
 
 Link ordered(Index i, Index j) { return i < j ? Link(i, j) : Link(j, i); }
 
@@ -71,13 +71,11 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
       relative_damping_(params.damping == Damping::kRelativeVelocity ? material.spring_damping : 0.0),
       closed_(closed),
       volume_stiffness_(params.volume_stiffness) {
+  whole_.points = rest;
   const Index n = static_cast<Index>(rest.size());
   for (const cloud::Triangle& t : rings.triangles)
     triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
-  std::vector<std::pair<Index, Index>> corners;
-  for (std::size_t t = 0; t < triangles_.size(); ++t)
-    for (int c = 0; c < 3; ++c) corners.emplace_back(triangles_[t].corner[c], static_cast<Index>(3 * t) + c);
-  triangle_corners_ = groupByPoint(n, corners);
+  groupTriangles();
 
   // Masses by each point's share of the area [Su 2007, eq. 1], scaled to the mass of the full surface.
   const double ring_area = std::accumulate(rings.area.begin(), rings.area.end(), 0.0);
@@ -95,6 +93,8 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
 
   // Spring stiffness from the triangles at each spring.
   const double membrane_stiffness = material.young_modulus * material.thickness;
+  whole_.membrane_stiffness = membrane_stiffness;
+  whole_.poisson_ratio = material.poisson_ratio;
   const std::vector<Link> stretching = stretchingLinks(rings);
   std::vector<double> k(stretching.size(), 0.0);
   for (const WeightedTriangle& t : triangles_) {
@@ -143,8 +143,7 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
 bool MassSpring::setHeld(const std::vector<char>& held) {
   if (bending_rest_.points.empty() || held == held_) return false;
   held_ = held;
-  const BendingRest& b = bending_rest_;
-  bending_ = CurvatureBending(b.points, b.normals, b.ring, b.areas, b.rigidity, held_);
+  buildBending();
   return true;
 }
 

@@ -46,7 +46,7 @@ class MassSpring : public DeformableModel {
   double rankOneStiffness(const State& state, Points& v) const override;
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
-  bool isClosed() const override { return closed_; }
+  bool isClosed() const override { return closed_ && cuts_.empty(); }
   double enclosedVolume(const State& state) const override;
   void computeVolumeGradient(const State& state, Points& gradient) const override;
   double maxStretch(const State& state) const override { return stretching_.maxStretch(state); }
@@ -57,14 +57,35 @@ class MassSpring : public DeformableModel {
 
   const Springs& stretchingSprings() const { return stretching_; }
 
+  using Link = std::pair<Index, Index>;  // the smaller index first
+  /// The links that are cut from now on, ascending, in place of those that were: all others are whole. With a link go its springs, the triangles
+  /// that have it as an edge, and its place in the rings that curvature is fitted to; and where the membrane is of triangles, links that are
+  /// left without any. Masses stay: what is cut loses stiffness, not weight. Nothing is allocated or slower while nothing is cut. O(n).
+  void setCuts(const std::vector<Link>& links);
+  /// Those links, the ones that were left without triangles included: given back to setCuts() they give the same surface.
+  const std::vector<Link>& cuts() const { return cuts_; }
+
   /// Points whose mass was raised because their ring has next to no area, and points without bending energy.
   Index numMassRaised() const { return num_mass_raised_; }
   Index numWithoutBending() const { return num_without_bending_; }
 
  private:
   MassSpring() = default;  // of no points: a part before it is filled
+  bool isCut(Index i, Index j) const;
+  void groupTriangles();
+  Springs takeWhole(const Springs& springs) const;
+  void buildBending();
 
-  // Constants.
+  // Where nothing is cut; the elements are filled in with the first cut.
+  struct Whole {
+    Points points;  // (n x 3) at rest
+    double membrane_stiffness = 0.0, poisson_ratio = 0.0;
+    std::vector<WeightedTriangle> triangles;
+    Springs stretching, bending_springs;
+  };
+  Whole whole_;
+  std::vector<Link> cuts_;
+  // Constants but for cuts.
   std::vector<double> masses_;
   std::vector<WeightedTriangle> triangles_;
   Lists triangle_corners_;       // per point: 3 * triangle + corner

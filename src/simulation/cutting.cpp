@@ -1,0 +1,67 @@
+#include "cutting.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace deformable_surface::simulation {
+namespace {
+
+// Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own smallest extent if that lies
+// between the two.
+constexpr double kFinest = 0.02, kCoarsest = 0.25;
+
+bool isKnife(const tool::ToolParams& tool, double time) { return tool.mode == tool::Mode::kCut && tool::isActive(tool, time); }
+
+}  // namespace
+
+Cutting::Cutting(model::MassSpring& model, double tear_strain) : model_(model), tear_strain_(tear_strain) {
+  const std::vector<double>& lengths = model.stretchingSprings().restLengths();
+  if (lengths.empty()) return;
+  spacing_ = std::accumulate(lengths.begin(), lengths.end(), 0.0) / static_cast<double>(lengths.size());
+  longest_ = *std::max_element(lengths.begin(), lengths.end());
+}
+
+bool Cutting::beginStep(const std::vector<tool::ToolParams>& tools, double time, const Points& positions) {
+  const bool has_knife = std::any_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return isKnife(tool, time); });
+  if (has_knife) before_ = positions;
+  return has_knife || tear_strain_ > 0.0;
+}
+
+bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions, DeformedSurface& surface) {
+  found_.clear();
+  bool has_parted = false;
+  for (const tool::ToolParams& tool : tools) {
+    if (!isKnife(tool, time)) continue;
+    const double resolution =
+        std::min(kCoarsest * spacing_, std::max(kFinest * spacing_, 0.5 * geometry::findSmallestExtent(tool.shape)));
+    const tool::BladeSweep blade(tool, time, step, before_, positions, longest_, resolution);
+    if (!blade.isNear()) continue;
+    cut(blade, positions, model_.stretchLinks());
+    cut(blade, positions, model_.bendLinks());
+    has_parted = surface.sever(blade, before_, positions) || has_parted;
+  }
+  if (tear_strain_ > 0.0) tear(positions);
+  const bool has_cut = !found_.empty();
+  if (has_cut) {
+    found_.insert(found_.end(), model_.cuts().begin(), model_.cuts().end());
+    std::sort(found_.begin(), found_.end());
+    found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
+    model_.setCuts(found_);
+  }
+  if (has_cut || has_parted) surface.followLinks(model_.stretchLinks());
+  return has_cut;
+}
+
+void Cutting::cut(const tool::BladeSweep& blade, const Points& positions, const std::vector<Link>& links) {
+  for (const Link& link : links)
+    if (blade.wentBetween(before_[link.first], positions[link.first], before_[link.second], positions[link.second])) found_.push_back(link);
+}
+
+void Cutting::tear(const Points& positions) {
+  const std::vector<Link>& links = model_.stretchLinks();
+  const std::vector<double>& lengths = model_.stretchingSprings().restLengths();
+  for (std::size_t s = 0; s < links.size(); ++s)
+    if ((positions[links[s].second] - positions[links[s].first]).norm() > (1.0 + tear_strain_) * lengths[s]) found_.push_back(links[s]);
+}
+
+}  // namespace deformable_surface::simulation

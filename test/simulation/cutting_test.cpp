@@ -1,0 +1,238 @@
+// Knives and tears in a mass-spring surface: what comes apart, what stays, and that each point keeps to its own side.
+#include "clouds.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/simulation/expectations.h"
+#include "deformable_surface/tool/blade.h"
+
+#include <gtest/gtest.h>
+
+#include <numeric>
+
+namespace deformable_surface::test {
+namespace {
+
+/// Goes along y through the line x = 0.513 of the sheet, within a tenth of a second.
+tool::ToolParams knife(double thickness = 0.002) {
+  tool::ToolParams tool;
+  tool.id = "knife";
+  tool.mode = tool::Mode::kCut;
+  tool.shape.kind = geometry::Solid::Kind::kBox;
+  tool.shape.size = Vec3(thickness, 0.1, 0.4);
+  tool.path = {{0.0, Vec3(0.513, -0.7, 0.0)}, {0.1, Vec3(0.513, 0.7, 0.0)}};
+  return tool;
+}
+
+/// A sheet at rest and without weight, held along x = 0.
+simulation::SceneParams stillSheet() {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.tools = {knife()};
+  return p;
+}
+
+bool isLeft(const Vec3& point) { return point.x() < 0.513; }
+
+double sum(const std::vector<double>& values) { return std::accumulate(values.begin(), values.end(), 0.0); }
+
+TEST(Cutting, AKnifePartsTheSheetAlongItsWayAndNowhereElse) {
+  for (double thickness : {1e-5, 0.002, 0.02}) {
+    simulation::SceneParams p = stillSheet();
+    p.tools[0] = knife(thickness);
+    simulation::Simulation s(p, sheetCloud());
+    const std::size_t links = s.model().stretchLinks().size();
+    run(s, 12);
+    EXPECT_EQ(simulation::computeQuantity("components", s), 2.0) << thickness;
+    EXPECT_EQ(simulation::computeQuantity("isolated", s), 0.0) << thickness;
+    std::size_t near = 0;
+    for (const auto& [a, b] : s.model().stretchLinks()) EXPECT_EQ(isLeft(s.state().positions[a]), isLeft(s.state().positions[b]));
+    const simulation::Simulation whole(stillSheet(), sheetCloud());
+    for (const auto& [a, b] : whole.model().stretchLinks())
+      near += isLeft(whole.state().positions[a]) != isLeft(whole.state().positions[b]);
+    // Beside what crosses, only links of triangles that crossed on both sides of them go.
+    EXPECT_GE(links - near, s.model().stretchLinks().size());
+    EXPECT_GT(s.model().stretchLinks().size(), links - near - 6) << thickness;
+  }
+}
+
+TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
+  simulation::Simulation s(stillSheet(), sheetCloud());
+  const Points rest = s.state().positions;
+  const double mass = sum(s.model().masses());
+  run(s, 30);
+  EXPECT_EQ(sum(s.model().masses()), mass);
+  for (std::size_t i = 0; i < rest.size(); ++i) EXPECT_LT((s.state().positions[i] - rest[i]).norm(), 1e-12);
+  EXPECT_LT(s.statistics().elastic_energy, 1e-20);
+}
+
+TEST(Cutting, EachPointOfTheCloudGoesWithItsOwnSide) {
+  // Once it is cut the free half is carried away as a whole: every point of the cloud either stays or goes the whole way.
+  simulation::SceneParams p = stillSheet();
+  tool::ToolParams hand;
+  hand.id = "hand";
+  hand.mode = tool::Mode::kMove;
+  hand.shape.kind = geometry::Solid::Kind::kBox;
+  hand.shape.size = Vec3(1.0 - 0.513, 2.0, 0.1);
+  const Vec3 middle(0.5 * (1.0 + 0.513) + 1e-9, 0.0, 0.0);
+  hand.start = 0.15;
+  hand.path = {{0.2, middle}, {0.7, middle + Vec3(0.3, 0.1, 0.2)}};
+  p.tools.push_back(hand);
+  p.tools[1].path[1].orientation = Vec4(0.0, 0.0, std::sin(0.3), std::cos(0.3));
+  const cloud::PointCloud cloud = sheetCloud(60);
+  simulation::Simulation s(p, cloud);
+  run(s, 80);
+  const simulation::Surface& surface = s.surface(true);
+  const Eigen::AngleAxisd turn(0.6, Vec3::UnitZ());
+  for (Index i = 0; i < cloud.size(); ++i) {
+    const Vec3& x = cloud.positions[i];
+    if (std::abs(x.x() - 0.513) < 0.002) continue;  // in the knife
+    const Vec3 place = isLeft(x) ? x : Vec3(middle + Vec3(0.3, 0.1, 0.2) + turn * (x - middle));
+    EXPECT_LT((surface.positions[i] - place).norm(), 1e-6) << x.transpose();
+  }
+}
+
+TEST(Cutting, WhatHangsBelowTheCutFallsFreely) {
+  simulation::SceneParams p = stillSheet();
+  p.material.damping = 0.0;
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 12);
+  s.setGravity(Vec3(0.0, 0.0, -9.81));
+  run(s, 20);
+  for (Index i = 0; i < s.state().size(); ++i)
+    if (!isLeft(s.state().positions[i])) EXPECT_NEAR(s.state().velocities[i].z(), -9.81 * 0.2, 1e-9);
+}
+
+TEST(Cutting, UnderTensionTheEnergyOnlyFallsAndTheGuardKeepsQuiet) {
+  // Stretched, undamped and cut: what the cut links held is gone, and nothing is refused or taken again.
+  simulation::SceneParams p = stillSheet();
+  p.material.damping = 0.0;
+  simulation::PinParams far;
+  far.region.min = Vec3(0.999, -1.0, -1.0);
+  far.region.max = Vec3(1.001, 2.0, 1.0);
+  p.pins.push_back(far);
+  simulation::Simulation s(p, sheetCloud());
+  model::State state = s.state();
+  for (Vec3& x : state.positions) x.x() *= 1.05;
+  s.setState(state);
+  double last = s.statistics().elastic_energy;
+  ASSERT_GT(last, 0.01);
+  for (int k = 0; k < 60; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    ASSERT_TRUE(outcome.ok) << outcome.problem;
+    EXPECT_EQ(outcome.notice.find("energy"), std::string::npos) << outcome.notice;
+    const double energy = s.statistics().elastic_energy + s.statistics().kinetic_energy;
+    EXPECT_LT(energy, 1.001 * last);
+    last = energy;
+  }
+  EXPECT_EQ(simulation::computeQuantity("components", s), 2.0);
+}
+
+TEST(Cutting, IsTheSameForEveryNumberOfThreadsAndAfterASnapshot) {
+  simulation::SceneParams p = stillSheet();
+  p.gravity = Vec3(0.0, 0.0, -9.81);
+  const auto finish = [](simulation::Simulation& s, int steps) {
+    run(s, steps);
+    std::uint64_t hash = s.stateHash();
+    for (const Vec3& x : s.surface(false).positions) hash = hash * 31u + std::hash<double>()(x.x() + 3.0 * x.z());
+    return hash;
+  };
+  setNumThreads(1);
+  simulation::Simulation one(p, sheetCloud());
+  const std::uint64_t expected = finish(one, 20);
+  setNumThreads(3);
+  simulation::Simulation three(p, sheetCloud());
+  EXPECT_EQ(finish(three, 20), expected);
+  setNumThreads(1);
+
+  // In the middle of the cut; then back to before it, and on again.
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 6);
+  const simulation::Snapshot snapshot = s.snapshot();
+  run(s, 14);
+  s.restore(snapshot);
+  EXPECT_EQ(finish(s, 14), expected);
+  s.reset();
+  EXPECT_EQ(simulation::computeQuantity("components", s), 1.0);
+  EXPECT_EQ(finish(s, 20), expected);
+}
+
+TEST(Cutting, TheErrorEstimateSaysThatItEnds) {
+  simulation::SceneParams p = stillSheet();
+  p.accuracy.estimate = true;
+  p.gravity = Vec3(1.0, 0.0, 0.0);  // pulls at the pins
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 1);
+  ASSERT_TRUE(std::isfinite(s.statistics().error_estimate));
+  int told = 0;
+  for (int k = 0; k < 20; ++k) told += s.step().notice.find("no error estimate") != std::string::npos;
+  EXPECT_EQ(told, 1);
+  EXPECT_FALSE(std::isfinite(s.statistics().error_estimate));
+}
+
+TEST(Cutting, SpringsAreCutAsTrianglesAre) {
+  simulation::SceneParams p = stillSheet();
+  p.mass_spring.membrane = model::Membrane::kSprings;
+  p.mass_spring.bending = model::Bending::kSprings;
+  p.material.poisson_ratio = 1.0 / 3.0;
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 12);
+  EXPECT_EQ(simulation::computeQuantity("components", s), 2.0);
+  for (const auto* links : {&s.model().stretchLinks(), &s.model().bendLinks()})
+    for (const auto& [a, b] : *links) EXPECT_EQ(isLeft(s.state().positions[a]), isLeft(s.state().positions[b]));
+}
+
+TEST(Tearing, BeginsBeyondTheStrainAndNotBefore) {
+  for (double strain : {0.08, 0.12}) {
+    simulation::SceneParams p = stillSheet();
+    p.tools.clear();
+    p.mass_spring.tear_strain = 0.1;
+    simulation::Simulation s(p, sheetCloud());
+    const std::size_t links = s.model().stretchLinks().size();
+    // All of the sheet stretched along y; in one step only its free edges can have drawn in.
+    model::State state = s.state();
+    for (Vec3& x : state.positions) x.y() *= 1.0 + strain;
+    s.setState(state);
+    run(s, 1);
+    EXPECT_EQ(s.model().stretchLinks().size() < links, strain > 0.1) << strain;
+  }
+}
+
+TEST(Tearing, WithoutALimitNothingIsCutHoweverFarItIsPulled) {
+  simulation::SceneParams p = stillSheet();
+  p.tools.clear();
+  simulation::Simulation s(p, sheetCloud());
+  const std::size_t links = s.model().stretchLinks().size();
+  model::State state = s.state();
+  for (std::size_t i = 0; i < state.positions.size(); ++i)
+    if (!s.pinned()[i]) state.positions[i].x() *= 2.0;
+  s.setState(state);
+  run(s, 20);
+  EXPECT_EQ(s.model().stretchLinks().size(), links);
+}
+
+TEST(Cutting, WhatCannotBeCutSaysSo) {
+  simulation::SceneParams p = stillSheet();
+  EXPECT_EQ(checkParams(p), std::vector<std::string>());
+  p.output.resample = true;
+  EXPECT_EQ(checkParams(p).size(), 1u);
+  p.output.resample = false;
+  p.mass_spring.tear_strain = 0.2;
+  p.mass_spring.volume_stiffness = 1.0;
+  EXPECT_EQ(checkParams(p).size(), 1u);
+  p.mass_spring.volume_stiffness = 0.0;
+  p.model = simulation::ModelKind::kOrientedParticles;
+  EXPECT_EQ(checkParams(p).size(), 1u);
+}
+
+TEST(Blade, GoesBetweenTwoPointsOnOppositeSidesOnly) {
+  const geometry::Solid blade = knife(0.01).shape;
+  EXPECT_TRUE(tool::isBetween(blade, Vec3(-0.1, 0.0, 0.0), Vec3(0.1, 0.02, 0.0)));
+  EXPECT_TRUE(tool::isBetween(blade, Vec3(-0.002, 0.0, 0.0), Vec3(0.1, 0.02, 0.0)));    // inside, nearer to the other side
+  EXPECT_FALSE(tool::isBetween(blade, Vec3(0.002, 0.0, 0.0), Vec3(0.1, 0.02, 0.0)));    // inside, on this side
+  EXPECT_FALSE(tool::isBetween(blade, Vec3(0.002, 0.0, 0.0), Vec3(0.002, 0.02, 0.0)));  // both inside, on one side
+  EXPECT_FALSE(tool::isBetween(blade, Vec3(-0.1, 0.06, 0.0), Vec3(0.1, 0.06, 0.0)));    // beside it
+  EXPECT_FALSE(tool::isBetween(blade, Vec3(-0.1, 0.0, 0.0), Vec3(0.0, 0.1, 0.0)));      // past its corner
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
