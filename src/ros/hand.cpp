@@ -37,8 +37,8 @@ constexpr int kMaxRepeats = 3;
 constexpr double kSeenShare = 0.05;
 // Sizes as shares of the surface's extent.
 constexpr double kToolShare = 0.1, kBladeShare = 0.02, kPanelShare = 0.04;
-// Balls that touch, and a spot that stands out of them.
-constexpr double kBallShare = 1.0, kSpotShare = 1.2;
+// Balls that overlap, so that one of them is before every place of the surface as it is drawn, and a spot that stands out of them.
+constexpr double kBallShare = 2.0, kSpotShare = 2.2;
 constexpr double kLarger = 1.25;
 // A handful, in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push each other
 // away.

@@ -16,7 +16,7 @@ using visualization_msgs::Marker;
 // A message of some tens of kilobytes, and no load for RViz even when it draws in software.
 constexpr std::size_t kMaxBalls = 2000;
 // Seen, and what lies below it too.
-constexpr float kFaint = 0.15f;
+constexpr float kFaint = 0.04f;
 // Handles stand out of what they move.
 constexpr double kHandleShare = 1.5;
 
@@ -147,7 +147,7 @@ InteractiveMarker makeSurfaceHandle(const std_msgs::Header& header, const Points
 }
 
 InteractiveMarker makeSpotHandle(const std_msgs::Header& header, const Vec3& point, double size) {
-  InteractiveMarker marker = makeInteractive(header, kSpotHandle, makePose(point), 5.0 * size);
+  InteractiveMarker marker = makeInteractive(header, kSpotHandle, makePose(point), 3.0 * size);
   const Marker ball = makeMarker(Marker::SPHERE, makeScale(size, size, size), makeColor(0.1f, 0.9f, 0.9f, 0.9f));
   marker.controls.push_back(makeControl("pull", InteractiveMarkerControl::MOVE_3D, ball));
   addAxes(InteractiveMarkerControl::MOVE_AXIS, "pull", marker);
