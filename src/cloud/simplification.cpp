@@ -198,8 +198,8 @@ class Thinning {
   }
 
   // Erases what no short way over stored links leads to. All of these were reached so before, the first ones over the surface
-  // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first, and
-  // only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than the
+  // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first,
+  // and only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than the
   // spacing is as long as the points left allow, so the spacing is what it is compared to: it is such points that must go.
   void eraseUnreached(Index i, std::vector<Neighbor>& found) {
     const Index num_found = static_cast<Index>(found.size());

@@ -17,8 +17,8 @@ struct SurfaceSides {
 };
 
 /// Paths run along its links; a path is chosen by the least sum of costs.
-///   geodesicness auto: cost l [1 + 18 max(0, (l / r)^2 - 1)] (m) of a link of length l, where r is the larger trust radius of its
-///     ends: what it takes around a point to hold the surface together, by the links of the minimum spanning tree and, with
+///   geodesicness auto: cost l [1 + 18 max(0, (l / r)^2 - 1)] (m) of a link of length l, where r is the larger trust radius of
+///     its ends: what it takes around a point to hold the surface together, by the links of the minimum spanning tree and, with
 ///     normals, by how points are surrounded (src/cloud/trust_radii.h). A trusted link costs its length, a longer one ever more.
 ///     Lengths are anisotropic where there are normals, l^2 = t^2 + (m / e)^2 with the component m of the link along the mean
 ///     normal of its ends, t across: a step from sheet to sheet is long, one around a bend or a crease is not. The distance of
@@ -54,8 +54,8 @@ constexpr double kFreeDetour = 1.7;     // above the way around half of a circle
 constexpr double kLongestDetour = 4.5;  // well above those of rough and unevenly sampled surfaces (docs/geodesics.md)
 /// Detour at which the weight is a half: who is farther is no neighbour.
 constexpr double kKeptDetour = 0.5 * (kFreeDetour + kLongestDetour);
-/// The same of ways over listed neighbours that count as long as they are in space: gaps are no dearer there, for the lists do not
-/// lead across them, so that a way round shows in its length alone.
+/// The same of ways over listed neighbours that count as long as they are in space: gaps are no dearer there, for the lists do
+/// not lead across them, so that a way round shows in its length alone.
 constexpr double kKeptWay = 2.0;
 
 /// Weight of every pair in links, as listed: for models that weigh their links. Parallel; O(n k log k).
@@ -77,8 +77,8 @@ struct GeodesicNeighbors {
 GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides,
                                         Lists neighbors);
 
-/// Of every point those that are its nearest in space, as many as it has neighbours over the surface, but neighbours in neither of
-/// the two lists; either way round, ascending. For models that look for neighbours in space themselves. O(n (log n + k log k)).
+/// Of every point those that are its nearest in space, as many as it has neighbours over the surface, but neighbours in neither
+/// of the two lists; either way round, ascending. For models that look for neighbours in space themselves. O(n (log n + k log k)).
 Lists findRefusedPairs(const Points& positions, const Lists& over_surface);
 
 }  // namespace deformable_surface::cloud

@@ -157,7 +157,8 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
 
 std::size_t NeighborList::bytes() const {
   std::size_t sum = rebuilt_at_.capacity() * sizeof(Vec3) + slots_.capacity() * sizeof(Slot);
-  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_, &apart_.offsets, &apart_.items}) sum += v->capacity() * sizeof(Index);
+  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_, &apart_.offsets, &apart_.items})
+    sum += v->capacity() * sizeof(Index);
   for (const std::vector<Index>& block : blocks_) sum += block.capacity() * sizeof(Index);
   return sum;
 }

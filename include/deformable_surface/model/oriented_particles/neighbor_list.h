@@ -20,7 +20,8 @@ class NeighborList {
   /// ascending, and symmetric; empty: there are none. What descends from two that are apart is apart, too.
   NeighborList(double radius, double skin, Lists apart = {}) : radius_(radius), skin_(skin), apart_(std::move(apart)) {}
 
-  /// Makes the lists hold every pair within the radius at these positions that is not apart, and none beyond radius and skin at those of the last
+  /// Makes the lists hold every pair within the radius at these positions that is not apart, and none
+  /// beyond radius and skin at those of the last
   /// rebuild. False if that cannot be: a position is not finite, or a particle has more than kMostNeighbors others; the lists are
   /// then not to be used. Parallel; allocates only where there is more to list than before. O(n).
   /// traits: (n), read only if some particles are apart.
