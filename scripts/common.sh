@@ -36,7 +36,7 @@ noetic_packages=(
 )
 debian_rviz_packages=(rviz)
 noetic_rviz_packages=(ros-noetic-rviz)
-picture_packages=(xvfb x11-utils imagemagick)
+picture_packages=(xvfb x11-utils imagemagick xdotool)
 
 have_noetic() { [ -f /opt/ros/noetic/setup.bash ] || apt-cache show ros-noetic-ros-base >/dev/null 2>&1; }
 

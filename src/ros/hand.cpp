@@ -33,6 +33,8 @@ constexpr double kGripPatience = 2.0;  // s
 // A tool that the surface lost (a reset, another cloud) is sent again, one that it refuses is not for ever.
 constexpr double kRepeatPeriod = 1.0;  // s
 constexpr int kMaxRepeats = 3;
+// With so many times as many points, or as few, it is another surface.
+constexpr double kNewShare = 1.2;
 // Handles follow what has moved by this share of the spacing; less is not seen.
 constexpr double kSeenShare = 0.05;
 // Sizes as shares of the surface's extent.
@@ -87,7 +89,9 @@ Hand::Hand(const HandParams& params)
 
 void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
   if (message.width == 0) return;
-  const bool is_new = points_.size() != message.width || header_.frame_id != message.header.frame_id;
+  // Particles may be born and go in every frame.
+  const double growth = static_cast<double>(message.width) / static_cast<double>(std::max<std::size_t>(num_measured_, 1));
+  const bool is_new = header_.frame_id != message.header.frame_id || growth > kNewShare || growth < 1.0 / kNewShare;
   header_.frame_id = message.header.frame_id;
   points_ = readVectors(message, "x");
   normals_ = readVectors(message, "normal_x");
@@ -99,6 +103,7 @@ void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
 
 /// Sizes of handles and tools follow those of the surface.
 void Hand::measure() {
+  num_measured_ = points_.size();
   Vec3 low = points_.front(), high = low;
   for (const Vec3& p : points_) {
     low = low.cwiseMin(p);

@@ -93,6 +93,7 @@ class Hand {
   std_msgs::Header header_;
   Points points_, normals_, shown_;
   std::vector<std::uint32_t> ids_;  // of oriented particles, else empty
+  std::size_t num_measured_ = 0;         // points of which the next two are
   double spacing_ = 0.0, extent_ = 0.0;  // m
   Vec3 top_ = Vec3::Zero();
 
