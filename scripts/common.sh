@@ -19,7 +19,7 @@ debian_packages=(
   libgeometry-msgs-dev ros-geometry-msgs libsensor-msgs-dev ros-sensor-msgs libshape-msgs-dev ros-shape-msgs
   libvisualization-msgs-dev ros-visualization-msgs libdiagnostic-msgs-dev ros-diagnostic-msgs ros-message-generation
   libdiagnostic-updater-dev libnodelet-dev libnodeletlib-dev libnodeletlib-tools pluginlib-dev
-  libinteractive-markers-dev
+  libinteractive-markers-dev python3-tf2-ros
   librosbag-dev python3-rosbag python3-roslaunch python3-rostopic rosbash
   python3-rosservice python3-rosnode python3-rosmsg python3-std-srvs python3-visualization-msgs python3-diagnostic-msgs
   python3-rospy python3-std-msgs python3-geometry-msgs python3-sensor-msgs python3-shape-msgs
