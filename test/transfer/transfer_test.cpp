@@ -354,6 +354,43 @@ TEST(Transfer, PointsFollowWhatTheyAreToldTo) {
   EXPECT_THROW(Transfer(dense.positions, dense.normals, both, usable, {}, &wrong), InputError);
 }
 
+TEST(Transfer, PointsThatAreGivenOthersToFollowDoAndTheRestStaysToTheBit) {
+  const Surface dense = makeWave(20, 3), coarse = makeWave(6, 4);
+  const std::vector<char> usable(coarse.positions.size(), 1);
+  const TransferParams params;
+  const Transfer whole(dense.positions, dense.normals, coarse.positions, usable, params);
+  Points moved = coarse.positions;
+  for (std::size_t j = 0; j < moved.size(); ++j) moved[j] += Vec3(0.01 * j, 0.02, -0.01 * (j % 5));
+  Points expected, found;
+  whole.apply(moved, expected);
+
+  // What they follow already changes nothing.
+  Transfer same = whole;
+  Lists as_before;
+  const std::vector<Index> some = {3, 4, 17, 200};
+  for (Index d : some) {
+    const std::vector<Index> sources = whole.sourcesOf(d);
+    EXPECT_EQ(static_cast<Index>(sources.size()), params.k);
+    as_before.items.insert(as_before.items.end(), sources.begin(), sources.end());
+    as_before.offsets.push_back(static_cast<Index>(as_before.items.size()));
+  }
+  same.refit(some, as_before, dense.normals, params);
+  same.apply(moved, found);
+  EXPECT_EQ(found, expected);
+
+  // A single one carries a point along with it.
+  Transfer other = whole;
+  Lists single;
+  single.items = {7};
+  single.offsets.push_back(1);
+  other.refit({17}, single, dense.normals, params);
+  EXPECT_EQ(other.sourcesOf(17), std::vector<Index>{7});
+  other.apply(moved, found);
+  EXPECT_LT((found[17] - dense.positions[17] - (moved[7] - coarse.positions[7])).norm(), 1e-6);
+  for (std::size_t d = 0; d < found.size(); ++d)
+    if (d != 17) EXPECT_EQ(found[d], expected[d]);
+}
+
 TEST(Transfer, RefusesWhatItCannotUse) {
   const Surface dense = makeSheet(4, 1), simulation = makeSheet(3, 2);
   const std::vector<char> usable(9, 1);
