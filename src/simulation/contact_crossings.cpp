@@ -71,9 +71,9 @@ bool passes(const ToolParams& tool, double time) {
 bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], const Vec3 (&after)[3]) {
   const Vec3 across_before = (before[1] - before[0]).cross(before[2] - before[0]);
   const Vec3 across_after = (after[1] - after[0]).cross(after[2] - after[0]);
-  const double height_before = across_before.normalized().dot(from - before[0]);
-  const double height_after = across_after.normalized().dot(to - after[0]);
-  if (!((height_before < 0.0) != (height_after < 0.0))) return false;
+  const double side_before = across_before.dot(from - before[0]), side_after = across_after.dot(to - after[0]);
+  if (!((side_before < 0.0) != (side_after < 0.0))) return false;
+  const double height_before = side_before / across_before.norm(), height_after = side_after / across_after.norm();
   const double share = height_before / (height_before - height_after);
   const Vec3 at = from + share * (to - from);
   Vec3 corner[3];

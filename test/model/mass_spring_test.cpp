@@ -142,6 +142,38 @@ TEST_P(MassSpringVariants, StiffnessIsPositiveAlsoFarFromRest) {
 
 TEST_P(MassSpringVariants, RowBoundsHold) { checkRowBoundsHold(*mass_spring, surface.points); }
 
+TEST_P(MassSpringVariants, WhatACutLeavesKeepsTheRulesAndIsWholeAgainWithoutIt) {
+  if (GetParam().params.volume_stiffness > 0.0) GTEST_SKIP() << "a volume that is kept is not cut: the scene is refused";
+  const State state = stateAt(perturb(surface.points, 0.2 * kLength));
+  const Points whole = forcesAt(*mass_spring, state);
+  const std::vector<double> masses = mass_spring->masses();
+  const auto isOnTheLeft = [&](Index i) { return surface.points[i].x() < 0.05; };
+  std::vector<MassSpring::Link> cuts;
+  for (const auto* links : {&mass_spring->stretchLinks(), &mass_spring->bendLinks()})
+    for (const MassSpring::Link& link : *links)
+      if (isOnTheLeft(link.first) != isOnTheLeft(link.second)) cuts.push_back(link);
+  std::sort(cuts.begin(), cuts.end());
+  ASSERT_FALSE(cuts.empty());
+  mass_spring->setCuts(cuts);
+  EXPECT_EQ(mass_spring->masses(), masses);
+  EXPECT_FALSE(mass_spring->isClosed());
+  checkRestIsAtRest(*mass_spring, surface.points, forceScale());
+  checkMomentumIsKept(*mass_spring, state, GetParam().params.damping == model::Damping::kAlongSpring);
+  checkForcesAreMinusTheGradient(*mass_spring, state.positions, kLength);
+  // One side moves, the other does not feel it.
+  State moved = stateAt(surface.points);
+  for (Index i = 0; i < moved.size(); ++i)
+    if (isOnTheLeft(i)) moved.positions[i] += Vec3(-0.3, 0.1, 0.2) + 0.01 * surface.points[i];
+  const Points forces = forcesAt(*mass_spring, moved);
+  for (Index i = 0; i < moved.size(); ++i)
+    if (!isOnTheLeft(i)) EXPECT_LT(forces[i].norm(), 1e-10 * forceScale());
+  const std::vector<MassSpring::Link> all = mass_spring->cuts();
+  mass_spring->setCuts(all);
+  EXPECT_EQ(mass_spring->cuts(), all);
+  mass_spring->setCuts({});
+  EXPECT_EQ(forcesAt(*mass_spring, state), whole);
+}
+
 TEST_P(MassSpringVariants, MassesSumToTheSurfaces) {
   double sum = 0.0;
   for (double m : mass_spring->masses()) {
