@@ -116,18 +116,6 @@ class DeformableModel {
 
   /// False: the stiffness is not known, and there is no implicit method.
   virtual bool hasStiffness() const { return true; }
-  /// True: the stiffness is known by its products alone, which linearize() prepares; addStiffness() adds nothing.
-  virtual bool isMatrixFree() const { return false; }
-  virtual void linearize(const State& /*state*/) const {}
-  /// Adds the stiffness at the state of linearize(), exact, times a motion (n x 3) of the points, N.
-  virtual void addStiffnessProduct(const Points& /*motion*/, Points& /*product*/) const {}
-  /// Of a matrix-free model: springs, the same in all directions, whose stiffness is much like the model's: a solver conditions with them.
-  struct Coupling {
-    Index i, j;
-    double stiffness;  // N/m
-  };
-  virtual std::vector<Coupling> listCouplings() const { return {}; }
-
   /// Adds the Hessian of the elastic energy, N/m. step: the time over which a solver differentiates velocities; the viscous
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
   virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;

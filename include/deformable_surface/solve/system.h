@@ -24,10 +24,6 @@ class System {
   bool isTurnHeld(Index i) const { return held_turns_ && (*held_turns_)[i] != 0; }
   /// See DeformableModel.
   bool hasStiffness() const { return model_.hasStiffness(); }
-  bool isMatrixFree() const { return model_.isMatrixFree(); }
-  void linearize(const State& state) const { model_.linearize(state); }
-  void addStiffnessProduct(const Points& motion, Points& product) const { model_.addStiffnessProduct(motion, product); }
-  std::vector<model::DeformableModel::Coupling> listCouplings() const { return model_.listCouplings(); }
   double damping() const { return damping_; }
   /// True if anything beside the damping by mass may take energy out: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;

@@ -4,8 +4,6 @@
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/elastic_solid/point_volumes.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -72,7 +70,9 @@ ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std
   for (Index i = 0; i < neighbors.size(); ++i)
     for (const Index* j = neighbors.begin(i); j != neighbors.begin(i) + std::min(kLinks, neighbors.count(i)); ++j) {
       const Index* end = neighbors.begin(*j) + std::min(kLinks, neighbors.count(*j));
-      if (i < *j && std::find(neighbors.begin(*j), end, i) != end) links_.emplace_back(i, *j);
+      if (!(i < *j) || std::find(neighbors.begin(*j), end, i) == end) continue;
+      links_.emplace_back(i, *j);
+      lengths_.push_back((rest[*j] - rest[i]).norm());
     }
   findRowBounds();
   findStableStep();
@@ -190,23 +190,22 @@ void ElasticSolid::computeVolumeGradient(const State& state, Points& gradient) c
 }
 
 double ElasticSolid::maxStretch(const State& state) const {
-  computePointStrain(state, strain_);
-  return strain_.empty() ? 0.0 : *std::max_element(strain_.begin(), strain_.end());
+  double largest = 0.0;
+  for (std::size_t k = 0; k < links_.size(); ++k) largest = std::max(largest, stretchOf(k, state));
+  return largest;
 }
 
 void ElasticSolid::computePointStrain(const State& state, std::vector<double>& strain) const {
-  positions_.assign(state.positions);
-  strain.resize(state.positions.size());
-  parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
-    Eigen::SelfAdjointEigenSolver<Mat3> solver;
-    for (Index i = begin; i < end; ++i) {
-      const Mat3 F = passes_.fitGradient(i, positions_.data());
-      solver.computeDirect(F.transpose() * F, Eigen::EigenvaluesOnly);
-      strain[i] = 0.0;
-      for (int c = 0; c < 3; ++c)
-        strain[i] = std::max(strain[i], std::abs(std::sqrt(std::max(0.0, solver.eigenvalues()[c])) - 1.0));
-    }
-  });
+  strain.assign(state.positions.size(), 0.0);
+  for (std::size_t k = 0; k < links_.size(); ++k) {
+    const double stretch = stretchOf(k, state);
+    for (const Index i : {links_[k].first, links_[k].second}) strain[i] = std::max(strain[i], stretch);
+  }
+}
+
+double ElasticSolid::stretchOf(std::size_t link, const State& state) const {
+  const auto& [i, j] = links_[link];
+  return std::abs((state.positions[j] - state.positions[i]).norm() / lengths_[link] - 1.0);
 }
 
 }  // namespace deformable_surface::model

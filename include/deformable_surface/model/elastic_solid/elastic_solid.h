@@ -41,7 +41,6 @@ class ElasticSolid : public DeformableModel {
   double enclosedVolume(const State&) const override { return 0.0; }
   void computeVolumeGradient(const State& state, Points& gradient) const override;
 
-  /// The largest |principal stretch - 1| of any F.
   double maxStretch(const State& state) const override;
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
   /// Of the Cauchy stress P F^T / det F, by the linear law of P.
@@ -62,6 +61,7 @@ class ElasticSolid : public DeformableModel {
 
  private:
   void findRowBounds();
+  double stretchOf(std::size_t link, const State& state) const;
   void findStableStep();
   void addPassForces(StressLaw law, const double* positions, Points& forces) const;
 
@@ -72,10 +72,10 @@ class ElasticSolid : public DeformableModel {
   double stable_step_ = 0.0;
   Index num_deficient_ = 0;
   std::vector<std::pair<Index, Index>> links_, no_links_;
+  std::vector<double> lengths_;  // m, of links at rest
   std::vector<WeightedTriangle> no_triangles_;
   // Scratch.
   mutable PaddedPoints positions_;
-  mutable std::vector<double> strain_;
 };
 
 }  // namespace deformable_surface::model
