@@ -450,7 +450,7 @@ struct Simulation::Impl {
   }
 
   void requireParticles() const {
-    if (!life) throw InputError("model: found mass_spring, which has no particles to edit or to grow; accepted: oriented_particles");
+    if (!life) throw InputError("model: found one that has no particles to edit or to grow; accepted: oriented_particles");
   }
 
   // Everything that is by point follows a change of the population.

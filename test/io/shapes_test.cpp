@@ -42,6 +42,25 @@ TEST(Shapes, SheetIsACentredGridWithItsEdges) {
   EXPECT_NEAR(points[1].x() - points[0].x(), 2.0 / 63, 1e-15);
 }
 
+TEST(Shapes, ABarIsFilledAndItsFacesStayFlatUnderJitter) {
+  CloudParams params = makeParams(Shape::kBar, 3000);
+  params.size = Vec2(1.0, 0.2);
+  params.height = 0.1;
+  params.jitter = 0.3;
+  const Points points = makeShape(params).positions;
+  EXPECT_NEAR(static_cast<double>(points.size()), 3000.0, 600.0);
+  Index on_faces = 0, inside = 0;
+  for (const Vec3& p : points) {
+    EXPECT_TRUE(p.x() >= 0.0 && p.x() <= 1.0 && std::abs(p.y()) <= 0.1 && std::abs(p.z()) <= 0.05) << p.transpose();
+    const bool is_on_face = p.x() == 0.0 || p.x() == 1.0 || std::abs(p.y()) == 0.1 || std::abs(p.z()) == 0.05;
+    (is_on_face ? on_faces : inside) += 1;
+  }
+  EXPECT_GT(on_faces, 500);
+  EXPECT_GT(inside, 1000);
+  EXPECT_EQ(points.front(), Vec3(0.0, -0.1, -0.05));
+  EXPECT_EQ(points.back(), Vec3(1.0, 0.1, 0.05));
+}
+
 TEST(Shapes, CountsAndSpacingFollowTheSize) {
   for (const Vec2& size : {Vec2(1, 1), Vec2(3, 1), Vec2(1, 7), Vec2(100, 0.01)}) {
     for (const Index count : {4, 100, 2500}) {
