@@ -28,8 +28,12 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
   return s;
 }
 
+bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s) {
+  return found.num_at_gaps > static_cast<Index>(s.dense.positions.size()) / kGapShare;
+}
+
 void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
-  if (found.margin < kClearMargin && found.num_at_gaps > static_cast<Index>(s.dense.positions.size()) / kGapShare)
+  if (found.margin < kClearMargin && hasGaps(found, s))
     s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
                       "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +
                       " times as wide as what counts as surface");

@@ -12,6 +12,8 @@ std::string count(Index n, const std::string& what);
 /// The finite, distinct points of the input. InputError if there are fewer than three.
 RestSurface cleanInput(const cloud::PointCloud& input);
 
+/// Whether there are gaps, and not just holes of the sampling.
+bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s);
 /// Tells of gaps that the sampling hardly resolves.
 void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s);
 

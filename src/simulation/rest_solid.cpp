@@ -89,6 +89,8 @@ std::vector<double> findNeighbors(const cloud::NeighborsParams& params, RestSurf
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, {}, std::move(s.dense_neighbors));
   s.dense_neighbors = std::move(found.lists);
   noteGaps(found, s);
+  // Where there is no gap, detours are those of paths from point to point, and weights by them would only make fits narrower.
+  if (!hasGaps(found, s)) return {};
   return cloud::geodesicWeights(graph, positions, s.dense_neighbors);
 }
 

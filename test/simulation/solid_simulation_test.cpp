@@ -85,6 +85,17 @@ TEST(SolidSimulation, GivesTheSameBitsForEveryNumberOfThreads) {
   }
 }
 
+// Neighbourhoods over the body cost nothing where there is no gap.
+TEST(SolidSimulation, MovesAsWithEuclideanNeighboursWhereThereIsNoGap) {
+  SceneParams scene = makeBarScene();
+  Simulation over_body = makeSimulation(scene);
+  scene.neighbors.geodesicness = OrAuto<double>(1.0);
+  Simulation in_space = makeSimulation(scene);
+  run(over_body, 3);
+  run(in_space, 3);
+  EXPECT_EQ(over_body.stateHash(), in_space.stateHash());
+}
+
 TEST(SolidSimulation, IsSimplifiedToAsManyPointsAsAskedForAndCarriesTheOthersAlong) {
   SceneParams scene = makeBarScene(3000);
   scene.simplification.target_points = 400;
