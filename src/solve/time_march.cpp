@@ -124,7 +124,7 @@ SolveReport TimeMarch::advance(double time, double share, State& state) {
   is_too_stiff_ = false;
   const double part = params_.time_step / fineness_;
   SolveReport total;
-  for (Index k = 0; k < fineness_ && total.finite && substeps_needed_ == 0; ++k) {
+  for (Index k = 0; k < fineness_ && total.finite && substeps_needed_ == 0 && !isInterrupted(); ++k) {
     add(advancePart(time + k * part, part, share / fineness_, state), total);
     if (is_too_stiff_) return advanceImplicitly(time, fineness_, state);
   }
@@ -153,7 +153,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     // The surface has become too stiff within the step: the whole of it is to be taken implicitly.
     is_too_stiff_ = may_be_implicit && total.substeps + left > params_.max_substeps;
     if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
-    if (is_too_stiff_ || substeps_needed_ > 0) return total;
+    if (is_too_stiff_ || substeps_needed_ > 0 || isInterrupted()) return total;
     const double portion = left <= kPortion ? part - done : (part - done) * kPortion / left;
     portion_start_ = state;
     Integrator& verlet = integrator(IntegratorType::kVerlet);
@@ -175,7 +175,7 @@ SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state)
   work_ = dissipated_ = 0.0;
   substeps_needed_ = 0;
   SolveReport total;
-  for (Index k = 0; k < parts && total.finite; ++k) {
+  for (Index k = 0; k < parts && total.finite && !isInterrupted(); ++k) {
     const double from = time + k * part;
     portion_start_ = state;
     add(integrator(IntegratorType::kImplicit).advance(system_, from, part, 0.0, state), total);
@@ -207,7 +207,7 @@ void TimeMarch::watchResonance() {
 }
 
 bool TimeMarch::isSound(double time, const SolveReport& report, const State& state) {
-  if (!report.finite || substeps_needed_ > 0 || !isInSpace(state)) return false;
+  if (isInterrupted() || !report.finite || substeps_needed_ > 0 || !isInSpace(state)) return false;
   const double dt = params_.time_step;
   return guard_.accepts(system_, time + dt, state, dt / report.substeps, work_, allowance());
 }
@@ -235,6 +235,7 @@ std::string TimeMarch::describeFailure(const SolveReport& report, const State& s
 TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   Outcome outcome;
   SolveReport& report = outcome.report;
+  const Memory at_begin = memory();
   before_ = state;
   guard_.beginStep(system_, time, state);
   if (estimatesStableStep()) {
@@ -256,8 +257,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   } else if (memory_.cautious_slow > 0) {
     --memory_.cautious_slow;
   }
-  if (most_inner_ > 1) watchResonance();
-  if (bold && !(sound && guard_.isCalm(kCalm))) {
+  if (most_inner_ > 1 && !isInterrupted()) watchResonance();
+  if (bold && !isInterrupted() && !(sound && guard_.isCalm(kCalm))) {
     most_inner_ = 1;
     memory_.cautious = kCautious;
     goBack(time, state);
@@ -270,7 +271,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // A step that went wrong is taken again with finer sub-steps or parts, and by auto implicitly in the end.
   std::string retries;
   const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
-  for (double share = 0.5; !sound && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare; share *= 0.5) {
+  for (double share = 0.5; !sound && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare; share *= 0.5) {
     const std::string failure = describeFailure(report, state);
     goBack(time, state);
     report = advance(time, share, state);
@@ -278,13 +279,20 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
   }
   const bool may_change = params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
-  for (Index parts = 1; !sound && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
+  for (Index parts = 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
     retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
     goBack(time, state);
     report = advanceImplicitly(time, parts, state);
     sound = isSound(time, report, state);
   }
   append(outcome.notice, retries);
+  if (isInterrupted()) {
+    outcome.ok = false;
+    outcome.failure = "was interrupted";
+    state = before_;
+    setMemory(at_begin);
+    return outcome;
+  }
   if (!sound) {
     outcome.ok = false;
     outcome.failure = describeFailure(report, state);

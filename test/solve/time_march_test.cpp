@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <atomic>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -93,6 +95,43 @@ TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheEnergyIsNotCalm) {
   const int before = m.model.slow_evaluations;
   EXPECT_EQ(m.countSubsteps(), 20);
   EXPECT_EQ(m.model.slow_evaluations - before, 20);
+}
+
+// No force, but it asks for an end of the step when it has been asked so often.
+class Interrupter : public solve::ExternalLoad {
+ public:
+  void addForces(double, const State&, Points&) const override {
+    if (--left == 0) interrupt = true;
+  }
+  bool isConservative() const override { return true; }
+  mutable int left = 0;
+  mutable std::atomic<bool> interrupt{false};
+};
+
+TEST(TimeMarch, AnInterruptedStepEndsEarlyAndKeepsTheStateAndLaterStepsAreTheSame) {
+  Interrupter load;
+  March m(1.0), undisturbed(1.0);
+  m.loads = {&load};
+  m.march.setInterrupt(&load.interrupt);
+  // Ten thousand sub-steps and more.
+  m.params.type = undisturbed.params.type = solve::IntegratorType::kVerlet;
+  m.model.change(1e-6);
+  undisturbed.model.change(1e-6);
+  EXPECT_TRUE(m.march.step(0.0, m.state).ok);
+  EXPECT_TRUE(undisturbed.march.step(0.0, undisturbed.state).ok);
+  const State before = m.state;
+  load.left = 100;
+  const solve::TimeMarch::Outcome outcome = m.march.step(0.01, m.state);
+  EXPECT_FALSE(outcome.ok);
+  EXPECT_NE(outcome.failure.find("interrupted"), std::string::npos) << outcome.failure;
+  EXPECT_GT(load.left, -5000);  // as often it was asked afterwards
+  EXPECT_EQ(m.state.positions, before.positions);
+  EXPECT_EQ(m.state.velocities, before.velocities);
+
+  load.interrupt = false;
+  EXPECT_TRUE(m.march.step(0.01, m.state).ok);
+  EXPECT_TRUE(undisturbed.march.step(0.01, undisturbed.state).ok);
+  EXPECT_EQ(m.state.positions, undisturbed.state.positions);
 }
 
 }  // namespace

@@ -6,6 +6,7 @@
 #include "deformable_surface/solve/integrator.h"
 #include "deformable_surface/solve/stable_step.h"
 
+#include <atomic>
 #include <limits>
 #include <map>
 #include <string>
@@ -54,6 +55,8 @@ class TimeMarch {
 
   /// Takes every step in so many times as many sub-steps, n >= 1.
   void setFineness(Index n) { fineness_ = n; }
+  /// A step ends between two of its parts or portions of sub-steps, as one that failed, once this is true; null = never.
+  void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
   /// How the last step was taken; not kAuto once there was one.
   IntegratorType lastType() const { return memory_.type; }
 
@@ -74,6 +77,7 @@ class TimeMarch {
   bool isSound(double time, const SolveReport& report, const State& state);
   bool isInSpace(const State& state) const;
   EnergyGuard::Allowance allowance() const;
+  bool isInterrupted() const { return interrupt_ && *interrupt_; }
   std::string describeFailure(const SolveReport& report, const State& state) const;
 
   const System& system_;
@@ -84,6 +88,7 @@ class TimeMarch {
   StableStep stable_step_;
   EnergyGuard guard_;
   Index fineness_ = 1;
+  const std::atomic<bool>* interrupt_ = nullptr;
   Memory memory_;  // but for its energy, which guard_ has
 
   // Scratch.
