@@ -200,4 +200,12 @@ const Points& Resampler::insertedRest() const { return inserted_rest_; }
 const Points& Resampler::insertedNormals() const { return inserted_normals_; }
 const std::vector<std::pair<Index, Index>>& Resampler::parents() const { return parents_; }
 
+std::size_t Resampler::bytes() const {
+  std::size_t links = 0;
+  for (const std::vector<Index>& list : adjacent_) links += list.size();
+  return sizeof(Vec3) * (dense_.size() + normals_.size() + inserted_rest_.size() + inserted_normals_.size()) +
+         sizeof(std::pair<Index, Index>) * parents_.size() + sizeof(std::vector<Index>) * adjacent_.size() + sizeof(Index) * links +
+         sizeof(double) * (spacing_.size() + too_long_.size()) + sizeof(Link) * links_.size();
+}
+
 }  // namespace deformable_surface::transfer

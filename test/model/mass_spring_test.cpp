@@ -174,6 +174,28 @@ TEST_P(MassSpringVariants, WhatACutLeavesKeepsTheRulesAndIsWholeAgainWithoutIt) 
   EXPECT_EQ(forcesAt(*mass_spring, state), whole);
 }
 
+// Two materials that differ by hundreds: what holds of one holds of both.
+TEST_P(MassSpringVariants, PartsOfOtherMaterialKeepEnergyAndMomentum) {
+  std::vector<model::PointMaterial> parts(surface.points.size());
+  for (std::size_t i = 0; i < parts.size(); ++i)
+    if (surface.points[i].x() > 0.1) parts[i] = {300.0, 0.01, 5.0};
+  const std::vector<double> masses = mass_spring->masses();
+  mass_spring->setMaterial(parts);
+  for (std::size_t i = 0; i < parts.size(); ++i) EXPECT_EQ(mass_spring->masses()[i], parts[i].density * masses[i]);
+  const Points deformed = perturb(surface.points, 0.2 * kLength);
+  checkRestIsAtRest(*mass_spring, surface.points, 300.0 * forceScale());
+  checkForcesAreMinusTheGradient(*mass_spring, deformed, kLength);
+  checkStiffnessIsTheDerivative(*mass_spring, surface.points, kLength);
+  checkRowBoundsHold(*mass_spring, surface.points);
+  checkMomentumIsKept(*mass_spring, stateAt(deformed), GetParam().params.damping == model::Damping::kAlongSpring);
+  // As it was made, to the bit.
+  const Points changed = forcesAt(*mass_spring, stateAt(deformed));
+  mass_spring->setMaterial(std::vector<model::PointMaterial>(parts.size()));
+  const MassSpring made(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material, GetParam().params);
+  EXPECT_EQ(forcesAt(*mass_spring, stateAt(deformed)), forcesAt(made, stateAt(deformed)));
+  EXPECT_NE(changed, forcesAt(made, stateAt(deformed)));
+}
+
 TEST_P(MassSpringVariants, MassesSumToTheSurfaces) {
   double sum = 0.0;
   for (double m : mass_spring->masses()) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/base/block_sparse.h"
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
 
 #include <memory>
@@ -50,9 +51,22 @@ struct WeightedTriangle {
 /// certain. kExact: as it is, up to terms that a model says it leaves out; it converges faster where it happens to be definite.
 enum class Hessian { kPositive, kExact };
 
+/// What a point is made of, in shares of the material that its model was made with; all positive.
+struct PointMaterial {
+  double stretching = 1.0;  // of E h
+  double bending = 1.0;     // of D
+  double density = 1.0;
+
+  bool operator==(const PointMaterial& o) const {
+    return stretching == o.stretching && bending == o.bending && density == o.density;
+  }
+};
+
 class DeformableModel {
  public:
   virtual ~DeformableModel() = default;
+  /// A model like this one, with scratch of its own, that another thread may use. Null: this model cannot be copied.
+  virtual std::unique_ptr<DeformableModel> clone() const { return nullptr; }
 
   /// (n) kg; positive.
   virtual const std::vector<double>& masses() const = 0;
@@ -60,6 +74,12 @@ class DeformableModel {
   /// Tells which points (n) do not move from now on, so that a model can treat the edges of held patches as the clamps they are.
   /// Returns whether forces and stiffness are others than before.
   virtual bool setHeld(const std::vector<char>& /*held*/) { return false; }
+
+  /// From now on its points are made of these, (n): what lies between points takes the mean of theirs. Forces stay the gradient of the
+  /// energy, and the stiffness keeps its pattern. Throws InputError, and changes nothing, if the model cannot.
+  virtual void setMaterial(const std::vector<PointMaterial>& /*materials*/) {
+    throw InputError("material: found values that differ from those the model was made with; accepted: those, for this model");
+  }
 
   /// Adds the internal forces, elastic and viscous, in newtons: forces (n x 3). The elastic part is minus the gradient of
   /// elasticEnergy(). Points with equal velocity feel no viscous force.

@@ -27,6 +27,8 @@ class Resampler {
   /// The two points between which each was inserted (indices may name inserted points too): extra fields are taken from the
   /// first.
   const std::vector<std::pair<Index, Index>>& parents() const;
+  /// What it holds in memory.
+  std::size_t bytes() const;
 
  private:
   struct Link {

@@ -71,7 +71,7 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
       relative_damping_(params.damping == Damping::kRelativeVelocity ? material.spring_damping : 0.0),
       closed_(closed),
       volume_stiffness_(params.volume_stiffness) {
-  whole_.points = rest;
+  made_.points = rest;
   const Index n = static_cast<Index>(rest.size());
   for (const cloud::Triangle& t : rings.triangles)
     triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
@@ -93,8 +93,8 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
 
   // Spring stiffness from the triangles at each spring.
   const double membrane_stiffness = material.young_modulus * material.thickness;
-  whole_.membrane_stiffness = membrane_stiffness;
-  whole_.poisson_ratio = material.poisson_ratio;
+  made_.membrane_stiffness = membrane_stiffness;
+  made_.poisson_ratio = material.poisson_ratio;
   const std::vector<Link> stretching = stretchingLinks(rings);
   std::vector<double> k(stretching.size(), 0.0);
   for (const WeightedTriangle& t : triangles_) {

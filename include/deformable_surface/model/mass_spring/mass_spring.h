@@ -29,8 +29,12 @@ class MassSpring : public DeformableModel {
   MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
              const MaterialParams& material, const MassSpringParams& params);
 
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<MassSpring>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
   bool setHeld(const std::vector<char>& held) override;
+  /// Springs and triangles by the stretching of their ends or corners, curvature fits by the bending of their point (that of bending
+  /// springs: by stretching), masses by density.
+  void setMaterial(const std::vector<PointMaterial>& materials) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   /// The curvature energy's: where a surface is thin beside the spacing of its points it bends slowly beside how it stretches.
@@ -72,20 +76,25 @@ class MassSpring : public DeformableModel {
  private:
   MassSpring() = default;  // of no points: a part before it is filled
   bool isCut(Index i, Index j) const;
+  void rememberMade();
   void groupTriangles();
-  Springs takeWhole(const Springs& springs) const;
+  Springs takeSprings(const std::vector<Link>& links, const std::vector<double>& stiffness) const;
   void buildBending();
+  void rebuild();
 
-  // Where nothing is cut; the elements are filled in with the first cut.
-  struct Whole {
+  // As it was made; the elements are filled in with the first change.
+  struct Made {
     Points points;  // (n x 3) at rest
     double membrane_stiffness = 0.0, poisson_ratio = 0.0;
     std::vector<WeightedTriangle> triangles;
-    Springs stretching, bending_springs;
+    std::vector<Link> links, across;                 // stretching and bending springs and
+    std::vector<double> stiffness, across_stiffness;  // theirs, N/m
+    std::vector<double> masses;
   };
-  Whole whole_;
-  std::vector<Link> cuts_;
-  // Constants but for cuts.
+  Made made_;
+  std::vector<Link> cuts_;                // that changed it since
+  std::vector<PointMaterial> materials_;  // (n) the same; empty: none
+  // Constants but for these changes.
   std::vector<double> masses_;
   std::vector<WeightedTriangle> triangles_;
   Lists triangle_corners_;       // per point: 3 * triangle + corner

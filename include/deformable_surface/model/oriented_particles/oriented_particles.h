@@ -23,6 +23,7 @@ class OrientedParticles : public DeformableModel {
   /// The spacing, m, of the hexagonal lattice of n particles on an area, m^2: each has sqrt(3) / 2 of its square.
   static double findSpacing(double area, Index n);
 
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<OrientedParticles>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
   bool isOriented() const override { return true; }
   const std::vector<double>& inertias() const override { return inertias_; }
