@@ -162,10 +162,14 @@ Index Activity::countPoints(const std::vector<char>& tiles) const {
   return sum;
 }
 
-// Returns true if more tiles move.
+// Where the margin has become too narrow. Returns true if more tiles move.
 bool Activity::grow(int rings) {
   if (isWhole()) return false;
-  findNeeded(rings);
+  findNeeded(kMargin);
+  bool is_covered = true;
+  for (Index t = 0; t < numTiles(); ++t) is_covered = is_covered && (!needed_[t] || memory_.moves[t]);
+  if (is_covered) return false;
+  if (rings > kMargin) findNeeded(rings);
   const Index before = num_moving_;
   for (Index t = 0; t < numTiles(); ++t) memory_.moves[t] = memory_.moves[t] || needed_[t];
   if (countPoints(memory_.moves) > kWhole * moving_points_.size()) std::fill(memory_.moves.begin(), memory_.moves.end(), 1);

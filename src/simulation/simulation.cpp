@@ -69,6 +69,7 @@ const model::State& Simulation::state() const { return impl_->state; }
 const model::DeformableModel& Simulation::model() const { return *impl_->rest.model; }
 const model::OrientedParticles* Simulation::particles() const { return impl_->rest.particles; }
 Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
+bool Simulation::isAsleep() const { return impl_->activity.isAsleep(); }
 bool Simulation::isAwake(Index simulation_point) const { return impl_->activity.isMoving(simulation_point); }
 const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
 

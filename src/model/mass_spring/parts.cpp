@@ -47,9 +47,14 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
 
 void CurvatureBending::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (neighbors_.size() == 0) return;
+  // Each fit once, though all its points use it. Kept by the thread, so that nothing is allocated in later calls.
+  static thread_local std::vector<char> is_seen;
+  is_seen.assign(neighbors_.size(), 0);
   for (const Index i : points)
     for (Index k = users_.offsets[i]; k < users_.offsets[i + 1]; k += 2) {
       const Index fit = users_.items[k + 1] / 4;
+      if (is_seen[fit]) continue;
+      is_seen[fit] = 1;
       for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j) marked[*j] = 1;
     }
 }
