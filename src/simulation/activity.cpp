@@ -208,6 +208,8 @@ bool Activity::isPushed(const solve::System& system, Index k, double force) cons
 
 bool Activity::fallAsleep(const solve::System& system, double time, const State& state, const std::vector<Index>* points, State& whole) {
   const auto tileAt = [&](Index k) { return tileOf(points ? (*points)[k] : k); };
+  for (Index t = 0; t < numTiles(); ++t) leaves_[t] = memory_.moves[t] && isQuiet(t);
+  if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;  // at no cost while next to nothing is quiet
   findLeaving();
   if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;
 
