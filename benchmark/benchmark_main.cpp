@@ -28,6 +28,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"memory", runMemorySection},
                            {"factorization", runFactorizationSection},
                            {"particles", runParticlesSection},
+                           {"activity", runActivitySection, true},
                            {"geodesics", runGeodesicsSection, true},
                            {"accuracy", runAccuracySection, true},
                            {"statics", runStaticsSection, true},
@@ -92,7 +93,7 @@ int run(int argc, char** argv) {
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --geodesics, --accuracy, --statics, --physics, --calibration, --scenes FIRST "
+      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --geodesics, --accuracy, --statics, --physics, --calibration, --scenes FIRST "
                   "COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }

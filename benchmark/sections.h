@@ -26,6 +26,7 @@ void runStaticsSection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);
 void runParticlesSection(const Options& options, Report& report);
+void runActivitySection(const Options& options, Report& report);
 void runGeodesicsSection(const Options& options, Report& report);
 void runCalibrationSection(const Options& options, Report& report);
 
