@@ -158,8 +158,8 @@ void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msg
   std::vector<double> strain, stress;
   simulation.model().computePointStrain(simulation.state(), strain);
   simulation.model().computePointStress(simulation.state(), stress);
-  std::vector<char> awake = simulation.pinned();
-  for (char& flag : awake) flag = !flag;
+  std::vector<char> awake;
+  for (Index i = 0; i < simulation.state().size(); ++i) awake.push_back(simulation.isAwake(i) && !simulation.pinned()[i]);
   encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned(),
                           simulation.state().traits, stress},
                          message);

@@ -18,6 +18,9 @@ double findRadius(const geometry::Solid& solid) {
     case Kind::kBox: return 0.5 * solid.size.norm();
     case Kind::kCylinder:
     case Kind::kCone: return std::hypot(solid.radius, 0.5 * solid.height);
+    case Kind::kMesh:
+      if (solid.mesh) return solid.mesh->radius();
+      break;
     case Kind::kPlane: break;
   }
   return std::numeric_limits<double>::infinity();
@@ -32,7 +35,7 @@ void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) 
 bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs(); }
 
 bool isSame(const geometry::Solid& a, const geometry::Solid& b) {
-  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal && a.offset == b.offset;
+  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal && a.offset == b.offset && a.mesh == b.mesh;
 }
 
 // But for the path and when it acts.

@@ -45,7 +45,7 @@ struct SimulationPoints {
 /// Fills all but the header: x y z normal_x normal_y normal_z mass strain as float32, awake and pinned as uint8; of oriented
 /// particles also temperature (K above ambient) as float32 and id as uint32; of elastic solids also stress as float32.
 void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCloud2& message);
-/// The same of a simulation now. Nothing sleeps yet: all that is not pinned is awake.
+/// The same of a simulation now. Pinned points are not awake.
 void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msgs::PointCloud2& message);
 
 }  // namespace deformable_surface::node
