@@ -33,6 +33,8 @@ class Polyhedron {
   double volume() const { return volume_; }  // m^3
   const Vec3& low() const { return nodes_.front().low; }  // m, corners of its box
   const Vec3& high() const { return nodes_.front().high; }
+  /// m, of the ball about the origin that holds it.
+  double radius() const { return low().cwiseAbs().cwiseMax(high().cwiseAbs()).norm(); }
 
  private:
   struct Node {
