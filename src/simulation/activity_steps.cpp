@@ -9,12 +9,13 @@ using solve::IntegratorType;
 
 // An equilibrium and a pressure inside couple everything; particles have no elements.
 bool Simulation::Impl::canBeInParts() const {
-  return params.integrator.type != IntegratorType::kStatic && !rest.particles && !(params.pressure != 0.0 && rest.model->isClosed());
+  return params.integrator.type != IntegratorType::kStatic && !particles && !(params.pressure != 0.0 && model->isClosed());
 }
 
 bool Simulation::Impl::maySleep() const {
   if (params.activity.sleep == Sleep::kNever) return false;
   if (params.activity.sleep == Sleep::kAuto && params.integrator.type == IntegratorType::kExplicitEuler) return false;
+  if (!track.seen().empty()) return false;
   if (params.output.resample) return false;  // what is inserted can ask for more in the next step
   if (!life) return true;
   const model::OrientedParticlesParams& particles = params.oriented_particles;
@@ -51,9 +52,10 @@ void Simulation::Impl::setParts() {
 }
 
 void Simulation::Impl::makePart() {
-  part = std::make_unique<ActivePart>(*rest.model, activity.movingPoints(), params, partLoads());
+  part = std::make_unique<ActivePart>(*model, activity.movingPoints(), params, partLoads());
   part->march().setMemory(part_march);
   part->march().setFineness(fineness);
+  part->march().setInterrupt(interrupt);
 }
 
 void Simulation::Impl::wakeForStep(const NamedForces::Update& update) {

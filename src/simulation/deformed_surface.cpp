@@ -17,12 +17,15 @@ const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
-DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params)
+DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params,
+                                 const model::ElasticSolid* solid)
     : rest_(rest),
       input_(input),
       params_(params),
       first_input_(rest.dense.positions.size(), -1),
-      is_direct_((rest.particles || rest.solid) && rest.points.size() == rest.dense.positions.size()) {
+      has_particles_(params.model == ModelKind::kOrientedParticles),
+      solid_(solid),
+      is_direct_((has_particles_ || solid_) && rest.points.size() == rest.dense.positions.size()) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
 }
@@ -62,10 +65,10 @@ void DeformedSurface::resample(const model::State& state) {
 const Surface& DeformedSurface::make(const model::State& state, bool with_normals) {
   with_normals = with_normals && params_.output.normals;
   if (is_made_ && (has_normals_ || !with_normals)) return surface_;
-  if (rest_.particles) followPopulation(state);
+  if (has_particles_) followPopulation(state);
   const transfer::Transfer& transfer = currentTransfer();
-  const Points& positions = !rest_.particles ? state.positions : first_positions_;
-  if (rest_.solid) {
+  const Points& positions = !has_particles_ ? state.positions : first_positions_;
+  if (solid_) {
     moveSolid(state, with_normals);
   } else if (is_direct_) {
     takeParticles(state, with_normals);
@@ -74,11 +77,11 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   } else {
     transfer.apply(positions, dense_now_);
   }
-  if (with_normals && !rest_.solid && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
+  if (with_normals && !solid_ && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
   if (resampler_) moveInserted(positions, with_normals);
   expand(with_normals);
   if (resampler_) appendInserted(with_normals);
-  if (rest_.particles) appendNewborn(state, with_normals);
+  if (has_particles_) appendNewborn(state, with_normals);
   is_made_ = true;
   has_normals_ = with_normals;
   return surface_;
@@ -157,11 +160,11 @@ void DeformedSurface::takeParticles(const model::State& state, bool with_normals
 
 void DeformedSurface::moveSolid(const model::State& state, bool with_normals) {
   if (!is_direct_) {
-    rest_.solid_transfer.apply(state.positions, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
+    solid__transfer.apply(state.positions, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
     return;
   }
   dense_now_ = state.positions;
-  if (with_normals) rest_.solid->turnNormals(state, rest_.dense.normals, dense_normals_now_);
+  if (with_normals) solid_->turnNormals(state, rest_.dense.normals, dense_normals_now_);
 }
 
 // Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.

@@ -15,8 +15,8 @@ namespace deformable_surface::simulation {
 
 class DeformedSurface {
  public:
-  /// All are kept by reference and stay what they are.
-  DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params);
+  /// All are kept by reference and stay what they are. solid: the model, if it is one, else null.
+  DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params, const model::ElasticSolid* solid);
 
   /// At rest again: inserted points go.
   void reset();
@@ -64,6 +64,8 @@ class DeformedSurface {
   const cloud::PointCloud& input_;
   const SceneParams& params_;
   std::vector<Index> first_input_;  // (dense) the first input point that each is
+  const bool has_particles_;
+  const model::ElasticSolid* const solid_;
   const bool is_direct_;            // every dense point is a particle: none has to follow others
 
   // Points inserted where the surface is stretched.

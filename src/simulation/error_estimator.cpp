@@ -57,7 +57,8 @@ Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& u
 
 }  // namespace
 
-ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level)
+ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
+                               const model::DeformableModel& model)
     : damping_(params.material.damping), step_(params.integrator.time_step) {
   const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(full.dense.positions.size());
   is_simplified_ = n < num_full;
@@ -96,9 +97,25 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
     verlet_ = std::make_unique<Simulation>(coarse, buildCoarser(coarse, full, points));
   }
   if (params.mass_spring.bending == model::Bending::kCurvature)
-    dents_ = DentWatch(params.material, level.points, level.model->triangles(), level.area, num_full);
+    dents_ = DentWatch(params.material, level.points, model.triangles(), level.area, num_full);
   reset();
 }
+
+ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
+    : is_simplified_(other.is_simplified_),
+      unresolved_(other.unresolved_),
+      damping_(other.damping_),
+      step_(other.step_),
+      disturbance_(other.disturbance_),
+      spacing_(other.spacing_),
+      common_(other.common_),
+      refine_(other.refine_),
+      shadow_(std::make_unique<Simulation>(other.shadow_->fork())),
+      twin_(std::make_unique<Simulation>(other.twin_->fork())),
+      verlet_(other.verlet_ ? std::make_unique<Simulation>(other.verlet_->fork()) : nullptr),
+      dents_(other.dents_),
+      seen_(other.seen_),
+      coarse_now_(other.coarse_now_) {}
 
 void ErrorEstimator::reset() {
   forward([](Simulation& copy) { copy.reset(); });

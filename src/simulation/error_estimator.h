@@ -19,8 +19,11 @@ constexpr Index kCoarsestPoints = 16;
 class ErrorEstimator {
  public:
   /// level: the simulation points whose error is estimated; full: the surface that they were chosen from, with its order of
-  /// removal (the same object where a simulation has both). Neither is kept. Throws InputError if the copies cannot be built.
-  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level);
+  /// removal (the same object where a simulation has both); model: that of the level. None is kept. Throws InputError if the copies
+  /// cannot be built.
+  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level, const model::DeformableModel& model);
+  /// With forks of the copies.
+  ErrorEstimator(const ErrorEstimator& other);
 
   void reset();
 
@@ -45,6 +48,8 @@ class ErrorEstimator {
   void pass() {
     forward([](Simulation& copy) { copy.passStep(); });
   }
+  /// Of the simulation, 1/s.
+  void setDamping(double damping) { damping_ = damping; }
 
   /// The simulation has left for a moment that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }

@@ -162,7 +162,7 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
                                                      params.material, params.elastic_solid);
   if (solid->numDeficient() > 0)
     s.notes.push_back(count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
-  s.solid = solid.get();
+  const std::vector<double> volumes = solid->volumes();
   s.model = std::move(solid);
   applyPins(params, s);
   if (is_planar) noteLoadsAcross(params, across, s);
@@ -182,7 +182,6 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
     }
     s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
   }
-  const std::vector<double>& volumes = s.solid->volumes();
   const double volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
   s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) + " m^3: " + count(n, "points, ") +
                     count(m, "simulation points, ") + count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));

@@ -6,6 +6,7 @@
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
 
 #include <algorithm>
 #include <cmath>
@@ -179,8 +180,9 @@ void buildModel(const SceneParams& params, RestSurface& s) {
     s.notes.push_back(count(mass_spring->numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
   if (mass_spring->numWithoutBending() > 0)
     s.notes.push_back(count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
-  s.mass_spring = mass_spring.get();
   s.model = std::move(mass_spring);
+  s.values = findRegionValues(params.regions, s.points);
+  if (!params.regions.empty()) s.model->setMaterial(findShares(params.material, params.material, s.values));
 
   applyPins(params, s);
 }
@@ -214,9 +216,16 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
       throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " + count(m, "particles at rest; accepted: a shape that holds at least one"));
   }
   noteUnrest(params, particles->lattice().spacing, s);
-  s.particles = particles.get();
   s.model = std::move(particles);
   applyPins(params, s);
+}
+
+// Coarser copies may lose a region, which their error then shows.
+void requireRegions(const SceneParams& params, const RestSurface& s) {
+  for (std::size_t r = 0; r < params.regions.size(); ++r)
+    if (std::none_of(s.points.begin(), s.points.end(), [&](const Vec3& p) { return params.regions[r].region.contains(p); }))
+      throw InputError("regions[" + std::to_string(r) + "]: the shape holds none of the " +
+                       count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
 }
 
 }  // namespace
@@ -251,6 +260,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     const bool is_all = static_cast<Index>(s.points.size()) == n;
     s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
     buildModel(params, s);
+    requireRegions(params, s);
   }
   const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
   s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1),

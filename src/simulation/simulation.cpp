@@ -7,17 +7,17 @@ namespace deformable_surface::simulation {
 Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   AccuracyChoice choice;
   RestSurface rest = buildChosen(params, input, choice);
-  impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest));
+  impl_ = Impl::make(params, std::move(input), std::move(rest));
   impl_->choice = std::move(choice);
-  if (!params.accuracy.estimate || impl_->rest.particles || impl_->rest.solid) return;
+  if (!params.accuracy.estimate || impl_->particles || impl_->solid) return;
   try {
     estimateError(impl_->rest);
   } catch (const InputError& problem) {
-    impl_->rest.notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
+    impl_->notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }
 }
 Simulation::Simulation(const SceneParams& params, RestSurface rest)
-    : impl_(std::make_unique<Impl>(params, cloud::PointCloud(), std::move(rest))) {}
+    : impl_(Impl::make(params, cloud::PointCloud(), std::move(rest))) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
@@ -29,17 +29,11 @@ const SceneParams& Simulation::params() const { return impl_->params; }
 const cloud::PointCloud& Simulation::input() const { return impl_->input; }
 void Simulation::reset() { impl_->reset(); }
 
-Snapshot Simulation::snapshot() const {
-  Snapshot snapshot;
-  snapshot.contents_ = impl_->save();
-  return snapshot;
-}
-
-void Simulation::restore(const Snapshot& snapshot) {
-  if (!snapshot.contents_) throw InputError("snapshot: found one of nothing; accepted: one that this surface gave");
-  if (snapshot.contents_->scene != impl_->identify())
-    throw InputError("snapshot: found one of another surface or scene; accepted: those of this cloud with these parameters");
-  impl_->restore(*snapshot.contents_);
+void Simulation::setInterrupt(const std::atomic<bool>* interrupt) {
+  impl_->interrupt = interrupt;
+  impl_->march.setInterrupt(interrupt);
+  if (impl_->part) impl_->part->march().setInterrupt(interrupt);
+  impl_->forward([&](Simulation& copy) { copy.setInterrupt(interrupt); });
 }
 
 void Simulation::setFineness(Index fineness) {
@@ -66,15 +60,15 @@ Statistics Simulation::statistics() const {
 
 std::uint64_t Simulation::stateHash() const { return impl_->hash(); }
 const model::State& Simulation::state() const { return impl_->state; }
-const model::DeformableModel& Simulation::model() const { return *impl_->rest.model; }
-const model::OrientedParticles* Simulation::particles() const { return impl_->rest.particles; }
+const model::DeformableModel& Simulation::model() const { return *impl_->model; }
+const model::OrientedParticles* Simulation::particles() const { return impl_->particles; }
 Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
 bool Simulation::isAsleep() const { return impl_->activity.isAsleep(); }
 bool Simulation::isAwake(Index simulation_point) const { return impl_->activity.isMoving(simulation_point); }
 const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
 
 void Simulation::computeSimulationNormals(Points& normals) const {
-  impl_->rest.model->computeAreaVectors(impl_->state, normals);
+  impl_->model->computeAreaVectors(impl_->state, normals);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const double area = normals[i].norm();
     normals[i] = area > 0.0 ? Vec3(normals[i] / area) : impl_->rest.normals[std::min(i, impl_->rest.normals.size() - 1)];
@@ -83,6 +77,6 @@ void Simulation::computeSimulationNormals(Points& normals) const {
 
 std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return impl_->forces.active(impl_->state); }
 const AccuracyChoice& Simulation::accuracyChoice() const { return impl_->choice; }
-const std::vector<std::string>& Simulation::buildNotes() const { return impl_->rest.notes; }
+const std::vector<std::string>& Simulation::buildNotes() const { return impl_->notes; }
 
 }  // namespace deformable_surface::simulation

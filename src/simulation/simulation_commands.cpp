@@ -64,8 +64,14 @@ void Simulation::removeForce(const std::string& id) {
   impl_->forward([&](Simulation& copy) { copy.removeForce(id); });
 }
 
+std::vector<std::string> Simulation::forceIds() const {
+  std::vector<std::string> ids;
+  for (const NamedForces::Named& force : impl_->forces.all()) ids.push_back(force.params.id);
+  return ids;
+}
+
 void Simulation::estimateError(const RestSurface& full) {
-  impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, full, impl_->rest);
+  impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, full, impl_->rest, *impl_->model);
 }
 
 void Simulation::disturb(double size) {
@@ -152,11 +158,80 @@ void Simulation::setGravity(const Vec3& gravity) {
   impl_->forward([&](Simulation& copy) { copy.setGravity(gravity); });
 }
 
+Index Simulation::setMaterial(const geometry::Region* region, const MaterialChangeParams& change) {
+  std::vector<std::string> problems = checkParams(change);
+  const std::string problem = findMaterialProblem(impl_->params, change);
+  if (!problem.empty()) problems.push_back(problem);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  Index changed = 0;
+  for (Index i = 0; i < impl_->state.size(); ++i) {
+    if (region && !region->contains(impl_->state.positions[i])) continue;
+    impl_->values[i].take(change);
+    ++changed;
+  }
+  impl_->applyMaterial();
+  impl_->forward([&](Simulation& copy) { copy.setMaterial(region, change); });
+  return changed;
+}
+
+Index Simulation::numOwnMaterial() const {
+  return static_cast<Index>(
+      std::count_if(impl_->values.begin(), impl_->values.end(), [](const PointValues& v) { return v.areOwn(); }));
+}
+
+void Simulation::setDamping(double damping) {
+  model::MaterialParams checked;
+  checked.damping = damping;
+  std::vector<std::string> problems = checkParams(checked);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  impl_->setDamping(damping);
+  impl_->march.restart();
+  impl_->forward([&](Simulation& copy) { copy.setDamping(damping); });
+}
+
+void Simulation::observe(const cloud::PointCloud& cloud) {
+  constexpr double kReach = 3.0;  // spacings that a surface lags behind by at most; beyond it lies something else
+  const double spacing = std::sqrt(impl_->rest.area / static_cast<double>(impl_->rest.points.size()));
+  Points normals;
+  impl_->model->computeAreaVectors(impl_->state, normals);
+  for (Vec3& normal : normals) normal.normalize();
+  impl_->track.observe(cloud, impl_->state, normals, impl_->params.input.track_distance.valueOr(kReach * spacing));
+  impl_->chooseLoads();
+  impl_->march.restart();
+  impl_->forward([&](Simulation& copy) { copy.observe(cloud); });
+}
+
+void Simulation::setParams(const SceneParams& params) {
+  std::vector<std::string> problems = checkParams(params);
+  if (!problems.empty()) throw InputError(std::move(problems));
+  SceneParams& now = impl_->params;
+  SceneParams changed = withRunTimeValues(now, params);
+  if (toYaml(printParams(changed)) != toYaml(printParams(params))) {
+    std::string keys;
+    for (const std::string& key : runTimeKeys()) keys += (keys.empty() ? "" : ", ") + key;
+    throw InputError("found another value of one that cannot change while a surface runs; accepted: others of " + keys);
+  }
+  if (params.material.young_modulus != now.material.young_modulus) {
+    MaterialChangeParams stiffness;
+    stiffness.young_modulus = params.material.young_modulus;
+    const std::string problem = findMaterialProblem(now, stiffness);
+    if (!problem.empty()) throw InputError("material." + problem);
+  }
+  const bool is_damping_new = params.material.damping != now.material.damping;
+  if (params.gravity != now.gravity) setGravity(params.gravity);
+  now = std::move(changed);
+  impl_->takePhysics();
+  if (is_damping_new) impl_->setDamping(now.material.damping);
+  impl_->march.restart();
+  impl_->surface.invalidate();
+  impl_->forward([&](Simulation& copy) { copy.setParams(withRunTimeValues(copy.params(), params)); });
+}
+
 std::vector<Index> Simulation::editParticles(const ParticleEdit& edit) {
   impl_->requireParticles();
   const ParticleLife::Changes changes = impl_->life->edit(edit, impl_->state, impl_->pinned, impl_->pinned_turns);
   impl_->follow(changes);
-  impl_->rest.model->adopt(impl_->state);
+  impl_->model->adopt(impl_->state);
   impl_->march.restart();
   impl_->wakeAll();
   impl_->surface.invalidate();
@@ -171,7 +246,7 @@ std::string Simulation::fit(const model::GrowthParams& growth) {
   if (!problems.empty()) throw InputError(std::move(problems));
   const ParticleLife::Changes changes = impl_->fit(growth);
   // The particles of before may have moved.
-  impl_->rest.model->adopt(impl_->state);
+  impl_->model->adopt(impl_->state);
   impl_->march.restart();
   impl_->wakeAll();
   impl_->surface.invalidate();

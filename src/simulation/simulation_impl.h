@@ -12,6 +12,8 @@
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/particle_life.h"
 #include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/simulation/run_time_params.h"
+#include "deformable_surface/simulation/track_load.h"
 #include "deformable_surface/solve/time_march.h"
 
 #include <algorithm>
@@ -64,14 +66,20 @@ struct Snapshot::Contents {
   std::uint64_t scene;  // see Simulation::Impl::identify()
   State state;
   std::uint64_t steps;
+  double time;  // s
   std::vector<char> pinned, pinned_turns;
   Vec3 gravity;
   std::vector<NamedForces::Named> forces;
   std::vector<tool::ToolParams> tools;
+  std::vector<PointValues> values;
+  RunTimePhysics physics;
+  double damping;       // 1/s
+  double contact_rate;  // 1/s
   std::vector<Grips::Grip> grips;
   std::vector<ContactLoad::Body> bodies;
   std::vector<model::MassSpring::Link> cuts;
   std::shared_ptr<const CutTransfer::Memory> severed;  // null: nothing
+  std::vector<TrackLoad::Seen> seen;
   solve::TimeMarch::Memory march, part_march;
   bool has_part;
   Activity::Memory activity;
@@ -83,10 +91,16 @@ struct Snapshot::Contents {
 struct Simulation::Impl {
   // Given.
   SceneParams params;
-  cloud::PointCloud input;
+  const std::shared_ptr<const cloud::PointCloud> shared_input;
+  const cloud::PointCloud& input = *shared_input;
 
-  // Made once from the rest state.
-  RestSurface rest;
+  // Made once from the rest state: what forks share, and what each has for itself.
+  std::unique_ptr<model::DeformableModel> model;
+  model::OrientedParticles* const particles;  // the model, if it is this one
+  const model::ElasticSolid* const solid;     // the same
+  const std::shared_ptr<const RestSurface> shared_rest;
+  const RestSurface& rest = *shared_rest;
+  std::vector<std::string> notes;
   GravityLoad gravity;
   PressureLoad pressure;
   DragLoad drag;
@@ -94,6 +108,7 @@ struct Simulation::Impl {
   NamedForces forces;
   ContactLoad contact;
   FrictionLoad friction;
+  TrackLoad track;
   Grips grips;
   std::vector<const solve::ExternalLoad*> loads;
   std::vector<char> pinned, pinned_turns;
@@ -107,9 +122,13 @@ struct Simulation::Impl {
   std::vector<tool::ToolParams> tools;
   std::uint64_t steps = 0;
 
+  std::vector<PointValues> values;           // (m) what points are made of that are not as everywhere; empty if the model is another
+  std::vector<model::PointMaterial> shares;  // the same as the model has it; empty: as it was made
+
   double contact_rate = 0.0;  // 1/s; 0: not found yet
   solve::TimeMarch march;
   Index fineness = 1;
+  const std::atomic<bool>* interrupt = nullptr;  // see Simulation::setInterrupt()
 
   // What is awake; see activity_steps.cpp.
   Activity activity;
@@ -128,25 +147,43 @@ struct Simulation::Impl {
   bool is_wish_missed = false;  // said since the last reset
   std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
   mutable Points forces_on_all;               // N, scratch
+  model::MaterialParams made = params.material;  // what the model was made with
+  std::uint64_t scene_hash;                      // of what was given
 
-  Impl(const SceneParams& given, cloud::PointCloud&& cloud, RestSurface built)
+  Impl(const SceneParams& given, std::shared_ptr<const cloud::PointCloud> cloud, std::unique_ptr<model::DeformableModel> material,
+       std::shared_ptr<const RestSurface> built)
       : params(given),
-        input(std::move(cloud)),
-        rest(std::move(built)),
-        gravity(rest.model->masses(), params.gravity),
-        pressure(*rest.model, params.pressure),
-        drag(*rest.model, params.viscous_drag),
+        shared_input(std::move(cloud)),
+        model(std::move(material)),
+        particles(dynamic_cast<model::OrientedParticles*>(model.get())),
+        solid(dynamic_cast<const model::ElasticSolid*>(model.get())),
+        shared_rest(std::move(built)),
+        notes(rest.notes),
+        gravity(model->masses(), params.gravity),
+        pressure(*model, params.pressure),
+        drag(*model, params.viscous_drag),
         anchors(makeAnchors()),
-        forces(rest.model->masses()),
-        contact(rest.model->masses()),
+        forces(model->masses()),
+        contact(model->masses()),
         friction(contact),
-        system(*rest.model, loads, held, params.material.damping, &held_turns),
-        march(system, *rest.model, params.integrator),
+        track(model->masses(), params.input.track_gain),
+        system(*model, loads, held, params.material.damping, &held_turns),
+        march(system, *model, params.integrator),
         activity(params.activity, rest.points, std::sqrt(rest.area / static_cast<double>(rest.points.size())),
-                 params.integrator.time_step, *rest.model, canBeInParts()),
-        surface(rest, input, params) {
-    if (rest.mass_spring) cutting = std::make_unique<Cutting>(*rest.mass_spring, params.mass_spring.tear_strain);
-    reset();
+                 params.integrator.time_step, *model, canBeInParts()),
+        surface(rest, input, params, solid),
+        scene_hash(identify(rest, params)) {
+    if (auto* mass_spring = dynamic_cast<model::MassSpring*>(model.get()))
+      cutting = std::make_unique<Cutting>(*mass_spring, params.mass_spring.tear_strain);
+  }
+
+  /// Of a surface that nobody else has.
+  static std::unique_ptr<Impl> make(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface built) {
+    std::unique_ptr<model::DeformableModel> model = std::move(built.model);
+    auto impl = std::make_unique<Impl>(params, std::make_shared<const cloud::PointCloud>(std::move(cloud)), std::move(model),
+                                       std::make_shared<const RestSurface>(std::move(built)));
+    impl->reset();
+    return impl;
   }
 
   std::vector<AnchorLoad::Anchor> makeAnchors() const {
@@ -158,7 +195,7 @@ struct Simulation::Impl {
   // On the points that are there.
   void placeAnchors() {
     anchors = AnchorLoad(makeAnchors());
-    if (!rest.particles) return;
+    if (!particles) return;
     std::vector<Index> index_of_id(state.next_id, -1);
     for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
     anchors.renumber(index_of_id);
@@ -172,6 +209,7 @@ struct Simulation::Impl {
     if (!params.anchors.empty()) loads.push_back(&anchors);
     if (!contact.isEmpty()) loads.push_back(&contact);
     if (!friction.isEmpty()) loads.push_back(&friction);
+    if (!track.isEmpty()) loads.push_back(&track);
   }
 
   void setTools(std::vector<tool::ToolParams> given) {
@@ -185,15 +223,19 @@ struct Simulation::Impl {
                          "; accepted: cut without output.resample and mass_spring.volume_stiffness");
     if (!given.empty() && !(contact_rate > 0.0)) findContactRate();
     tools = std::move(given);
-    // Knives cut springs without resistance; particles they push, too.
-    std::vector<tool::ToolParams> pushing = tools;
-    const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
-    if (cutting) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
-    contact.setTools(pushing);
+    giveContactTools();
     grips.setTools(tools);
     chooseLoads();
     loadsChanged();
     setParts();
+  }
+
+  // Knives cut springs without resistance; particles they push, too.
+  void giveContactTools() {
+    std::vector<tool::ToolParams> pushing = tools;
+    const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
+    if (cutting) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
+    contact.setTools(pushing);
   }
 
   double time() const { return static_cast<double>(steps) * params.integrator.time_step; }
@@ -202,26 +244,30 @@ struct Simulation::Impl {
     if (cutting) cutting->setCuts({});
     state.positions = rest.points;
     state.velocities.assign(rest.points.size(), Vec3::Zero());
-    rest.model->beginAtRest(state);
+    model->beginAtRest(state);
     steps = 0;
     pinned = rest.pinned;
     pinned_turns = rest.pinned_turns;
     placeAnchors();
-    if (rest.particles) {
-      life = std::make_unique<ParticleLife>(*rest.particles);
+    if (particles) {
+      life = std::make_unique<ParticleLife>(*particles);
       for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !rest.creased[i];
       if (params.oriented_particles.fit) {
         const std::string news = fit(params.oriented_particles.growth).notice;
-        if (std::find(rest.notes.begin(), rest.notes.end(), news) == rest.notes.end()) rest.notes.push_back(news);
+        if (std::find(notes.begin(), notes.end(), news) == notes.end()) notes.push_back(news);
       }
     }
     clampHeld();
+    values = rest.values;
+    applyMaterial();
+    setDamping(params.material.damping);
     gravity.gravity = params.gravity;
     forces.clear();
     for (const ForceParams& force : params.forces) forces.set(force);
     grips.reset();
     contact.reset();
     part.reset();
+    track.restore({});
     setTools(params.tools);
     activity.reset();
     tool_watch.reset();
@@ -234,54 +280,43 @@ struct Simulation::Impl {
     measure();
   }
 
-  // Of what stays the same from step to step: the points at rest, and the scene but for what no step reads. FNV-1a.
-  std::uint64_t identify() const {
-    SceneParams scene = params;
-    scene.cloud = CloudParams();
-    scene.duration = SceneParams().duration;
-    scene.threads = 0;
-    scene.save_directory.clear();
-    scene.expect.clear();
-    std::uint64_t h = kHashBegin;
-    for (unsigned char c : toYaml(printParams(scene))) h = (h ^ c) * 1099511628211ull;
-    h = hashPoints(rest.points, h);
-    return hashPoints(rest.dense.positions, h);
+  // What a simulation hands out of itself: simulation_memory.cpp.
+  static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
+  std::shared_ptr<const Snapshot::Contents> save() const;
+  void restore(const Snapshot::Contents& saved);
+  std::unique_ptr<Impl> fork() const;
+
+  // Tells the model what its points are made of. What follows from the stiffness is found anew.
+  void applyMaterial() {
+    if (values.empty()) return;
+    std::vector<model::PointMaterial> now = findShares(made, params.material, values);
+    if (shares.empty()) shares = findShares(made, made, rest.values);
+    if (now == shares) return;
+    model->setMaterial(now);
+    shares = std::move(now);
+    contact.setTools({});
+    chooseLoads();
+    contact_rate = 0.0;
+    if (!tools.empty()) findContactRate();
+    giveContactTools();
+    chooseLoads();
+    wakeAll();
+    march.restart();
   }
 
-  std::shared_ptr<const Snapshot::Contents> save() const {
-    return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-        identify(), state, steps, pinned, pinned_turns, gravity.gravity, forces.all(), tools, grips.all(), contact.all(),
-        cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(), surface.saveCut(), march.memory(),
-        part ? part->march().memory() : part_march, part != nullptr, activity.memory(),
-        surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
+  void setDamping(double damping) {
+    system.setDamping(damping);
+    if (estimator) estimator->setDamping(damping);
+    wakeAll();
   }
 
-  void restore(const Snapshot::Contents& saved) {
-    if (cutting) cutting->setCuts(saved.cuts);
-    state = saved.state;
-    rest.model->adopt(state);
-    placeAnchors();
-    steps = saved.steps;
-    pinned = saved.pinned;
-    pinned_turns = saved.pinned_turns;
-    clampHeld();
-    gravity.gravity = saved.gravity;
-    forces.restore(saved.forces);
-    part.reset();
-    setTools(saved.tools);
-    grips.restore(saved.grips);
-    contact.restore(saved.bodies);
-    march.setMemory(saved.march);
-    part_march = saved.part_march;
-    activity.setMemory(saved.activity, state);
-    if (saved.has_part) makePart();
-    tool_watch.look(tools, time());
-    changed();
-    if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
-    if (estimator && !saved.estimate) estimator->lose();
-    surface.restoreInserted(saved.resampler.get());
-    if (cutting) surface.restoreCut(saved.severed.get(), rest.model->stretchLinks());
-    statistics = saved.statistics;
+  // Of params, to those who keep a copy of them.
+  void takePhysics() {
+    pressure.setPressure(params.pressure);
+    drag.setDrag(params.viscous_drag);
+    applyMaterial();
+    chooseLoads();
+    wakeAll();
   }
 
   // Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once, before
@@ -290,9 +325,9 @@ struct Simulation::Impl {
     State at_rest;
     at_rest.positions = rest.points;
     at_rest.velocities.assign(rest.points.size(), Vec3::Zero());
-    rest.model->beginAtRest(at_rest);
+    model->beginAtRest(at_rest);
     const double stable = march.findStableStep(0.0, at_rest);
-    rest.model->adopt(state);
+    model->adopt(state);
     contact_rate = kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step);
     contact.setRate(contact_rate);
   }
@@ -301,7 +336,7 @@ struct Simulation::Impl {
   void clampHeld() {
     held = pinned;
     held_turns = pinned_turns;
-    if (rest.model->setHeld(pinned)) march.restart();
+    if (model->setHeld(pinned)) march.restart();
     const double cold = params.oriented_particles.hold_below;
     if (!life || !(cold > 0.0)) return;
     for (Index i = 0; i < state.size(); ++i) {
@@ -371,7 +406,7 @@ struct Simulation::Impl {
       return outcome;
     }
     if (!contact.isEmpty()) {
-      const std::string passed = contact.endStep(now, dt, state, held, rest.model->triangles());
+      const std::string passed = contact.endStep(now, dt, state, held, model->triangles());
       if (!passed.empty()) outcome.notice += (outcome.notice.empty() ? "" : "; ") + passed;
     }
     if (may_be_cut && cutting->endStep(tools, now, dt, state.positions, surface)) {
@@ -466,7 +501,9 @@ struct Simulation::Impl {
     if (changes.new_index.empty() && changes.born == 0) return;
     pinned.resize(state.positions.size(), 0);
     pinned_turns.resize(state.positions.size(), 0);
-    rest.model->adopt(state);
+    model->adopt(state);
+    track.restore({});
+    chooseLoads();
     march.restart();
     wakeAll();
     surface.invalidate();
@@ -499,16 +536,18 @@ struct Simulation::Impl {
   void measureState() {
     statistics.points = static_cast<std::uint32_t>(input.positions.size());
     statistics.simulation_points = static_cast<std::uint32_t>(state.size());
-    statistics.springs = static_cast<std::uint32_t>(rest.model->stretchLinks().size() + rest.model->bendLinks().size());
+    statistics.springs = static_cast<std::uint32_t>(model->stretchLinks().size() + model->bendLinks().size());
     statistics.awake = 0;
     for (Index i = 0; i < state.size(); ++i) statistics.awake += !held[i] && activity.isMoving(i);
     statistics.kinetic_energy = system.kineticEnergy(state);
-    statistics.elastic_energy = rest.model->elasticEnergy(state);
+    statistics.elastic_energy = model->elasticEnergy(state);
     statistics.potential_energy = system.loadPotential(time(), state);
-    statistics.max_stretch = rest.model->maxStretch(state);
+    statistics.max_stretch = model->maxStretch(state);
     double squared_speed = 0.0;
     for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
     statistics.max_speed = std::sqrt(squared_speed);
+    statistics.track_residual = track.residual(state);
+    statistics.track_points = static_cast<std::uint32_t>(track.seen().size());
     statistics.state_hash = hash();
     if (estimator) {
       statistics.error_time = estimator->time() + activity.lost();

@@ -24,7 +24,8 @@ struct StabilityCase {
 
 inline const std::vector<std::string>& stabilityFamilies() {
   static const std::vector<std::string> names{"time_step", "stiffness", "stiffness_ratio", "mass_ratio", "density_spike", "collapse",
-                                              "stretch",   "pins",      "clouds",          "gravity",    "blow",          "pressure"};
+                                              "stretch",   "pins",      "clouds",          "gravity",    "blow",          "pressure",
+                                              "membrane_ratio"};
   return names;
 }
 
@@ -44,6 +45,7 @@ class StabilityGenerator {
     else if (family == "gravity") g.makeGravity();
     else if (family == "blow") g.makeBlow();
     else if (family == "pressure") g.makePressure();
+    else if (family == "membrane_ratio") g.makeMembraneRatio();
     else throw std::logic_error("no family " + family);
     return std::move(g.case_);
   }
@@ -122,7 +124,26 @@ class StabilityGenerator {
     case_.steps = 20;
   }
 
-  // The model has one membrane stiffness for all points: what can differ within a scene is that of anchors, bending and volume.
+  // A part of the sheet is up to a million times stiffer or softer than the rest, from the beginning or from the middle of the run on.
+  void makeMembraneRatio() {
+    takePinnedSheet();
+    simulation::SceneParams& p = case_.params;
+    simulation::RegionParams part;
+    part.region.min = Vec3(between(0.1, 0.6), -10.0, -10.0);
+    part.region.max = Vec3(10.0, between(-0.3, 10.0), 10.0);
+    const double ratio = logBetween(1.0, 1e6);
+    part.material.young_modulus = p.material.young_modulus * (chance(0.5) ? ratio : 1.0 / ratio);
+    if (chance(0.5)) part.material.density = p.material.density * logBetween(0.1, 10.0);
+    if (chance(0.5)) {
+      p.regions.push_back(part);
+      return;
+    }
+    case_.command = [part, half = case_.steps / 2](simulation::Simulation& s, int step) {
+      if (step == half) s.setMaterial(&part.region, part.material);
+    };
+  }
+
+  // Of anchors, bending and volume beside the membrane.
   void makeStiffnessRatio() {
     simulation::SceneParams& p = case_.params;
     if (chance(0.25)) {

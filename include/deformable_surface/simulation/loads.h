@@ -36,6 +36,7 @@ class PressureLoad : public solve::ExternalLoad {
   bool isConservative() const override { return model_.isClosed(); }
   /// Exact by Simpson's rule: along a straight way the area is quadratic.
   double estimateWork(double from, double to, const State& before, const State& after) const override;
+  void setPressure(double pressure) { pressure_ = pressure; }
 
  private:
   const model::DeformableModel& model_;
@@ -52,6 +53,7 @@ class DragLoad : public solve::ExternalLoad {
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   double estimateWork(double, double, const State&, const State&) const override { return 0.0; }
+  void setDrag(double viscous_drag) { drag_ = viscous_drag; }
 
  private:
   const model::DeformableModel& model_;

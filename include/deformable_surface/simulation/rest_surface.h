@@ -5,9 +5,8 @@
 #include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
-#include "deformable_surface/model/elastic_solid/elastic_solid.h"
-#include "deformable_surface/model/mass_spring/mass_spring.h"
-#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/region_material.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/transfer/solid_transfer.h"
 #include "deformable_surface/transfer/transfer.h"
@@ -31,15 +30,13 @@ struct RestSurface {
   cloud::Rings rings;              // of the simulation points
   double area = 0.0;               // m^2, of the dense surface
   bool closed = false;             // the dense surface has no boundary
-  std::unique_ptr<model::DeformableModel> model;
-  model::OrientedParticles* particles = nullptr;  // the model, if it is this one
-  const model::ElasticSolid* solid = nullptr;     // the same
-  model::MassSpring* mass_spring = nullptr;       // the same
+  std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out
   transfer::Transfer transfer;
   transfer::SolidTransfer solid_transfer;  // in its place, of a solid; empty where every point is simulated
   std::vector<char> pinned;        // (m) by the scene's pins
   std::vector<char> pinned_turns;  // (m) those whose orientation is held too
   std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another
+  std::vector<PointValues> values; // (m) of the scene's regions; empty if the model is another
   std::vector<std::string> notes;  // what a user should know: counts, rules, choices of auto
 };
 

@@ -70,6 +70,21 @@ struct CreaseParams {
   geometry::Region region;
 };
 
+/// Values of the material that are others than everywhere; auto: the same.
+struct MaterialChangeParams {
+  OrAuto<double> young_modulus;     // Pa, > 0
+  OrAuto<double> bending_rigidity;  // N m, > 0; auto also follows young_modulus where that of the material is auto
+  OrAuto<double> density;           // kg/m^3, > 0
+
+  bool isEmpty() const { return young_modulus.is_auto && bending_rigidity.is_auto && density.is_auto; }
+};
+
+/// What lies in the region at rest is made of something else.
+struct RegionParams {
+  geometry::Region region;
+  MaterialChangeParams material;
+};
+
 /// A world spring [Su 2007, eq. 5]: F = stiffness (target - s) on the simulation point nearest to point at rest.
 struct AnchorParams {
   Vec3 point = Vec3::Zero(), target = Vec3::Zero();  // m
@@ -102,6 +117,8 @@ enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running s
 struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
+  double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
+  OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
 };
 
 /// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
@@ -130,6 +147,7 @@ struct SceneParams {
   double pressure = 0.0;          // Pa
   std::vector<PinParams> pins;
   std::vector<CreaseParams> creases;
+  std::vector<RegionParams> regions;
   std::vector<AnchorParams> anchors;
   std::vector<ForceParams> forces;
   std::vector<tool::ToolParams> tools;
@@ -212,8 +230,10 @@ inline void visitRegion(Fields& fields, geometry::Region& region) {
   if (is_box) {
     fields.required().vector("min", region.min, "m", anyFinite(), "the corner with the smallest coordinates");
     fields.required().vector("max", region.max, "m", anyFinite(), "the corner with the largest coordinates");
-    fields.require((region.min.array() <= region.max.array()).all(), "",
-                   "found min above max; accepted: min <= max in x, y and z");
+    for (int axis = 0; axis < 3; ++axis)
+      fields.require(region.min[axis] <= region.max[axis], "min",
+                     "found " + formatReal(region.min[axis]) + " in " + "xyz"[axis] + ", which is above max, " +
+                         formatReal(region.max[axis]) + "; accepted: min <= max in x, y and z");
     fields.end();
   }
   const bool is_sphere = fields.begin("sphere", region.kind == geometry::Region::Kind::kSphere, "");
@@ -234,6 +254,19 @@ inline void visit(Fields& fields, PinParams& p) {
 
 inline void visit(Fields& fields, CreaseParams& p) { visitRegion(fields, p.region); }
 
+inline void visit(Fields& fields, MaterialChangeParams& p) {
+  fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "`auto` = as everywhere");
+  fields.number("bending_rigidity", p.bending_rigidity, "N m", between(1e-20, 1e20),
+                "`auto` = as everywhere; follows young_modulus where `material.bending_rigidity` is `auto`");
+  fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9), "`auto` = as everywhere");
+  fields.require(!p.isEmpty(), "", "found none of young_modulus, bending_rigidity, density; accepted: at least one");
+}
+
+inline void visit(Fields& fields, RegionParams& p) {
+  visitRegion(fields, p.region);
+  visit(fields, p.material);
+}
+
 inline void visit(Fields& fields, AnchorParams& p) {
   fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
                            "at rest; the nearest simulation point is held");
@@ -250,7 +283,8 @@ inline void visit(Fields& fields, ForceParams& p) {
   fields.number("radius", p.radius, "m", between(0.0, kMaxLength), "0 = the nearest simulation point");
   fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
   fields.number("end", p.end, "s", anyFinite(), "the default never ends");
-  fields.require(p.start < p.end, "end", "found an end that is not after the start; accepted: start < end");
+  fields.require(p.start < p.end, "end",
+                 "found " + formatReal(p.end) + ", which is not after start, " + formatReal(p.start) + "; accepted: start < end");
 }
 
 inline void visit(Fields& fields, WrenchParams& p) {
@@ -268,9 +302,24 @@ inline void visit(Fields& fields, OutputParams& p) {
 inline void visit(Fields& fields, InputParams& p) {
   fields.choice("policy", p.policy,
                 {{"ignore", InputPolicy::kIgnore}, {"replace", InputPolicy::kReplace}, {"track", InputPolicy::kTrack}},
-                "what a cloud on a running surface does; `track` is not built yet");
-  fields.require(p.policy != InputPolicy::kTrack, "policy", "found track, which is not built yet; accepted: ignore, replace");
+                "what a cloud on a running surface does; `track` draws the surface towards it (docs/run_time_control.md)");
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
+  fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
+                "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
+  fields.number("track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
+                "`track`: points of the surface farther from the cloud were not seen; `auto` = three spacings of the simulation points");
+}
+
+/// Why a scene's model cannot have this change; empty if it can.
+inline std::string findMaterialProblem(const SceneParams& p, const MaterialChangeParams& change) {
+  if (p.model != ModelKind::kMassSpring) return "found values of a material by region, but only mass_spring surfaces have them; accepted: none";
+  if (!change.young_modulus.is_auto && p.mass_spring.stiffness == model::Stiffness::kUniform)
+    return "young_modulus: found one with mass_spring.stiffness: uniform; accepted: material";
+  const bool is_plate = p.mass_spring.bending == model::Bending::kCurvature && p.material.bendingRigidity() > 0.0;
+  if (!change.bending_rigidity.is_auto && !is_plate)
+    return "bending_rigidity: found one where nothing bends by it; accepted: mass_spring.bending: curvature and a "
+           "material.bending_rigidity above 0";
+  return "";
 }
 
 /// Whether a mass-spring surface can come apart in this scene.
@@ -340,6 +389,12 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.list("creases", p.creases, "Particles that lie in one of these at rest keep their spacing but no smoothness.");
   fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
                  "found some, but only oriented_particles have an orientation; accepted: none");
+  fields.list("regions", p.regions,
+              "What lies in a closed box or sphere at rest is made of something else; a later one goes over an earlier one.");
+  for (std::size_t i = 0; i < p.regions.size(); ++i) {
+    const std::string problem = findMaterialProblem(p, p.regions[i].material);
+    fields.require(problem.empty(), "regions[" + std::to_string(i) + "]", problem);
+  }
   fields.list("anchors", p.anchors, "World springs.");
   fields.list("forces", p.forces, "Named forces on the surface near a point.");
   std::set<std::string> ids;

@@ -12,6 +12,7 @@
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/simulation/statistics.h"
 
+#include <atomic>
 #include <memory>
 #include <string>
 #include <utility>
@@ -45,6 +46,11 @@ class Snapshot {
  public:
   Snapshot() = default;  // of nothing
 
+  /// What it holds in memory, but for a few small lists.
+  std::size_t bytes() const;
+  /// s since rest; 0 of nothing.
+  double time() const;
+
  private:
   friend class Simulation;
   struct Contents;
@@ -64,6 +70,9 @@ class Simulation {
 
   /// Advances by exactly params.integrator.time_step.
   StepOutcome step();
+  /// Once this is true, a step that is under way ends soon, between two sub-steps, as one that failed; the state before it is kept. Null =
+  /// never. It must outlive the simulation; forks have none.
+  void setInterrupt(const std::atomic<bool>* interrupt);
   double time() const;           // s since rest
   std::uint64_t stepCount() const;
   const SceneParams& params() const;
@@ -76,6 +85,11 @@ class Simulation {
   /// Back to the snapshot's moment. Throws InputError, and changes nothing, if it is not of this surface in this scene (another
   /// cloud, material or way to step; a simulation made anew from the same cloud and scene is the same).
   void restore(const Snapshot& snapshot);
+  /// Another simulation in the state of this one, which goes on as this one would, bit for bit, and takes commands of its own. They
+  /// share the cloud and what was made from it at rest, so that it costs next to nothing beside building one, and each may be used
+  /// by a thread of its own; making a fork is a matter of the thread that steps this one. Throws InputError if the model cannot be
+  /// copied.
+  Simulation fork() const;
 
   /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. What the energy was before
   /// is forgotten, and the error estimate begins anew at zero, for the state that was given. Throws InputError, and changes nothing,
@@ -86,6 +100,8 @@ class Simulation {
   // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
   void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it
   void removeForce(const std::string& id);
+  /// Of all forces there are, ascending; those that wait for their time too.
+  std::vector<std::string> forceIds() const;
   void setTool(const tool::ToolParams& tool);  // replaces the tool of that id
   /// Gives a tool that is there another path: what happens in every step must cost next to nothing.
   void moveTool(const std::string& id, const std::vector<tool::WaypointParams>& path);
@@ -102,6 +118,22 @@ class Simulation {
   Index pin(const geometry::Region& region, bool orientation = false);
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
+  /// Gives the simulation points that lie in the region now (null: all of them) other values of their material, until the next reset.
+  /// Velocities stay, also where masses change. The stable step is measured anew. Throws InputError, and changes nothing, if the scene's
+  /// model has no such values. Returns how many points.
+  Index setMaterial(const geometry::Region* region, const MaterialChangeParams& change);
+  /// Simulation points with values of their own, by the scene's regions or by setMaterial().
+  Index numOwnMaterial() const;
+  /// 1/s, of everything, until the next reset.
+  void setDamping(double damping);
+  /// Draws the surface towards this cloud from now on, where it was seen, with input.track_gain (track_load.h); instead of the cloud
+  /// before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes nothing, for clouds
+  /// of fewer than three points.
+  void observe(const cloud::PointCloud& cloud);
+  /// Takes the values that may change while a surface runs (run_time_params.h), from the next step on and through resets; points with
+  /// a Young's modulus of their own keep it. Throws InputError, and changes nothing, for values that are not accepted and where any other
+  /// value is not as in params().
+  void setParams(const SceneParams& params);
   // Of oriented particles only; at once, and wholly or not at all: InputError says why not.
   /// Returns the ids of the particles that were added.
   std::vector<Index> editParticles(const ParticleEdit& edit);
@@ -154,6 +186,7 @@ class Simulation {
 
  private:
   struct Impl;
+  explicit Simulation(std::unique_ptr<Impl> impl);
   std::unique_ptr<Impl> impl_;
 };
 

@@ -25,6 +25,7 @@ class System {
   /// See DeformableModel.
   bool hasStiffness() const { return model_.hasStiffness(); }
   double damping() const { return damping_; }
+  void setDamping(double damping) { damping_ = damping; }
   /// True if anything beside the damping by mass may take energy out: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
   /// The same, damping by mass included.

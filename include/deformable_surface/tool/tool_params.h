@@ -67,7 +67,8 @@ inline void visit(Fields& fields, ToolParams& p) {
   fields.require(p.mode != Mode::kAttract || p.reach > 0.0, "reach", "found 0, with which attract does nothing; accepted: above 0");
   fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
   fields.number("end", p.end, "s", anyFinite(), "the default never ends");
-  fields.require(p.start < p.end, "end", "found an end that is not after the start; accepted: start < end");
+  fields.require(p.start < p.end, "end",
+                 "found " + formatReal(p.end) + ", which is not after start, " + formatReal(p.start) + "; accepted: start < end");
   fields.list("path", p.path, "Where it is; interpolated between the times and held outside them.");
   fields.require(!p.path.empty(), "path", "found no waypoint; accepted: at least one");
   for (std::size_t i = 1; i < p.path.size(); ++i)

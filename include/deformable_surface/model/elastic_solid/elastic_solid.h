@@ -22,6 +22,7 @@ class ElasticSolid : public DeformableModel {
   ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
                const MaterialParams& material, const ElasticSolidParams& params);
 
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<ElasticSolid>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
   /// A planar solid takes nothing across its plane.
   void confine(Points& forces) const override;

@@ -1,0 +1,168 @@
+// Surfaces that are drawn towards clouds of what they show.
+#include "clouds.h"
+#include "deformable_surface/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+
+constexpr double kRate = 30.0;  // Hz, of the camera
+
+SceneParams trackedSheet() {
+  SceneParams p = hangingSheet();
+  p.material.young_modulus = 1e3;
+  p.gravity.setZero();
+  p.integrator.time_step = 1.0 / kRate / 3.0;
+  p.input.policy = simulation::InputPolicy::kTrack;
+  p.accuracy.estimate = false;  // which is the same but for its time
+  return p;
+}
+
+// A sheet that bends up from the edge that is held.
+double heightAt(double x, double amount) { return amount * x * x; }
+
+// What a camera sees of it: not the points of the simulation, in another order, and nothing within the hole.
+cloud::PointCloud observe(double amount, double hole = 0.0) {
+  cloud::PointCloud cloud;
+  constexpr int kSide = 67;
+  for (int k = kSide * kSide - 1; k >= 0; --k) {
+    const double x = (k % kSide + 0.3) / kSide, y = (k / kSide + 0.3) / kSide - 0.5;
+    const bool is_hidden = std::hypot(x - 0.6, y) < hole;
+    cloud.positions.emplace_back(x, y, is_hidden ? std::numeric_limits<double>::quiet_NaN() : heightAt(x, amount));
+  }
+  cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+  return cloud;
+}
+
+double largestError(const Simulation& s, double amount) {
+  double largest = 0.0;
+  for (const Vec3& p : s.state().positions) largest = std::max(largest, std::abs(p.z() - heightAt(p.x(), amount)));
+  return largest;
+}
+
+// Rises over a second, then stands still.
+double amountAt(int frame) { return 0.15 * std::min(1.0, frame / kRate); }
+
+double track(Simulation& s, int frames, double hole) {
+  for (int frame = 0; frame < frames; ++frame) {
+    s.observe(observe(amountAt(frame), hole));
+    run(s, 3);
+  }
+  return amountAt(frames);
+}
+
+TEST(Track, FollowsADeformingCloudWithinTheLagOfItsGain) {
+  Simulation s(trackedSheet(), sheetCloud());
+  const double amount = track(s, 30, 0.0);
+  // A critically damped pull with gain g towards what moves with v lags by 2 v / sqrt(g); the edge rises by 0.15 m in a second. What the
+  // sheet's own stiffness adds is less than as much again.
+  const double lag = 2.0 * 0.15 / std::sqrt(s.params().input.track_gain);
+  EXPECT_GT(largestError(s, 0.0), 0.1);
+  EXPECT_LT(largestError(s, amount), 2.0 * lag);
+  EXPECT_LT(s.statistics().track_residual, lag);
+  EXPECT_GT(s.statistics().track_points, 0.9 * s.statistics().simulation_points);
+  // Where it stands still it is reached, but for the rest of a spring against a spring.
+  for (int k = 0; k < 60; ++k) {
+    s.observe(observe(amount));
+    run(s, 3);
+  }
+  EXPECT_LT(s.statistics().track_residual, 0.1 * lag);
+}
+
+TEST(Track, AHoleIsLeftToPhysicsWhichBridgesIt) {
+  SceneParams p = trackedSheet();
+  // A sheet that is stiff enough to carry what is in the hole along, and to come to rest; a soft one hangs behind for seconds.
+  p.material.bending_rigidity = 0.01;
+  p.material.damping = 3.0;
+  Simulation s(p, sheetCloud());
+  constexpr double kHole = 0.25;
+  const double amount = track(s, 60, kHole);
+  const simulation::Statistics now = s.statistics();
+  int inside = 0;
+  for (const Vec3& p : s.state().positions) inside += std::hypot(p.x() - 0.6, p.y()) < kHole - 0.05;
+  ASSERT_GT(inside, 5);
+  // Pinned points count as seen; what is behind the hole does not.
+  EXPECT_LE(now.track_points + inside, now.simulation_points);
+  EXPECT_GT(now.track_points, now.simulation_points / 2);
+  // At worst it spans the hole, and a spacing around it, as straight as a membrane does.
+  const double spacing = 1.0 / std::sqrt(static_cast<double>(now.simulation_points));
+  EXPECT_LT(largestError(s, amount), amount * std::pow(kHole + spacing, 2));
+}
+
+TEST(Track, WhatIsSeenOfSomethingElsePullsNothing) {
+  Simulation s(trackedSheet(), sheetCloud()), alone(trackedSheet(), sheetCloud());
+  cloud::PointCloud far = observe(0.0);
+  for (Vec3& p : far.positions) p.z() += 2.0;
+  s.observe(far);
+  EXPECT_EQ(s.statistics().track_points, 0u);
+  EXPECT_TRUE(std::isnan(s.statistics().track_residual));
+  // A wall that stands on the sheet.
+  cloud::PointCloud wall;
+  for (int k = 0; k < 900; ++k) wall.positions.emplace_back(0.5, k % 30 / 29.0 - 0.5, k / 30 / 29.0 - 0.5);
+  wall.width = 900;
+  s.observe(wall);
+  EXPECT_EQ(s.statistics().track_points, 0u);
+  run(s, 3);
+  run(alone, 3);
+  EXPECT_EQ(s.stateHash(), alone.stateHash());
+}
+
+TEST(Track, BelongsToSnapshotsAndForksAndEndsWithAReset) {
+  SceneParams p = trackedSheet();
+  p.accuracy.estimate = true;
+  Simulation s(p, sheetCloud());
+  track(s, 5, 0.2);
+  const simulation::Snapshot snapshot = s.snapshot();
+  Simulation fork = s.fork();
+  run(s, 4);
+  const std::uint64_t expected = s.stateHash();
+  run(fork, 4);
+  EXPECT_EQ(fork.stateHash(), expected);
+  s.reset();
+  EXPECT_EQ(s.statistics().track_points, 0u);
+  s.restore(snapshot);
+  run(s, 4);
+  EXPECT_EQ(s.stateHash(), expected);
+}
+
+TEST(Track, CloudsOfNextToNothingAreRefusedAndTheOneBeforeStays) {
+  Simulation s(trackedSheet(), sheetCloud());
+  s.observe(observe(0.01));
+  const std::uint32_t before = s.statistics().track_points;
+  EXPECT_GT(before, 0u);
+  cloud::PointCloud empty;
+  EXPECT_THROW(s.observe(empty), InputError);
+  empty.positions.assign(5, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+  empty.width = 5;
+  EXPECT_THROW(s.observe(empty), InputError);
+  EXPECT_EQ(s.statistics().track_points, before);
+}
+
+TEST(Track, WorksWithEveryMethodAndWithParticles) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kImplicit}) {
+    SceneParams p = trackedSheet();
+    p.integrator.type = type;
+    Simulation s(p, sheetCloud());
+    track(s, 12, 0.0);
+    EXPECT_LT(s.statistics().track_residual, 2.0 * 0.15 / std::sqrt(p.input.track_gain)) << static_cast<int>(type);
+    EXPECT_GT(largestError(s, 0.0), 0.02) << static_cast<int>(type);
+  }
+  SceneParams p = trackedSheet();
+  p.model = simulation::ModelKind::kOrientedParticles;
+  p.material.bending_rigidity = 0.01;
+  p.material.damping = 5.0;
+  Simulation s(p, sheetCloud());
+  s.observe(observe(0.0));
+  EXPECT_GT(s.statistics().track_points, 0u);
+  run(s, 3);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
