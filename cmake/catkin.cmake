@@ -1,23 +1,24 @@
 # The package as catkin builds it: the core, point files through PCL, the ROS border, the executables and all tests.
-find_package(catkin REQUIRED COMPONENTS diagnostic_msgs diagnostic_updater geometry_msgs
-             interactive_markers message_generation nodelet pluginlib rosbag
-             roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs
-             tf2_ros urdf visualization_msgs xmlrpcpp)
+find_package(catkin REQUIRED COMPONENTS actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs
+             interactive_markers message_generation nodelet pluginlib rosbag roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs
+             std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros urdf visualization_msgs xmlrpcpp)
 find_package(PCL REQUIRED COMPONENTS common io)
 find_path(ASSIMP_INCLUDE_DIR assimp/Importer.hpp)
 find_library(ASSIMP_LIBRARY assimp)
 
-add_message_files(FILES PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolWrench.msg ToolWrenchArray.msg)
-add_service_files(FILES EditParticles.srv FitSurface.srv SaveCloud.srv SelectRegion.srv Step.srv)
-generate_messages(DEPENDENCIES geometry_msgs shape_msgs std_msgs)
+add_message_files(FILES PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg ToolWrench.msg ToolWrenchArray.msg)
+add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
+                  Snapshot.srv Step.srv)
+add_action_files(FILES Rollout.action)
+generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs)
 
 set(libraries deformable_surface_core deformable_surface_io deformable_surface_ros deformable_surface_nodelet)
 catkin_package(
   INCLUDE_DIRS include
   LIBRARIES ${libraries}
-  CATKIN_DEPENDS diagnostic_msgs diagnostic_updater geometry_msgs message_runtime nodelet pluginlib rosbag roscpp
-                 rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros urdf
-                 visualization_msgs xmlrpcpp
+  CATKIN_DEPENDS actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs message_runtime
+                 nodelet pluginlib rosbag roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs
+                 tf2_msgs tf2_ros urdf visualization_msgs xmlrpcpp
   DEPENDS EIGEN3)
 
 file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp)

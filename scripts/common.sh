@@ -15,6 +15,8 @@ fail() { echo "$(basename "$0"): $*" >&2; exit 1; }
 debian_packages=(
   catkin cmake make g++ python3-minimal
   libroscpp-dev libroslib-dev libxmlrpcpp-dev libtf2-ros-dev libtf2-geometry-msgs-dev libtf2-msgs-dev tf2-tools
+  libdynamic-reconfigure-config-init-mutex-dev python3-dynamic-reconfigure
+  libactionlib-dev libactionlib-msgs-dev ros-actionlib-msgs python3-actionlib python3-actionlib-msgs
   libstd-msgs-dev ros-std-msgs libstd-srvs-dev ros-std-srvs
   libgeometry-msgs-dev ros-geometry-msgs libsensor-msgs-dev ros-sensor-msgs libshape-msgs-dev ros-shape-msgs
   libvisualization-msgs-dev ros-visualization-msgs libdiagnostic-msgs-dev ros-diagnostic-msgs ros-message-generation
@@ -29,7 +31,8 @@ debian_packages=(
   python3-matplotlib python3-numpy python3-yaml catkin-lint iproute2
 )
 noetic_packages=(
-  build-essential ros-noetic-ros-base ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-rosgraph-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
+  build-essential ros-noetic-ros-base ros-noetic-dynamic-reconfigure ros-noetic-actionlib ros-noetic-actionlib-msgs
+  ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-rosgraph-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
   ros-noetic-diagnostic-updater ros-noetic-interactive-markers ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
   ros-noetic-urdf libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev libassimp-dev
   python3-matplotlib python3-numpy python3-yaml iproute2

@@ -10,8 +10,8 @@
 
 namespace deformable_surface::node {
 
-enum class Complaint { kCloudRefused, kCommandRefused, kToolsRefused, kWaiting, kBehind, kClock, kNotice, kStep, kInternal };
-constexpr int kNumComplaints = 9;
+enum class Complaint { kCloudRefused, kCommandRefused, kToolsRefused, kCallRefused, kWaiting, kBehind, kClock, kNotice, kStep, kInternal };
+constexpr int kNumComplaints = 10;
 
 /// May be used from any thread.
 class Complaints {

@@ -134,11 +134,6 @@ Inbox::Content Inbox::take(SteadyTime until) {
   return content;
 }
 
-bool Inbox::isClosed() const {
-  const std::lock_guard<std::mutex> lock(mutex_);
-  return closed_;
-}
-
 int Inbox::numCloudsReplaced() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return num_clouds_replaced_;

@@ -9,6 +9,7 @@
 
 #include <geometry_msgs/WrenchStamped.h>
 
+#include <atomic>
 #include <chrono>
 #include <condition_variable>
 #include <cstdint>
@@ -79,7 +80,9 @@ class Inbox {
   Content take(SteadyTime until);
   /// Does the jobs that wait.
   void doJobs();
-  bool isClosed() const;
+  bool isClosed() const { return closed_; }
+  /// The same, for a step that looks at it.
+  const std::atomic<bool>* closing() const { return &closed_; }
 
   int numCloudsReplaced() const;
   int numCommandsDropped() const;
@@ -97,7 +100,8 @@ class Inbox {
   std::optional<IncomingCloud> cloud_;
   std::deque<Command> commands_;
   std::deque<Job*> jobs_;
-  bool was_woken_ = false, frame_wanted_ = false, closed_ = false;
+  bool was_woken_ = false, frame_wanted_ = false;
+  std::atomic<bool> closed_{false};
   int num_clouds_replaced_ = 0, num_commands_dropped_ = 0;
 };
 

@@ -31,7 +31,7 @@ NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHan
 NodeDiagnostics::Happened NodeDiagnostics::observe() const {
   const StepperStatus status = stepper_.status();
   return {status.state,
-          status.clouds_accepted + status.clouds_ignored,
+          status.clouds_accepted + status.clouds_ignored + status.clouds_tracked,
           complaints_.count(Complaint::kCloudRefused),
           complaints_.last(),
           status.commands_waiting,
@@ -61,10 +61,12 @@ void NodeDiagnostics::describeInput(Status& status) const {
   status.add("clouds accepted", now_.clouds_accepted);
   status.add("clouds refused", refused);
   status.add("clouds ignored by policy", now_.clouds_ignored);
+  status.add("clouds tracked", now_.clouds_tracked);
   status.add("clouds replaced before they were built", inbox_.numCloudsReplaced());
   status.add("commands applied", now_.commands_applied);
   status.add("commands waiting", now_.commands_waiting);
   status.add("commands refused", complaints_.count(Complaint::kCommandRefused) + complaints_.count(Complaint::kToolsRefused));
+  status.add("calls refused", complaints_.count(Complaint::kCallRefused));
   status.add("commands dropped", now_.commands_dropped + inbox_.numCommandsDropped());
   status.add("last complaint", complaints_.last());
 }
@@ -86,6 +88,7 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
   status.add("real-time factor", formatReal(rate * now_.time_step));
   status.add("lag (s)", formatReal(now_.lag));
   status.add("time not caught up (s)", formatReal(now_.time_let_go));
+  status.add("time not caught up after calls (s)", formatReal(now_.time_in_calls));
   status.add("frames dropped", now_.frames_dropped);
   status.add("clock jumps back", now_.jumps_back);
   if (!now_.accuracy.empty()) status.add("accuracy", now_.accuracy);

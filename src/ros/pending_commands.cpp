@@ -49,6 +49,12 @@ void PendingCommands::forget() {
   tools_.forget();
 }
 
+void PendingCommands::restore(const Memory& memory) {
+  clear();
+  forces_ = memory.forces;
+  tools_.setMemory(memory.tools);
+}
+
 void PendingCommands::apply(const Command& command, simulation::Simulation& simulation, const std::string& frame) {
   if (command.tool) return tools_.apply(*command.tool, simulation, frame);
   const double time = simulation.time();

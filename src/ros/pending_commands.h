@@ -32,6 +32,15 @@ class PendingCommands {
   /// The surface is another or at rest again: the forces and tools of before are gone.
   void forget();
 
+  /// The forces and tools that commands became: what a snapshot of the surface needs to go on with them.
+  struct Memory {
+    std::map<std::string, double> forces;
+    ToolCommands::Memory tools;
+  };
+  Memory memory() const { return {forces_, tools_.memory()}; }
+  /// That of a surface which has been restored; what waits belongs to the run before it and is dropped.
+  void restore(const Memory& memory);
+
   /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival, and moves the
   /// tools through that step.
   void apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame);

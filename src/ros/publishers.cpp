@@ -77,6 +77,10 @@ void Publishers::begin(const simulation::Simulation& simulation, const std::stri
   is_new_ = true;
 }
 
+void Publishers::setNormals(const simulation::Simulation& simulation) {
+  encoder_.emplace(simulation.input(), simulation.params().output.normals);
+}
+
 void Publishers::publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input) {
   const Timer timer;
   std_msgs::Header header;

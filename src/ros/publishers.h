@@ -26,6 +26,8 @@ class Publishers {
 
   /// A new surface, which must be at rest.
   void begin(const simulation::Simulation& simulation, const std::string& frame);
+  /// The simulation's output.normals may have changed.
+  void setNormals(const simulation::Simulation& simulation);
   /// Publishes the surface as it is now. time_input: seconds spent on commands in the last step, for the statistics.
   void publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input);
 

@@ -1,6 +1,7 @@
 #include "services.h"
 
 #include "frames.h"
+#include "names.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
@@ -13,7 +14,8 @@
 #include <cmath>
 #include <exception>
 #include <limits>
-#include <regex>
+#include <optional>
+#include <set>
 #include <utility>
 
 namespace deformable_surface::node {
@@ -26,7 +28,9 @@ constexpr double kAxesTolerance = 1e-6;
 // A call of this many steps holds the node for long already.
 constexpr std::uint32_t kMaxSteps = 1000000;
 
-geometry::Region readRegion(const SelectRegionRequest& request, const std::string& surface_frame,
+// Of any request with a header, a primitive and a pose.
+template <class Request>
+geometry::Region readRegion(const Request& request, const std::string& surface_frame,
                             const tf2::BufferCore& transforms) {
   const SolidPrimitive& primitive = request.primitive;
   const bool is_box = primitive.type == SolidPrimitive::BOX;
@@ -88,6 +92,31 @@ simulation::ParticleEdit readEdit(const EditParticlesRequest& request, const std
   return edit;
 }
 
+// damping: what is named so, if anything is.
+simulation::MaterialChangeParams readMaterial(const SetMaterialRequest& request, std::optional<double>& damping) {
+  if (request.names.empty() || request.names.size() != request.values.size())
+    throw InputError("names: found " + std::to_string(request.names.size()) + " and " + std::to_string(request.values.size()) +
+                     " values; accepted: as many of each, at least one");
+  Value::Map map;
+  std::set<std::string> known;
+  model::MaterialParams with_damping;
+  for (std::size_t k = 0; k < request.names.size(); ++k) {
+    if (!known.insert(request.names[k]).second)
+      throw InputError("names: found " + quote(request.names[k]) + " a second time; accepted: each once");
+    if (request.names[k] == "damping") {
+      damping = with_damping.damping = request.values[k];
+    } else {
+      map.emplace_back(request.names[k], Value(request.values[k]));
+    }
+  }
+  simulation::MaterialChangeParams change;
+  std::vector<std::string> problems = checkParams(with_damping);
+  if (!map.empty())
+    for (std::string& problem : readParams(Value(map), change)) problems.push_back(std::move(problem));
+  if (!problems.empty()) throw InputError(std::move(problems));
+  return change;
+}
+
 // What is left at zero stays as it is.
 model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthParams growth) {
   const auto take = [](double given, double& value) {
@@ -107,22 +136,17 @@ model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthPa
   return growth;
 }
 
-// A bare name cannot leave the directory, hide itself or be mistaken for an option.
 void checkSaveName(const std::string& name) {
-  static const std::regex kBareName("[A-Za-z0-9][A-Za-z0-9._-]{0,63}");
-  // Long texts are not shown to the pattern, whose matching is recursive.
-  if (name.size() > 64 || !std::regex_match(name, kBareName))
-    throw InputError(
-        "name: found " + quote(name) +
-        "; accepted: up to 64 letters, digits, '.', '_' and '-', the first a letter or digit, ending in .ply or .pcd");
+  if (!isBareName(name))
+    throw InputError("name: found " + quote(name) + "; accepted: " + kBareNames + ", ending in .ply or .pcd");
   io::checkPointFileName(name);
 }
 
 }  // namespace
 
 Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
-                   std::string save_directory)
-    : inbox_(inbox), stepper_(stepper), transforms_(transforms), save_directory_(std::move(save_directory)) {
+                   Complaints& complaints, std::string save_directory)
+    : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), save_directory_(std::move(save_directory)) {
   const auto advertise = [&](const char* name, auto request, auto response, auto call) {
     using Request = decltype(request);
     using Response = decltype(response);
@@ -138,6 +162,10 @@ Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const 
   advertise("edit", EditParticlesRequest(), EditParticlesResponse(), [this](auto& q, auto& r) { return edit(q, r); });
   advertise("fit", FitSurfaceRequest(), FitSurfaceResponse(), [this](auto& q, auto& r) { return fit(q, r); });
   advertise("save", SaveCloudRequest(), SaveCloudResponse(), [this](auto& q, auto& r) { return save(q.name, r); });
+  advertise("snapshot", SnapshotRequest(), SnapshotResponse(), [this](auto& q, auto& r) { return keep(q, r); });
+  advertise("restore", RestoreRequest(), RestoreResponse(), [this](auto& q, auto& r) { return restore(q.name, r); });
+  advertise("list", ListRequest(), ListResponse(), [this](auto&, auto& r) { return list(r); });
+  advertise("set_material", SetMaterialRequest(), SetMaterialResponse(), [this](auto& q, auto& r) { return setMaterial(q, r); });
 }
 
 std::vector<std::string> Services::names() const {
@@ -161,6 +189,7 @@ bool Services::perform(Response& response, const Work& work) {
     response.success = false;
     response.message = refusal;
   }
+  if (!response.success) complaints_.report(Complaint::kCallRefused, "call refused: " + std::string(response.message));
   return true;
 }
 
@@ -249,6 +278,75 @@ bool Services::save(const std::string& name, SaveCloudResponse& response) {
     const simulation::Surface& surface = stepper_.simulation()->surface(true);
     io::writePointFile(file, makeOutputCloud(surface, stepper_.simulation()->input()), surface.displacement);
     return "wrote " + name;
+  });
+}
+
+bool Services::keep(const SnapshotRequest& request, SnapshotResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    if (request.remove) {
+      stepper_.snapshots().remove(request.name);
+      return "dropped " + request.name;
+    }
+    stepper_.keepSnapshot(request.name);
+    const SnapshotShelf::Entry& entry = stepper_.snapshots().find(request.name);
+    response.simulation_time = entry.snapshot.time();
+    response.state_hash = entry.state_hash;
+    response.bytes = entry.snapshot.bytes();
+    return "kept " + request.name;
+  });
+}
+
+bool Services::restore(const std::string& name, RestoreResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    stepper_.restoreSnapshot(name);
+    stepper_.publish();
+    response.simulation_time = stepper_.simulation()->time();
+    response.state_hash = stepper_.simulation()->stateHash();
+    return "the surface is as in " + name;
+  });
+}
+
+bool Services::list(ListResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    const simulation::Simulation& surface = *stepper_.simulation();
+    for (const tool::ToolParams& tool : surface.tools()) response.tools.push_back(tool.id);
+    response.forces = surface.forceIds();
+    response.pinned = static_cast<std::uint32_t>(std::count(surface.pinned().begin(), surface.pinned().end(), 1));
+    response.own_material = static_cast<std::uint32_t>(surface.numOwnMaterial());
+    for (const auto& [name, entry] : stepper_.snapshots().all()) {
+      response.snapshots.push_back(name);
+      response.snapshot_times.push_back(entry.snapshot.time());
+      response.snapshot_bytes.push_back(entry.snapshot.bytes());
+    }
+    return std::to_string(response.tools.size()) + " tools, " + std::to_string(response.forces.size()) + " forces, " +
+           std::to_string(response.pinned) + " pinned points, " + std::to_string(response.snapshots.size()) + " snapshots";
+  });
+}
+
+bool Services::setMaterial(const SetMaterialRequest& request, SetMaterialResponse& response) {
+  return perform(response, [&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    simulation::Simulation& surface = *stepper_.simulation();
+    std::optional<double> damping;
+    const simulation::MaterialChangeParams change = readMaterial(request, damping);
+    std::optional<geometry::Region> region;
+    if (request.primitive.type != 0) region = readRegion(request, stepper_.frame(), transforms_);
+    if (damping && region) throw InputError("names: found damping with a shape; accepted: damping of everything, primitive.type 0");
+    if (!change.isEmpty()) {
+      const auto is_inside = [&](const Vec3& p) { return !region || region->contains(p); };
+      const Points& points = surface.state().positions;
+      if (std::none_of(points.begin(), points.end(), is_inside))
+        throw InputError("no simulation point lies in the shape; nothing was changed");
+      response.count = static_cast<std::uint32_t>(surface.setMaterial(region ? &*region : nullptr, change));
+    }
+    if (damping) {
+      surface.setDamping(*damping);
+      response.count = static_cast<std::uint32_t>(surface.state().size());
+    }
+    return std::to_string(response.count) + " simulation points have another material";
   });
 }
 

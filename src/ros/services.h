@@ -1,13 +1,18 @@
 // The services of the node. Each hands its work to the simulation thread and waits for the answer; none of them throws.
 #pragma once
 
+#include "complaints.h"
 #include "inbox.h"
 #include "stepper.h"
 
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/FitSurface.h"
+#include "deformable_surface/List.h"
+#include "deformable_surface/Restore.h"
 #include "deformable_surface/SaveCloud.h"
 #include "deformable_surface/SelectRegion.h"
+#include "deformable_surface/SetMaterial.h"
+#include "deformable_surface/Snapshot.h"
 #include "deformable_surface/Step.h"
 
 #include <ros/node_handle.h>
@@ -23,7 +28,8 @@ namespace deformable_surface::node {
 class Services {
  public:
   /// save_directory: absolute and there; empty = ~save is off.
-  Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, std::string save_directory);
+  Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
+           std::string save_directory);
 
   /// Resolved names, for registering them again.
   std::vector<std::string> names() const;
@@ -40,10 +46,15 @@ class Services {
   bool edit(const EditParticlesRequest& request, EditParticlesResponse& response);
   bool fit(const FitSurfaceRequest& request, FitSurfaceResponse& response);
   bool save(const std::string& name, SaveCloudResponse& response);
+  bool keep(const SnapshotRequest& request, SnapshotResponse& response);
+  bool restore(const std::string& name, RestoreResponse& response);
+  bool list(ListResponse& response);
+  bool setMaterial(const SetMaterialRequest& request, SetMaterialResponse& response);
 
   Inbox& inbox_;
   Stepper& stepper_;
   const tf2::BufferCore& transforms_;
+  Complaints& complaints_;
   const std::string save_directory_;
   std::vector<ros::ServiceServer> servers_;
 };

@@ -205,6 +205,7 @@ class Run {
   // A cloud that is refused changes nothing.
   void takeCloud(DecodedCloud decoded, std::int64_t stamp) {
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
+    if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(decoded, stamp);
     std::unique_ptr<Simulation> simulation;
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
@@ -217,6 +218,16 @@ class Run {
     if (status_ != kDone) return;
     begin(std::move(simulation), stamp);
     ++clouds_;
+  }
+
+  void track(const DecodedCloud& decoded, std::int64_t stamp) {
+    while (canStep() && now() < stamp) step();
+    try {
+      if (!decoded.ok()) throw InputError(decoded.refusal);
+      simulation_->observe(decoded.cloud);
+    } catch (const InputError& error) {
+      reportRefusal("cloud", stamp, error);
+    }
   }
 
   // Takes effect at the first step that begins at or after the stamp.

@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/simulation/run_time_params.h"
 
 #include <ros/console.h>
 #include <ros/time.h>
@@ -67,10 +68,14 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   // Building takes long: the clock is to be read again before a step.
   const bool was_built = waiting_cloud_ && now_ != 0 && handleCloud();
   if (simulation_ && !is_gravity_known_) updateGravity();
+  // The clock was read before them: what they take shows as lag in the next turn.
+  const double call_seconds = call_seconds_;
+  const Timer calls;
   inbox_.doJobs();
+  call_seconds_ = calls.seconds();
   if (content.frame_wanted && simulation_) publish();
   if (was_built) return true;
-  letGoOfLag();
+  letGoOfLag(call_seconds);
   if (isDue() && takeStep()) publishIfDue();
   return true;
 }
@@ -120,11 +125,17 @@ void Stepper::restart(std::int64_t now) {
   updateGravity();
 }
 
-void Stepper::letGoOfLag() {
+void Stepper::letGoOfLag(double call_seconds) {
   if (!simulation_ || isPaused() || !is_gravity_known_ || is_clock_simulated_) return;
   const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
   if (!(lag > kMaxLag)) return;
   schedule_.skip(lag);
+  if (2.0 * call_seconds > toSeconds(lag)) {
+    counts_.time_in_calls += toSeconds(lag);
+    complaints_.report(Complaint::kBehind, "services took " + formatShort(call_seconds) + " s, in which no step was taken; " +
+                                               formatShort(toSeconds(lag)) + " s are not caught up");
+    return;
+  }
   counts_.time_let_go += toSeconds(lag);
   if (simulation_->stepCount() > 0) {
     complaints_.report(Complaint::kBehind, "slower than real time: the last step took " + formatShort(step_seconds_) + " s for " +
@@ -165,7 +176,9 @@ bool Stepper::accept(IncomingCloud& incoming) {
     throw InputError("header.stamp: found a time " + formatReal(toSeconds(stamp - arrival)) +
                      " s ahead of the clock; accepted: up to " + formatReal(toSeconds(kMaxAhead)) + " s");
   }
-  const std::string frame = withoutSlash(params_.frame_id.empty() ? decoded.header.frame_id : params_.frame_id);
+  const bool is_tracked = simulation_ && params_.input.policy == simulation::InputPolicy::kTrack;
+  const std::string frame =
+      is_tracked ? frame_ : withoutSlash(params_.frame_id.empty() ? decoded.header.frame_id : params_.frame_id);
   try {
     const Eigen::Isometry3d transform =
         findTransform("header.frame_id", decoded.header.frame_id, frame, decoded.header.stamp, transforms_);
@@ -175,13 +188,20 @@ bool Stepper::accept(IncomingCloud& incoming) {
     throw;
   }
 
+  if (is_tracked) {
+    simulation_->observe(decoded.cloud);
+    ++counts_.clouds_tracked;
+    return true;
+  }
   auto simulation = std::make_unique<simulation::Simulation>(params_, std::move(decoded.cloud));
+  simulation->setInterrupt(inbox_.closing());
   publishers_.begin(*simulation, frame);
   // Commands for the surface before are not for this one; before the first there was none that they could be for.
   if (simulation_) commands_.dropBefore(stamp);
   simulation_ = std::move(simulation);
   frame_ = frame;
   commands_.forget();
+  snapshots_.clear();
   is_failed_ = is_frame_due_ = false;
   last_frame_ = 0;
   schedule_.start(stamp);
@@ -220,6 +240,33 @@ void Stepper::reset() {
   restart(now_);
 }
 
+void Stepper::keepSnapshot(const std::string& name) {
+  snapshots_.put(name, {simulation_->snapshot(), commands_.memory(), simulation_->stateHash()});
+}
+
+void Stepper::restoreSnapshot(const std::string& name) {
+  const SnapshotShelf::Entry& entry = snapshots_.find(name);
+  simulation_->restore(entry.snapshot);
+  commands_.restore(entry.commands);
+  simulation::setPhysics(simulation::findPhysics(simulation_->params()), params_);
+  if (on_params_) on_params_();
+  is_failed_ = is_frame_due_ = false;
+  last_frame_ = countFrames();
+  schedule_.resumeAt(now_, simulation_->stepCount());
+}
+
+void Stepper::setParams(const simulation::SceneParams& params) {
+  if (simulation_) {
+    simulation_->setParams(params);
+    publishers_.setNormals(*simulation_);
+  }
+  params_ = params;
+  if (!simulation_) return;
+  last_frame_ = countFrames();
+  updateGravity();
+  publish();
+}
+
 std::uint32_t Stepper::takeSteps(std::uint32_t count) {
   schedule_.skipTo(now_, simulation_->stepCount());
   std::uint32_t taken = 0;
@@ -237,6 +284,7 @@ bool Stepper::takeStep() {
   const simulation::StepOutcome outcome = simulation_->step();
   step_seconds_ = timer.seconds();
   if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
+  if (!outcome.ok && inbox_.isClosed()) return false;
   if (!outcome.ok) {
     is_failed_ = true;
     complaints_.report(Complaint::kStep,
@@ -244,14 +292,18 @@ bool Stepper::takeStep() {
     return false;
   }
   ++counts_.steps_taken;
-  // Rounding must not delay a frame by a step.
-  const auto frame = static_cast<std::int64_t>(std::floor(simulation_->time() * params_.output.publish_rate + 1e-6));
+  const std::int64_t frame = countFrames();
   if (frame > last_frame_) {
     counts_.frames_dropped += is_frame_due_;
     is_frame_due_ = true;
     last_frame_ = frame;
   }
   return true;
+}
+
+// Rounding must not delay a frame by a step.
+std::int64_t Stepper::countFrames() const {
+  return static_cast<std::int64_t>(std::floor(simulation_->time() * params_.output.publish_rate + 1e-6));
 }
 
 bool Stepper::updateGravity() {

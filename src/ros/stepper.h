@@ -6,6 +6,7 @@
 #include "inbox.h"
 #include "pending_commands.h"
 #include "publishers.h"
+#include "snapshot_shelf.h"
 
 #include "deformable_surface/ros/step_schedule.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -13,6 +14,7 @@
 #include <tf2/buffer_core.h>
 
 #include <chrono>
+#include <functional>
 #include <memory>
 #include <string>
 
@@ -25,11 +27,12 @@ struct StepperStatus {
   double time_step = 0.0, simulation_time = 0.0;  // s
   std::uint64_t step = 0;
   std::uint64_t steps_taken = 0;  // of all surfaces
-  int clouds_accepted = 0, clouds_ignored = 0, frames_dropped = 0, jumps_back = 0;
+  int clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0;
   int commands_waiting = 0, commands_dropped = 0;
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
+  double time_in_calls = 0.0;  // the same, since a call of a service did
   std::string accuracy;      // what was chosen from the accuracy asked for, and why; empty if nothing was
 };
 
@@ -55,6 +58,16 @@ class Stepper {
   /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
   std::uint32_t takeSteps(std::uint32_t count);
   void publish();
+  /// Keeps the surface as it is now; the surface as it was then, with its forces and tools. Both throw InputError.
+  void keepSnapshot(const std::string& name);
+  void restoreSnapshot(const std::string& name);
+  SnapshotShelf& snapshots() { return snapshots_; }
+  const simulation::SceneParams& params() const { return params_; }
+  /// For the surface that there is and those to come. Throws InputError, and changes nothing, for another value of what cannot change.
+  void setParams(const simulation::SceneParams& params);
+  /// Is called when a snapshot has brought back others.
+  void onParams(std::function<void()> call) { on_params_ = std::move(call); }
+  const StepSchedule& schedule() const { return schedule_; }
   /// The reason why no step can be taken now; empty if there is none.
   std::string obstacle();
 
@@ -73,13 +86,15 @@ class Stepper {
 
   bool isDue() const;
   bool takeStep();
+  std::int64_t countFrames() const;
   bool updateGravity();
-  void letGoOfLag();
+  void letGoOfLag(double call_seconds);
   void publishIfDue();
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
-  const simulation::SceneParams params_;
+  simulation::SceneParams params_;
+  std::function<void()> on_params_;
   Inbox& inbox_;
   Publishers& publishers_;
   const tf2::BufferCore& transforms_;
@@ -92,10 +107,12 @@ class Stepper {
   std::int64_t now_ = 0;  // ns of the ROS clock; 0 = there is no valid time yet
   std::unique_ptr<WaitingCloud> waiting_cloud_;
   PendingCommands commands_;
+  SnapshotShelf snapshots_;  // of this surface
   bool is_paused_ = false;  // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   // s of wall time: the commands of the last step, all of the last step, the last frame.
   double time_input_ = 0.0, step_seconds_ = 0.0, frame_seconds_ = 0.0;
+  double call_seconds_ = 0.0;  // of the services called in the last turn
 
   // Frames lie on simulation time; this one is the last that was due.
   std::int64_t last_frame_ = 0;

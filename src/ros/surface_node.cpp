@@ -5,8 +5,10 @@
 #include "mesh_files.h"
 #include "node_diagnostics.h"
 #include "publishers.h"
+#include "reconfigure.h"
 #include "registration_watchdog.h"
 #include "robot_tools.h"
+#include "rollouts.h"
 #include "services.h"
 #include "stepper.h"
 
@@ -26,6 +28,7 @@
 #include <rosgraph_msgs/Clock.h>
 #include <tf2_ros/transform_listener.h>
 
+#include <algorithm>
 #include <atomic>
 #include <filesystem>
 #include <optional>
@@ -81,12 +84,20 @@ struct SurfaceNode::Impl {
   Stepper stepper;
   std::optional<NodeDiagnostics> diagnostics;
   Services services;
+  Rollouts rollouts;
+  Reconfigure reconfigure;
   ros::Subscriber cloud_subscriber;
   std::vector<ros::Subscriber> subscribers;
   std::atomic<bool> has_cloud_come{false};
   RegistrationWatchdog watchdog;
   ros::AsyncSpinner input_spinner, service_spinner;
   std::thread simulation_thread;
+
+  // A core is left to the surface, where there are several.
+  static int countRolloutThreads(Index threads) {
+    const int cores = threads > 0 ? static_cast<int>(threads) : static_cast<int>(std::thread::hardware_concurrency());
+    return std::max(1, cores - 1);
+  }
 
   static ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
     node.setCallbackQueue(&queue);
@@ -102,12 +113,15 @@ struct SurfaceNode::Impl {
         transform_listener(transforms, given),
         publishers(private_node, [this] { inbox.wantFrame(); }),
         stepper(params, inbox, publishers, transforms, complaints),
-        services(service_node, inbox, stepper, transforms, params.save_directory),
-        watchdog(services.names()),
+        services(service_node, inbox, stepper, transforms, complaints, params.save_directory),
+        rollouts(given_private, inbox, stepper, transforms, complaints, countRolloutThreads(params.threads)),
+        reconfigure(service_node, inbox, stepper, complaints),
+        watchdog(listServices()),
         // One thread each: input keeps its order, and a service that waits does not hold it up.
         input_spinner(1, &input_queue),
         service_spinner(1, &service_queue) {
     stepper.setStanding(readRobotTools(private_node, params.robot));
+    stepper.onParams([this] { reconfigure.publish(); });
     if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
     subscribe(params);
     simulation_thread = std::thread([this, num_threads = params.threads] {
@@ -123,6 +137,12 @@ struct SurfaceNode::Impl {
     simulation_thread.join();
     input_spinner.stop();
     service_spinner.stop();
+  }
+
+  std::vector<std::string> listServices() const {
+    std::vector<std::string> names = services.names();
+    names.push_back(reconfigure.serviceName());
+    return names;
   }
 
   void subscribe(const simulation::SceneParams& params) {

@@ -50,6 +50,8 @@ void encodeStatistics(const simulation::Statistics& statistics, Statistics& mess
   message.time_publish = statistics.time_publish;
   message.time_total = statistics.time_total;
   message.real_time_factor = statistics.real_time_factor;
+  message.track_residual = statistics.track_residual;
+  message.track_points = statistics.track_points;
   message.state_hash = statistics.state_hash;
   message.skipped = statistics.skipped;
 }

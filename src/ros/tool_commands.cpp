@@ -101,7 +101,19 @@ double findReach(const Solid& solid) {
   return geometry::findLargestExtent(solid);
 }
 
-// All but the path, and the window in time.
+Vec3 requireFinite(const std::string& name, const Vec3& v) {
+  if (!v.allFinite()) throw InputError(name + ": found a value that is not finite; accepted: finite numbers");
+  return v;
+}
+
+const ToolParams* findTool(const simulation::Simulation& simulation, const std::string& id) {
+  for (const ToolParams& tool : simulation.tools())
+    if (tool.id == id) return &tool;
+  return nullptr;
+}
+
+}  // namespace
+
 ToolParams readTool(const Tool& command) {
   ToolParams tool;
   tool.id = command.id;
@@ -119,22 +131,9 @@ ToolParams readTool(const Tool& command) {
   return tool;
 }
 
-Vec3 requireFinite(const std::string& name, const Vec3& v) {
-  if (!v.allFinite()) throw InputError(name + ": found a value that is not finite; accepted: finite numbers");
-  return v;
-}
-
 tool::WaypointParams makeWaypoint(double time, const tool::Pose& pose) {
   return {time, pose.position, Vec4(pose.orientation.x(), pose.orientation.y(), pose.orientation.z(), pose.orientation.w())};
 }
-
-const ToolParams* findTool(const simulation::Simulation& simulation, const std::string& id) {
-  for (const ToolParams& tool : simulation.tools())
-    if (tool.id == id) return &tool;
-  return nullptr;
-}
-
-}  // namespace
 
 bool isToolId(const std::string& id) {
   constexpr std::size_t kLongest = 64;

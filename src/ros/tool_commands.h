@@ -18,10 +18,29 @@
 
 namespace deformable_surface::node {
 
+/// The tool of a command, without a path or a window in time. Throws InputError for what is not accepted.
+tool::ToolParams readTool(const Tool& command);
+tool::WaypointParams makeWaypoint(double time, const tool::Pose& pose);
+
 /// Whether an id can be a part of a topic's name: up to 64 letters, digits and '_', the first a letter.
 bool isToolId(const std::string& id);
 
 class ToolCommands {
+  /// What a tool's last message says of its motion, in the frame of its header.
+  struct Course {
+    double given = 0.0;         // s of simulation time: when the message took effect, and the tool was, or was to be, at its pose
+    double arrives = 0.0;       // s: when it is where the message has it
+    std::string frame;
+    bool follows_frame = false;
+    Eigen::Isometry3d T_surface_frame = Eigen::Isometry3d::Identity();
+    tool::Pose pose;
+    Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s of the tool's origin, rad/s
+
+    bool isMoving() const { return follows_frame || !velocity.isZero(0.0) || !spin.isZero(0.0); }
+    /// Where the tool is to be at a time, in the surface's frame.
+    tool::Pose predict(double time) const;
+  };
+
  public:
   explicit ToolCommands(const tf2::BufferCore& transforms) : transforms_(transforms) {}
 
@@ -44,25 +63,21 @@ class ToolCommands {
     stand_.clear();
   }
 
+  /// What a snapshot needs: where tools are going, by id, and which of those that stand have been added.
+  struct Memory {
+    std::map<std::string, Course> courses;
+    std::set<std::string> stand;
+  };
+  Memory memory() const { return {courses_, stand_}; }
+  void setMemory(const Memory& memory) {
+    courses_ = memory.courses;
+    stand_ = memory.stand;
+  }
+
   // Longer pauses between messages are no motion, but a tool that was put elsewhere.
   static constexpr double kLongestMove = 0.1;  // s
 
  private:
-  /// What a tool's last message says of its motion, in the frame of its header.
-  struct Course {
-    double given = 0.0;         // s of simulation time: when the message took effect, and the tool was, or was to be, at its pose
-    double arrives = 0.0;       // s: when it is where the message has it
-    std::string frame;
-    bool follows_frame = false;
-    Eigen::Isometry3d T_surface_frame = Eigen::Isometry3d::Identity();
-    tool::Pose pose;
-    Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s of the tool's origin, rad/s
-
-    bool isMoving() const { return follows_frame || !velocity.isZero(0.0) || !spin.isZero(0.0); }
-    /// Where the tool is to be at a time, in the surface's frame.
-    tool::Pose predict(double time) const;
-  };
-
   const tf2::BufferCore& transforms_;
   std::map<std::string, Course> courses_;  // by id
   std::vector<Tool> standing_;

@@ -196,6 +196,7 @@ void Simulation::observe(const cloud::PointCloud& cloud) {
   impl_->model->computeAreaVectors(impl_->state, normals);
   for (Vec3& normal : normals) normal.normalize();
   impl_->track.observe(cloud, impl_->state, normals, impl_->params.input.track_distance.valueOr(kReach * spacing));
+  impl_->wakeAll();
   impl_->chooseLoads();
   impl_->march.restart();
   impl_->forward([&](Simulation& copy) { copy.observe(cloud); });

@@ -7,6 +7,8 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/grips.h"
 #include "deformable_surface/simulation/loads.h"

@@ -46,6 +46,8 @@ class StepSchedule {
   void skip(std::int64_t duration) { skipped_ += duration; }
   /// Skips what is needed for the step not to begin before now.
   void skipTo(std::int64_t now, std::uint64_t step);
+  /// The step begins now, though it may have been taken before, or lie ahead of the clock.
+  void resumeAt(std::int64_t now, std::uint64_t step) { skipped_ = now - stamp(step); }
 
   std::int64_t zero() const { return zero_; }
   std::int64_t begin(std::uint64_t step) const { return stamp(step) + skipped_; }

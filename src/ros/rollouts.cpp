@@ -1,0 +1,161 @@
+#include "rollouts.h"
+
+#include "deformable_surface/base/parallel.h"
+
+#include <algorithm>
+#include <chrono>
+#include <exception>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+using std::chrono::steady_clock;
+
+// Each holds a copy of the surface while it waits; a planner that has more branches sends them as results come.
+constexpr std::size_t kMaxWaiting = 64;
+// As often as a progress bar moves smoothly.
+constexpr std::chrono::milliseconds kFeedbackPeriod(100);
+
+RolloutResult makeRefusal(const std::string& message) {
+  RolloutResult result;
+  result.message = message;
+  return result;
+}
+
+}  // namespace
+
+Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
+                   int num_threads)
+    : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), spinner_(1, &queue_) {
+  node.setCallbackQueue(&queue_);
+  server_ = std::make_unique<Server>(
+      node, "rollout", [this](Server::GoalHandle goal) { accept(std::move(goal)); },
+      [this](const Server::GoalHandle& goal) { cancel(goal); }, false);
+  for (int k = 0; k < num_threads; ++k) threads_.emplace_back([this] { work(); });
+  server_->start();
+  spinner_.start();
+}
+
+// The inbox is closed already: nobody waits for the simulation thread any more.
+Rollouts::~Rollouts() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_ended_ = true;
+    for (const std::shared_ptr<Job>& job : running_) job->is_cancelled = true;
+  }
+  came_.notify_all();
+  for (std::thread& thread : threads_) thread.join();
+  spinner_.stop();
+  waiting_.clear();
+  server_.reset();
+}
+
+// The copy is made here, of the surface as it is when the goal comes, however long the goal then waits.
+void Rollouts::accept(Server::GoalHandle goal) {
+  auto job = std::make_shared<Job>();
+  std::string refusal;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    if (waiting_.size() >= kMaxWaiting)
+      refusal = "busy: " + std::to_string(kMaxWaiting) + " rollouts wait already; accepted: no more at a time";
+  }
+  const auto make_copy = [&] {
+    try {
+      if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+      job->copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
+      if (!goal.getGoal()->snapshot.empty()) job->copy->restore(stepper_.snapshots().find(goal.getGoal()->snapshot).snapshot);
+      job->frame = stepper_.frame();
+      job->schedule.emplace(stepper_.schedule());
+    } catch (const std::exception& error) {
+      refusal = error.what();
+    }
+  };
+  if (refusal.empty()) {
+    const std::string unheard = inbox_.perform(make_copy);
+    if (!unheard.empty()) refusal = unheard;
+  }
+  if (refusal.empty()) {
+    try {
+      job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
+    } catch (const std::exception& error) {
+      refusal = error.what();
+    }
+  }
+  if (!refusal.empty()) {
+    complaints_.report(Complaint::kCallRefused, "rollout refused: " + refusal);
+    return goal.setRejected(makeRefusal(refusal), refusal);
+  }
+  goal.setAccepted();
+  job->goal = std::move(goal);
+  const std::lock_guard<std::mutex> lock(mutex_);
+  waiting_.push_back(std::move(job));
+  came_.notify_one();
+}
+
+void Rollouts::cancel(const Server::GoalHandle& goal) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto find = [&](auto& jobs) {
+    return std::find_if(jobs.begin(), jobs.end(), [&](const auto& job) { return job->goal == goal; });
+  };
+  const auto running = find(running_);
+  if (running != running_.end()) {
+    (*running)->is_cancelled = true;
+    return;
+  }
+  const auto waiting = find(waiting_);
+  if (waiting == waiting_.end()) return;
+  (*waiting)->goal.setCanceled(makeRefusal("cancelled before it began"), "cancelled before it began");
+  waiting_.erase(waiting);
+}
+
+void Rollouts::work() {
+  // One thread each: several goals fill the cores better than one, and the loops of the surface keep the pool to themselves.
+  setNumThreads(1);
+  for (;;) {
+    std::shared_ptr<Job> job;
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      came_.wait(lock, [this] { return is_ended_ || !waiting_.empty(); });
+      if (is_ended_) return;
+      job = std::move(waiting_.front());
+      waiting_.pop_front();
+      running_.push_back(job);
+    }
+    run(*job);
+    const std::lock_guard<std::mutex> lock(mutex_);
+    running_.remove(job);
+  }
+}
+
+void Rollouts::run(Job& job) {
+  auto told = steady_clock::now();
+  const auto goes_on = [&](double progress) {
+    if (is_ended_ || job.is_cancelled) return false;
+    if (steady_clock::now() - told < kFeedbackPeriod) return true;
+    told = steady_clock::now();
+    RolloutFeedback feedback;
+    feedback.progress = progress;
+    feedback.simulation_time = job.copy->time();
+    job.goal.publishFeedback(feedback);
+    return true;
+  };
+  job.copy->setInterrupt(&job.is_cancelled);
+  RolloutResult result;
+  RolloutEnd end = RolloutEnd::kFailed;
+  try {
+    end = runRollout(job.plan, job.frame, *job.schedule, goes_on, *job.copy, result);
+  } catch (const std::exception& error) {
+    result.message = error.what();
+  }
+  job.copy.reset();
+  if (end == RolloutEnd::kDone) {
+    job.goal.setSucceeded(result, result.message);
+  } else if (job.is_cancelled && end == RolloutEnd::kStopped) {
+    job.goal.setCanceled(result, result.message);
+  } else {
+    job.goal.setAborted(result, result.message);
+  }
+}
+
+}  // namespace deformable_surface::node
