@@ -118,17 +118,17 @@ class Simulation {
   Index pin(const geometry::Region& region, bool orientation = false);
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
-  /// Gives the simulation points that lie in the region now (null: all of them) other values of their material, until the next reset.
-  /// Velocities stay, also where masses change. The stable step is measured anew. Throws InputError, and changes nothing, if the scene's
-  /// model has no such values. Returns how many points.
+  /// Gives the simulation points that lie in the region now (null: all of them) other values of their material, until the next
+  /// reset. Velocities stay, also where masses change. The stable step is measured anew. Throws InputError, and changes nothing, if
+  /// the scene's model has no such values. Returns how many points.
   Index setMaterial(const geometry::Region* region, const MaterialChangeParams& change);
   /// Simulation points with values of their own, by the scene's regions or by setMaterial().
   Index numOwnMaterial() const;
   /// 1/s, of everything, until the next reset.
   void setDamping(double damping);
   /// Draws the surface towards this cloud from now on, where it was seen, with input.track_gain (track_load.h); instead of the cloud
-  /// before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes nothing, for clouds
-  /// of fewer than three points.
+  /// before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes nothing,
+  /// for clouds of fewer than three points.
   void observe(const cloud::PointCloud& cloud);
   /// Takes the values that may change while a surface runs (run_time_params.h), from the next step on and through resets; points with
   /// a Young's modulus of their own keep it. Throws InputError, and changes nothing, for values that are not accepted and where any other

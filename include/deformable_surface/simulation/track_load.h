@@ -9,8 +9,8 @@
 
 namespace deformable_surface::simulation {
 
-/// Each simulation point that was seen is drawn to the plane of the cloud at the point nearest to it: F = m g n n.(p - x) - 2 m sqrt(g) n n.v,
-/// with the gain g, 1/s^2, the plane's point p and normal n (point to plane [Chen and Medioni 1992], critically damped). Along the plane
+/// Each simulation point that was seen is drawn to the plane of the cloud at the point nearest to it:
+/// F = m g n n.(p - x) - 2 m sqrt(g) n n.v, with the gain g, 1/s^2, the plane's point p and normal n (point to plane [Chen and Medioni 1992], critically damped). Along the plane
 /// nothing pulls: what a cloud does not show, where on the surface a point is, is left to physics.
 class TrackLoad : public solve::ExternalLoad {
  public:
@@ -22,8 +22,8 @@ class TrackLoad : public solve::ExternalLoad {
 
   TrackLoad(const std::vector<double>& masses, double gain) : masses_(masses), gain_(gain) {}
 
-  /// From now on towards this cloud, instead of the one before. A point was seen if a point of the cloud lies within reach (m) whose plane is
-  /// not turned by more than sixty degrees from the surface, and not farther aside than the cloud's points are apart: in a hole, or
+  /// From now on towards this cloud, instead of the one before. A point was seen if a point of the cloud lies within reach (m) whose
+  /// plane is not turned by more than sixty degrees from the surface, and not farther aside than the cloud's points are apart: in a hole, or
   /// behind what stands before it, it was not. normals (n x 3): of the surface, unit or zero. Throws InputError for fewer than three points
   /// that are finite and distinct. O(n log n).
   void observe(const cloud::PointCloud& cloud, const model::State& state, const Points& normals, double reach);
