@@ -111,7 +111,8 @@ void Simulation::moveTool(const std::string& id, const std::vector<tool::Waypoin
   impl_->forward([&](Simulation& copy) { copy.moveTool(id, path); });
 }
 
-bool Simulation::removeTool(const std::string& id) {
+bool Simulation::removeTool(const std::string& given) {
+  const std::string id = given;  // which may be that of the tool itself, and goes with it
   std::vector<tool::ToolParams> tools = impl_->tools;
   const auto same = std::remove_if(tools.begin(), tools.end(), [&](const tool::ToolParams& t) { return t.id == id; });
   if (same == tools.end()) return false;
