@@ -160,7 +160,7 @@ void DeformedSurface::takeParticles(const model::State& state, bool with_normals
 
 void DeformedSurface::moveSolid(const model::State& state, bool with_normals) {
   if (!is_direct_) {
-    solid__transfer.apply(state.positions, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
+    rest_.solid_transfer.apply(state.positions, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
     return;
   }
   dense_now_ = state.positions;

@@ -2,6 +2,7 @@
 // because nothing of it is needed for a step: it is made when somebody looks.
 #pragma once
 
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
 #include "deformable_surface/tool/blade.h"
