@@ -19,6 +19,7 @@ bool Simulation::Impl::maySleep() const {
   if (params.output.resample) return false;  // what is inserted can ask for more in the next step
   if (!life) return true;
   const model::OrientedParticlesParams& particles = params.oriented_particles;
+  if (particles.spin > 0.0) return false;  // axes turn where nothing else does
   return !is_hot && !particles.stretching && particles.growing == model::Growing::kNone;
 }
 

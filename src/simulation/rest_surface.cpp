@@ -215,6 +215,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
     if (!holds_any)
       throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " + count(m, "particles at rest; accepted: a shape that holds at least one"));
   }
+  s.area = m * particles->lattice().area_per_particle;
   noteUnrest(params, particles->lattice().spacing, s);
   s.model = std::move(particles);
   applyPins(params, s);

@@ -305,6 +305,7 @@ TEST(Activity, OrientedParticlesSleepAsAWholeAndWake) {
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.activity.quiet_time = kQuietTime;
   p.activity.tolerance = 1e-4;
+  p.oriented_particles.spacing = 0.115;  // with which the jittered sheet holds together
   Simulation s(p, sheetCloud(10));
   runUntilAsleep(s, 2000);
   const std::uint64_t asleep = s.stateHash();

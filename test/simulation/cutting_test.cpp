@@ -99,7 +99,9 @@ TEST(Cutting, WhatHangsBelowTheCutFallsFreely) {
   s.setGravity(Vec3(0.0, 0.0, -9.81));
   run(s, 20);
   for (Index i = 0; i < s.state().size(); ++i)
-    if (!isLeft(s.state().positions[i])) EXPECT_NEAR(s.state().velocities[i].z(), -9.81 * 0.2, 1e-9);
+    if (!isLeft(s.state().positions[i])) {
+      EXPECT_NEAR(s.state().velocities[i].z(), -9.81 * 0.2, 1e-9);
+    }
 }
 
 TEST(Cutting, UnderTensionTheEnergyOnlyFallsAndTheGuardKeepsQuiet) {

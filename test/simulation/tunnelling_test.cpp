@@ -4,6 +4,8 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -73,7 +75,8 @@ TEST(Tunnelling, NoSolidGoesThroughASheetHoweverFastOrThin) {
       EXPECT_GT(findLowest(s, rest, 0.15), -0.01) << name << " at " << speed << " m/s";
       const simulation::ToolReaction reaction = s.toolReactions()[0];
       EXPECT_LT(reaction.force.z(), -0.1) << name << " at " << speed << " m/s";
-      EXPECT_LT(reaction.penetration, 0.01) << name << " at " << speed << " m/s";
+      // At rest the point that bears the most is in by its load over the penalty; a quarter of the spacing between points bounds it.
+      EXPECT_LT(reaction.penetration, 0.25 / std::sqrt(250.0)) << name << " at " << speed << " m/s";
     }
 }
 

@@ -41,7 +41,9 @@ TEST(SolidTransfer, IsExactForLinearMotions) {
   const Vec3 expected = (map.inverse().transpose() * Vec3(0.0, 0.6, 0.8)).normalized();
   for (std::size_t i = 0; i < now.size(); ++i) {
     EXPECT_LT((now[i] - (map * f.dense[i] + Vec3(1.0, 2.0, 3.0))).norm(), 1e-11) << i;
-    if (i > 0) EXPECT_LT((normals[i].cast<double>() - expected).norm(), 1e-6) << i;
+    if (i > 0) {
+      EXPECT_LT((normals[i].cast<double>() - expected).norm(), 1e-6) << i;
+    }
   }
   EXPECT_EQ(normals[0], Eigen::Vector3f::Zero());  // what has no normal gets none
 }

@@ -388,7 +388,9 @@ TEST(Transfer, PointsThatAreGivenOthersToFollowDoAndTheRestStaysToTheBit) {
   other.apply(moved, found);
   EXPECT_LT((found[17] - dense.positions[17] - (moved[7] - coarse.positions[7])).norm(), 1e-6);
   for (std::size_t d = 0; d < found.size(); ++d)
-    if (d != 17) EXPECT_EQ(found[d], expected[d]);
+    if (d != 17) {
+      EXPECT_EQ(found[d], expected[d]);
+    }
 }
 
 TEST(Transfer, RefusesWhatItCannotUse) {

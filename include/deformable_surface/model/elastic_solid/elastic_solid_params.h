@@ -33,6 +33,7 @@ inline void visit(Fields& fields, ElasticSolidParams& p) {
   fields.number("stabilization", p.stabilization, "", between(0.0, 10.0),
                 "stiffness, over Young's modulus, against motions from point to point that the fitted strain does not show; 0 leaves "
                 "them free");
+  fields.notBuilt("fill", "points inside a closed surface");
 }
 
 }  // namespace deformable_surface::model
