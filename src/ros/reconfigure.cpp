@@ -48,6 +48,7 @@ class Finder : public Fields {
   void onFlag(const About& about, bool&) override { add(about, true, 0); }
   void onText(const About&, std::string&) override {}
   void onVector(const About& about, double*, int size) override { add(about, false, size); }
+  void onRows(const About&, Points&) override {}
   void onChoice(const About&, int&, const std::vector<std::string>&, const std::vector<std::string>&) override {}
   void onBounds(const About&, std::vector<NamedBounds>&, const std::vector<std::string>&) override {}
   bool onBegin(const About& about, bool) override {
