@@ -2,9 +2,16 @@
 
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/FitSurface.h"
+#include "deformable_surface/List.h"
 #include "deformable_surface/PointForce.h"
+#include "deformable_surface/Restore.h"
+#include "deformable_surface/RolloutFeedback.h"
+#include "deformable_surface/RolloutGoal.h"
+#include "deformable_surface/RolloutResult.h"
 #include "deformable_surface/SaveCloud.h"
 #include "deformable_surface/SelectRegion.h"
+#include "deformable_surface/SetMaterial.h"
+#include "deformable_surface/Snapshot.h"
 #include "deformable_surface/Statistics.h"
 #include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
@@ -56,6 +63,11 @@ std::vector<InterfaceEntry> makeTable() {
        ""},
       {Kind::kSubscribed, "tools", "deformable_surface/ToolArray",
        "rigid tools that push, draw, carry, cut, heat or erase: add, move, delete ([tools](tools.md))", define<ToolArray>()},
+      {Kind::kSubscribed, "rollout/goal", "deformable_surface/RolloutActionGoal",
+       "the action `~rollout`: what becomes of the surface with other tools and forces, on a copy ([run-time "
+       "control](run_time_control.md)); goal, result and feedback are",
+       define<RolloutGoal>() + "\n---\n" + define<RolloutResult>() + "\n---\n" + define<RolloutFeedback>()},
+      {Kind::kSubscribed, "rollout/cancel", "actionlib_msgs/GoalID", "of the same action", ""},
       {Kind::kPublished, "deformed", "sensor_msgs/PointCloud2",
        "latched; every input point in its order: x y z, normal_x normal_y normal_z, displacement (m), then the input's other "
        "fields; what is gone is NaN, what was born comes behind",
@@ -71,6 +83,12 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
        "what the surface does to each tool; `~tools/<id>/wrench`, a geometry_msgs/WrenchStamped, has it of one",
        define<ToolWrenchArray>()},
+      {Kind::kPublished, "rollout/feedback", "deformable_surface/RolloutActionFeedback", "how far a rollout is", ""},
+      {Kind::kPublished, "rollout/result", "deformable_surface/RolloutActionResult", "what became of it", ""},
+      {Kind::kPublished, "rollout/status", "actionlib_msgs/GoalStatusArray", "of all goals", ""},
+      {Kind::kPublished, "parameter_descriptions", "dynamic_reconfigure/ConfigDescription",
+       "latched; the parameters that may change while the node runs, for rqt_reconfigure", ""},
+      {Kind::kPublished, "parameter_updates", "dynamic_reconfigure/Config", "latched; their values", ""},
       {Kind::kPublished, "/diagnostics", "diagnostic_msgs/DiagnosticArray",
        "rate, real-time factor, dropped input, last complaint; `diagnostics: false` turns it off", ""},
       {Kind::kService, "reset", "std_srvs/Trigger",
@@ -87,6 +105,14 @@ std::vector<InterfaceEntry> makeTable() {
        defineService<EditParticles>()},
       {Kind::kService, "fit", "deformable_surface/FitSurface", "grows a surface through the oriented particles there are",
        defineService<FitSurface>()},
+      {Kind::kService, "snapshot", "deformable_surface/Snapshot", "keeps the state under a name", defineService<Snapshot>()},
+      {Kind::kService, "restore", "deformable_surface/Restore", "goes back to a state that was kept", defineService<Restore>()},
+      {Kind::kService, "list", "deformable_surface/List", "the tools, forces, pins, regions and snapshots there are",
+       defineService<List>()},
+      {Kind::kService, "set_material", "deformable_surface/SetMaterial", "gives a region, or everything, other values of its material",
+       defineService<SetMaterial>()},
+      {Kind::kService, "set_parameters", "dynamic_reconfigure/Reconfigure",
+       "changes parameters while the node runs; what is refused stays as it was", ""},
   };
 }
 

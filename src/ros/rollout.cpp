@@ -143,7 +143,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
     }
     if (sample != plan.sample_steps.end() && *sample == step) {
       ++sample;
-      result.wrenches.push_back(makeToolWrenches(header, copy.toolReactions()));
+      result.wrenches.push_back(makeToolWrenches(header, copy.toolReactions(), copy.pinReactions()));
       result.statistics.emplace_back();
       encodeStatistics(copy.statistics(), result.statistics.back());
       result.statistics.back().header = header;
