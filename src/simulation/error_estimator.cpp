@@ -87,7 +87,8 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
-  coarse.integrator.max_substeps = kAnyNumber;
+  // A copy can be far stiffer than the simulation, where few points show a rough surface: auto then leaves Verlet.
+  if (type != IntegratorType::kAuto) coarse.integrator.max_substeps = kAnyNumber;
   shadow_ = std::make_unique<Simulation>(coarse, std::move(surface));
   twin_ = std::make_unique<Simulation>(coarse, buildCoarser(coarse, full, points));
   if (isDamping(type) || type == IntegratorType::kAuto) {
