@@ -285,8 +285,8 @@ Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::St
   marker.pose.position = toPoint(place);
   marker.scale.z = height;
   std::ostringstream text;
-  text << std::fixed << std::setprecision(2) << statistics.simulation_time << " s, " << statistics.real_time_factor
-       << " x real time\n"
+  // Nothing that depends on the machine: recorded markers are the same, bit for bit.
+  text << std::fixed << std::setprecision(2) << statistics.simulation_time << " s\n"
        << statistics.simulation_points << " of " << statistics.points << " points, " << statistics.substeps << " sub-steps\n"
        << "largest stretch " << 100.0 * statistics.max_stretch << " %";
   if (std::isfinite(statistics.error_estimate)) text << ", error " << 1000.0 * statistics.error_estimate << " mm";

@@ -269,6 +269,7 @@ struct Simulation::Impl {
     grips.reset();
     contact.reset();
     part.reset();
+    part_march = {};
     track.restore({});
     setTools(params.tools);
     activity.reset();
