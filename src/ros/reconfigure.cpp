@@ -164,7 +164,8 @@ SceneParams readRunTimeParams(const Config& config, const SceneParams& params) {
   for (const auto& given : config.ints) take(given, false, tree);
   if (!config.strs.empty())
     throw InputError("found the text parameter " + quote(config.strs[0].name.substr(0, 64)) + "; accepted: numbers and flags");
-  return io::readScene(tree);
+  // Of what was not asked for, nothing takes the way through text.
+  return simulation::withRunTimeValues(params, io::readScene(tree));
 }
 
 Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints)

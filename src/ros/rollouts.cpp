@@ -62,7 +62,8 @@ void Rollouts::accept(Server::GoalHandle goal) {
   }
   const auto make_copy = [&] {
     try {
-      if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+      const std::string obstacle = stepper_.obstacle();
+      if (!obstacle.empty()) throw InputError(obstacle);
       job->copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
       if (!goal.getGoal()->snapshot.empty()) job->copy->restore(stepper_.snapshots().find(goal.getGoal()->snapshot).snapshot);
       job->frame = stepper_.frame();

@@ -70,6 +70,7 @@ void ActivePart::setLoads(const Loads& loads) {
   contact_.restore(loads.contact.all());
   contact_.renumber(new_index_);
   contact_.setRate(loads.contact_rate);
+  system_.setDamping(loads.damping);
   loads_ = {&gravity_, &forces_};
   if (params_.pressure != 0.0) loads_.push_back(&pressure_);
   if (params_.viscous_drag > 0.0) loads_.push_back(&drag_);

@@ -21,6 +21,7 @@ class ActivePart {
     const NamedForces& forces;
     const ContactLoad& contact;
     double contact_rate;  // 1/s
+    double damping;       // 1/s
   };
 
   /// moving (n): of the surface, at least one. params is kept by reference. Throws nothing; the model must know parts.

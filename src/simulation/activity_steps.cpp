@@ -7,10 +7,8 @@ namespace deformable_surface::simulation {
 
 using solve::IntegratorType;
 
-// An equilibrium and a pressure inside couple everything; particles have no elements.
-bool Simulation::Impl::canBeInParts() const {
-  return params.integrator.type != IntegratorType::kStatic && !particles && !(params.pressure != 0.0 && model->isClosed());
-}
+// An equilibrium couples everything; particles have no elements.
+bool Simulation::Impl::canBeInParts() const { return params.integrator.type != IntegratorType::kStatic && !particles; }
 
 bool Simulation::Impl::maySleep() const {
   if (params.activity.sleep == Sleep::kNever) return false;
@@ -43,9 +41,10 @@ void Simulation::Impl::wakeForce(const std::string& id) {
     if (force.params.id == id) activity.wake(force.points);
 }
 
-// An attraction that all points share, and a grip that lets go at a force, ask for all points.
+// An attraction that all points share, a grip that lets go at a force, and a pressure inside ask for all points.
 void Simulation::Impl::setParts() {
-  const bool only_wholly = std::any_of(tools.begin(), tools.end(), [](const tool::ToolParams& tool) {
+  const bool is_blown = params.pressure != 0.0 && model->isClosed();
+  const bool only_wholly = is_blown || std::any_of(tools.begin(), tools.end(), [](const tool::ToolParams& tool) {
     return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
   });
   activity.setOnlyWholly(only_wholly);
@@ -92,6 +91,7 @@ solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
     }
     part_march = part->march().memory();
     solve::TimeMarch::Outcome taken = part->step(now, state, held);
+    if (interrupt && *interrupt) return taken;
     if (!taken.ok) break;
     const double at_wall = part->findHits(end, activity.acceleration(), activity.speed(), hits);
     if (hits.empty()) {

@@ -183,6 +183,9 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
     s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
   }
   const double volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
+  // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
+  const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
+  s.area = m * spacing * spacing;
   s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) + " m^3: " + count(n, "points, ") +
                     count(m, "simulation points, ") + count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }

@@ -40,6 +40,7 @@ void Simulation::setState(const model::State& state) {
   impl_->state.velocities = state.velocities;
   impl_->march.restart();
   impl_->part.reset();
+  impl_->part_march = {};
   impl_->activity.reset();
   impl_->changed();
   if (impl_->estimator) impl_->estimator->setState(state);
@@ -191,6 +192,7 @@ void Simulation::setDamping(double damping) {
 }
 
 void Simulation::observe(const cloud::PointCloud& cloud) {
+  if (impl_->solid) throw InputError("model: found elastic_solid, which has no sides that a cloud could show; accepted: a surface");
   constexpr double kReach = 3.0;  // spacings that a surface lags behind by at most; beyond it lies something else
   const double spacing = std::sqrt(impl_->rest.area / static_cast<double>(impl_->rest.points.size()));
   Points normals;
@@ -217,7 +219,7 @@ void Simulation::setParams(const SceneParams& params) {
     MaterialChangeParams stiffness;
     stiffness.young_modulus = params.material.young_modulus;
     const std::string problem = findMaterialProblem(now, stiffness);
-    if (!problem.empty()) throw InputError("material." + problem);
+    if (!problem.empty()) throw InputError("material.young_modulus: " + problem);
   }
   const bool is_damping_new = params.material.damping != now.material.damping;
   if (params.gravity != now.gravity) setGravity(params.gravity);

@@ -85,6 +85,7 @@ struct Snapshot::Contents {
   solve::TimeMarch::Memory march, part_march;
   bool has_part;
   Activity::Memory activity;
+  std::vector<ToolWatch::Seen> watched;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
   Statistics statistics;
@@ -260,6 +261,7 @@ struct Simulation::Impl {
       }
     }
     clampHeld();
+    track.restore({});
     values = rest.values;
     applyMaterial();
     setDamping(params.material.damping);
@@ -270,7 +272,7 @@ struct Simulation::Impl {
     contact.reset();
     part.reset();
     part_march = {};
-    track.restore({});
+    contact_rate = 0.0;
     setTools(params.tools);
     activity.reset();
     tool_watch.reset();
@@ -297,11 +299,12 @@ struct Simulation::Impl {
     if (now == shares) return;
     model->setMaterial(now);
     shares = std::move(now);
+    const std::vector<ContactLoad::Body> bodies = contact.all();  // what they hold up stays up
     contact.setTools({});
     chooseLoads();
     contact_rate = 0.0;
     if (!tools.empty()) findContactRate();
-    giveContactTools();
+    contact.restore(bodies);
     chooseLoads();
     wakeAll();
     march.restart();
@@ -320,6 +323,7 @@ struct Simulation::Impl {
     applyMaterial();
     chooseLoads();
     wakeAll();
+    setParts();
   }
 
   // Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once, before
@@ -414,6 +418,7 @@ struct Simulation::Impl {
     }
     if (may_be_cut && cutting->endStep(tools, now, dt, state.positions, surface)) {
       wakeAll();
+      setParts();
       march.restart();
       if (estimator && std::isfinite(estimator->total()))
         outcome.notice += (outcome.notice.empty() ? "" : "; ") +
@@ -448,7 +453,7 @@ struct Simulation::Impl {
   // What is awake; in activity_steps.cpp.
   bool canBeInParts() const;
   bool maySleep() const;
-  ActivePart::Loads partLoads() const { return {gravity, anchors, forces, contact, contact_rate}; }
+  ActivePart::Loads partLoads() const { return {gravity, anchors, forces, contact, contact_rate, system.damping()}; }
   solve::TimeMarch& lastMarch() { return part ? part->march() : march; }
   void setParts();
   void makePart();

@@ -32,8 +32,8 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save() const {
   return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
       scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, findPhysics(params),
       system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
-      surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part != nullptr, activity.memory(),
-      surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
+      surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), activity.memory(),
+      tool_watch.memory(), surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
 }
 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
@@ -62,7 +62,7 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   part_march = saved.part_march;
   activity.setMemory(saved.activity, state);
   if (saved.has_part) makePart();
-  tool_watch.look(tools, time());
+  tool_watch.setMemory(saved.watched);
   changed();
   if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
   if (estimator && !saved.estimate) estimator->lose();

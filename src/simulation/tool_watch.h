@@ -19,12 +19,16 @@ class ToolWatch {
   /// What the last look returned.
   const std::vector<Eigen::AlignedBox3d>& changed() const { return changed_; }
 
- private:
+  /// What a snapshot must hold.
   struct Seen {
     tool::ToolParams tool;  // without its path
     bool is_active;
     tool::Pose pose;
   };
+  const std::vector<Seen>& memory() const { return seen_; }
+  void setMemory(const std::vector<Seen>& memory) { seen_ = memory; }
+
+ private:
   std::vector<Seen> seen_;
   std::vector<Eigen::AlignedBox3d> changed_;
 };

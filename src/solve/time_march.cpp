@@ -159,7 +159,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     Integrator& verlet = integrator(IntegratorType::kVerlet);
     verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
     const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
-    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state) - report.dissipated;
+    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state);
     dissipated_ += report.dissipated;
     add(report, total);
     if (left <= kPortion || !report.finite) return total;
@@ -199,7 +199,7 @@ bool TimeMarch::estimatesStableStep() const {
 
 // Where damping takes out what resonances of outer steps put in, the energy stays as it is and the surface never comes to rest.
 void TimeMarch::watchResonance() {
-  memory_.heated += guard_.gain() - kForget * memory_.heated;
+  memory_.heated += guard_.gain() + dissipated_ - kForget * memory_.heated;
   memory_.dissipated += dissipated_ - kForget * memory_.dissipated;
   if (!(dissipated_ > 0.0 && memory_.heated > kHeated * memory_.dissipated)) return;
   memory_.cautious_slow = kResonant;
@@ -248,7 +248,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
-  // What is dissipated by forces is not in the account, which then does not show what resonances of outer steps put in.
+  // Of what forces dissipate nothing is known, and so not what resonances of outer steps put in.
   most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipatesInForces() ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);

@@ -242,7 +242,7 @@ TEST(ReadScene, HoldsRulesAmongFields) {
   const std::string particles = "model: oriented_particles\n", bent = particles + "oriented_particles: {yield_curvature: 1.0";
   const std::vector<std::string> damped = problemsOf(particles + "material: {spring_damping: 1e-4}");
   ASSERT_EQ(damped.size(), 1u);
-  EXPECT_TRUE(contains(damped[0], "which have no springs; accepted: 0"));
+  EXPECT_TRUE(contains(damped[0], "a model that has no springs; accepted: 0"));
   EXPECT_TRUE(problemsOf(bent + "}").empty());
   const std::vector<std::string> anisotropic = problemsOf(bent + ", weighting: anisotropic}");
   ASSERT_EQ(anisotropic.size(), 1u);

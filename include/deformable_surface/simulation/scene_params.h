@@ -353,7 +353,7 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "found relative_velocity with material.spring_damping: 0, which damps nothing; accepted: along_spring, or a "
                  "spring_damping above 0");
   fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
-                 "found " + formatReal(p.material.spring_damping) + " with oriented_particles, which have no springs; accepted: 0");
+                 "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
   fields.section("oriented_particles", p.oriented_particles, "Choices within the model of oriented particles (docs/oriented_particles.md).");
   fields.section("elastic_solid", p.elastic_solid, "Choices within the model of elastic solids (docs/elastic_solid.md).");
   const bool is_solid = p.model == ModelKind::kElasticSolid;
@@ -420,6 +420,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("output", p.output, "What is computed and published.");
   fields.require(!is_solid || !p.output.resample, "output.resample", "found true, but points are inserted in surfaces only; accepted: false");
   fields.section("input", p.input, "What clouds are taken.");
+  fields.require(p.model != ModelKind::kElasticSolid || p.input.policy != InputPolicy::kTrack, "input.policy",
+                 "found track, but an elastic_solid has no sides that a cloud could show; accepted: ignore, replace");
   fields.text("save_directory", p.save_directory, "where `~save` writes; empty = `~save` is off");
   fields.flag("diagnostics", p.diagnostics, "publish `/diagnostics`");
   std::vector<NamedBounds> bounds;
