@@ -146,5 +146,22 @@ TEST(Fork, SnapshotsSayHowLargeTheyAre) {
   EXPECT_EQ(simulation::Snapshot().bytes(), 0u);
 }
 
+TEST(Fork, OfAClosedSurfaceWhosePressureCameWhileItRanGoesOnBitForBit) {
+  simulation::SceneParams p;
+  p.gravity.setZero();
+  p.material.damping = 5.0;
+  p.simplification.target_points = 100;
+  Simulation s(p, asCloud(makeSphere(600, 0.5).points));
+  run(s, 3);
+  p.pressure = 20.0;
+  s.setParams(p);
+  Simulation blown = s.fork();
+  EXPECT_EQ(listBits(blown), listBits(s));
+  p.pressure = 0.0;
+  s.setParams(p);
+  Simulation let_out = s.fork();
+  EXPECT_EQ(listBits(let_out), listBits(s));
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

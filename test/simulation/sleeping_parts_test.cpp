@@ -193,5 +193,19 @@ TEST(SleepingParts, AnImplicitStepOfAPartIsThatOfTheWhole) {
   EXPECT_TRUE(was_part);
 }
 
+TEST(SleepingParts, ADampingThatIsChangedWhileTheySleepActsOnWhatIsAwake) {
+  SceneParams p = pokedSheet();
+  Simulation s(p, finePatch());
+  p.activity.sleep = Sleep::kNever;
+  Simulation never(p, finePatch());
+  for (Simulation* one : {&s, &never}) {
+    run(*one, 10);
+    one->setDamping(200.0);
+    run(*one, 40);  // parts sleep again
+  }
+  ASSERT_TRUE(isPartlyAwake(s));
+  EXPECT_LT(largestDistance(s.state().positions, never.state().positions), kTolerance);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
