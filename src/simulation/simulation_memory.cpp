@@ -107,7 +107,11 @@ std::size_t Snapshot::bytes() const {
   if (!contents_) return 0;
   const Contents& c = *contents_;
   std::size_t sum = sizeof(Contents) + bytesOf(c.state.positions) + bytesOf(c.state.velocities) + bytesOf(c.state.orientations) +
-                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.pinned) + bytesOf(c.pinned_turns) + bytesOf(c.values) + bytesOf(c.seen);
+                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.pinned) + bytesOf(c.pinned_turns) +
+                    bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.cuts) + bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
+  if (c.severed) sum += bytesOf(*c.severed);
+  for (const ContactLoad::Body& body : c.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
+  for (const ToolWatch::Seen& seen : c.watched) sum += sizeof seen;
   for (const NamedForces::Named& force : c.forces) sum += sizeof force + bytesOf(force.points) + bytesOf(force.shares);
   for (const tool::ToolParams& tool : c.tools) sum += sizeof tool + bytesOf(tool.path);
   for (const Grips::Grip& grip : c.grips) sum += sizeof grip + bytesOf(grip.tool.path) + bytesOf(grip.points) + bytesOf(grip.places);
