@@ -1,5 +1,5 @@
-// What a simulation is made of, and the order of a step. Private, and apart from the two files that implement the class: one has its life
-// and its answers, the other the commands to it.
+// What a simulation is made of, and the order of a step. Private, and apart from the files that implement the class: its life and answers,
+// the commands to it, what it hands out of itself, who sleeps, what touches.
 #pragma once
 
 #include "deformable_surface/simulation/simulation.h"
