@@ -3,6 +3,7 @@
 #include "frames.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/simulation/run_time_params.h"
 
@@ -211,7 +212,7 @@ bool Stepper::accept(IncomingCloud& incoming) {
   ++counts_.clouds_accepted;
 
   std::string notes;
-  for (const std::string& note : simulation_->buildNotes()) notes += (notes.empty() ? "" : "; ") + note;
+  for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
   ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
   publish();
   return true;

@@ -136,7 +136,7 @@ void Simulation::Impl::considerSleep(const solve::SolveReport& report) {
 }
 
 // A step of a surface that sleeps. Its copies sleep, or will find what they have missed in the next step.
-StepOutcome Simulation::Impl::passStep(const Timer& timer) {
+StepOutcome Simulation::Impl::passStep(const Timer& timer, const std::string& notice) {
   ++steps;
   if (estimator) estimator->pass();
   statistics.substeps = statistics.solver_iterations = 0;
@@ -144,7 +144,9 @@ StepOutcome Simulation::Impl::passStep(const Timer& timer) {
   statistics.time_transfer = statistics.time_normals = 0.0;
   statistics.time_total = timer.seconds();
   statistics.real_time_factor = params.integrator.time_step / statistics.time_total;
-  return {};
+  StepOutcome outcome;
+  outcome.notice = notice;
+  return outcome;
 }
 
 void Simulation::passStep() { ++impl_->steps; }

@@ -1,5 +1,6 @@
 #include "deformable_surface/solve/time_march.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/params.h"
 
 #include <algorithm>
@@ -37,10 +38,6 @@ void add(const SolveReport& part, SolveReport& total) {
   total.iterations += part.iterations;
   total.residual = std::max(total.residual, part.residual);
   total.time_forces += part.time_forces;
-}
-
-void append(std::string& notice, const std::string& more) {
-  if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
 }
 
 }  // namespace
@@ -285,7 +282,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     report = advanceImplicitly(time, parts, state);
     sound = isSound(time, report, state);
   }
-  append(outcome.notice, retries);
+  appendNotice(outcome.notice, retries);
   if (isInterrupted()) {
     outcome.ok = false;
     outcome.failure = "was interrupted";
@@ -301,7 +298,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   }
   guard_.commit();
   if (!report.converged)
-    append(outcome.notice, "the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
+    appendNotice(outcome.notice, "the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
                                std::to_string(report.residual) + " N");
   return outcome;
 }

@@ -78,6 +78,15 @@ TEST(Activity, ASurfaceInBalanceSleepsFromTheFirstStep) {
   EXPECT_LT(largestDistance(s.state().positions, never.state().positions), 1e-14);  // rounding of a metre
 }
 
+TEST(Activity, WhatACommandMeantIsSaidThoughAllFallAsleepInItsStep) {
+  SceneParams p = sheetInBalance();
+  p.forces.push_back({"pull", Vec3(0.0, 0.5, 0.0), Vec3(0.0, 0.0, 1.0)});  // where the sheet is pinned
+  Simulation s(p, sheetCloud());
+  const simulation::StepOutcome outcome = s.step();
+  EXPECT_TRUE(isAsleep(s));
+  EXPECT_NE(outcome.notice.find("it moves nothing"), std::string::npos) << outcome.notice;
+}
+
 TEST(Activity, ADampedSheetFallsAsleepWithinTheToleranceOfWhereItWouldLie) {
   SceneParams p = dampedSheet();
   Simulation s(p, sheetCloud());

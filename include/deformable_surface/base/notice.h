@@ -1,0 +1,13 @@
+// Notices of one step in one line. A file of its own because every room that steps adds to it.
+#pragma once
+
+#include <string>
+
+namespace deformable_surface {
+
+/// Adds one more sentence to a notice, after a semicolon; an empty one changes nothing.
+inline void appendNotice(std::string& notice, const std::string& more) {
+  if (!more.empty()) notice += (notice.empty() ? "" : "; ") + more;
+}
+
+}  // namespace deformable_surface

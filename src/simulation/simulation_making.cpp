@@ -1,0 +1,217 @@
+// How a simulation is made, begun anew and set: what its parts are told when tools, materials, damping or clamps change. Apart from the
+// step, which only uses what is set here.
+#include "simulation_impl.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kContactRate = 0.45;  // of the highest frequency at rest: its square then grows by a fifth at most
+
+Index nearestPoint(const Points& points, const Vec3& to) {
+  Index nearest = 0;
+  for (Index i = 1; i < static_cast<Index>(points.size()); ++i)
+    if ((points[i] - to).squaredNorm() < (points[nearest] - to).squaredNorm()) nearest = i;
+  return nearest;
+}
+
+}  // namespace
+
+Simulation::Impl::Impl(const SceneParams& given, std::shared_ptr<const cloud::PointCloud> cloud,
+                       std::unique_ptr<model::DeformableModel> material, std::shared_ptr<const RestSurface> built)
+    : params(given),
+      shared_input(std::move(cloud)),
+      model(std::move(material)),
+      particles(dynamic_cast<model::OrientedParticles*>(model.get())),
+      solid(dynamic_cast<const model::ElasticSolid*>(model.get())),
+      shared_rest(std::move(built)),
+      notes(rest.notes),
+      gravity(model->masses(), params.gravity),
+      pressure(*model, params.pressure),
+      drag(*model, params.viscous_drag),
+      anchors(makeAnchors()),
+      forces(model->masses()),
+      contact(model->masses()),
+      friction(contact),
+      track(model->masses(), params.input.track_gain),
+      system(*model, loads, held, params.material.damping, &held_turns),
+      march(system, *model, params.integrator),
+      activity(params.activity, rest.points, std::sqrt(rest.area / static_cast<double>(rest.points.size())),
+               params.integrator.time_step, *model, canBeInParts()),
+      surface(rest, input, params, solid),
+      scene_hash(identify(rest, params)) {
+  if (auto* mass_spring = dynamic_cast<model::MassSpring*>(model.get()))
+    cutting = std::make_unique<Cutting>(*mass_spring, params.mass_spring.tear_strain);
+}
+
+std::unique_ptr<Simulation::Impl> Simulation::Impl::make(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface built) {
+  std::unique_ptr<model::DeformableModel> model = std::move(built.model);
+  auto impl = std::make_unique<Impl>(params, std::make_shared<const cloud::PointCloud>(std::move(cloud)), std::move(model),
+                                     std::make_shared<const RestSurface>(std::move(built)));
+  impl->reset();
+  return impl;
+}
+
+std::vector<AnchorLoad::Anchor> Simulation::Impl::makeAnchors() const {
+  std::vector<AnchorLoad::Anchor> list;
+  for (const AnchorParams& a : params.anchors) list.push_back({nearestPoint(rest.points, a.point), a.target, a.stiffness});
+  return list;
+}
+
+// On the points that are there.
+void Simulation::Impl::placeAnchors() {
+  anchors = AnchorLoad(makeAnchors());
+  if (!particles) return;
+  std::vector<Index> index_of_id(state.next_id, -1);
+  for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
+  anchors.renumber(index_of_id);
+}
+
+// Only the loads that can act are evaluated.
+void Simulation::Impl::chooseLoads() {
+  loads = {&gravity, &forces};
+  if (params.pressure != 0.0) loads.push_back(&pressure);
+  if (params.viscous_drag > 0.0) loads.push_back(&drag);
+  if (!params.anchors.empty()) loads.push_back(&anchors);
+  if (!contact.isEmpty()) loads.push_back(&contact);
+  if (!friction.isEmpty()) loads.push_back(&friction);
+  if (!track.isEmpty()) loads.push_back(&track);
+}
+
+void Simulation::Impl::setTools(std::vector<tool::ToolParams> given) {
+  for (const tool::ToolParams& tool : given)
+    if (tool.shape.kind == geometry::Solid::Kind::kMesh && !tool.shape.mesh)
+      throw InputError("tool " + quote(tool.id) + " shape.mesh.file: found one that has not been read; accepted: vertices and triangles");
+  for (const tool::ToolParams& tool : given)
+    if (cutting && tool.mode == tool::Mode::kCut && (params.output.resample || params.mass_spring.volume_stiffness > 0.0))
+      throw InputError("tool " + quote(tool.id) + " mode: found cut on a surface that " +
+                       (params.output.resample ? "inserts points, which would not know their side" : "keeps its volume") +
+                       "; accepted: cut without output.resample and mass_spring.volume_stiffness");
+  if (!given.empty() && !(contact_rate > 0.0)) findContactRate();
+  tools = std::move(given);
+  giveContactTools();
+  grips.setTools(tools);
+  chooseLoads();
+  loadsChanged();
+  setParts();
+}
+
+// Knives cut springs without resistance; particles they push, too.
+void Simulation::Impl::giveContactTools() {
+  std::vector<tool::ToolParams> pushing = tools;
+  const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
+  if (cutting) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
+  contact.setTools(pushing);
+}
+
+void Simulation::Impl::reset() {
+  if (cutting) cutting->setCuts({});
+  state.positions = rest.points;
+  state.velocities.assign(rest.points.size(), Vec3::Zero());
+  model->beginAtRest(state);
+  steps = 0;
+  pinned = rest.pinned;
+  pinned_turns = rest.pinned_turns;
+  placeAnchors();
+  if (particles) {
+    life = std::make_unique<ParticleLife>(*particles);
+    for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !rest.creased[i];
+    if (params.oriented_particles.fit) {
+      const std::string news = fit(params.oriented_particles.growth).notice;
+      if (std::find(notes.begin(), notes.end(), news) == notes.end()) notes.push_back(news);
+    }
+  }
+  clampHeld();
+  track.restore({});
+  values = rest.values;
+  applyMaterial();
+  setDamping(params.material.damping);
+  gravity.gravity = params.gravity;
+  forces.clear();
+  for (const ForceParams& force : params.forces) forces.set(force);
+  grips.reset();
+  contact.reset();
+  part.reset();
+  part_march = {};
+  contact_rate = 0.0;
+  setTools(params.tools);
+  activity.reset();
+  tool_watch.reset();
+  march.restart();
+  if (estimator) estimator->reset();
+  is_wish_missed = false;
+  surface.reset();
+  statistics = Statistics{};
+  changed();
+  measure();
+}
+
+// Tells the model what its points are made of. What follows from the stiffness is found anew.
+void Simulation::Impl::applyMaterial() {
+  if (values.empty()) return;
+  std::vector<model::PointMaterial> now = findShares(made, params.material, values);
+  if (shares.empty()) shares = findShares(made, made, rest.values);
+  if (now == shares) return;
+  model->setMaterial(now);
+  shares = std::move(now);
+  const std::vector<ContactLoad::Body> bodies = contact.all();  // what they hold up stays up
+  contact.setTools({});
+  chooseLoads();
+  contact_rate = 0.0;
+  if (!tools.empty()) findContactRate();
+  contact.restore(bodies);
+  chooseLoads();
+  wakeAll();
+  march.restart();
+}
+
+void Simulation::Impl::setDamping(double damping) {
+  system.setDamping(damping);
+  if (estimator) estimator->setDamping(damping);
+  wakeAll();
+}
+
+// Of params, to those who keep a copy of them.
+void Simulation::Impl::takePhysics() {
+  pressure.setPressure(params.pressure);
+  drag.setDrag(params.viscous_drag);
+  applyMaterial();
+  chooseLoads();
+  wakeAll();
+  setParts();
+}
+
+// Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once, before
+// the first tool.
+void Simulation::Impl::findContactRate() {
+  State at_rest;
+  at_rest.positions = rest.points;
+  at_rest.velocities.assign(rest.points.size(), Vec3::Zero());
+  model->beginAtRest(at_rest);
+  const double stable = march.findStableStep(0.0, at_rest);
+  model->adopt(state);
+  contact_rate = kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step);
+  contact.setRate(contact_rate);
+}
+
+// Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
+void Simulation::Impl::clampHeld() {
+  held = pinned;
+  held_turns = pinned_turns;
+  if (model->setHeld(pinned)) march.restart();
+  const double cold = params.oriented_particles.hold_below;
+  if (!life || !(cold > 0.0)) return;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (state.traits[i].temperature >= cold) continue;
+    held[i] = held_turns[i] = 1;
+    state.velocities[i].setZero();
+    state.spins[i].setZero();
+  }
+}
+
+}  // namespace deformable_surface::simulation

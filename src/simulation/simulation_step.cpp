@@ -1,0 +1,171 @@
+// A step of a simulation, in its order, and what belongs to single parts of it. What acts in a step is set elsewhere
+// (simulation_making.cpp), who sleeps through it too (activity_steps.cpp).
+#include "simulation_impl.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "nested_start.h"
+
+namespace deformable_surface::simulation {
+
+// In this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer, normals, markers)
+// is made when somebody asks for it.
+StepOutcome Simulation::Impl::step() {
+  const Timer timer;
+  const double dt = params.integrator.time_step;
+  const double now = time();
+  StepOutcome outcome;
+
+  // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
+  std::string news;
+  const bool has_lived = life && !activity.isAsleep();
+  if (has_lived) news = live(now, dt);
+  const NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
+  wakeForStep(update);
+  if (activity.isAsleep()) return passStep(timer, update.notice);
+  if (life && !has_lived) news = live(now, dt);
+  clampHeld();
+  Grips::Update grip;
+  if (!grips.isEmpty()) grip = updateGrips(now, dt);
+  if (update.changed || grip.changed) loadsChanged();
+  for (const std::string& notice : {update.notice, news, grip.notice}) appendNotice(outcome.notice, notice);
+  beginAsleep(now);
+  if (activity.isAsleep()) return passStep(timer, outcome.notice);
+
+  if (!contact.isEmpty() && contact.beginStep(now, dt, state, held)) loadsChanged();
+
+  const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
+
+  const bool is_nested = beginNested();
+  solve::TimeMarch::Outcome taken = advance(now);
+  if (is_nested && !taken.ok) {
+    state.positions = rest.points;
+    march.restart();
+    taken = march.step(now, state);
+  }
+  const solve::SolveReport& report = taken.report;
+  appendNotice(outcome.notice, taken.notice);
+  if (!taken.ok) {
+    outcome.ok = false;
+    outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + taken.failure +
+                      "; the state before it is kept";
+    return outcome;
+  }
+  if (!contact.isEmpty()) appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
+  if (may_be_cut) endCuts(now, dt, outcome);
+  ++steps;
+  surface.invalidate();
+  surface.resample(state);
+  if (estimator) estimate(report, outcome);
+  considerSleep(report);
+  changed();
+
+  // What it was.
+  statistics.substeps = static_cast<std::uint32_t>(report.substeps);
+  statistics.solver_iterations = static_cast<std::uint32_t>(report.iterations);
+  statistics.solver_residual = report.residual;
+  statistics.time_forces = report.time_forces;
+  statistics.time_total = timer.seconds();
+  statistics.time_solve = statistics.time_total - report.time_forces - statistics.time_estimate;
+  statistics.real_time_factor = dt / statistics.time_total;
+  statistics.time_transfer = statistics.time_normals = 0.0;
+  return outcome;
+}
+
+// A first equilibrium is looked for from that of fewer points. Returns whether the state was changed.
+bool Simulation::Impl::beginNested() {
+  if (params.integrator.type != solve::IntegratorType::kStatic || system.isOriented() || steps > 0) return false;
+  if (pinned != rest.pinned || state.positions != rest.points) return false;
+  SceneParams scene = params;
+  scene.gravity = gravity.gravity;
+  scene.forces.clear();
+  for (const NamedForces::Named& force : forces.all()) scene.forces.push_back(force.params);
+  Points start = findNestedStart(scene, rest);
+  if (start.empty()) return false;
+  state.positions = std::move(start);
+  return true;
+}
+
+Grips::Update Simulation::Impl::updateGrips(double now, double dt) {
+  if (grips.readForces()) system.computeForcesOnAll(now, state, forces_on_all);
+  const Grips::Update update = grips.update(now, 1e-6 * dt, state, pinned, forces_on_all);
+  grips.carry(now, dt, state, held);
+  return update;
+}
+
+// What knives passed and what was stretched too far is severed; what was kept of the whole surface is then worth nothing.
+void Simulation::Impl::endCuts(double now, double dt, StepOutcome& outcome) {
+  if (!cutting->endStep(tools, now, dt, state.positions, surface)) return;
+  wakeAll();
+  setParts();
+  march.restart();
+  if (!estimator) return;
+  if (std::isfinite(estimator->total()))
+    appendNotice(outcome.notice,
+                 "the surface is cut, which its coarser copies do not follow: there is no error estimate until the next reset");
+  estimator->lose();
+}
+
+// Particles cool, go and are born; those that are too cold are held.
+std::string Simulation::Impl::live(double now, double dt) {
+  const double interval = params.oriented_particles.growth_interval;
+  const bool looks = std::floor((now + 1e-6 * dt) / interval) > std::floor((now - (1.0 - 1e-6) * dt) / interval);
+  const ParticleLife::Changes changes = life->update(now, dt, looks, tools, state);
+  // Heat changes the energy of bonds, and so does flow.
+  is_hot = changes.are_hot || changes.has_flowed;
+  if (is_hot) march.restart();
+  follow(changes);
+  return changes.notice;
+}
+
+ParticleLife::Changes Simulation::Impl::fit(const model::GrowthParams& growth) {
+  const ParticleLife::Changes changes = life->fit(growth, pinned, state);
+  follow(changes);
+  return changes;
+}
+
+void Simulation::Impl::requireParticles() const {
+  if (!life) throw InputError("model: found one that has no particles to edit or to grow; accepted: oriented_particles");
+}
+
+// Everything that is by point follows a change of the population.
+void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
+  if (!changes.new_index.empty()) {
+    forces.renumber(changes.new_index);
+    anchors.renumber(changes.new_index);
+    grips.renumber(changes.new_index);
+    contact.renumber(changes.new_index);
+    keepThose(changes.new_index, pinned);
+    keepThose(changes.new_index, pinned_turns);
+  }
+  if (changes.new_index.empty() && changes.born == 0) return;
+  pinned.resize(state.positions.size(), 0);
+  pinned_turns.resize(state.positions.size(), 0);
+  model->adopt(state);
+  track.restore({});
+  chooseLoads();
+  march.restart();
+  wakeAll();
+  surface.invalidate();
+}
+
+// The copies take the same step.
+void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& outcome) {
+  const Timer timer;
+  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps));
+  // Asked for, kept in the trial, but not kept now; said once.
+  const double wish = params.accuracy.position_error, error = estimator->total();
+  if (wish > 0.0 && choice.is_met && error > wish && std::isfinite(error) && !is_wish_missed) {
+    appendNotice(outcome.notice, "the estimated error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +
+                                     formatReal(wish) + " m");
+    is_wish_missed = true;
+  }
+  statistics.time_estimate = timer.seconds();
+}
+
+}  // namespace deformable_surface::simulation

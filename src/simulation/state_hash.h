@@ -1,0 +1,33 @@
+// What tells two states apart: a hash of every bit of a state. Apart from the simulation, because snapshots and tests of points need it too.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+
+#include <cstdint>
+#include <cstring>
+
+namespace deformable_surface::simulation {
+
+// FNV-1a over 64-bit words.
+constexpr std::uint64_t kHashBegin = 14695981039346656037ull;
+inline std::uint64_t hashWords(const double* words, int count, std::uint64_t h) {
+  for (int k = 0; k < count; ++k) {
+    std::uint64_t bits;
+    std::memcpy(&bits, words + k, sizeof bits);
+    h = (h ^ bits) * 1099511628211ull;
+  }
+  return h;
+}
+
+inline std::uint64_t hashPoints(const Points& points, std::uint64_t h = kHashBegin) {
+  for (const Vec3& p : points) h = hashWords(p.data(), 3, h);
+  return h;
+}
+
+inline std::uint64_t hashState(const State& state) {
+  std::uint64_t h = hashPoints(state.velocities, hashPoints(state.positions));
+  for (const Quaternion& q : state.orientations) h = hashWords(q.coeffs().data(), 4, h);
+  return hashPoints(state.spins, h);
+}
+
+}  // namespace deformable_surface::simulation
