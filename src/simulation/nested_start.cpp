@@ -21,8 +21,9 @@ Points follow(const SceneParams& params, const RestSurface& fine, const RestSurf
 
 }  // namespace
 
-Points findNestedStart(const SceneParams& params, const RestSurface& level) {
+Points findNestedStart(const SceneParams& params, const RestSurface& level, const std::atomic<bool>* interrupt) {
   const Index n = static_cast<Index>(level.points.size());
+  if (params.model == ModelKind::kElasticSolid) return {};  // its points are carried along by another transfer
   if (n < kFewestPoints * kRatios[0] || level.dense.positions.empty()) return {};
   SceneParams coarse = params;
   coarse.accuracy = AccuracyParams{};
@@ -38,6 +39,7 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level) {
       shape.normals = surface.normals;
       shape.pinned = surface.pinned;
       Simulation simulation(coarse, std::move(surface));
+      simulation.setInterrupt(interrupt);
       if (!known_now.empty()) simulation.setState({follow(params, shape, known, known_now), Points(shape.points.size(), Vec3::Zero())});
       const StepOutcome outcome = simulation.step();
       if (!outcome.ok || !outcome.notice.empty()) return {};  // a notice: not converged, or a force that finds no point there

@@ -136,8 +136,6 @@ void noteLoadsAcross(const SceneParams& params, const Vec3& across, RestSurface&
 
 void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
-  if (params.integrator.type == solve::IntegratorType::kImplicit || params.integrator.type == solve::IntegratorType::kStatic)
-    throw InputError("integrator.type: found one that elastic_solid has not; accepted: auto, verlet, symplectic_euler, explicit_euler");
   std::vector<double> detours = findNeighbors(params.neighbors, s);
   const Vec3 across = findAcross(params, s);
   const bool is_planar = !across.isZero(0.0);

@@ -85,7 +85,7 @@ bool Simulation::Impl::beginNested() {
   scene.gravity = gravity.gravity;
   scene.forces.clear();
   for (const NamedForces::Named& force : forces.all()) scene.forces.push_back(force.params);
-  Points start = findNestedStart(scene, rest);
+  Points start = findNestedStart(scene, rest, interrupt);
   if (start.empty()) return false;
   state.positions = std::move(start);
   return true;

@@ -55,18 +55,18 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     target_[i] = from[i] + (system.isHeld(i) ? step : step / factor) * velocity[i];
     weight_[i] = factor * system.masses()[i] / (step * step);
   }
-  const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_};
-  newton_.begin();
+  newton_.begin(interrupt_);
   // The forces to balance: what the material and the loads do, and the momentum brought along.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
   const double enough = std::max(params_.tolerance * scale, system.roundingForce(time, state));
+  const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
   // Where the search begins.
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i)) state.positions[i] = target_[i];
   guess_ = state.positions;
   state.positions = target_;
-  if (system.potentialEnergy(time, state) > energy) state.positions = guess_;
+  if (newton_.potential(problem, state) > energy) state.positions = guess_;
 
   const Index last = report.iterations + params_.max_iterations;
   for (;;) {
@@ -74,7 +74,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
     if (report.residual <= enough) break;
-    if (report.iterations == last || newton_.descend(problem, state).fraction == 0.0) {
+    if (report.iterations == last || newton_.isInterrupted() || newton_.descend(problem, state).fraction == 0.0) {
       report.converged = false;
       break;
     }
@@ -103,6 +103,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   SolveReport report;
   report.substeps = 1;
   before_ = state;
+  stage_.setInterrupt(interrupt_);
   const double energy = system.potentialEnergy(time + step, state) + system.kineticEnergy(state);
   const Index n = state.size();
 
@@ -150,9 +151,9 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   double scale = 0.0, safe_energy = 0.0;
   Index trial = 0;       // iterations since safe_, as long as none has come below its energy
   bool careful = false;  // the last trial led nowhere
-  newton_.begin();
+  newton_.begin(interrupt_);
   report.converged = false;
-  for (;;) {
+  while (!newton_.isInterrupted()) {
     // The residual without the proximal term: the anchor is where we are.
     anchor_ = state.positions;
     if (trial == 0) {
@@ -160,7 +161,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
       safe_energy = system.potentialEnergy(time + step, state);
     }
     for (Index i = 0; i < n; ++i) weight_[i] = system.masses()[i] / (pseudo_step * pseudo_step);
-    const NewtonDescent::Problem problem{system, time + step, 0.0, safe_, anchor_, weight_};
+    const NewtonDescent::Problem problem{system, time + step, 0.0, safe_, anchor_, weight_, std::max(params_.tolerance * scale, rounding)};
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();

@@ -17,6 +17,8 @@ class ImplicitStage {
   /// at most `energy`, else at state.positions: from there every descent ends below. Overwrites state, adds to report.
   void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy, State& state,
              SolveReport& report);
+  /// Of the solutions from now on, see Integrator.
+  void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
 
   /// One step of implicit Euler from `before`, which state is. First order, stable at every step, and it damps: a mode of frequency w
   /// loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse, buckling) the
@@ -30,6 +32,7 @@ class ImplicitStage {
  private:
   IntegratorParams params_;
   NewtonDescent newton_;
+  const std::atomic<bool>* interrupt_ = nullptr;
   Points from_, target_, guess_;
   std::vector<double> weight_;
 };

@@ -12,6 +12,9 @@ constexpr int kPatience = 2;           // projected matrices in a row after whic
 constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
 constexpr double kRaise = 10.0;        // of a shift that was not enough
 constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
+constexpr double kLoosest = 0.05;      // error of a direction by products: the next iteration has to find the rest anyway
+constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, for the next direction's error
+constexpr double kOversolved = 0.3;    // of what is still to be gained: a direction that leaves no more is good for nothing else
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
 }  // namespace
@@ -22,8 +25,9 @@ void NewtonDescent::computeRemainder(const Problem& problem, State& state, Point
   for (Index i = 0; i < n; ++i)
     state.velocities[i] = problem.step > 0.0 ? Vec3((state.positions[i] - problem.before[i]) / problem.step) : Vec3::Zero();
   system.computeForces(problem.time, state, forces_);
+  remainder.assign(n, Vec3::Zero());
+  if (!system.dissipatesInForces()) return;  // all forces have a potential
   system.computeConservativeForces(problem.time, state, conservative_);
-  remainder.resize(n);
   for (Index i = 0; i < n; ++i) remainder[i] = forces_[i] - conservative_[i];
 }
 
@@ -40,11 +44,20 @@ double NewtonDescent::evaluate(const Problem& problem, State& state) {
     gradient_[i] = problem.weight[i] * (state.positions[i] - problem.target[i]) - forces_[i];
     residual = std::max(residual, gradient_[i].norm());
   }
+  residual_ = residual;
   return residual;
 }
 
+double NewtonDescent::potential(const Problem& problem, const State& state) {
+  if (is_potential_known_ && potential_at_ == state.positions) return potential_;
+  potential_ = problem.system.potentialEnergy(problem.time, state);
+  potential_at_ = state.positions;
+  is_potential_known_ = true;
+  return potential_;
+}
+
 double NewtonDescent::merit(const Problem& problem, State& state) {
-  double sum = problem.system.potentialEnergy(problem.time, state);
+  double sum = potential(problem, state);
   for (Index i = 0; i < state.size(); ++i) {
     if (problem.system.isHeld(i)) continue;
     sum += 0.5 * problem.weight[i] * (state.positions[i] - problem.target[i]).squaredNorm();
@@ -91,6 +104,34 @@ bool NewtonDescent::factorizeShifted(const System& system) {
   return definite;
 }
 
+void NewtonDescent::solveFactored(const Problem& problem, const State& state) {
+  solution_ = direction_;
+  factor_.solveInPlace(solution_);
+  // (K + c v v^T)^-1 by the formula of Sherman and Morrison.
+  const double c = problem.system.rankOneStiffness(state, rank_one_);
+  if (c > 0.0) {
+    const Eigen::Map<const Eigen::VectorXd> v(rank_one_.data()->data(), 3 * state.size());
+    response_ = v;
+    factor_.solveInPlace(response_);
+    solution_ -= response_ * (c * v.dot(solution_) / (1.0 + c * v.dot(response_)));
+  }
+  if (solution_.allFinite()) direction_ = solution_;
+}
+
+void NewtonDescent::solveByProducts(const Problem& problem, const State& state) {
+  const double fall = last_residual_ > 0.0 ? residual_ / last_residual_ : 1.0;
+  const double tolerance = std::min(kLoosest, std::max(kForcing * fall * fall, kOversolved * problem.enough / residual_));
+  last_residual_ = residual_;
+  const auto solve = [&](model::Hessian hessian) {
+    products_.prepare(problem.system, problem.time, state, problem.step, hessian, problem.weight);
+    return products_.solve(problem.system, gradient_, tolerance, interrupt_, found_);
+  };
+  if (!is_indefinite_) is_indefinite_ = !solve(model::Hessian::kExact);
+  if (is_indefinite_) solve(model::Hessian::kPositive);
+  const Eigen::Map<const Eigen::VectorXd> found(found_.data()->data(), 3 * state.size());
+  if (found.allFinite()) direction_ = found;
+}
+
 NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state, bool tentative) {
   const Index n = state.size();
   const System& system = problem.system;
@@ -98,21 +139,13 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
   // The direction.
   direction_.resize(3 * n);
   for (Index i = 0; i < n; ++i) direction_.segment<3>(3 * i) = -gradient_[i];
-  const bool exact = factorize(problem, state, model::Hessian::kExact);
-  projected_in_a_row_ = exact || !tentative ? 0 : projected_in_a_row_ + 1;
-  if (exact || (projected_in_a_row_ > kPatience && factorizeShifted(system)) ||
-      factorize(problem, state, model::Hessian::kPositive)) {
-    solution_ = direction_;
-    factor_.solveInPlace(solution_);
-    // (K + c v v^T)^-1 by the formula of Sherman and Morrison.
-    const double c = system.rankOneStiffness(state, rank_one_);
-    if (c > 0.0) {
-      const Eigen::Map<const Eigen::VectorXd> v(rank_one_.data()->data(), 3 * n);
-      response_ = v;
-      factor_.solveInPlace(response_);
-      solution_ -= response_ * (c * v.dot(solution_) / (1.0 + c * v.dot(response_)));
-    }
-    if (solution_.allFinite()) direction_ = solution_;
+  if (system.hasStiffnessProducts()) {
+    solveByProducts(problem, state);
+  } else {
+    const bool exact = factorize(problem, state, model::Hessian::kExact);
+    projected_in_a_row_ = exact || !tentative ? 0 : projected_in_a_row_ + 1;
+    if (exact || (projected_in_a_row_ > kPatience && factorizeShifted(system)) || factorize(problem, state, model::Hessian::kPositive))
+      solveFactored(problem, state);
   }
   double slope = 0.0;
   for (Index i = 0; i < n; ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));

@@ -3,6 +3,9 @@
 
 #include "deformable_surface/base/block_cholesky.h"
 #include "deformable_surface/solve/system.h"
+#include "product_solver.h"
+
+#include <atomic>
 
 namespace deformable_surface::solve {
 
@@ -18,13 +21,20 @@ class NewtonDescent {
     const Points& before;                 // (n x 3) m
     const Points& target;                 // y, (n x 3) m
     const std::vector<double>& weight;    // w, (n) N/m
+    double enough = 0.0;                  // N, the unbalanced force that ends the search: directions need be no better
   };
 
-  /// Before the first iteration of a solution: forgets what the iterations before have found out.
-  void begin() {
+  /// Before the first iteration of a solution: forgets what the iterations before have found out. interrupt: see Integrator.
+  void begin(const std::atomic<bool>* interrupt) {
     projected_in_a_row_ = 0;
-    shift_ = 0.0;
+    shift_ = last_residual_ = 0.0;
+    is_indefinite_ = is_potential_known_ = false;
+    interrupt_ = interrupt;
   }
+  bool isInterrupted() const { return interrupt_ && *interrupt_; }
+
+  /// Energy and potential of the loads at a state, J; remembered for the last one.
+  double potential(const Problem& problem, const State& state);
 
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
@@ -52,14 +62,27 @@ class NewtonDescent {
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
   /// The exact matrix, which was not definite, with shift_ times the masses added; false if that is not enough.
   bool factorizeShifted(const System& system);
+  /// Solves with the factor; direction_ stays the steepest where the result is not finite.
+  void solveFactored(const Problem& problem, const State& state);
+  /// The direction of a model whose stiffness is known by products; as accurate as the gradient has fallen since the last one
+  /// [Eisenstat and Walker 1996].
+  void solveByProducts(const Problem& problem, const State& state);
 
+  bool is_potential_known_ = false;  // since begin()
+  double potential_ = 0.0;           // J, at
+  Points potential_at_;
   Points gradient_, conservative_, forces_, remainder_, remainder_there_, start_, rank_one_;
   bool has_remainder_ = false;  // any of L is not zero
   Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;
   BlockCholesky factor_;
+  ProductSolver products_;
+  Points found_;                  // by it
+  double residual_ = 0.0, last_residual_ = 0.0;  // N, of the last evaluate(), and of the one that the last direction was of
+  bool is_indefinite_ = false;    // in this solution the exact products were not positive
   int projected_in_a_row_ = 0;  // tentative steps without the exact matrix
   double shift_ = 0.0;          // 1/s^2; 0 = none was needed yet
+  const std::atomic<bool>* interrupt_ = nullptr;
 };
 
 }  // namespace deformable_surface::solve

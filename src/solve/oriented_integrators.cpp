@@ -103,7 +103,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   const Index most = params_.max_iterations * kStepsPerIteration;
   report.converged = false;
   Index taken = 0;
-  for (; taken < most; ++taken) {
+  for (; taken < most && !(interrupt_ && *interrupt_); ++taken) {
     const Timer timer;
     system.computeForcesAndTorques(end, state, forces_, torques_);
     report.time_forces += timer.seconds();

@@ -126,6 +126,14 @@ void System::addStiffness(double time, const State& state, double step, model::H
   for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
 }
 
+void System::computeStiffnessProduct(const Points& v, Points& product) const {
+  product.assign(v.size(), Vec3::Zero());
+  model_.addStiffnessProduct(v, product);
+  model_.confine(product);
+  for (std::size_t i = 0; i < product.size(); ++i)
+    if (held_[i]) product[i].setZero();
+}
+
 double System::rankOneStiffness(const State& state, Points& v) const {
   const double coefficient = model_.rankOneStiffness(state, v);
   if (coefficient > 0.0)

@@ -88,6 +88,7 @@ std::string TimeMarch::chooseIntegrator() {
 Integrator& TimeMarch::integrator(IntegratorType type) {
   std::unique_ptr<Integrator>& kept = integrators_[type];
   if (!kept) kept = makeIntegrator(type, params_, system_.isOriented());
+  kept->setInterrupt(interrupt_);
   return *kept;
 }
 

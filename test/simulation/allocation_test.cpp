@@ -1,6 +1,7 @@
 // A step allocates nothing after the first, also while the surface changes so much that the stable step is measured again; nor does
 // the surface after it was asked for once.
 #include "clouds.h"
+#include "deformable_surface/io/shapes.h"
 
 #include <gtest/gtest.h>
 
@@ -117,6 +118,29 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
     run(s, 1);
     s.setGravity(Vec3(0.1, 0.0, -1.0));  // another equilibrium to look for
     EXPECT_EQ(countAllocations(s, 2), 0) << static_cast<int>(type);
+  }
+}
+
+TEST(Allocation, NoStepOfAnElasticSolidAllocatesAfterTheFirst) {
+  using Type = solve::IntegratorType;
+  for (Type type : {Type::kVerlet, Type::kImplicit, Type::kStatic}) {
+    simulation::SceneParams p;
+    p.model = simulation::ModelKind::kElasticSolid;
+    p.integrator.type = type;
+    p.cloud.shape = simulation::CloudParams::Shape::kBar;
+    p.cloud.points = 400;
+    p.cloud.size = Vec2(0.4, 0.1);
+    p.cloud.height = 0.1;
+    p.cloud.jitter = 0.2;
+    p.anchors.push_back({Vec3(0.4, 0.0, 0.0), Vec3(0.4, 0.1, 0.1), 5.0});  // a load with a stiffness
+    simulation::PinParams pin;
+    pin.region.min = Vec3(-1.0, -1.0, -1.0);
+    pin.region.max = Vec3(1e-6, 1.0, 1.0);
+    p.pins.push_back(pin);
+    simulation::Simulation s(p, io::makeShape(p.cloud));
+    run(s, 1);
+    s.setGravity(Vec3(0.0, 2.0, -9.81));  // another equilibrium to look for
+    EXPECT_EQ(countAllocations(s, 3), 0) << static_cast<int>(type);
   }
 }
 

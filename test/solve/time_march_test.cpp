@@ -134,5 +134,42 @@ TEST(TimeMarch, AnInterruptedStepEndsEarlyAndKeepsTheStateAndLaterStepsAreTheSam
   EXPECT_EQ(m.state.positions, undisturbed.state.positions);
 }
 
+// A spring to the origin, of which Newton's method is not told: it takes very many iterations.
+class HiddenSpring : public Interrupter {
+ public:
+  void addForces(double time, const State& state, Points& forces) const override {
+    Interrupter::addForces(time, state, forces);
+    forces[0] -= 50.0 * state.positions[0];
+  }
+  double potential(double, const State& state) const override { return 25.0 * state.positions[0].squaredNorm(); }
+};
+
+TEST(TimeMarch, AnInterruptedSolutionEndsBetweenTwoIterationsAndKeepsTheState) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kImplicit, solve::IntegratorType::kStatic}) {
+    HiddenSpring load;
+    March m(1.0);
+    m.loads = {&load};
+    m.params.type = type;
+    m.params.time_step = 10.0;
+    m.params.tolerance = 1e-13;
+    m.params.max_iterations = 10000;
+    load.left = 1000000;
+    const State before = m.state;
+    solve::TimeMarch::Outcome outcome = m.march.step(0.0, m.state);
+    const int asked = 1000000 - load.left;
+    ASSERT_GT(asked, 100);  // as often forces were computed without an interrupt
+    m.march.setInterrupt(&load.interrupt);
+    m.march.restart();
+    m.state = before;
+    load.left = 20;
+    outcome = m.march.step(0.0, m.state);
+    EXPECT_FALSE(outcome.ok);
+    EXPECT_NE(outcome.failure.find("interrupted"), std::string::npos) << outcome.failure;
+    EXPECT_GT(load.left, -10) << static_cast<int>(type);
+    EXPECT_EQ(m.state.positions, before.positions);
+    EXPECT_EQ(m.state.velocities, before.velocities);
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

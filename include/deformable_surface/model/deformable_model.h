@@ -140,6 +140,24 @@ class DeformableModel {
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
   virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;
 
+  /// True: the stiffness is known by its products with vectors alone, as its matrix would be too full; addStiffness() adds nothing.
+  virtual bool hasStiffnessProducts() const { return false; }
+  /// Remembers, as scratch, the Hessian of the elastic energy at a state: products are with it until the next call.
+  virtual void prepareStiffness(const State& /*state*/, Hessian /*hessian*/) const {}
+  /// Adds K v: v (n x 3) m, product (n x 3) N.
+  virtual void addStiffnessProduct(const Points& /*v*/, Points& /*product*/) const {}
+  /// A spring with the same stiffness in every direction.
+  struct Coupling {
+    Index i, j;
+    double stiffness;  // N/m
+  };
+  /// Springs between near points that together resist much as the stiffness does, fixed at rest: a solver's guess of what lies behind
+  /// the products. Each pair once, i < j.
+  virtual const std::vector<Coupling>& couplings() const {
+    static const std::vector<Coupling> none;
+    return none;
+  }
+
   /// The part of the Hessian that couples all points, c v v^T (a volume that is kept): returns c >= 0 and, if it is not zero,
   /// overwrites v (n x 3); c |v|^2 is in N/m.
   virtual double rankOneStiffness(const State& /*state*/, Points& /*v*/) const { return 0.0; }

@@ -70,8 +70,8 @@ class Simulation {
 
   /// Advances by exactly params.integrator.time_step.
   StepOutcome step();
-  /// Once this is true, a step that is under way ends soon, between two sub-steps, as one that failed; the state before it is kept. Null =
-  /// never. It must outlive the simulation; forks have none.
+  /// Once this is true, a step that is under way ends soon, between two sub-steps or iterations, as one that failed; the state before it
+  /// is kept. Null = never. It must outlive the simulation; forks have none.
   void setInterrupt(const std::atomic<bool>* interrupt);
   double time() const;           // s since rest
   std::uint64_t stepCount() const;

@@ -5,6 +5,7 @@
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/solve/system.h"
 
+#include <atomic>
 #include <memory>
 
 namespace deformable_surface::solve {
@@ -30,6 +31,13 @@ class Integrator {
   /// Allows the model's slow forces (see DeformableModel) to act once in up to most_inner sub-steps, as long as those together stay
   /// within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every sub-step.
   virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
+
+  /// Solutions of the implicit and the static methods end between two iterations once this is true, and leave a state that is no
+  /// step's; null = never.
+  void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
+
+ protected:
+  const std::atomic<bool>* interrupt_ = nullptr;
 };
 
 /// Sub-steps that an explicit integrator takes of a step: enough that each is at most kSafety of the stable one.

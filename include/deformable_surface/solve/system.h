@@ -73,6 +73,15 @@ class System {
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
 
+  /// Of a model that hasStiffnessProducts(), see there; the products are zero on held points, v is zero there. Those of the loads are
+  /// in addStiffness().
+  bool hasStiffnessProducts() const { return model_.hasStiffnessProducts(); }
+  void prepareStiffness(const State& state, model::Hessian hessian) const { model_.prepareStiffness(state, hessian); }
+  void computeStiffnessProduct(const Points& v, Points& product) const;
+  const std::vector<model::DeformableModel::Coupling>& couplings() const { return model_.couplings(); }
+  /// See DeformableModel.
+  void confine(Points& forces) const { model_.confine(forces); }
+
   /// See DeformableModel; zero on held points.
   double rankOneStiffness(const State& state, Points& v) const;
 

@@ -55,7 +55,7 @@ class TimeMarch {
 
   /// Takes every step in so many times as many sub-steps, n >= 1.
   void setFineness(Index n) { fineness_ = n; }
-  /// A step ends between two of its parts or portions of sub-steps, as one that failed, once this is true; null = never.
+  /// A step ends between two of its parts, portions of sub-steps or iterations, as one that failed, once this is true; null = never.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
   /// How the last step was taken; not kAuto once there was one.
   IntegratorType lastType() const { return memory_.type; }

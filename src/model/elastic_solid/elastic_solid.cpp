@@ -15,6 +15,7 @@ constexpr Index kBlock = 256;       // points a task, a multiple of four: some t
 constexpr double kLeastVolume = 1e-3;  // of the median: a point that cells leave nothing must still have a mass
 constexpr double kReach = 2.0;      // of the local spacing: some thirty neighbours, and no more than one layer beyond the next
 constexpr double kNearReach = 1.6;  // of the neighbours that motions from point to point are compared with: half as many
+constexpr double kLeastCoupling = 0.15;  // of the largest weight: some seven neighbours are left, and factors stay small
 constexpr Index kLinks = 6;         // nearest neighbours that are drawn, as on a cubic lattice
 
 double findMu(const MaterialParams& m) { return m.young_modulus / (2.0 * (1.0 + m.poisson_ratio)); }
@@ -75,6 +76,7 @@ ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std
       lengths_.push_back((rest[*j] - rest[i]).norm());
     }
   findRowBounds();
+  findCouplings();
   findStableStep();
 }
 
@@ -106,6 +108,28 @@ void ElasticSolid::findRowBounds() {
   }
 }
 
+// The energy of each point, with |grad u|^2 in place of its strain's, spread over those nearest neighbours that weigh most in its fit:
+// sum_j w'_ij |u_j - u_i|^2 is |grad u|^2 sum_j w'_ij |X_j - X_i|^2 / d for a linear u, on average over its directions.
+void ElasticSolid::findCouplings() {
+  const SolidRest& rest = passes_.rest;
+  const Lists& pairs = rest.near.pairs;
+  const auto rowOf = [&](Index k) { return rest.near.m.data() + 4 * static_cast<std::size_t>(k); };
+  const Index n = passes_.size();
+  std::vector<double> most(n, 0.0), share(n, 0.0);
+  for (Index i = 0; i < n; ++i)
+    for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k) most[i] = std::max(most[i], rowOf(k)[3]);
+  const auto isKept = [&](Index i, Index k) { return rowOf(k)[3] >= kLeastCoupling * std::min(most[i], most[pairs.items[k]]); };
+  for (Index i = 0; i < n; ++i) {
+    double spread = 0.0;
+    for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k)
+      if (isKept(i, k)) spread += Eigen::Map<const Vec3>(rowOf(k)).squaredNorm() / rowOf(k)[3];
+    if (spread > 0.0) share[i] = (2.0 * rest.mu + rest.lambda) * rest.volumes[i] * (isPlanar() ? 2 : 3) / spread;
+  }
+  for (Index i = 0; i < n; ++i)
+    for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k)
+      if (const Index j = pairs.items[k]; i < j && isKept(i, k)) couplings_.push_back({i, j, 0.5 * (share[i] + share[j]) * rowOf(k)[3]});
+}
+
 void ElasticSolid::findStableStep() {
   const Index n = static_cast<Index>(masses_.size());
   Eigen::VectorXd scale(3 * n);
@@ -132,6 +156,21 @@ void ElasticSolid::addPassForces(StressLaw law, const double* positions, Points&
 void ElasticSolid::addForces(const State& state, Points& forces) const {
   positions_.assign(state.positions);
   addPassForces(law_, positions_.data(), forces);
+}
+
+void ElasticSolid::prepareStiffness(const State& state, Hessian hessian) const {
+  positions_.assign(state.positions);
+  passes_.beginTangent();
+  parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
+    passes_.prepareTangent(law_, hessian == Hessian::kPositive, begin, end, positions_.data());
+  });
+}
+
+void ElasticSolid::addStiffnessProduct(const Points& v, Points& product) const {
+  positions_.assign(v);
+  product_.assign(v.size(), Vec3::Zero());
+  addPassForces(StressLaw::kTangent, positions_.data(), product_);
+  for (std::size_t i = 0; i < v.size(); ++i) product[i] -= product_[i];
 }
 
 double ElasticSolid::elasticEnergy(const State& state) const {

@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/simd.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/SVD>
 
 #include <algorithm>
@@ -12,9 +13,11 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kConstants = 13;
+constexpr Index kTangents = 15;
 constexpr Index kEnergies = 256;       // points whose energies stand on the stack
 constexpr int kMostIterations = 9;     // of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one
 constexpr double kConverged = 1e-14;   // squared change after which the next iterate is exact to rounding, as the order is two
+constexpr double kMostTangent = 1e3;   // of mu: the derivative has poles where two stretches cancel, and no more than that is taken there
 constexpr double kSmallest = 1e-3;     // determinant of F below which iterations may not end in a rotation
 
 // Of four points side by side, F or what is made of it: entry [row][column].
@@ -131,13 +134,31 @@ DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lam
     }
 }
 
+// P of a motion by kTangent, from R and M of four points.
+DEFORMABLE_SURFACE_INLINE void findTangentStresses(double mu, double lambda, const Four& F, const double* tangent, Four& P) {
+  Four R, A;
+  Double4 M[6], trace{};
+  for (int k = 0; k < 9; ++k) load(tangent + 4 * k, R.at[k / 3][k % 3]);
+  for (int k = 0; k < 6; ++k) load(tangent + 36 + 4 * k, M[k]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) A.at[r][c] = R.at[0][r] * F.at[0][c] + R.at[1][r] * F.at[1][c] + R.at[2][r] * F.at[2][c];
+  const Double4 x = A.at[2][1] - A.at[1][2], y = A.at[0][2] - A.at[2][0], z = A.at[1][0] - A.at[0][1];
+  const Double4 u = M[0] * x + M[1] * y + M[2] * z, v = M[1] * x + M[3] * y + M[4] * z, w = M[2] * x + M[4] * y + M[5] * z;
+  trace = lambda * (A.at[0][0] + A.at[1][1] + A.at[2][2]);
+  for (int r = 0; r < 3; ++r) {
+    P.at[r][0] = 2.0 * mu * F.at[r][0] + trace * R.at[r][0] + w * R.at[r][1] - v * R.at[r][2];
+    P.at[r][1] = 2.0 * mu * F.at[r][1] + trace * R.at[r][1] + u * R.at[r][2] - w * R.at[r][0];
+    P.at[r][2] = 2.0 * mu * F.at[r][2] + trace * R.at[r][2] + v * R.at[r][0] - u * R.at[r][1];
+  }
+}
+
 // The arrays of both fits; those of the near one have a dash in the header.
 struct PassArrays {
   Index n;
   const Index *offsets, *items;
   const double *row, *column;
   const Index *near_offsets, *near_items;
-  const double *m, *constants, *positions;
+  const double *m, *constants, *tangent, *positions;
   double mu, lambda, stabilization, across[3];
 };
 
@@ -160,10 +181,14 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
     Four F, R, Q, A, N;
     Double4 sums[3];
     gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
-    if (law != StressLaw::kBound) addAcross(a, F);
+    if (law == StressLaw::kCorotated || law == StressLaw::kLinear) addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
     if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
-    findStresses(law, a.mu, a.lambda, F, R, Q);
+    if (law == StressLaw::kTangent) {
+      findTangentStresses(a.mu, a.lambda, F, a.tangent + kTangents * static_cast<std::ptrdiff_t>(i), Q);
+    } else {
+      findStresses(law, a.mu, a.lambda, F, R, Q);
+    }
     const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
     Double4 volume, g[3], m[3];
     load(constants, volume);
@@ -284,9 +309,50 @@ DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end,
   }
 }
 
-PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, const double* positions) {
+// R and M of four points at a time; is_sound (end - begin, filled up to fours) is false for those that are to be done one by one.
+DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index begin, Index end, const PassArrays& a, double* tangent,
+                                          bool* is_sound) {
+  for (Index i = begin; i < end; i += 4) {
+    Four F, R, S, H;
+    Double4 sums[3];
+    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    addAcross(a, F);
+    bool* sound = is_sound + (i - begin);
+    findRotations(F, R, sound);
+    for (int r = 0; r < 3; ++r)
+      for (int c = r; c < 3; ++c)
+        S.at[r][c] = R.at[0][r] * F.at[0][c] + R.at[1][r] * F.at[1][c] + R.at[2][r] * F.at[2][c];
+    const Double4 trace = S.at[0][0] + S.at[1][1] + S.at[2][2], turned = a.lambda * (trace - 3.0) - 2.0 * a.mu;
+    // The inverse of G = tr(S) I - S by its cofactors.
+    const Double4 xx = trace - S.at[0][0], yy = trace - S.at[1][1], zz = trace - S.at[2][2];
+    const Double4 xy = -S.at[0][1], xz = -S.at[0][2], yz = -S.at[1][2];
+    H.at[0][0] = yy * zz - yz * yz;
+    H.at[0][1] = xz * yz - xy * zz;
+    H.at[0][2] = xy * yz - xz * yy;
+    H.at[1][1] = xx * zz - xz * xz;
+    H.at[1][2] = xy * xz - xx * yz;
+    H.at[2][2] = xx * yy - xy * xy;
+    const Double4 factor = turned / (xx * H.at[0][0] + xy * H.at[0][1] + xz * H.at[0][2]);
+    double* to = tangent + kTangents * static_cast<std::ptrdiff_t>(i);
+    Double4 M[6];
+    for (int r = 0, k = 0; r < 3; ++r)
+      for (int c = r; c < 3; ++c, ++k) {
+        M[k] = factor * H.at[r][c];
+        store(M[k], to + 36 + 4 * k);
+      }
+    for (int k = 0; k < 9; ++k) store(R.at[k / 3][k % 3], to + 4 * k);
+    // Minors of M / mu + I.
+    const Double4 a0 = M[0] / a.mu + 1.0, a1 = M[1] / a.mu, a2 = M[2] / a.mu, a3 = M[3] / a.mu + 1.0, a4 = M[4] / a.mu, a5 = M[5] / a.mu + 1.0;
+    const Double4 second = a0 * a3 - a1 * a1;
+    const Double4 third = a0 * (a3 * a5 - a4 * a4) - a1 * (a1 * a5 - a2 * a4) + a2 * (a1 * a4 - a2 * a3);
+    for (int lane = 0; lane < 4; ++lane)
+      sound[lane] = sound[lane] && law == StressLaw::kCorotated && (!is_positive || (a0[lane] > 0.0 && second[lane] > 0.0 && third[lane] > 0.0));
+  }
+}
+
+PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, const std::vector<double>& tangent, const double* positions) {
   return {s.fit.size(), s.fit.pairs.offsets.data(), s.fit.pairs.items.data(), s.gradients.row.data(), s.gradients.column.data(),
-          s.near.pairs.offsets.data(), s.near.pairs.items.data(), s.near.m.data(), constants.data(), positions,
+          s.near.pairs.offsets.data(), s.near.pairs.items.data(), s.near.m.data(), constants.data(), tangent.data(), positions,
           s.mu, s.lambda, s.stabilization, {s.across.x(), s.across.y(), s.across.z()}};
 }
 
@@ -360,7 +426,7 @@ SolidPasses::SolidPasses(SolidRest given) : rest(std::move(given)) {
 }
 
 void SolidPasses::spreadStress(StressLaw law, Index begin, Index end, const double* positions) {
-  const bool any_unsound = spread(law, begin, end, arraysOf(rest, constants_, positions), spread_.data(), own_.data());
+  const bool any_unsound = spread(law, begin, end, arraysOf(rest, constants_, tangent_, positions), spread_.data(), own_.data());
   if (!any_unsound && !(law == StressLaw::kLinear && any_deficient_)) return;
   for (Index i = begin; i < end; ++i)
     if (own_[4 * static_cast<std::size_t>(i) + 3] != 0.0 || (law == StressLaw::kLinear && isDeficient(i))) repair(law, i, positions);
@@ -379,8 +445,45 @@ void SolidPasses::repair(StressLaw law, Index i, const double* positions) {
   Eigen::Map<Vec4>(own_.data() + 4 * static_cast<std::size_t>(i)) << own, 0.0;
 }
 
+void SolidPasses::beginTangent() { tangent_.resize(4 * kTangents * ((static_cast<std::size_t>(size()) + 3) / 4)); }
+
+void SolidPasses::prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions) {
+  bool is_sound[kEnergies];
+  const PassArrays arrays = arraysOf(rest, constants_, tangent_, positions);
+  for (Index first = begin; first < end; first += kEnergies) {
+    const Index last = std::min(end, first + kEnergies);
+    findTangents(law, is_positive, first, last, arrays, tangent_.data(), is_sound);
+    for (Index i = first; i < last; ++i)
+      if (!is_sound[i - first]) prepareOne(law, is_positive, i, positions);
+  }
+}
+
+void SolidPasses::prepareOne(StressLaw law, bool is_positive, Index i, const double* positions) {
+  const double mu = rest.mu;
+  Mat3 R = Mat3::Identity(), M = -mu * R;
+  if (law == StressLaw::kCorotated) {
+    const Mat3 F = fitGradient(i, positions);
+    R = findRotation(F);
+    const Mat3 S = 0.5 * (R.transpose() * F + F.transpose() * R);
+    const double turned = rest.lambda * (S.trace() - 3.0) - 2.0 * mu;
+    Eigen::SelfAdjointEigenSolver<Mat3> solver;
+    solver.computeDirect(S);
+    Vec3 values;
+    for (int k = 0; k < 3; ++k) {
+      const double spread = S.trace() - solver.eigenvalues()[k], least = std::abs(turned) / (kMostTangent * mu);
+      values[k] = turned / (std::abs(spread) > least ? spread : std::copysign(least, spread));
+      if (is_positive) values[k] = std::max(values[k], -mu);
+    }
+    M = solver.eigenvectors() * values.asDiagonal() * solver.eigenvectors().transpose();
+  }
+  double* to = tangent_.data() + 4 * kTangents * static_cast<std::size_t>(i / 4) + i % 4;
+  for (int k = 0; k < 9; ++k) to[4 * k] = R(k / 3, k % 3);
+  for (int r = 0, k = 9; r < 3; ++r)
+    for (int c = r; c < 3; ++c, ++k) to[4 * k] = M(r, c);
+}
+
 void SolidPasses::gatherForces(Index begin, Index end, double* forces) const {
-  gather(begin, end, arraysOf(rest, constants_, nullptr), spread_.data(), own_.data(), forces);
+  gather(begin, end, arraysOf(rest, constants_, tangent_, nullptr), spread_.data(), own_.data(), forces);
 }
 
 Mat3 SolidPasses::fitGradient(Index i, const double* positions) const {
@@ -425,7 +528,7 @@ double SolidPasses::findEnergy(StressLaw law, Index i, const double* positions) 
 
 double SolidPasses::sumEnergy(StressLaw law, Index begin, Index end, const double* positions) const {
   double energies[kEnergies], sum = 0.0;
-  const PassArrays arrays = arraysOf(rest, constants_, positions);
+  const PassArrays arrays = arraysOf(rest, constants_, tangent_, positions);
   for (Index first = begin; first < end; first += kEnergies) {
     const Index last = std::min(end, first + kEnergies);
     findEnergies(law, first, last, arrays, energies);

@@ -32,8 +32,11 @@ class ElasticSolid : public DeformableModel {
   /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): it does not depend on the
   /// state.
   double findStableStep(const State&) const override { return stable_step_; }
-  bool hasStiffness() const override { return false; }
   void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
+  bool hasStiffnessProducts() const override { return true; }
+  void prepareStiffness(const State& state, Hessian hessian) const override;
+  void addStiffnessProduct(const Points& v, Points& product) const override;
+  const std::vector<Coupling>& couplings() const override { return couplings_; }
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 
   /// A body has no sides to which pressure or drag could be applied: area vectors are zero, no volume is enclosed.
@@ -62,6 +65,7 @@ class ElasticSolid : public DeformableModel {
 
  private:
   void findRowBounds();
+  void findCouplings();
   double stretchOf(std::size_t link, const State& state) const;
   void findStableStep();
   void addPassForces(StressLaw law, const double* positions, Points& forces) const;
@@ -70,6 +74,7 @@ class ElasticSolid : public DeformableModel {
   bool is_plate_;  // no stress across the plane
   mutable SolidPasses passes_;  // with scratch of its own
   std::vector<double> masses_, row_bounds_;
+  std::vector<Coupling> couplings_;
   double stable_step_ = 0.0;
   Index num_deficient_ = 0;
   std::vector<std::pair<Index, Index>> links_, no_links_;
@@ -77,6 +82,7 @@ class ElasticSolid : public DeformableModel {
   std::vector<WeightedTriangle> no_triangles_;
   // Scratch.
   mutable PaddedPoints positions_;
+  mutable Points product_;
 };
 
 }  // namespace deformable_surface::model

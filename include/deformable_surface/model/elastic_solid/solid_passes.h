@@ -10,9 +10,11 @@ namespace deformable_surface::model {
 ///   kLinear      psi = mu |e|^2 + lambda/2 tr^2(e), e = (F + F^T)/2 - I,  P = 2 mu e + lambda tr(e) I,
 ///   kBound       P = 2 mu F + lambda tr(F) I, linear in F: of motions instead of places, at least as stiff as the others are
 /// while
-///                lambda tr(R^T F - I) <= 2 mu.
+///                lambda tr(R^T F - I) <= 2 mu,
+///   kTangent     P = 2 mu F + lambda tr(R^T F) R + R [M a]x, a the axial vector of R^T F - F^T R: of motions, the derivative of one of
+///                the first two where SolidPasses::prepareTangent() was called.
 /// R is the rotation nearest to F (a proper one, also where F turns the body inside out).
-enum class StressLaw { kCorotated, kLinear, kBound };
+enum class StressLaw { kCorotated, kLinear, kBound, kTangent };
 
 /// What an elastic solid is, fixed at rest.
 struct SolidRest {
@@ -39,6 +41,13 @@ class SolidPasses {
   /// Second pass: adds the force on each point, its own and sum_j (N_j m'_ij - Q_j g_ji), N. forces: (n x 3). After all blocks
   /// of the first.
   void gatherForces(Index begin, Index end, double* forces) const;
+  /// Keeps R and M of every point for kTangent. Of kCorotated M = (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1 with S = R^T F, what turns
+  /// with F; of kLinear -mu. is_positive: eigenvalues of M below -mu are raised to it, so that no motion of the point
+  /// gains energy. What completes a deficient F is taken as constant. begin and end as of the first pass.
+  void prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions);
+  /// Before it: makes room.
+  void beginTangent();
+
   /// Energy of the points, J:  sum_i V_i psi_i + s/2 sum_i sum_j w'_ij |x_j - x_i - F'_i (X_j - X_i)|^2.
   double sumEnergy(StressLaw law, Index begin, Index end, const double* positions) const;
 
@@ -52,11 +61,13 @@ class SolidPasses {
 
  private:
   void repair(StressLaw law, Index i, const double* positions);
+  void prepareOne(StressLaw law, bool is_positive, Index i, const double* positions);
   double findEnergy(StressLaw law, Index i, const double* positions) const;
 
   std::vector<double> constants_;  // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
   std::vector<double> spread_;     // (n x 6 x 4) columns of Q and of N
   std::vector<double> own_;        // (n x 4) N, and 0
+  std::vector<double> tangent_;    // (n / 4 x 15 x 4): R by rows, M xx xy xz yy yz zz; empty until it is asked for
   bool any_deficient_ = false;
 };
 

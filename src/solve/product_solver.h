@@ -1,0 +1,42 @@
+// Newton's direction where the stiffness is known by its products alone. Apart from newton.h, which looks for the length of the step.
+#pragma once
+
+#include "deformable_surface/base/scalar_cholesky.h"
+#include "deformable_surface/solve/system.h"
+
+#include <atomic>
+
+namespace deformable_surface::solve {
+
+/// Solves (K + W) d = -g on the free points by conjugate gradients [Hestenes and Stiefel 1952], K the stiffness of the model and the
+/// loads, W weights by point. Preconditioned by the springs that the model tells of (DeformableModel::couplings()) and W, factorised:
+/// these know no direction, so that no rotation of the body makes them worse, and the number of products hardly depends
+/// on the step, the number of points or the stiffness.
+class ProductSolver {
+ public:
+  /// Takes the matrix at a state; step: as in System::addStiffness(). Allocates nothing after the first time.
+  void prepare(const System& system, double time, const State& state, double step, model::Hessian hessian,
+               const std::vector<double>& weight);
+
+  /// direction (n x 3), zero on held points, with an error below tolerance of that of zero, both measured by what the preconditioner
+  /// makes of the residual. False: a motion was met along which the matrix is not positive; direction is then what was found before
+  /// it, at least the preconditioner's answer. Ends early once interrupt is true.
+  bool solve(const System& system, const Points& gradient, double tolerance, const std::atomic<bool>* interrupt, Points& direction);
+
+ private:
+  void factorize(const System& system);
+  void multiply(const System& system, const Points& v, Points& product);
+
+  std::vector<double> weight_;    // (n) N/m, and what keeps the matrix regular
+  BlockSparse loads_;             // their stiffness
+  bool has_load_stiffness_ = false;
+  ScalarCholesky factor_;
+  std::vector<double> factored_weight_;  // (n) with which factor_ was made; 1 on held points
+  std::vector<char> factored_held_;
+  // Scratch.
+  std::vector<double> diagonal_, off_diagonal_;
+  Points residual_, preconditioned_, along_, product_;
+  Eigen::VectorXd load_vector_, load_product_;
+};
+
+}  // namespace deformable_surface::solve

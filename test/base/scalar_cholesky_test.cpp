@@ -1,0 +1,79 @@
+// Factors of matrices with one number a pair, against dense ones.
+#include "deformable_surface/base/scalar_cholesky.h"
+
+#include <Eigen/Cholesky>
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace deformable_surface::test {
+namespace {
+
+struct Matrix {
+  std::vector<std::pair<Index, Index>> pairs;
+  std::vector<double> diagonal, values;
+  Eigen::MatrixXd dense;
+};
+
+// Some pairs, in whatever order and direction, and points that nothing is coupled to.
+Matrix makeMatrix(Index n, unsigned seed) {
+  std::mt19937 generator(seed);
+  std::uniform_real_distribution<double> number(-1.0, 1.0);
+  Matrix m;
+  m.diagonal.assign(n, 1e-3);
+  m.dense = Eigen::MatrixXd::Zero(n, n);
+  for (Index i = 0; i < n; ++i)
+    for (Index j = 0; j < i; ++j) {
+      if (generator() % 6 != 0 || i % 9 == 0 || j % 9 == 0) continue;
+      m.pairs.push_back(generator() % 2 ? std::make_pair(i, j) : std::make_pair(j, i));
+      m.values.push_back(number(generator));
+    }
+  std::shuffle(m.pairs.begin(), m.pairs.end(), generator);
+  for (std::size_t k = 0; k < m.pairs.size(); ++k) {
+    const auto& [i, j] = m.pairs[k];
+    m.dense(i, j) = m.dense(j, i) = m.values[k];
+    m.diagonal[i] += std::abs(m.values[k]);
+    m.diagonal[j] += std::abs(m.values[k]);
+  }
+  for (Index i = 0; i < n; ++i) m.dense(i, i) = m.diagonal[i];
+  return m;
+}
+
+TEST(ScalarCholesky, SolvesForThreeCoordinatesAtOnceAgainAndAgain) {
+  for (const Index n : {1, 2, 30, 80}) {
+    Matrix m = makeMatrix(n, 3 + n);
+    ScalarCholesky cholesky;
+    cholesky.analyze(n, m.pairs);
+    std::mt19937 generator(1);
+    std::uniform_real_distribution<double> number(-1.0, 1.0);
+    for (int turn = 0; turn < 2; ++turn) {
+      ASSERT_TRUE(cholesky.factorize(m.diagonal, m.values));
+      Points b(n), x;
+      Eigen::MatrixXd right(n, 3);
+      for (Index i = 0; i < n; ++i) right.row(i) = b[i] = Vec3(number(generator), number(generator), number(generator));
+      cholesky.solve(b, x);
+      const Eigen::MatrixXd expected = m.dense.llt().solve(right);
+      for (Index i = 0; i < n; ++i) EXPECT_LT((x[i] - expected.row(i).transpose()).norm(), 1e-10 * expected.norm()) << n;
+      // Another matrix with the same pattern.
+      for (Index i = 0; i < n; ++i) m.dense(i, i) = m.diagonal[i] *= 1.7;
+    }
+  }
+}
+
+TEST(ScalarCholesky, TellsThatAMatrixIsNotPositiveAndGoesOnWithTheNext) {
+  const Matrix m = makeMatrix(30, 7);
+  ScalarCholesky cholesky;
+  cholesky.analyze(30, m.pairs);
+  std::vector<double> diagonal = m.diagonal;
+  diagonal[17] = -1.0;
+  EXPECT_FALSE(cholesky.factorize(diagonal, m.values));
+  ASSERT_TRUE(cholesky.factorize(m.diagonal, m.values));
+  Points b(30, Vec3::Ones()), x;
+  cholesky.solve(b, x);
+  Eigen::VectorXd expected = m.dense.llt().solve(Eigen::VectorXd::Ones(30));
+  for (Index i = 0; i < 30; ++i) EXPECT_NEAR(x[i].y(), expected[i], 1e-10 * expected.norm());
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
