@@ -13,6 +13,13 @@ namespace {
 constexpr double kResampleStretch = 1.5;  // of the rest spacing at which a point is inserted
 constexpr Index kBlock = 4096;
 constexpr Index kGone = -1;
+// Whether the input's rows are the dense points.
+bool isPlain(const std::vector<Index>& point_of_input, std::size_t num_dense) {
+  bool is_plain = point_of_input.size() == num_dense;
+  for (std::size_t i = 0; is_plain && i < num_dense; ++i) is_plain = point_of_input[i] == static_cast<Index>(i);
+  return is_plain;
+}
+
 const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
@@ -25,7 +32,8 @@ DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointClou
       first_input_(rest.dense.positions.size(), -1),
       has_particles_(params.model == ModelKind::kOrientedParticles),
       solid_(solid),
-      is_direct_((has_particles_ || solid_) && rest.points.size() == rest.dense.positions.size()) {
+      is_direct_((has_particles_ || solid_) && rest.points.size() == rest.dense.positions.size()),
+      is_plain_(isPlain(rest.dense.point_of_input, rest.dense.positions.size())) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
 }
@@ -36,6 +44,7 @@ void DeformedSurface::reset() {
   point_of_id_.clear();
   survivors_.reset();
   cut_.reset();
+  frame_.forget();
   if (!params_.output.resample) return;
   const cloud::Rings rings = cloud::buildRings(rest_.dense.positions, rest_.dense.normals, rest_.dense_neighbors);
   const Index room = std::max<Index>(0, params_.input.max_points - static_cast<Index>(rest_.dense.positions.size()));
@@ -65,6 +74,13 @@ void DeformedSurface::resample(const model::State& state) {
 const Surface& DeformedSurface::make(const model::State& state, bool with_normals) {
   with_normals = with_normals && params_.output.normals;
   if (is_made_ && (has_normals_ || !with_normals)) return surface_;
+  has_rested_ = false;
+  if (isInTiles()) {
+    moveTiles(state.positions, with_normals);
+    is_made_ = true;
+    has_normals_ = with_normals;
+    return surface_;
+  }
   if (has_particles_) followPopulation(state);
   const transfer::Transfer& transfer = currentTransfer();
   const Points& positions = !has_particles_ ? state.positions : first_positions_;
@@ -87,6 +103,58 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   return surface_;
 }
 
+// What a surface of points that are neither inserted, born nor gone is: its rows depend on the simulation points nearby alone.
+bool DeformedSurface::isInTiles() const {
+  return !has_particles_ && !solid_ && !resampler_ && params_.transfer.normals == transfer::NormalMethod::kGradient;
+}
+
+void DeformedSurface::groupRows() {
+  const std::vector<Index>& point_of_input = rest_.dense.point_of_input;
+  rows_.offsets.assign(currentTransfer().numTiles() + 1, 0);
+  const auto tileOf = [](Index d) { return d / transfer::Transfer::kTilePoints; };
+  for (Index d : point_of_input)
+    if (d >= 0) ++rows_.offsets[tileOf(d) + 1];
+  for (std::size_t t = 1; t < rows_.offsets.size(); ++t) rows_.offsets[t] += rows_.offsets[t - 1];
+  rows_.items.resize(rows_.offsets.back());
+  std::vector<Index> next(rows_.offsets.begin(), rows_.offsets.end() - 1);
+  for (Index i = 0; i < input_.size(); ++i)
+    if (point_of_input[i] >= 0) rows_.items[next[tileOf(point_of_input[i])]++] = i;
+}
+
+// The rows of a tile are filled in as soon as its points are there. Rows without a point are NaN for ever.
+void DeformedSurface::moveTiles(const Points& positions, bool with_normals) {
+  const Index n = input_.size();
+  surface_.num_input = n;
+  surface_.source.clear();
+  if (static_cast<Index>(surface_.positions.size()) != n) {
+    surface_.positions.assign(n, Vec3::Constant(kNaN));
+    surface_.displacement.assign(n, kNaN);
+  }
+  if (surface_.normals.size() != (with_normals ? surface_.positions.size() : 0))
+    surface_.normals.assign(with_normals ? n : 0, Eigen::Vector3f::Constant(kNaN));
+  if (!is_plain_ && rows_.size() == 0) groupRows();
+  const transfer::Transfer& transfer = currentTransfer();
+  const Index made = transfer.update(positions, frame_, is_plain_ ? surface_.positions : dense_now_,
+                                     !with_normals ? nullptr : is_plain_ ? &surface_.normals : &dense_normals_now_,
+                                     [this, with_normals](Index begin, Index end) { fillRows(begin, end, with_normals); });
+  has_rested_ = made < transfer.numTiles();
+}
+
+void DeformedSurface::fillRows(Index begin, Index end, bool with_normals) {
+  const Points& rest = rest_.dense.positions;
+  if (is_plain_) {
+    for (Index i = begin; i < end; ++i) surface_.displacement[i] = static_cast<float>((surface_.positions[i] - rest[i]).norm());
+    return;
+  }
+  const Index tile = begin / transfer::Transfer::kTilePoints;
+  for (const Index* row = rows_.begin(tile); row != rows_.end(tile); ++row) {
+    const Index d = rest_.dense.point_of_input[*row];
+    surface_.positions[*row] = dense_now_[d];
+    surface_.displacement[*row] = static_cast<float>((dense_now_[d] - rest[d]).norm());
+    if (with_normals) surface_.normals[*row] = dense_normals_now_[d];
+  }
+}
+
 const transfer::Transfer& DeformedSurface::currentTransfer() const {
   if (cut_) return cut_->transfer();
   return survivors_ ? *survivors_ : rest_.transfer;
@@ -102,11 +170,13 @@ void DeformedSurface::followLinks(const std::vector<std::pair<Index, Index>>& wh
   if (first_input_.empty()) return;
   if (!cut_) cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
   cut_->followLinks(whole);
+  frame_.forget();
   invalidate();
 }
 
 void DeformedSurface::restoreCut(const CutTransfer::Memory* saved, const std::vector<std::pair<Index, Index>>& whole) {
   cut_.reset();
+  frame_.forget();
   if (!saved) return;
   cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
   cut_->setMemory(*saved, whole);

@@ -46,6 +46,8 @@ class DeformedSurface {
   std::uint64_t revision() const { return revision_; }
   bool isMade() const { return is_made_; }
   bool hasNormals() const { return has_normals_; }
+  /// Whether the last make() left parts of it as they were, because nothing that they follow had moved.
+  bool hasRested() const { return has_rested_; }
   /// The surface of the state, if it has not been made yet. with_normals: computed if params.output.normals, too.
   const Surface& make(const model::State& state, bool with_normals);
 
@@ -57,6 +59,10 @@ class DeformedSurface {
   void analyseNormals();
   Lists findFollowed() const;
   void moveInserted(const Points& positions, bool with_normals);
+  bool isInTiles() const;
+  void moveTiles(const Points& positions, bool with_normals);
+  void groupRows();
+  void fillRows(Index begin, Index end, bool with_normals);
   void expand(bool with_normals);
   void appendInserted(bool with_normals);
   void appendNewborn(const model::State& state, bool with_normals);
@@ -83,6 +89,13 @@ class DeformedSurface {
   std::vector<char> is_gone_;         // (dense) its particle is gone
   std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
   Points first_positions_;            // (m x 3) of the particles of the beginning
+
+  // Of a surface that is made in tiles: of each its rows of the input, ascending. Without holes and coincident points (is_plain_) these are
+  // the points themselves, and there is no list.
+  const bool is_plain_;
+  Lists rows_;
+  transfer::Transfer::Frame frame_;
+  bool has_rested_ = false;
 
   Points dense_now_;
   std::vector<Eigen::Vector3f> dense_normals_now_;

@@ -47,6 +47,7 @@ void Simulation::Impl::listSkipped() {
   if (!estimator) statistics.skipped.push_back("error_estimate");
   if (!surface.isMade()) statistics.skipped.push_back("transfer");
   if (!surface.hasNormals()) statistics.skipped.push_back("normals");
+  if (surface.isMade() && surface.hasRested()) statistics.skipped.push_back("resting_tiles");
   if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
   if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
   if (params.anchors.empty()) statistics.skipped.push_back("anchors");

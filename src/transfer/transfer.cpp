@@ -31,8 +31,7 @@ constexpr double kMaxAmplification = 100.0;
 constexpr float kMinSquaredArea = 1e-10f;
 // The row length that gets a loop of its own, unrolled.
 constexpr Index kUsualNeighbors = 8;
-// Points per block of a parallel loop: a few ten microseconds of applying, a few milliseconds of fitting.
-constexpr Index kApplyBlock = 1024;  // times four points
+// Points per block of a parallel loop: a few milliseconds of work.
 constexpr Index kFitBlock = 1024;
 
 // Four floats that every processor of the supported compilers' targets adds and multiplies at once: one quantity of four dense
@@ -211,6 +210,24 @@ Transfer::Transfer(const Points& dense, const Points& normals, const Points& sim
   }));
 
   for (std::size_t g = 0; g < num_groups; ++g) settleNormals(g);
+  tile_sources_.resize((dense.size() + kTilePoints - 1) / kTilePoints);
+  parallelFor(numTiles(), 1, [&](Index begin, Index end) {
+    for (Index tile = begin; tile < end; ++tile) findTileSources(tile);
+  });
+}
+
+void Transfer::findTileSources(Index tile) {
+  static thread_local std::vector<char> is_listed;  // all zero between calls
+  is_listed.resize(std::max(is_listed.size(), simulation_rest_.size()), 0);
+  std::vector<Index>& sources = tile_sources_[tile];
+  sources.clear();
+  const std::size_t row = static_cast<std::size_t>(k_) * kLanes, first = static_cast<std::size_t>(tile) * (kTilePoints / kLanes) * row;
+  for (std::size_t at = first, end = std::min(index_.size(), first + kTilePoints / kLanes * row); at < end; ++at) {
+    if (simulation_rest_.empty() || is_listed[index_[at]]) continue;
+    is_listed[index_[at]] = 1;
+    sources.push_back(index_[at]);
+  }
+  for (Index j : sources) is_listed[j] = 0;
 }
 
 void Transfer::settleNormals(std::size_t group) {
@@ -239,6 +256,12 @@ void Transfer::refit(const std::vector<Index>& dense, const Lists& followed, con
     fitRow(dense[p], normals[dense[p]], simulation_rest_, found, params);
   }
   for (Index d : dense) settleNormals(d / kLanes);
+  Index last = -1;
+  for (Index d : dense) {
+    if (d / kTilePoints == last) continue;
+    last = d / kTilePoints;
+    findTileSources(last);
+  }
 }
 
 bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found,
@@ -346,92 +369,143 @@ bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, con
   return rank == 2;
 }
 
-const float* Transfer::findDisplacements(const Points& simulation_now, Vec3& mean) const {
+// The reference is added back in double, so that far translations cost no digits. It is the mean, rounded to a power of two of the size of
+// what differs from it: so far as a share of the points can move without moving any displacement but its own, and within a factor of
+// two of the least that is left to round.
+void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const {
   if (simulation_now.size() != simulation_rest_.size()) {
     throw InputError("transfer: " + std::to_string(simulation_now.size()) + " positions for " +
                      std::to_string(simulation_rest_.size()) + " simulation points; there must be one for each");
   }
-  // Kept by the thread, so that nothing is allocated in later calls and several threads may share one operator.
-  static thread_local std::vector<float> displacements;
   const std::size_t m = simulation_now.size();
   if (displacements.size() < 4 * std::max<std::size_t>(m, 1)) displacements.resize(4 * std::max<std::size_t>(m, 1));
   std::fill_n(displacements.begin(), 4, 0.0f);
 
-  // The mean is added back in double, so that far translations cost no digits.
-  mean.setZero();
+  Vec3 mean = Vec3::Zero(), least = Vec3::Constant(std::numeric_limits<double>::infinity()), most = -least;
   for (std::size_t j = 0; j < m; ++j) {
-    if (usable_[j]) mean += simulation_now[j] - simulation_rest_[j];
+    if (!usable_[j]) continue;
+    const Vec3 u = simulation_now[j] - simulation_rest_[j];
+    mean += u;
+    least = least.cwiseMin(u);
+    most = most.cwiseMax(u);
   }
   mean /= std::max(num_usable_, 1);
+  const double size = num_usable_ > 0 ? (most - least).maxCoeff() : 0.0;
+  reference = mean;
+  int exponent = 0;
+  std::frexp(size, &exponent);
+  const double unit = std::ldexp(0.5, exponent);
+  if (size > 0.0 && std::isfinite(size))
+    for (int axis = 0; axis < 3; ++axis) reference[axis] = unit * std::round(mean[axis] / unit);
   for (std::size_t j = 0; j < m; ++j) {
-    const Vec3 u = usable_[j] ? Vec3(simulation_now[j] - simulation_rest_[j] - mean) : Vec3(0.0, 0.0, 0.0);
+    const Vec3 u = usable_[j] ? Vec3(simulation_now[j] - simulation_rest_[j] - reference) : Vec3(0.0, 0.0, 0.0);
     for (int axis = 0; axis < 3; ++axis) displacements[4 * j + axis] = static_cast<float>(u[axis]);
     displacements[4 * j + 3] = 0.0f;
   }
-  return displacements.data();
 }
 
 template <int K>
-void Transfer::run(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const {
-  Vec3 mean;
-  const float* const displacements = findDisplacements(simulation_now, mean);
+void Transfer::runGroups(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const {
   const Index k = K > 0 ? K : k_, n = numDense();
-  parallelFor((n + kLanes - 1) / kLanes, kApplyBlock, [&](Index begin, Index end) {
-    const Index* index = index_.data() + static_cast<std::size_t>(begin) * k * kLanes;
-    const float* weight = weight_.data() + static_cast<std::size_t>(begin) * k * 3 * kLanes;
-    const float* frame = frame_.data() + static_cast<std::size_t>(begin) * kFrameRows * kLanes;
-    for (Index g = begin; g < end; ++g, frame += kFrameRows * kLanes) {
-      // Displacement, and the fitted tangents now.
-      const Vec3x4 rest_x = load3(frame + kTangentX * kLanes), rest_y = load3(frame + kTangentY * kLanes);
-      Vec3x4 u{}, tangent_x = rest_x, tangent_y = rest_y;
-      for (Index j = 0; j < k; ++j, index += kLanes, weight += 3 * kLanes) {
-        const Vec3x4 u_j = gather(displacements, index);
-        addScaled(load(weight), u_j, u);
-        addScaled(load(weight + kLanes), u_j, tangent_x);
-        addScaled(load(weight + 2 * kLanes), u_j, tangent_y);
-      }
-      const Index first = g * kLanes, count = std::min(kLanes, n - first);
-      if (ratio) {
-        const Vec3x4 now = cross(tangent_x, tangent_y), rest = cross(rest_x, rest_y);
-        const Float4 share = squareRoot(dot(now, now)) / squareRoot(dot(rest, rest));
-        std::memcpy(ratio + first, &share, count * sizeof(float));
-        continue;
-      }
-      // The height over the fitted plane turns with the normal.
-      const Vec3x4 normal = findNormals(tangent_x, tangent_y, frame), rest_normal = load3(frame + kNormal * kLanes);
-      const Float4 height = load(frame + kHeight * kLanes);
-      addScaled(height, {normal.x - rest_normal.x, normal.y - rest_normal.y, normal.z - rest_normal.z}, u);
-      for (Index lane = 0; lane < count; ++lane) {
-        const Vec3& p = rest_[first + lane];
-        dense_now[first + lane] = Vec3(p[0] + (mean[0] + u.x[lane]), p[1] + (mean[1] + u.y[lane]), p[2] + (mean[2] + u.z[lane]));
-        if (normals_now) normals_now[first + lane] = Eigen::Vector3f(normal.x[lane], normal.y[lane], normal.z[lane]);
-      }
+  const Index* index = index_.data() + static_cast<std::size_t>(begin) * k * kLanes;
+  const float* weight = weight_.data() + static_cast<std::size_t>(begin) * k * 3 * kLanes;
+  const float* frame = frame_.data() + static_cast<std::size_t>(begin) * kFrameRows * kLanes;
+  for (Index g = begin; g < end; ++g, frame += kFrameRows * kLanes) {
+    // Displacement, and the fitted tangents now.
+    const Vec3x4 rest_x = load3(frame + kTangentX * kLanes), rest_y = load3(frame + kTangentY * kLanes);
+    Vec3x4 u{}, tangent_x = rest_x, tangent_y = rest_y;
+    for (Index j = 0; j < k; ++j, index += kLanes, weight += 3 * kLanes) {
+      const Vec3x4 u_j = gather(displacements, index);
+      addScaled(load(weight), u_j, u);
+      addScaled(load(weight + kLanes), u_j, tangent_x);
+      addScaled(load(weight + 2 * kLanes), u_j, tangent_y);
     }
-  });
+    const Index first = g * kLanes, count = std::min(kLanes, n - first);
+    if (output.ratio) {
+      const Vec3x4 now = cross(tangent_x, tangent_y), rest = cross(rest_x, rest_y);
+      const Float4 share = squareRoot(dot(now, now)) / squareRoot(dot(rest, rest));
+      std::memcpy(output.ratio + first, &share, count * sizeof(float));
+      continue;
+    }
+    // The height over the fitted plane turns with the normal.
+    const Vec3x4 normal = findNormals(tangent_x, tangent_y, frame), rest_normal = load3(frame + kNormal * kLanes);
+    const Float4 height = load(frame + kHeight * kLanes);
+    addScaled(height, {normal.x - rest_normal.x, normal.y - rest_normal.y, normal.z - rest_normal.z}, u);
+    for (Index lane = 0; lane < count; ++lane) {
+      const Vec3& p = rest_[first + lane];
+      output.dense_now[first + lane] =
+          Vec3(p[0] + (reference[0] + u.x[lane]), p[1] + (reference[1] + u.y[lane]), p[2] + (reference[2] + u.z[lane]));
+      if (output.normals_now) output.normals_now[first + lane] = Eigen::Vector3f(normal.x[lane], normal.y[lane], normal.z[lane]);
+    }
+  }
 }
 
-void Transfer::dispatch(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const {
+void Transfer::run(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const {
   if (k_ == kUsualNeighbors) {
-    run<kUsualNeighbors>(simulation_now, dense_now, normals_now, ratio);
+    runGroups<kUsualNeighbors>(begin, end, displacements, reference, output);
   } else {
-    run<0>(simulation_now, dense_now, normals_now, ratio);
+    runGroups<0>(begin, end, displacements, reference, output);
   }
+}
+
+void Transfer::runAll(const Points& simulation_now, const Output& output) const {
+  // Kept by the thread, so that nothing is allocated in later calls and several threads may share one operator.
+  static thread_local std::vector<float> displacements;
+  Vec3 reference;
+  findDisplacements(simulation_now, reference, displacements);
+  const float* const all = displacements.data();
+  parallelFor((numDense() + kLanes - 1) / kLanes, kTilePoints / kLanes,
+              [&](Index begin, Index end) { run(begin, end, all, reference, output); });
 }
 
 void Transfer::apply(const Points& simulation_now, Points& dense_now) const {
   dense_now.resize(rest_.size());
-  dispatch(simulation_now, dense_now.data(), nullptr, nullptr);
+  runAll(simulation_now, {dense_now.data(), nullptr, nullptr});
 }
 
 void Transfer::apply(const Points& simulation_now, Points& dense_now, std::vector<Eigen::Vector3f>& normals_now) const {
   dense_now.resize(rest_.size());
   normals_now.resize(rest_.size());
-  dispatch(simulation_now, dense_now.data(), normals_now.data(), nullptr);
+  runAll(simulation_now, {dense_now.data(), normals_now.data(), nullptr});
 }
 
 void Transfer::areaRatio(const Points& simulation_now, std::vector<float>& ratio) const {
   ratio.resize(rest_.size());
-  dispatch(simulation_now, nullptr, nullptr, ratio.data());
+  runAll(simulation_now, {nullptr, nullptr, ratio.data()});
+}
+
+Index Transfer::update(const Points& simulation_now, Frame& frame, Points& dense_now, std::vector<Eigen::Vector3f>* normals_now,
+                       const std::function<void(Index begin, Index end)>& after) const {
+  findDisplacements(simulation_now, frame.next_reference_, frame.next_displacements_);
+  const bool all = !frame.is_made_ || dense_now.size() != rest_.size() || frame.reference_ != frame.next_reference_ ||
+                   (normals_now && (!frame.has_normals_ || normals_now->size() != rest_.size()));
+  const Index m = numSimulation();
+  frame.stale_.reserve(tile_sources_.size());
+  frame.stale_.clear();
+  frame.moved_.resize(m);
+  for (Index j = 0; !all && j < m; ++j)
+    frame.moved_[j] = std::memcmp(&frame.displacements_[4 * j], &frame.next_displacements_[4 * j], 3 * sizeof(float)) != 0;
+  for (Index tile = 0; tile < numTiles(); ++tile) {
+    const std::vector<Index>& sources = tile_sources_[tile];
+    if (all || std::any_of(sources.begin(), sources.end(), [&](Index j) { return frame.moved_[j] != 0; })) frame.stale_.push_back(tile);
+  }
+  dense_now.resize(rest_.size());
+  if (normals_now) normals_now->resize(rest_.size());
+  const Output output{dense_now.data(), normals_now ? normals_now->data() : nullptr, nullptr};
+  const float* const displacements = frame.next_displacements_.data();
+  const Index num_groups = (numDense() + kLanes - 1) / kLanes, groups = kTilePoints / kLanes;
+  parallelFor(static_cast<Index>(frame.stale_.size()), 1, [&](Index begin, Index end) {
+    for (Index s = begin; s < end; ++s) {
+      const Index tile = frame.stale_[s];
+      run(tile * groups, std::min((tile + 1) * groups, num_groups), displacements, frame.next_reference_, output);
+      after(tile * kTilePoints, std::min((tile + 1) * kTilePoints, numDense()));
+    }
+  });
+  std::swap(frame.displacements_, frame.next_displacements_);
+  frame.reference_ = frame.next_reference_;
+  frame.is_made_ = true;
+  frame.has_normals_ = normals_now != nullptr;
+  return static_cast<Index>(frame.stale_.size());
 }
 
 Index Transfer::numDense() const { return static_cast<Index>(rest_.size()); }

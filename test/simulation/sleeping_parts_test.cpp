@@ -6,6 +6,8 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 
 namespace deformable_surface::test {
 namespace {
@@ -74,6 +76,51 @@ TEST(SleepingParts, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   }
   EXPECT_LT(least, 0.2 * kPoints);
   EXPECT_GT(moved, 1000.0 * kTolerance);
+}
+
+// With holes and points that coincide in the input, and without.
+TEST(SleepingParts, TheSurfaceIsMadeAnewWhereThePokeIsAloneAndIsTheSameToTheBit) {
+  for (const bool has_holes : {false, true}) {
+    SceneParams p = pokedSheet();
+    p.simplification.method = cloud::SimplificationMethod::kDelaunay;
+    p.simplification.target_points = 800;
+    cloud::PointCloud patch = sheetCloud(100);
+    if (has_holes) {
+      patch.positions[7].setConstant(std::numeric_limits<double>::quiet_NaN());
+      patch.positions[5000] = patch.positions[4999];
+    }
+    Simulation s(p, patch), fresh(p, patch);
+    const auto restsInTiles = [&] {
+      const std::vector<std::string> skipped = s.statistics().skipped;
+      return std::count(skipped.begin(), skipped.end(), "resting_tiles") == 1;
+    };
+    bool has_rested = false;
+    s.surface(true);
+    for (int k = 0; k < 20; ++k) {
+      run(s, 1);
+      const simulation::Surface& tiles = s.surface(true);
+      has_rested = has_rested || (s.statistics().awake > 0 && restsInTiles());
+      fresh.setState(s.state());
+      fresh.surface(false);  // which forgets the normals, so that all of it is made in the next line
+      const simulation::Surface& whole = fresh.surface(true);
+      ASSERT_EQ(tiles.normals.size(), whole.normals.size());
+      for (std::size_t i = 0; i < whole.positions.size(); ++i) {
+        if (has_holes && i == 7) {
+          ASSERT_TRUE(std::isnan(tiles.positions[i].x()));
+          continue;
+        }
+        ASSERT_EQ(tiles.positions[i], whole.positions[i]) << k << " " << i;
+        ASSERT_EQ(tiles.normals[i], whole.normals[i]) << k << " " << i;
+        ASSERT_EQ(tiles.displacement[i], whole.displacement[i]) << k << " " << i;
+      }
+    }
+    EXPECT_TRUE(has_rested);
+    // Where everything moves, everything is made.
+    s.setGravity(Vec3(0.0, 0.0, -9.81));
+    run(s, 2);
+    s.surface(true);
+    EXPECT_FALSE(restsInTiles());
+  }
 }
 
 TEST(SleepingParts, WhatHasSettledSleepsAgainAndLiesWhereItWouldLie) {

@@ -393,6 +393,98 @@ TEST(Transfer, PointsThatAreGivenOthersToFollowDoAndTheRestStaysToTheBit) {
     }
 }
 
+// Dense points row by row, so that a tile of dense points follows few of the simulation points.
+struct Strip {
+  Surface dense = makeWave(100, 1), simulation = makeWave(25, 2);
+  Transfer transfer = makeTransfer(dense, simulation);
+  Transfer::Frame frame;
+  Points now;
+  Normals normals;
+
+  Index update(const Points& positions, bool with_normals = true) {
+    return transfer.update(positions, frame, now, with_normals ? &normals : nullptr, [](Index, Index) {});
+  }
+  void expectWhole(const Points& positions) const {
+    Points whole;
+    Normals whole_normals;
+    transfer.apply(positions, whole, whole_normals);
+    EXPECT_EQ(now, whole);
+    EXPECT_EQ(normals, whole_normals);
+  }
+};
+
+TEST(TransferTiles, OneMovedPointMakesTheTilesThatFollowItAloneToTheBit) {
+  Strip strip;
+  Points positions = moved(strip.simulation.positions, [](const Vec3& p) { return Vec3(p + Vec3(0.1 * p.y(), 0.0, 0.05 * p.x() * p.x())); });
+  EXPECT_EQ(strip.update(positions), strip.transfer.numTiles());
+  strip.expectWhole(positions);
+  EXPECT_EQ(strip.update(positions), 0);
+  strip.expectWhole(positions);
+  positions[300].z() += 0.003;
+  const Index made = strip.update(positions);
+  EXPECT_GT(made, 0);
+  EXPECT_LT(made, strip.transfer.numTiles() / 2);
+  strip.expectWhole(positions);
+}
+
+TEST(TransferTiles, EverythingIsMadeWhenEverythingMovesOrSomethingElseIsWanted) {
+  Strip strip;
+  const Index all = strip.transfer.numTiles();
+  Points positions = moved(strip.simulation.positions, [](const Vec3& p) { return Vec3(kRotation * p); });
+  EXPECT_EQ(strip.update(positions, false), all);
+  EXPECT_EQ(strip.update(positions), all);  // now with normals
+  strip.expectWhole(positions);
+  for (Vec3& p : positions) p += Vec3(0.3, 0.0, 0.0);
+  EXPECT_EQ(strip.update(positions), all);
+  strip.expectWhole(positions);
+  strip.frame.forget();
+  EXPECT_EQ(strip.update(positions), all);
+  // As it was left, a frame without normals knows none.
+  EXPECT_EQ(strip.update(positions, false), 0);
+  EXPECT_EQ(strip.update(positions), all);
+}
+
+TEST(TransferTiles, WhatIsCalledAfterEachTileSeesEachPointOnceForAnyNumberOfThreads) {
+  Strip strip;
+  const Points positions = moved(strip.simulation.positions, [](const Vec3& p) { return Vec3(kRotation * p); });
+  for (const int threads : {1, 2, 3}) {
+    setNumThreads(threads);
+    std::vector<int> seen(strip.dense.positions.size(), 0);
+    strip.frame.forget();
+    strip.transfer.update(positions, strip.frame, strip.now, &strip.normals, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) ++seen[i];
+    });
+    EXPECT_EQ(seen, std::vector<int>(seen.size(), 1));
+    strip.expectWhole(positions);
+  }
+  setNumThreads(0);
+}
+
+TEST(TransferTiles, AllocateNothingInTheSecondUpdate) {
+  Strip strip;
+  Points positions = strip.simulation.positions;
+  const std::function<void(Index, Index)> nothing = [](Index, Index) {};
+  for (int k = 0; k < 2; ++k) strip.transfer.update(positions, strip.frame, strip.now, &strip.normals, nothing);
+  positions[300].z() += 0.003;
+  const long before = num_allocations;
+  strip.transfer.update(positions, strip.frame, strip.now, &strip.normals, nothing);
+  EXPECT_EQ(before, num_allocations);
+}
+
+TEST(TransferTiles, PointsThatAreGivenOthersToFollowAreMadeWithThese) {
+  Strip strip;
+  Points positions = strip.simulation.positions;
+  Lists single;
+  single.items = {600};
+  single.offsets.push_back(1);
+  strip.transfer.refit({17}, single, strip.dense.normals, {});
+  strip.update(positions);
+  positions[600].z() += 0.25;
+  EXPECT_GT(strip.update(positions), 0);
+  EXPECT_NEAR(strip.now[17].z() - strip.dense.positions[17].z(), 0.25, 1e-6);
+  strip.expectWhole(positions);
+}
+
 TEST(Transfer, RefusesWhatItCannotUse) {
   const Surface dense = makeSheet(4, 1), simulation = makeSheet(3, 2);
   const std::vector<char> usable(9, 1);

@@ -3,6 +3,8 @@
 
 #include "deformable_surface/transfer/transfer_params.h"
 
+#include <functional>
+
 namespace deformable_surface::transfer {
 
 /// Least-squares plane through the displacements of the k nearest simulation points, on the tangent plane of each dense point
@@ -36,6 +38,29 @@ class Transfer {
   void apply(const Points& simulation_now, Points& dense_now) const;
   void apply(const Points& simulation_now, Points& dense_now, std::vector<Eigen::Vector3f>& normals_now) const;
 
+  /// What update() has made, and from which motion.
+  class Frame {
+   public:
+    /// The next update makes everything.
+    void forget() { is_made_ = false; }
+
+   private:
+    friend class Transfer;
+    bool is_made_ = false, has_normals_ = false;
+    Vec3 reference_ = Vec3::Zero(), next_reference_ = Vec3::Zero();
+    std::vector<float> displacements_, next_displacements_;
+    std::vector<char> moved_;    // (m)
+    std::vector<Index> stale_;   // tiles
+  };
+  /// Dense points that are made together, as they lie behind each other.
+  static constexpr Index kTilePoints = 1024;
+  Index numTiles() const { return static_cast<Index>(tile_sources_.size()); }
+  /// The same as apply(), bit for bit, where dense_now and normals_now (null: none) are as the last update of this frame left them: only tiles
+  /// that follow a simulation point which has moved since are made. after(begin, end) is called for each of them, in parallel, while
+  /// its points are at hand. Returns how many tiles were made. The operator must be the one of the last update.
+  Index update(const Points& simulation_now, Frame& frame, Points& dense_now, std::vector<Eigen::Vector3f>* normals_now,
+               const std::function<void(Index begin, Index end)>& after) const;
+
   /// Local change of area, |t1' x t2'| / |t1 x t2|, of each dense point (n).
   void areaRatio(const Points& simulation_now, std::vector<float>& ratio) const;
 
@@ -51,13 +76,21 @@ class Transfer {
   // The normals of a group of four as apply() will find them at rest, so that their change at rest is exactly zero.
   void settleNormals(std::size_t group);
 
-  // Displacements less their mean, (max(m, 1) x 4) float, in memory of the calling thread; and that mean.
-  const float* findDisplacements(const Points& simulation_now, Vec3& mean) const;
+  // Displacements (max(m, 1) x 4) less a reference near their mean, which small motions of few points leave as it is.
+  void findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const;
+  void findTileSources(Index tile);
 
-  // The one pass over all rows; outputs that are null are left out. K is the row length, 0 if not known to the compiler.
+  // What a pass over rows writes; null is left out.
+  struct Output {
+    Vec3* dense_now;
+    Eigen::Vector3f* normals_now;
+    float* ratio;
+  };
+  // A pass over groups of rows. K is the row length, 0 if not known to the compiler.
   template <int K>
-  void run(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const;
-  void dispatch(const Points& simulation_now, Vec3* dense_now, Eigen::Vector3f* normals_now, float* ratio) const;
+  void runGroups(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const;
+  void run(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const;
+  void runAll(const Points& simulation_now, const Output& output) const;
 
   // All arrays are in the user's order of the dense points, so that everything streams but the displacements, which are few;
   // within a group of four points each quantity of the four lies side by side (the last group is filled up with zeros).
@@ -70,6 +103,7 @@ class Transfer {
   Points simulation_rest_;        // (m x 3) m
   std::vector<char> usable_;      // (m)
   Index num_usable_ = 0;
+  std::vector<std::vector<Index>> tile_sources_;  // (tiles) simulation points that any point of a tile follows
 };
 
 }  // namespace deformable_surface::transfer
