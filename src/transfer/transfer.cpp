@@ -480,6 +480,7 @@ Index Transfer::update(const Points& simulation_now, Frame& frame, Points& dense
   const bool all = !frame.is_made_ || dense_now.size() != rest_.size() || frame.reference_ != frame.next_reference_ ||
                    (normals_now && (!frame.has_normals_ || normals_now->size() != rest_.size()));
   const Index m = numSimulation();
+  frame.displacements_.resize(frame.next_displacements_.size());  // both at once, so that the next update allocates nothing
   frame.stale_.reserve(tile_sources_.size());
   frame.stale_.clear();
   frame.moved_.resize(m);
