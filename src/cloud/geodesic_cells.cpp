@@ -1,4 +1,4 @@
-// One search from all chosen points at once divides the surface into cells; the rest happens on the few.
+// Paths from all chosen points at once divide the surface into cells; the rest happens on the few.
 #include "deformable_surface/cloud/geodesic_cells.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -6,9 +6,8 @@
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
-#include <functional>
+#include <cmath>
 #include <limits>
-#include <queue>
 #include <utility>
 
 namespace deformable_surface::cloud {
@@ -56,6 +55,74 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
   return graph;
 }
 
+// Calls visit(v, to) for the points that a path goes on to from u, with its length there.
+template <class Visit>
+void forSteps(const Points& positions, const Lists& neighbors, double distance, Index u, const Visit& visit) {
+  for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) visit(*v, distance + (positions[*v] - positions[u]).norm());
+}
+
+// Lengths of the shortest paths from any chosen point, m. Points whose length has changed wait to hand it on, and do so in the order of
+// the cloud, there and back again: what is near in space lies near in memory, which an order by length would jump about in. Those beyond a
+// horizon wait until nothing changes below it. The lengths are the same in any order.
+std::vector<double> findDistances(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen) {
+  const Index n = neighbors.size();
+  std::vector<double> distance(n, std::numeric_limits<double>::infinity());
+  std::vector<char> waits(n, 0);
+  double spacing = 0.0;
+  for (Index i : chosen) {
+    distance[i] = 0.0;
+    waits[i] = 1;
+    if (neighbors.count(i) > 0) spacing += (positions[*neighbors.begin(i)] - positions[i]).norm() / static_cast<double>(chosen.size());
+  }
+  // About as far as cells reach.
+  double horizon = spacing * std::sqrt(static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, chosen.size())));
+  for (bool any_beyond = !chosen.empty(); any_beyond; horizon = horizon > 0.0 ? 2.0 * horizon : std::numeric_limits<double>::infinity()) {
+    bool any_changed = true;
+    for (bool is_forward = true; any_changed; is_forward = !is_forward) {
+      any_changed = any_beyond = false;
+      for (Index k = 0; k < n; ++k) {
+        const Index u = is_forward ? k : n - 1 - k;
+        if (!waits[u]) continue;
+        if (!(distance[u] <= horizon)) {
+          any_beyond = true;
+          continue;
+        }
+        waits[u] = 0;
+        any_changed = true;
+        forSteps(positions, neighbors, distance[u], u, [&](Index v, double to) {
+          if (!(to < distance[v])) return;
+          distance[v] = to;
+          waits[v] = 1;
+        });
+      }
+    }
+  }
+  return distance;
+}
+
+// The chosen point that each path begins at. Of several shortest paths to a point that over the nearest last step's beginning counts, ties by
+// index. A step too short to lengthen a path, as rounded, is on none.
+void findOwners(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen, const std::vector<double>& distance,
+                std::vector<Index>& owner) {
+  const Index n = neighbors.size();
+  std::vector<Index> before(n, -1);
+  for (Index u = 0; u < n; ++u) {
+    if (!(distance[u] < std::numeric_limits<double>::infinity())) continue;
+    forSteps(positions, neighbors, distance[u], u, [&](Index v, double to) {
+      if (to != distance[v] || !(distance[u] < distance[v])) return;
+      if (before[v] < 0 || std::make_pair(distance[u], u) < std::make_pair(distance[before[v]], before[v])) before[v] = u;
+    });
+  }
+  for (std::size_t a = 0; a < chosen.size(); ++a) owner[chosen[a]] = static_cast<Index>(a);
+  std::vector<Index> way;
+  for (Index i = 0; i < n; ++i) {
+    Index at = i;
+    for (; owner[at] < 0 && before[at] >= 0; at = before[at]) way.push_back(at);
+    for (Index passed : way) owner[passed] = owner[at];
+    way.clear();
+  }
+}
+
 }  // namespace
 
 GeodesicCells findGeodesicCells(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen, Index k) {
@@ -64,27 +131,8 @@ GeodesicCells findGeodesicCells(const Points& positions, const Lists& neighbors,
   cells.owner.assign(n, -1);
   for (Index i : chosen) cells.chosen.push_back(positions[i]);
 
-  // Dijkstra from all chosen points, ties by index.
-  std::vector<double> distance(n, std::numeric_limits<double>::infinity());
-  using Entry = std::pair<double, Index>;
-  std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue;
-  for (std::size_t a = 0; a < chosen.size(); ++a) {
-    distance[chosen[a]] = 0.0;
-    cells.owner[chosen[a]] = static_cast<Index>(a);
-    queue.push({0.0, chosen[a]});
-  }
-  while (!queue.empty()) {
-    const auto [d, u] = queue.top();
-    queue.pop();
-    if (d > distance[u]) continue;
-    for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) {
-      const double to = d + (positions[*v] - positions[u]).norm();
-      if (!(to < distance[*v])) continue;
-      distance[*v] = to;
-      cells.owner[*v] = cells.owner[u];
-      queue.push({to, *v});
-    }
-  }
+  const std::vector<double> distance = findDistances(positions, neighbors, chosen);
+  findOwners(positions, neighbors, chosen, distance, cells.owner);
 
   const GeodesicGraph graph = joinCells(positions, neighbors, distance, cells);
   cells.neighbors = keepGeodesicNeighbors(graph, cells.chosen, {}, nearestNeighbors(cells.chosen, k)).lists;

@@ -28,49 +28,53 @@ constexpr int kMinPairs = 3;
 constexpr Index kAround = 12;
 // The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.
 constexpr double kMarginQuantile = 0.05;
+// Passes of the quick check: a search costs several tens of them.
+constexpr int kPasses = 2;
 
 // Numbers for the few points that one search meets, in the order in which they are met.
 class PointMap {
  public:
-  PointMap() : table_(kSmallest, kNone) {}
+  PointMap() : table_(kSmallest) {}
 
   void clear() {
-    std::fill(table_.begin(), table_.end(), kNone);
-    points_.clear();
+    std::fill(table_.begin(), table_.end(), Place{});
+    size_ = 0;
   }
 
   // The number of the point, or -1.
-  Index find(Index point) const { return table_[findPlace(point)]; }
+  Index find(Index point) const { return table_[findPlace(point)].number; }
 
   Index add(Index point) {
-    if (2 * (points_.size() + 1) > table_.size()) grow();
-    points_.push_back(point);
-    return table_[findPlace(point)] = static_cast<Index>(points_.size()) - 1;
+    if (2 * static_cast<std::size_t>(size_ + 1) > table_.size()) grow();
+    table_[findPlace(point)] = {point, size_};
+    return size_++;
   }
-
-  const std::vector<Index>& points() const { return points_; }
 
  private:
   static constexpr Index kNone = -1;
   static constexpr std::size_t kSmallest = 256;
+  struct Place {
+    Index point = kNone, number = kNone;
+  };
 
   std::size_t findPlace(Index point) const {
     std::size_t place = static_cast<std::uint32_t>(point) * 2654435769u >> 7;  // Fibonacci hashing
-    for (place &= table_.size() - 1; table_[place] != kNone && points_[table_[place]] != point;) {
+    for (place &= table_.size() - 1; table_[place].point != kNone && table_[place].point != point;) {
       place = (place + 1) & (table_.size() - 1);
     }
     return place;
   }
 
   void grow() {
-    table_.assign(2 * table_.size(), kNone);
-    std::vector<Index> points;
-    points.swap(points_);
-    for (Index point : points) add(point);
+    std::vector<Place> before(2 * table_.size());
+    before.swap(table_);
+    for (const Place& place : before) {
+      if (place.point != kNone) table_[findPlace(place.point)] = place;
+    }
   }
 
-  std::vector<Index> table_;  // places, a power of two
-  std::vector<Index> points_;
+  std::vector<Place> table_;  // a power of two
+  Index size_ = 0;
 };
 
 // Dijkstra's search in the order of cost, ties by index.
@@ -141,29 +145,37 @@ class QuickCheck {
 
   bool run(Index i, const Points& positions, const Index* begin, const Index* end, double max_detour) {
     met_.clear();
-    for (const Index* j = begin; j != end; ++j) met_.add(*j);
+    most_.clear();
+    for (const Index* j = begin; j != end; ++j) {
+      met_.add(*j);
+      most_.push_back(max_detour * (positions[*j] - positions[i]).norm());
+    }
+    missing_ = most_.size();
     bound_.assign(end - begin, std::numeric_limits<double>::infinity());
     relax(i, 0.0);
-    for (std::size_t m = 0; m < bound_.size(); ++m) {
-      if (bound_[m] < std::numeric_limits<double>::infinity()) relax(begin[m], bound_[m]);
+    // Bounds only fall: once none is missing, the answer is known. A second pass finds ways that lead back.
+    for (int pass = 0; pass < kPasses; ++pass) {
+      for (std::size_t m = 0; m < bound_.size() && missing_ > 0; ++m) {
+        if (bound_[m] < std::numeric_limits<double>::infinity()) relax(begin[m], bound_[m]);
+      }
     }
-    for (std::size_t m = 0; m < bound_.size(); ++m) {
-      if (!(bound_[m] <= max_detour * (positions[begin[m]] - positions[i]).norm())) return false;
-    }
-    return true;
+    return missing_ == 0;
   }
 
  private:
   void relax(Index from, double cost) {
     for (Index e = graph_.links.offsets[from]; e < graph_.links.offsets[from + 1]; ++e) {
       const Index to = met_.find(graph_.links.items[e]);
-      if (to >= 0) bound_[to] = std::min(bound_[to], cost + graph_.cost[e]);
+      if (to < 0 || !(cost + graph_.cost[e] < bound_[to])) continue;
+      missing_ -= !(bound_[to] <= most_[to]) && cost + graph_.cost[e] <= most_[to];
+      bound_[to] = cost + graph_.cost[e];
     }
   }
 
   const GeodesicGraph& graph_;
   PointMap met_;
-  std::vector<double> bound_;
+  std::vector<double> bound_, most_;  // m, of those listed: what was found, and what is no detour
+  std::size_t missing_ = 0;           // whose bound is above
 };
 
 // Neighbours that are clearly apart, of every point.

@@ -144,12 +144,24 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
     Index i, j;
     bool operator<(const Link& other) const { return std::tie(weight, i, j) < std::tie(other.weight, other.i, other.j); }
   };
-  std::vector<Link> links(neighbors.items.size());
+  // Of two points that list each other the smaller one says it.
+  const auto isFirst = [&](Index i, Index j) { return i < j || std::find(neighbors.begin(j), neighbors.end(j), i) == neighbors.end(j); };
+  std::vector<std::size_t> first(n / kBlock + 2, 0);  // of each block
   parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::size_t count = 0;
+    for (Index i = begin; i < end; ++i)
+      count += std::count_if(neighbors.begin(i), neighbors.end(i), [&](Index j) { return isFirst(i, j); });
+    first[begin / kBlock + 1] = count;
+  });
+  std::partial_sum(first.begin(), first.end(), first.begin());
+  std::vector<Link> links(first.back());
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Link* link = links.data() + first[begin / kBlock];
     for (Index i = begin; i < end; ++i) {
       for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        if (!isFirst(i, *j)) continue;
         const float weight = static_cast<float>(1.0 - std::abs(normals[i].dot(normals[*j])));
-        links[j - neighbors.items.data()] = {std::max(weight, 0.0f), std::min(i, *j), std::max(i, *j)};
+        *link++ = {std::max(weight, 0.0f), std::min(i, *j), std::max(i, *j)};
       }
     }
   });
@@ -157,24 +169,30 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
   visitSpanningForest(
       links, n, [&](const Link& link) { return sets.find(link.i) == sets.find(link.j); },
       [&](const Link& link) { sets.join(link.i, link.j, normals[link.i].dot(normals[link.j]) < 0.0 ? -1 : 1); });
-  std::vector<Index> root(n);
+  links = {};
+  // The root of a component is its smallest index.
+  std::vector<Index> root(n), component(n);
+  Index num_components = 0;
   for (Index i = 0; i < n; ++i) {
     root[i] = sets.find(i);
+    component[i] = root[i] == i ? num_components++ : component[root[i]];
     if (root[i] != i && sets.sign(i) < 0) normals[i] = -normals[i];
   }
 
   // Areas up to a common factor: the squared distance of the farthest listed neighbour.
   std::vector<double> area(n, 0.0);
-  for (Index i = 0; i < n; ++i) {
-    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-      area[i] = std::max(area[i], (positions[*j] - positions[i]).squaredNorm());
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        area[i] = std::max(area[i], (positions[*j] - positions[i]).squaredNorm());
+      }
     }
-  }
+  });
 
   // Sums over each component, in the order of the points.
-  std::vector<Component> components(n);
+  std::vector<Component> components(num_components);
   for (Index i = 0; i < n; ++i) {
-    Component& c = components[root[i]];
+    Component& c = components[component[i]];
     ++c.count;
     c.closed = c.closed && !is_boundary[i];
     c.area += area[i];
@@ -187,7 +205,7 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
     if (viewpoint) c.towards_viewpoint += area[i] * normals[i].dot((*viewpoint - positions[i]).normalized());
   }
   for (Index i = 0; i < n; ++i) {
-    Component& c = components[root[i]];
+    Component& c = components[component[i]];
     const Vec3 arm = positions[i] - positions[root[i]] - c.centroid / std::max(c.area, std::numeric_limits<double>::min());
     c.volume += area[i] * normals[i].dot(arm);
     c.volume_scale += area[i] * arm.norm();
@@ -196,10 +214,10 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
   // The side of each component.
   OrientationRule rule_of_largest = OrientationRule::kUp;
   Index largest = 0;
-  std::vector<char> flip(n, 0);
+  std::vector<char> flip(num_components, 0);
   for (Index r = 0; r < n; ++r) {
-    const Component& c = components[r];
-    if (c.count == 0) continue;
+    if (root[r] != r) continue;
+    const Component& c = components[component[r]];
     OrientationRule rule;
     double side = 0.0;
     if (c.votes != 0) {
@@ -219,14 +237,14 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
         if (side == 0.0 && std::abs(mean[axis]) > kTie) side = mean[axis];
       }
     }
-    flip[r] = side < 0.0;
+    flip[component[r]] = side < 0.0;
     if (c.count > largest) {
       largest = c.count;
       rule_of_largest = rule;
     }
   }
   for (Index i = 0; i < n; ++i) {
-    if (flip[root[i]]) normals[i] = -normals[i];
+    if (flip[component[i]]) normals[i] = -normals[i];
   }
   return rule_of_largest;
 }

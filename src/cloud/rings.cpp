@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 #include <tuple>
 #include <utility>
 
@@ -21,12 +22,11 @@ struct Stars {
   std::vector<Index> member, cell_size, count;
 };
 
-Stars buildStars(const Points& positions, const Points& normals, const Lists& neighbors, Rings& rings) {
-  const Index n = neighbors.size();
-  Stars stars{std::vector<Index>(neighbors.items.size()), std::vector<Index>(neighbors.items.size()), std::vector<Index>(n)};
-  rings.open.resize(n);
-
+// Calls visit(i, linked, star) for every point, in parallel: its linked neighbours, of which the star names some.
+template <class Visit>
+void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const Visit& visit) {
   // Half of the neighbours given is what the boundary looks at first, then all of them.
+  const Index n = neighbors.size();
   Index max_count = 0;
   for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
   const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
@@ -45,17 +45,30 @@ Stars buildStars(const Points& positions, const Points& normals, const Lists& ne
         linked.push_back(*j);
         projected.push_back(plane.project(positions[*j]));
       }
-      const geometry::DelaunayStar& star =
-          builder.build(projected, geometry::kStarTie, boundary.is_boundary[i] ? kBoundaryGap : geometry::kStarMaxGap);
-      stars.count[i] = static_cast<Index>(star.ring.size());
-      for (Index r = 0; r < stars.count[i]; ++r) {
-        stars.member[neighbors.offsets[i] + r] = linked[star.ring[r]];
-        stars.cell_size[neighbors.offsets[i] + r] = star.cell_size[r];
-      }
-      rings.open[i] = star.open;
+      visit(i, linked, builder.build(projected, geometry::kStarTie, boundary.is_boundary[i] ? kBoundaryGap : geometry::kStarMaxGap));
     }
   });
+}
+
+Stars buildStars(const Points& positions, const Points& normals, const Lists& neighbors, Rings& rings) {
+  const Index n = neighbors.size();
+  Stars stars{std::vector<Index>(neighbors.items.size()), std::vector<Index>(neighbors.items.size()), std::vector<Index>(n)};
+  rings.open.resize(n);
+  visitStars(positions, normals, neighbors, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
+    stars.count[i] = static_cast<Index>(star.ring.size());
+    for (Index r = 0; r < stars.count[i]; ++r) {
+      stars.member[neighbors.offsets[i] + r] = linked[star.ring[r]];
+      stars.cell_size[neighbors.offsets[i] + r] = star.cell_size[r];
+    }
+    rings.open[i] = star.open;
+  });
   return stars;
+}
+
+void checkSizes(const char* function, const Points& positions, const Points& normals, const Lists& neighbors) {
+  if (positions.size() == normals.size() && static_cast<Index>(positions.size()) == neighbors.size()) return;
+  throw InputError(std::string(function) + ": " + std::to_string(positions.size()) + " positions, " + std::to_string(normals.size()) +
+                   " normals and " + std::to_string(neighbors.size()) + " neighbour lists; the three numbers must be equal");
 }
 
 // Sorts the ring of point i by angle; an open one then starts after its widest gap.
@@ -174,10 +187,7 @@ std::vector<Triangle> gatherTriangles(const Points& positions, const Points& nor
 }  // namespace
 
 Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors) {
-  if (positions.size() != normals.size() || static_cast<Index>(positions.size()) != neighbors.size()) {
-    throw InputError("buildRings: " + std::to_string(positions.size()) + " positions, " + std::to_string(normals.size()) +
-                     " normals and " + std::to_string(neighbors.size()) + " neighbour lists; the three numbers must be equal");
-  }
+  checkSizes("buildRings", positions, normals, neighbors);
   Rings rings;
   const Stars stars = buildStars(positions, normals, neighbors, rings);
   rings.ring = makeSymmetric(positions, normals, neighbors, stars, rings.open);
@@ -190,6 +200,20 @@ Rings buildRings(const Points& positions, const Points& normals, const Lists& ne
   }
   for (Index i = 0; i < rings.ring.size(); ++i) rings.num_isolated += rings.ring.count(i) == 0;
   return rings;
+}
+
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors) {
+  checkSizes("measureArea", positions, normals, neighbors);
+  std::vector<double> area(positions.size(), 0.0);
+  visitStars(positions, normals, neighbors, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
+    const std::size_t count = star.ring.size();
+    for (std::size_t r = 0; r < count; ++r) {
+      if (star.cell_size[r] == 0) continue;
+      const Vec3 a = positions[linked[star.ring[r]]] - positions[i], b = positions[linked[star.ring[(r + 1) % count]]] - positions[i];
+      area[i] += 0.5 * a.cross(b).norm() / star.cell_size[r];
+    }
+  });
+  return std::accumulate(area.begin(), area.end(), 0.0);
 }
 
 }  // namespace deformable_surface::cloud

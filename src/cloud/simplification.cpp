@@ -1,4 +1,5 @@
-// Greedy thinning with lazily kept keys: the point with the smallest ring goes, until few are left.
+// Greedy thinning with lazily kept keys: the point with the smallest ring goes, until few are left. Of large clouds a coarser pass takes most
+// points first (coarse_thinning.h).
 #include "deformable_surface/cloud/simplification.h"
 
 #include "deformable_surface/base/error.h"
@@ -12,9 +13,13 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <queue>
 #include <utility>
+
+#include "coarse_thinning.h"
 
 namespace deformable_surface::cloud {
 namespace {
@@ -25,6 +30,25 @@ constexpr Index kMinPartPoints = 3;
 constexpr Index kMaxAsked = 4;
 // The spacing is the distance of the neighbour that completes a hexagon.
 constexpr Index kSpacingNeighbor = 6;
+
+// So many points are thinned one by one in less than a second, and of clouds that are some times as large the surplus goes by distances
+// alone, as long as some times the points wanted are left.
+constexpr Index kOneByOne = 50000;
+constexpr Index kLarge = 3;
+constexpr Index kLeftForRings = 4;
+
+// Which part of the surface each point belongs to: connected by links among its k nearest.
+std::vector<Index> labelParts(const Points& positions, const Points& normals, const Lists& neighbors, Index k, Index& num_parts) {
+  const LinkRule rule(positions, normals, neighbors);
+  Lists links;
+  for (Index i = 0; i < neighbors.size(); ++i) {
+    for (Index s = 0; s < std::min(k, neighbors.count(i)); ++s) {
+      if (rule.accepts(i, neighbors.begin(i)[s])) links.items.push_back(neighbors.begin(i)[s]);
+    }
+    links.offsets.push_back(static_cast<Index>(links.items.size()));
+  }
+  return labelComponents(links, num_parts);
+}
 
 // What a neighbour is asked for, in one cache line.
 struct alignas(64) Sample {
@@ -41,10 +65,11 @@ struct Scratch {
 
 class Thinning {
  public:
-  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, bool over_surface)
+  // part: (n) below num_parts.
+  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, std::vector<Index> part, Index num_parts, bool over_surface)
       : k_(k), over_surface_(over_surface), samples_(positions.size()), tree_(positions), lists_(std::move(neighbors)),
         alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
-        part_(labelParts(positions, normals)), stored_(positions.size()), place_(over_surface ? positions.size() : 0) {
+        num_parts_(num_parts), part_(std::move(part)), stored_(positions.size()), place_(over_surface ? positions.size() : 0) {
     const Index n = num_alive_;
     for (Index i = 0; i < n; ++i) {
       samples_[i] = {positions[i], normals[i]};
@@ -64,11 +89,10 @@ class Thinning {
     for (Index p = 0; p < num_parts_; ++p) num_in_part_[p] = members_.count(p);
   }
 
-  Simplification run(Index min_points, std::vector<char> stays, const std::vector<Index>& protected_points) {
+  Simplification run(Index min_points, const std::vector<char>& stays) {
     const Index n = num_alive_;
     Simplification result;
     result.num_points = n;
-    for (Index i : protected_points) stays[i] = 1;
 
     // Keys of all points, in the order in which the tree holds them in memory.
     std::vector<double> key(n);
@@ -106,18 +130,6 @@ class Thinning {
   }
 
  private:
-  std::vector<Index> labelParts(const Points& positions, const Points& normals) {
-    const LinkRule rule(positions, normals, lists_);
-    Lists links;
-    for (Index i = 0; i < num_alive_; ++i) {
-      for (Index s = 0; s < std::min(k_, lists_.count(i)); ++s) {
-        if (rule.accepts(i, lists_.begin(i)[s])) links.items.push_back(lists_.begin(i)[s]);
-      }
-      links.offsets.push_back(static_cast<Index>(links.items.size()));
-    }
-    return labelComponents(links, num_parts_);
-  }
-
   // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r.
   double evaluateKey(Index i, Scratch& scratch) {
     findNear(i, scratch);
@@ -257,7 +269,7 @@ class Thinning {
   Lists lists_;                     // nearest neighbours of the same part; some dead
   std::vector<char> alive_;         // (n)
   Index num_alive_;
-  Index num_parts_ = 0;
+  Index num_parts_;
   std::vector<Index> part_;         // (n)
   std::vector<Index> stored_;       // (n) entries of lists_ in use
   Lists members_;                   // (num_parts)
@@ -266,6 +278,37 @@ class Thinning {
   std::vector<double> bound_;       // scratch: lengths of ways to those found
   std::vector<char> reached_;       // scratch: whether they are no detour
 };
+
+// Coarsely first, then the rest by rings.
+Simplification simplifyLarge(const Points& positions, const Points& normals, Index k, Index min_points, Index stop, Lists neighbors,
+                             std::vector<Index> part, Index num_parts, std::vector<char> stays, bool over_surface) {
+  const Index n = static_cast<Index>(positions.size());
+  ThinnedCloud cloud{std::vector<Index>(n), positions, std::move(neighbors), std::move(part), std::move(stays), {}, {}};
+  std::iota(cloud.index.begin(), cloud.index.end(), 0);
+  // Lists see their own part alone.
+  Lists own;
+  own.offsets.reserve(n + 1);
+  own.items.reserve(cloud.neighbors.items.size());
+  for (Index i = 0; i < n; ++i) {
+    const auto isOwn = [&](Index j) { return cloud.part[j] == cloud.part[i]; };
+    std::copy_if(cloud.neighbors.begin(i), cloud.neighbors.end(i), std::back_inserter(own.items), isOwn);
+    own.offsets.push_back(static_cast<Index>(own.items.size()));
+  }
+  cloud.neighbors = std::move(own);
+  thinCoarsely(stop, 2 * k, over_surface, cloud);
+
+  Points left_normals;
+  for (Index i : cloud.index) left_normals.push_back(normals[i]);
+  Simplification rest = Thinning(cloud.positions, left_normals, k, std::move(cloud.neighbors), std::move(cloud.part), num_parts, over_surface)
+                            .run(min_points, cloud.stays);
+  Simplification result{n, std::move(cloud.removed), std::move(cloud.diameter)};
+  double diameter = result.diameter.empty() ? 0.0 : result.diameter.back();
+  for (std::size_t r = 0; r < rest.removed.size(); ++r) {
+    result.removed.push_back(cloud.index[rest.removed[r]]);
+    result.diameter.push_back(diameter = std::max(diameter, rest.diameter[r]));
+  }
+  return result;
+}
 
 std::vector<Index> keepAllBut(Index num_points, const Index* begin, const Index* end) {
   std::vector<char> keeps(num_points, 1);
@@ -314,7 +357,15 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
     break;
   }
   if (!problems.empty()) throw InputError(std::move(problems));
-  return Thinning(positions, normals, k, std::move(neighbors), over_surface).run(min_points, is_corner, protected_points);
+  std::vector<char> stays = is_corner;
+  for (Index i : protected_points) stays[i] = 1;
+  Index num_parts = 0;
+  std::vector<Index> part = labelParts(positions, normals, neighbors, k, num_parts);
+  const std::int64_t stop = std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * min_points);
+  if (n > kLarge * stop)
+    return simplifyLarge(positions, normals, k, min_points, static_cast<Index>(stop), std::move(neighbors), std::move(part), num_parts,
+                         std::move(stays), over_surface);
+  return Thinning(positions, normals, k, std::move(neighbors), std::move(part), num_parts, over_surface).run(min_points, stays);
 }
 
 }  // namespace deformable_surface::cloud

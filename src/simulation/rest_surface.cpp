@@ -24,10 +24,10 @@ constexpr int kMaxPrunings = 5;      // passes that drop points which belong to 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
 
 // The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
-// what the neighbours in space show.
-void findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
+// what the neighbours in space show: returned if it is what the neighbours over the surface show as well, else empty.
+Points findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
-  if (params.areEuclidean()) return;
+  if (params.areEuclidean()) return {};
   cloud::SurfaceSides sides;
   const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
   sides.oriented = is_given;
@@ -37,12 +37,14 @@ void findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
   s.dense_neighbors = std::move(found.lists);
   noteGaps(found, s);
+  return is_given || found.num_refused > 0 ? Points{} : std::move(sides.normals);
 }
 
-// Normals of the dense points: those given, estimated where none is given, all on one consistent side. Returns the corners.
-std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, RestSurface& s) {
+// Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent side.
+// Returns the corners.
+std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, Points normals, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
-  Points normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
+  if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
   s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
   const cloud::OrientationRule rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary,
@@ -132,8 +134,7 @@ void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Li
 }
 
 double measureDenseArea(const RestSurface& s) {
-  const cloud::Rings rings = cloud::buildRings(s.dense.positions, s.dense.normals, s.dense_neighbors);
-  return std::accumulate(rings.area.begin(), rings.area.end(), 0.0);
+  return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors);
 }
 
 // Of points to the nearest other one.
@@ -240,9 +241,9 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   }
   const Index n = static_cast<Index>(s.dense.positions.size());
 
-  findNeighbors(params.neighbors, s);
+  Points estimated = findNeighbors(params.neighbors, s);
   const bool is_curve = params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
-  const std::vector<char> is_corner = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, s);
+  const std::vector<char> is_corner = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
   std::vector<Index> kept = chooseSimulationPoints(params, pin_points, is_corner, coarsest, s);
   if (choose) {

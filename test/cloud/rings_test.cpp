@@ -129,6 +129,14 @@ TEST(Rings, AreasOfASheetSumToItsArea) {
   }
 }
 
+TEST(Rings, TheAreaAloneIsTheSumOfTheirs) {
+  for (const TestSurface& surface : {makeSheet(20, 0.3), makeSheet(15), makeSphere(500), makeTorus(40, 20, 0.2)}) {
+    const double sum = sumAreas(build(surface));
+    const double alone = measureArea(surface.positions, surface.normals, nearestNeighbors(surface.positions, kNeighbors));
+    EXPECT_NEAR(alone, sum, 1e-13 * sum);  // the same terms in another order
+  }
+}
+
 TEST(Rings, AreasOfASphereConvergeWithTheSquareOfTheSpacing) {
   // Tangent planes see projected areas, and near ties fall differently along the spiral: the error times n is bounded.
   for (int n : {500, 2000, 8000}) {

@@ -190,6 +190,48 @@ TEST(Simplification, CloseLayersAreThinnedOneByOne) {
   EXPECT_EQ(together, alone);
 }
 
+// Of so many points most go by distances alone, before rings are looked at.
+TEST(Simplification, ALargeCloudIsThinnedAsEvenlyAsASmallOneInOneOrderForAnyNumberOfThreads) {
+  const TestSurface sheet = makeSheet(400, 0.3);
+  setNumThreads(1);
+  const Simplification result = simplifyTo(sheet, 500);
+  setNumThreads(3);
+  const Simplification again = simplifyTo(sheet, 500);
+  setNumThreads(0);
+  expectSound(sheet, result);
+  EXPECT_EQ(result.removed, again.removed);
+  EXPECT_EQ(result.diameter, again.diameter);
+  EXPECT_EQ(result.keepCount(0).size(), 500u);
+  // As even as small clouds are (SpacesPointsEvenly), whether the count is reached by rings or by distances.
+  for (const Index count : {500, 20000, 100000}) EXPECT_LT(measureUnevenness(select(sheet, result.keepCount(count))), 0.2) << count;
+  const std::vector<Index> kept = result.keepCount(500);
+  for (const Index corner : {0, 399, 399 * 400, 400 * 400 - 1}) EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), corner)) << corner;
+}
+
+// Two sheets a spacing apart, and a clump too small to be thinned by distances.
+TEST(Simplification, PartsOfALargeCloudStayApart) {
+  TestSurface layers = makeSheet(290, 0.2, 1);
+  const double spacing = 1.0 / 289.0;
+  const TestSurface other = makeSheet(290, 0.2, 2);
+  for (Index i = 0; i < other.size(); ++i) layers.add(other.positions[i] + Vec3(0.0, 0.0, 3.0 * spacing), other.normals[i]);
+  const Index first_of_clump = layers.size();
+  const TestSurface clump = makeSheet(6, 0.2, 3);
+  for (Index i = 0; i < clump.size(); ++i) layers.add(1e-3 * clump.positions[i] + Vec3(3.0, 0.0, 0.0), clump.normals[i]);
+  const Simplification result = simplifyTo(layers, 400);
+  expectSound(layers, result);
+  const std::vector<Index> kept = result.keepCount(400);
+  const auto countBetween = [&](Index begin, Index end) {
+    return std::lower_bound(kept.begin(), kept.end(), end) - std::lower_bound(kept.begin(), kept.end(), begin);
+  };
+  EXPECT_GE(countBetween(first_of_clump, layers.size()), 3);
+  const auto below = countBetween(0, other.size()), above = countBetween(other.size(), first_of_clump);
+  EXPECT_GT(below, 150);
+  EXPECT_GT(above, 150);
+  // Each is even by itself, so neither was thinned for the other's sake.
+  std::vector<Index> lower(kept.begin(), kept.begin() + below);
+  EXPECT_LT(measureUnevenness(select(layers, lower)), 0.25);
+}
+
 TEST(Simplification, EndsOnCloudsThatAreNoSurface) {
   std::mt19937 random(7);
   std::normal_distribution<double> normal;

@@ -1,0 +1,212 @@
+#include "coarse_thinning.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <tuple>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 512;  // points per task: about a millisecond of work
+// Of the least distance from level to level: a count between two levels is met within a third of the points.
+constexpr double kLevelFactor = 1.15;
+// Of the distance that half of the lists reach: beyond it a list of some thirty would hold fewer than a ring of points left.
+constexpr double kListReach = 0.6;
+// Of a part: fewer say nothing about a surface, and what is left of it is for the rings to decide.
+constexpr Index kFewestOfPart = 64;
+// A search asks for up to so many times the neighbours wanted, where other parts are in between.
+constexpr Index kMaxAsked = 4;
+constexpr Index kSpacingNeighbor = 6;  // that completes a hexagon
+constexpr int kPasses = 2;             // over those found, nearest first: the second finds ways that lead back
+
+double findMedian(std::vector<double> values) {
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+// The median distance of the nearest and of the farthest that are listed, m.
+std::pair<double, double> measureLists(const ThinnedCloud& cloud) {
+  std::vector<double> nearest, farthest;
+  for (Index i = 0; i < cloud.neighbors.size(); ++i) {
+    if (cloud.neighbors.count(i) == 0) continue;
+    const auto distance = [&](Index j) { return (cloud.positions[j] - cloud.positions[i]).norm(); };
+    nearest.push_back(distance(*cloud.neighbors.begin(i)));
+    farthest.push_back(distance(cloud.neighbors.end(i)[-1]));
+  }
+  if (nearest.empty()) return {0.0, 0.0};
+  return {findMedian(std::move(nearest)), findMedian(std::move(farthest))};
+}
+
+// Among equals no place of the cloud comes first.
+std::uint32_t scramble(Index i) { return static_cast<std::uint32_t>(i) * 2654435769u; }
+
+struct Removal {
+  double distance;  // m, to the point that stays
+  Index point;      // in the cloud as it was at the beginning of the round
+  bool operator<(const Removal& other) const {
+    return std::make_tuple(distance, scramble(point)) < std::make_tuple(other.distance, scramble(other.point));
+  }
+};
+
+// Of the points that are left those that are nearer than the least distance to one that stays; whole parts stay if few would be left.
+std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const std::vector<char>& is_left, double least, Index num_parts) {
+  const Index n = static_cast<Index>(cloud.positions.size());
+  std::vector<double> nearest(n, std::numeric_limits<double>::infinity());  // that stays and came before
+  std::vector<Index> num_kept(num_parts, 0);
+  const auto keep = [&](Index i) {
+    ++num_kept[cloud.part[i]];
+    for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j) {
+      const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
+      if (!(distance < least)) break;
+      nearest[*j] = std::min(nearest[*j], distance);
+    }
+  };
+  for (Index i = 0; i < n; ++i)
+    if (cloud.stays[i]) keep(i);
+  for (Index i = 0; i < n; ++i)
+    if (is_left[i] && !cloud.stays[i] && !(nearest[i] < least)) keep(i);
+  std::vector<Removal> removals;
+  for (Index i = 0; i < n; ++i)
+    if (is_left[i] && !cloud.stays[i] && nearest[i] < least && num_kept[cloud.part[i]] >= kFewestOfPart) removals.push_back({nearest[i], i});
+  std::sort(removals.begin(), removals.end());
+  return removals;
+}
+
+// The points that are left and what was listed of them.
+ThinnedCloud takeLeft(ThinnedCloud& cloud, const std::vector<char>& is_left) {
+  ThinnedCloud left;
+  left.removed = std::move(cloud.removed);
+  left.diameter = std::move(cloud.diameter);
+  const Index n = static_cast<Index>(is_left.size());
+  std::vector<Index> new_index(n, -1);
+  for (Index i = 0; i < n; ++i) {
+    if (!is_left[i]) continue;
+    new_index[i] = static_cast<Index>(left.index.size());
+    left.index.push_back(cloud.index[i]);
+    left.positions.push_back(cloud.positions[i]);
+    left.part.push_back(cloud.part[i]);
+    left.stays.push_back(cloud.stays[i]);
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (!is_left[i]) continue;
+    for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j)
+      if (is_left[*j]) left.neighbors.items.push_back(new_index[*j]);
+    left.neighbors.offsets.push_back(static_cast<Index>(left.neighbors.items.size()));
+  }
+  return left;
+}
+
+// Keeps of those found around a point (nearest first) what no detour over listed points leads to.
+class WayCheck {
+ public:
+  explicit WayCheck(const ThinnedCloud& cloud) : cloud_(cloud) {}
+
+  void keepReached(Index i, std::vector<Neighbor>& found) {
+    const std::size_t count = found.size();
+    const double squared_spacing = count > 0 ? found[std::min<std::size_t>(kSpacingNeighbor, count) - 1].squared_distance : 0.0;
+    by_index_.clear();
+    for (std::size_t f = 0; f < count; ++f) by_index_.push_back({found[f].index, static_cast<Index>(f)});
+    std::sort(by_index_.begin(), by_index_.end());
+    bound_.assign(count, std::numeric_limits<double>::infinity());
+    most_.clear();
+    for (const Neighbor& neighbor : found) most_.push_back(kKeptWay * std::sqrt(std::max(neighbor.squared_distance, squared_spacing)));
+    num_missing_ = count;
+    relax(i, 0.0);
+    for (int pass = 0; pass < kPasses; ++pass) {
+      for (std::size_t f = 0; f < count && num_missing_ > 0; ++f)
+        if (bound_[f] < std::numeric_limits<double>::infinity()) relax(found[f].index, bound_[f]);
+    }
+    if (num_missing_ == 0) return;
+    std::size_t kept = 0;
+    for (std::size_t f = 0; f < count; ++f)
+      if (bound_[f] <= most_[f]) found[kept++] = found[f];
+    found.resize(kept);
+  }
+
+ private:
+  void relax(Index from, double to_from) {
+    for (const Index* j = cloud_.neighbors.begin(from); j != cloud_.neighbors.end(from); ++j) {
+      const auto at = std::lower_bound(by_index_.begin(), by_index_.end(), std::make_pair(*j, Index{0}));
+      if (at == by_index_.end() || at->first != *j) continue;
+      const double bound = to_from + (cloud_.positions[*j] - cloud_.positions[from]).norm();
+      double& least = bound_[at->second];
+      if (!(bound < least)) continue;
+      num_missing_ -= !(least <= most_[at->second]) && bound <= most_[at->second];
+      least = bound;
+    }
+  }
+
+  const ThinnedCloud& cloud_;
+  std::vector<std::pair<Index, Index>> by_index_;  // point, its place among those found
+  std::vector<double> bound_, most_;               // m, of those found: what leads there, and what is no detour
+  std::size_t num_missing_ = 0;                    // whose bound is above
+};
+
+// Neighbours of all points that are left, by ways over those that were listed before.
+Lists findNeighbors(const ThinnedCloud& cloud, Index wanted, bool over_surface) {
+  const Index n = static_cast<Index>(cloud.positions.size());
+  const KdTree tree(cloud.positions);
+  std::vector<Index> items(static_cast<std::size_t>(n) * wanted), count(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    WayCheck check(cloud);
+    std::vector<Neighbor> found;
+    for (Index s = begin; s < end; ++s) {
+      const Index i = tree.order()[s];
+      for (Index asked = wanted + 1;; asked *= 2) {
+        tree.nearest(cloud.positions[i], asked, found);
+        const auto isOther = [&](const Neighbor& neighbor) { return neighbor.index == i || cloud.part[neighbor.index] != cloud.part[i]; };
+        found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
+        if (over_surface) check.keepReached(i, found);
+        if (static_cast<Index>(found.size()) > wanted / 2 || asked > kMaxAsked * wanted || asked >= n) break;
+      }
+      count[i] = std::min(wanted, static_cast<Index>(found.size()));
+      for (Index m = 0; m < count[i]; ++m) items[static_cast<std::size_t>(i) * wanted + m] = found[m].index;
+    }
+  });
+  Lists lists;
+  for (Index i = 0; i < n; ++i) {
+    const auto first = items.begin() + static_cast<std::ptrdiff_t>(i) * wanted;
+    lists.items.insert(lists.items.end(), first, first + count[i]);
+    lists.offsets.push_back(static_cast<Index>(lists.items.size()));
+  }
+  return lists;
+}
+
+}  // namespace
+
+void thinCoarsely(Index stop, Index wanted, bool over_surface, ThinnedCloud& cloud) {
+  Index num_left = static_cast<Index>(cloud.positions.size());
+  const Index num_parts = cloud.part.empty() ? 0 : *std::max_element(cloud.part.begin(), cloud.part.end()) + 1;
+  double diameter = 0.0;
+  for (;;) {
+    const auto [nearest, farthest] = measureLists(cloud);
+    std::vector<char> is_left(cloud.positions.size(), 1);
+    const Index before = num_left;
+    bool is_done = false;
+    for (double least = nearest; nearest > 0.0 && least <= kListReach * farthest && !is_done; least *= kLevelFactor) {
+      const std::vector<Removal> removals = findTooNear(cloud, is_left, least, num_parts);
+      is_done = num_left - static_cast<Index>(removals.size()) < stop;
+      for (const Removal& removal : removals) {
+        if (is_done) break;
+        is_left[removal.point] = 0;
+        diameter = std::max(diameter, 2.0 * removal.distance);
+        cloud.removed.push_back(cloud.index[removal.point]);
+        cloud.diameter.push_back(diameter);
+      }
+      if (!is_done) num_left -= static_cast<Index>(removals.size());
+    }
+    if (num_left == before) return;
+    cloud = takeLeft(cloud, is_left);
+    cloud.neighbors = findNeighbors(cloud, wanted, over_surface);
+    if (is_done) return;
+  }
+}
+
+}  // namespace deformable_surface::cloud
