@@ -73,7 +73,7 @@ class DeformedSurface {
   std::vector<Index> first_input_;  // (dense) the first input point that each is
   const bool has_particles_;
   const model::ElasticSolid* const solid_;
-  const bool is_direct_;            // every dense point is a particle: none has to follow others
+  const bool is_direct_;            // every dense point is a point of the model, where it is: none has to follow others
 
   // Points inserted where the surface is stretched.
   std::unique_ptr<transfer::Resampler> resampler_;

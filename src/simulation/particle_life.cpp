@@ -2,10 +2,12 @@
 
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
-#include "deformable_surface/solve/integrator.h"
+#include "deformable_surface/solve/integrator_params.h"
 
 #include <algorithm>
 #include <cmath>
+
+#include "settle_particles.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -15,6 +17,8 @@ using tool::Mode;
 using tool::ToolParams;
 
 constexpr Index kRelaxationIterations = 5;  // hundreds of steps between two passes of growth: near equilibrium is enough
+constexpr Index kLastIterations = 40;       // the same when growth has ended
+constexpr double kLastTolerance = 1e-4;     // of its first force
 
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
@@ -86,7 +90,7 @@ void ParticleLife::append(const model::NewParticle& particle, State& state) cons
   const auto curvature = [&](Index i) {
     return model::turnCurvatureToWorld(state.orientations[i], state.traits[i].rest_curvature);
   };
-  if (model_.params().yield_curvature > 0.0)
+  if (model_.isBent())
     traits.rest_curvature = model::turnCurvatureToFrame(particle.orientation, 0.5 * (curvature(a) + curvature(b)));
   traits.temperature = 0.5 * (state.traits[a].temperature + state.traits[b].temperature);
   state.positions.push_back(particle.position);
@@ -135,25 +139,19 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
 ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, State& state) const {
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
+  const bool keeps_shape = model_.params().restsAsCloud(), lets_go = growth.fix_samples && growth.release_samples;
+  if (keeps_shape) growth.release_samples = false;  // below, when the shape is known that is not to be lost then
   // A world of its own for the relaxation: the particles alone, without loads.
   model::OrientedParticles particles = model_;
-  std::vector<char> fixed;
-  const std::vector<const solve::ExternalLoad*> no_loads;
-  const solve::System system(particles, no_loads, fixed, 0.0, &fixed);
-  solve::IntegratorParams params;
-  params.max_iterations = kRelaxationIterations;
+  const double tolerance = solve::IntegratorParams().tolerance;
   State trial = state;
   const auto relax = [&](Points& positions, Orientations& orientations, const std::vector<char>& still) {
-    fixed = still;
+    std::vector<char> fixed = still;
     for (std::size_t i = 0; i < held.size(); ++i) fixed[i] = fixed[i] || held[i];
     trial.positions = positions;
     trial.orientations = orientations;
-    trial.velocities.assign(positions.size(), Vec3::Zero());
-    trial.spins.assign(positions.size(), Vec3::Zero());
     trial.traits.resize(positions.size());
-    particles.adopt(trial);
-    const auto fire = solve::makeIntegrator(solve::IntegratorType::kStatic, params, true);
-    fire->advance(system, 0.0, 1.0, particles.findStableStep(trial), trial);
+    relaxParticles(particles, fixed, fixed, kRelaxationIterations, tolerance, trial);
     positions = trial.positions;
     orientations = trial.orientations;
   };
@@ -164,6 +162,14 @@ ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const 
   for (const model::NewParticle& particle : grown.added) append(particle, state);
   state.positions = grown.positions;
   state.orientations = grown.orientations;
+  if (keeps_shape) {
+    std::vector<char> fixed = held;
+    fixed.resize(state.positions.size(), 0);
+    if (!lets_go && growth.fix_samples) std::fill_n(fixed.begin(), before, char{1});
+    particles.adopt(state);
+    particles.keepShape(state);
+    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, state);
+  }
   changes.born = static_cast<Index>(state.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
                                       "until growth.max_particles was reached"};

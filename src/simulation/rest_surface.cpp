@@ -14,6 +14,7 @@
 #include <utility>
 
 #include "rest_parts.h"
+#include "settle_particles.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -164,7 +165,7 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   constexpr double kSoftest = 0.02;    // of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
   const double median = findMedianDistance(s.points);
-  if (!(median < kFar * spacing && spacing < kFar * median))
+  if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
     s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) + " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
   const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
@@ -188,6 +189,28 @@ void buildModel(const SceneParams& params, RestSurface& s) {
   applyPins(params, s);
 }
 
+// Brings the particles to rest where the cloud is, and takes that for the rest shape. What is at rest stays to the bit.
+void takeCloudAsRest(const SceneParams& params, const Lists& apart, model::OrientedParticles& model, RestSurface& s) {
+  model::OrientedParticlesParams alone = params.oriented_particles;
+  alone.co_planarity = alone.co_normality = alone.co_circularity = alone.yield_curvature = 0.0;
+  const double spacing = model.lattice().spacing;
+  const model::OrientedParticles attraction(s.points, s.normals, spacing, params.material, alone, apart);
+  model::State state;
+  state.positions = s.points;
+  model.beginAtRest(state);
+  for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
+  const Settled settled = settleParticles(s.dense, attraction, s.pinned, s.pinned_turns, model, state);
+  if (!(settled.largest > 0.0)) return;
+  s.points = state.positions;
+  for (Index i = 0; i < state.size(); ++i) s.normals[i] = state.orientations[i] * Vec3::UnitZ();
+  model.setRest(state);
+  s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
+                    formatShort(settled.largest / spacing) + ") before time 0 until they were " +
+                    (settled.is_near ? "at rest as the cloud's shape" : "even; they are not at rest, for the only rest that was found is a "
+                                       "crumpled one: material.bending_rigidity is too small") +
+                    "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are)");
+}
+
 // Oriented particles on the simulation points, which need not be a surface yet.
 void buildParticles(const SceneParams& params, RestSurface& s) {
   const Index m = static_cast<Index>(s.points.size());
@@ -207,7 +230,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   if (!apart.items.empty())
     s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2), "pairs of particles are apart over the surface: no forces act between them"));
   auto particles = std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles,
-                                                              std::move(apart));
+                                                              apart);
   s.creased.assign(m, 0);
   for (std::size_t c = 0; c < params.creases.size(); ++c) {
     bool holds_any = false;
@@ -218,8 +241,10 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   }
   s.area = m * particles->lattice().area_per_particle;
   noteUnrest(params, particles->lattice().spacing, s);
+  model::OrientedParticles& model = *particles;
   s.model = std::move(particles);
   applyPins(params, s);
+  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.fit) takeCloudAsRest(params, apart, model, s);
 }
 
 // Coarser copies may lose a region, which their error then shows.

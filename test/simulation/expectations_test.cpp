@@ -78,6 +78,7 @@ TEST(Expectations, MeasureWhatKindOfSurfaceParticlesAre) {
   params.simplification = {};
   params.simplification.method = cloud::SimplificationMethod::kNone;
   params.model = ModelKind::kOrientedParticles;
+  params.oriented_particles.rest_shape = model::RestShape::kFlat;
   params.gravity.setZero();
   Simulation sphere = runSteps(params, 1);
   EXPECT_EQ(computeQuantity("components", sphere), 1.0);
@@ -117,6 +118,7 @@ TEST(Expectations, MeasureHowFarAxesAreFromThePrincipalDirections) {
   params.simplification = {};
   params.simplification.method = cloud::SimplificationMethod::kNone;
   params.model = ModelKind::kOrientedParticles;
+  params.oriented_particles.rest_shape = model::RestShape::kFlat;
   params.oriented_particles.hold_below = 1.0;  // nobody is warm: the surface stays as it is
   params.oriented_particles.spin = 1e-9;
   params.oriented_particles.principal = model::PrincipalDirection::kAbsolute;

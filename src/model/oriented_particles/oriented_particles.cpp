@@ -42,6 +42,7 @@ OrientedParticles::OrientedParticles(const Points& rest, const Points& normals, 
       lattice_(calibrateLattice(params.spacing.valueOr(spacing), material, params)),
       mass_(material.arealDensity() * lattice_.area_per_particle),
       normals_(normals),
+      is_bent_(params.yield_curvature > 0.0),
       masses_(rest.size(), mass_),
       inertias_(rest.size(), lattice_.inertia_by_mass * mass_),
       lists_(lattice_.pair.cutoff, kSkin * lattice_.pair.distance, std::move(apart)) {}
@@ -61,14 +62,28 @@ void OrientedParticles::beginAtRest(State& state) {
     state.orientations[i] = turnFromZ(normal);
     state.traits[i].id = state.traits[i].ancestor = static_cast<Index>(i);
     // In all directions, none of them chosen.
+    if (!rest_curvatures_.empty()) state.traits[i].rest_curvature = rest_curvatures_[i];
     if (params_.spin > 0.0) state.traits[i].turn = std::remainder(kGoldenAngle * static_cast<double>(i), kTurn);
   }
   state.next_id = static_cast<Index>(n);
   adopt(state);
 }
 
+void OrientedParticles::setRest(const State& state) {
+  normals_.clear();
+  rest_curvatures_.clear();
+  for (Index i = 0; i < state.size(); ++i) {
+    normals_.push_back(normalOf(state.orientations[i]));
+    const Mat3 curvature = turnCurvatureToWorld(state.orientations[i], state.traits[i].rest_curvature);
+    rest_curvatures_.push_back(turnCurvatureToFrame(turnFromZ(normals_.back()), curvature));
+  }
+}
+
 void OrientedParticles::adopt(const State& state) {
   lists_.forget();
+  is_bent_ = params_.yield_curvature > 0.0 || std::any_of(state.traits.begin(), state.traits.end(), [](const ParticleTraits& traits) {
+               return !traits.rest_curvature.isZero(0.0);
+             });
   masses_.assign(state.positions.size(), mass_);
   inertias_.assign(state.positions.size(), lattice_.inertia_by_mass * mass_);
 }
@@ -83,7 +98,7 @@ bool OrientedParticles::prepare(const State& state) const {
   const Index n = state.size();
   packed_.places.resize(4 * static_cast<std::size_t>(n));
   packed_.normals.resize(4 * static_cast<std::size_t>(n));
-  if (isPlastic()) packed_.curvatures.resize(8 * static_cast<std::size_t>(n));
+  packed_.curvatures.resize(is_bent_ ? 8 * static_cast<std::size_t>(n) : 0);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const ParticleTraits& traits = state.traits[i];
@@ -92,7 +107,7 @@ bool OrientedParticles::prepare(const State& state) const {
       const Vec3 &p = state.positions[i], normal = normalOf(state.orientations[i]);
       Eigen::Map<Vec4>(packed_.places.data() + 4 * static_cast<std::ptrdiff_t>(i)) << p, strength;
       Eigen::Map<Vec4>(packed_.normals.data() + 4 * static_cast<std::ptrdiff_t>(i)) << normal, (traits.is_smooth ? 1.0 : 0.0);
-      if (!isPlastic()) continue;
+      if (!is_bent_) continue;
       const Mat3 k = turnCurvatureToWorld(state.orientations[i], traits.rest_curvature);
       double* const row = packed_.curvatures.data() + 8 * static_cast<std::ptrdiff_t>(i);
       Eigen::Map<Eigen::Matrix<double, 8, 1>>(row) << k(0, 0), k(1, 1), k(2, 2), k(1, 2), k(0, 2), k(0, 1), 0.0, 0.0;
@@ -160,21 +175,42 @@ void OrientedParticles::turnAxes(double time, State& state) const {
   });
 }
 
+// As the neighbours within the cutoff say that face the same way, by the weight of their bonds.
+std::optional<Vec3> OrientedParticles::fitCurvature(const State& state, Index i) const {
+  const Eigen::Map<const Vec3> normal(packed_.normal(i));
+  CurvatureFit fit(state.orientations[i]);
+  forEachNear(i, lattice_.pair.cutoff, [&](Index j, double d) {
+    const Eigen::Map<const Vec3> other(packed_.normal(j));
+    if (!(other.dot(normal) > 0.0)) return;
+    double psi, slope;
+    weighByDistance(lattice_.pair, d * d, psi, slope);
+    const double weight = packed_.normal(j)[3] * std::min(packed_.place(i)[3], packed_.place(j)[3]) * psi;
+    fit.add(weight, state.positions[j] - state.positions[i], other - normal);
+  });
+  return fit.solve();
+}
+
+void OrientedParticles::keepShape(State& state) const {
+  if (!prepare(state)) return;
+  parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      if (!state.traits[i].is_smooth) continue;
+      const std::optional<Vec3> curvature = fitCurvature(state, i);
+      if (!curvature) continue;
+      const PrincipalCurvatures principal = findPrincipalCurvatures(*curvature);
+      const double most = lattice_.spacing * std::max(std::abs(principal.larger), std::abs(principal.smaller));
+      state.traits[i].rest_curvature = *curvature / std::max(1.0, most);
+    }
+  });
+}
+
 bool OrientedParticles::flow(State& state) const {
-  if (!isPlastic() || !prepare(state)) return false;
+  if (!(params_.yield_curvature > 0.0) || !prepare(state)) return false;
   has_flowed_.assign(state.positions.size(), 0);
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       if (!state.traits[i].is_smooth) continue;
-      const Eigen::Map<const Vec3> normal(packed_.normal(i));
-      CurvatureFit fit(state.orientations[i]);
-      forEachNear(i, lattice_.pair.cutoff, [&](Index j, double d) {
-        double psi, slope;
-        weighByDistance(lattice_.pair, d * d, psi, slope);
-        const double weight = packed_.normal(j)[3] * std::min(packed_.place(i)[3], packed_.place(j)[3]) * psi;
-        fit.add(weight, state.positions[j] - state.positions[i], Eigen::Map<const Vec3>(packed_.normal(j)) - normal);
-      });
-      const std::optional<Vec3> curvature = fit.solve();
+      const std::optional<Vec3> curvature = fitCurvature(state, i);
       if (!curvature) continue;
       const Vec3 rest = flowToYield(state.traits[i].rest_curvature, *curvature, params_.yield_curvature);
       has_flowed_[i] = rest != state.traits[i].rest_curvature;

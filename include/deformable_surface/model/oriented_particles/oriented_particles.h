@@ -8,6 +8,7 @@
 #include "deformable_surface/model/oriented_particles/pair_forces.h"
 
 #include <cmath>
+#include <optional>
 
 namespace deformable_surface::model {
 
@@ -32,6 +33,10 @@ class OrientedParticles : public DeformableModel {
   void addForcesAndTorques(const State& state, Points& forces, Points& torques) const override;
 
   void beginAtRest(State& state) override;
+  /// From now on particles begin with the normals and the rest curvatures of this state.
+  void setRest(const State& state);
+  /// Every smooth particle is at rest as it is now bent, as its neighbours tell, up to a radian from neighbour to neighbour.
+  void keepShape(State& state) const;
   void adopt(const State& state) override;
   void refreshDisplay(const State& state) const override;
   /// From Gershgorin's bound of the stiffness at the state, that of orientations included. Of the state alone.
@@ -62,6 +67,8 @@ class OrientedParticles : public DeformableModel {
   /// What happens beside the motion in a time, s, and moves nothing: x axes turn towards a principal direction where params.spin
   /// says so [Szeliski 1991, eq. 14 or 15], without inertia, exactly as they would in that time if the surface stood still.
   void turnAxes(double time, State& state) const;
+  /// Whether rest curvatures count; newborn particles then take those of their parents.
+  bool isBent() const { return is_bent_; }
   /// Plasticity: rest curvatures follow what is beyond params.yield_curvature. Returns whether any did.
   bool flow(State& state) const;
   /// The temperature, K, that becomes of one after a time, s: it falls exponentially.
@@ -71,14 +78,15 @@ class OrientedParticles : public DeformableModel {
 
  private:
   bool prepare(const State& state) const;
-  bool isPlastic() const { return params_.yield_curvature > 0.0; }
+  std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;
 
   const OrientedParticlesParams params_;
   const Lattice lattice_;
   const double mass_;  // kg, of every particle
-  const Points normals_;
+  Points normals_, rest_curvatures_;
+  bool is_bent_;          // some particle is bent at rest, or may come to be
   std::vector<double> masses_, inertias_;
   // Display.
   mutable std::vector<std::pair<Index, Index>> links_;

@@ -24,6 +24,10 @@ enum class PrincipalDirection { kSigned, kAbsolute };
 /// Where particles are born by themselves: nowhere, in gaps that face another side, or at open edges as well.
 enum class Growing { kNone, kGaps, kEdges };
 
+/// What is at rest: the flat lattice, as published, so that other clouds move from the beginning; or the cloud as it is given. auto: the
+/// cloud where particles can remember a shape.
+enum class RestShape { kAuto, kFlat, kCloud };
+
 struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
   OrAuto<double> spacing;         // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
@@ -39,6 +43,7 @@ struct OrientedParticlesParams {
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
+  RestShape rest_shape = RestShape::kAuto;
   double melting = 1000.0;        // K above ambient, > 0: bonds weaken linearly until there
   double cooling = 0.0;           // 1/s, >= 0: rate at which temperatures fall to the ambient one
   double hold_below = 0.0;        // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
@@ -49,6 +54,10 @@ struct OrientedParticlesParams {
   double growth_interval = 0.02;  // s, > 0: between two looks for room
   bool fit = false;               // before time 0 a surface is grown through the particles
   GrowthParams growth;
+
+  /// Rest curvatures are for the isotropic weighting of a surface only.
+  bool remembersShape() const { return weighting == ParticleWeighting::kIsotropic && mode == ParticleMode::kSpace; }
+  bool restsAsCloud() const { return rest_shape == RestShape::kCloud || (rest_shape == RestShape::kAuto && remembersShape()); }
 };
 
 inline void visit(Fields& fields, OrientedParticlesParams& p) {
@@ -84,6 +93,12 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.require(p.weighting_height <= p.weighting_width, "weighting_height",
                  "found " + formatReal(p.weighting_height) + " above weighting_width: " + formatReal(p.weighting_width) +
                      "; accepted: at most the width");
+  fields.choice("rest_shape", p.rest_shape, {{"auto", RestShape::kAuto}, {"flat", RestShape::kFlat}, {"cloud", RestShape::kCloud}},
+                "what is at rest: `flat` = an even, flat sheet, as published: other clouds move from the beginning; `cloud` = the cloud: "
+                "before time 0 particles slide over it until they are even, and keep its curvature; `auto` = `cloud` but for "
+                "weighting: anisotropic and mode: plane");
+  fields.require(p.rest_shape != RestShape::kCloud || p.remembersShape(), "rest_shape",
+                 "found cloud with weighting: anisotropic or mode: plane, which remember no shape; accepted: flat, auto");
   fields.number("melting", p.melting, "K", between(1e-6, 1e9),
                 "above ambient, where bonds are gone; they weaken linearly until then");
   fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures fall to the ambient one");
@@ -91,8 +106,7 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                 "above ambient: cooler particles neither move nor turn, so that only what is heated can be shaped; 0 = all may");
   fields.number("yield_curvature", p.yield_curvature, "1/m", between(0.0, 1e9),
                 "plasticity: what is bent by more than this keeps what is beyond as its rest shape; 0 = nothing");
-  fields.require(!(p.yield_curvature > 0.0) || (p.weighting == ParticleWeighting::kIsotropic && p.mode == ParticleMode::kSpace),
-                 "yield_curvature",
+  fields.require(!(p.yield_curvature > 0.0) || p.remembersShape(), "yield_curvature",
                  "found " + formatReal(p.yield_curvature) + " with weighting: anisotropic or mode: plane, which remember no "
                      "shape; accepted: 0");
   fields.flag("delete_trapped", p.delete_trapped, "particles that are inside two solid tools at once go");

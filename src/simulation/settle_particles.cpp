@@ -1,0 +1,145 @@
+#include "settle_particles.h"
+
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/solve/integrator.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kBlock = 256;
+constexpr Index kMaxSweeps = 400;         // uneven scans are even after about half as many
+constexpr double kStill = 1e-3;           // spacings in one sweep: below it sliding has ended
+constexpr double kAtRest = 1e-6;          // spacings that a first sweep would move: rounding of a lattice is far below, any scan far above
+constexpr double kLongestSlide = 0.1;     // spacings in one sweep: no particle passes another
+constexpr double kRelaxed = 0.25;         // of the way to where springs of the lattice would end; 1 is the limit of stability
+constexpr Index kAround = 3;              // dense points that say where the surface is: the least that span it
+constexpr Index kLookedAt = 8;            // nearest ones among which those are that face the same way
+constexpr double kFlat = 1e-6;            // rad from neighbour to neighbour: what rounding leaves of a plane's curvature is below
+constexpr Index kMaxIterations = 40;      // hundreds of steps of the last relaxation: what scans still move by then is slow
+constexpr double kNear = 1.0;             // spacings (rms) from where sliding ended: scans take about half, what crumples several
+constexpr double kTolerance = 1e-4;       // of its first force
+
+// The surface of the dense points near a particle, which faces a way: the mean of the nearest planes, by the inverse of their distances, so
+// that each dense point lies on it.
+struct Place {
+  Vec3 point, normal;
+};
+Place findSurface(const cloud::CleanCloud& dense, const cloud::KdTree& tree, const Vec3& at, const Vec3& facing,
+                  std::vector<cloud::Neighbor>& near) {
+  tree.nearest(at, kLookedAt, near);
+  Vec3 point = Vec3::Zero(), normal = Vec3::Zero();
+  double weights = 0.0;
+  Index used = 0;
+  for (const cloud::Neighbor& q : near) {
+    if (!(dense.normals[q.index].dot(facing) > 0.0)) continue;
+    if (!(q.squared_distance > 0.0) && used == 0) return {dense.positions[q.index], dense.normals[q.index]};
+    const double weight = 1.0 / std::sqrt(q.squared_distance);
+    point += weight * dense.positions[q.index];
+    normal += weight * dense.normals[q.index];
+    weights += weight;
+    if (++used == kAround) break;
+  }
+  if (used == 0) return {at, facing};
+  point /= weights;
+  normal.normalize();
+  return {at - normal * normal.dot(at - point), normal};
+}
+
+// Returns whether anything moved.
+bool slide(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
+           const std::vector<char>& held_turns, model::State& state) {
+  const model::Lattice& lattice = attraction.lattice();
+  // A particle between neighbours all around: each ordered pair counts, and directions in the plane by half.
+  const double stiffness = 6.0 * model::findLennardJonesCurvature(lattice.pair, lattice.pair.distance);
+  if (!(stiffness > 0.0)) return false;
+  const double mobility = kRelaxed / stiffness, longest = kLongestSlide * lattice.spacing;
+  const cloud::KdTree tree(dense.positions);
+  const Index n = state.size();
+  Points forces;
+  std::vector<double> moved(n);
+  bool is_moved = false;
+  for (Index sweep = 0; sweep < kMaxSweeps; ++sweep) {
+    forces.assign(n, Vec3::Zero());
+    attraction.addForces(state, forces);
+    parallelFor(n, kBlock, [&](Index begin, Index end) {
+      std::vector<cloud::Neighbor> near;
+      for (Index i = begin; i < end; ++i) {
+        Vec3 move = mobility * forces[i];
+        const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
+        move -= normal * normal.dot(move);
+        const double length = move.norm();
+        moved[i] = held[i] ? 0.0 : length;
+        if (sweep == 0) continue;  // only looks
+        if (!held[i]) state.positions[i] += length > longest ? Vec3(longest / length * move) : move;
+        if (held[i] && held_turns[i]) continue;
+        const Place place = findSurface(dense, tree, state.positions[i], normal, near);
+        if (!held[i]) state.positions[i] = place.point;
+        if (!held_turns[i])
+          state.orientations[i] = (Quaternion::FromTwoVectors(normal, place.normal) * state.orientations[i]).normalized();
+      }
+    });
+    const double farthest = *std::max_element(moved.begin(), moved.end());
+    if (sweep == 0 && !(farthest > kAtRest * lattice.spacing)) return false;
+    is_moved = is_moved || sweep > 0;
+    if (sweep > 0 && !(farthest > kStill * lattice.spacing)) break;
+  }
+  return is_moved;
+}
+
+// What is not a number counts as far.
+Settled measureMoves(const Points& from, const Points& to) {
+  Settled moves;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double squared = (to[i] - from[i]).squaredNorm();
+    squares += squared;
+    moves.largest = std::max(moves.largest, std::sqrt(squared));
+  }
+  moves.root_mean_square = std::sqrt(squares / static_cast<double>(from.size()));
+  return moves;
+}
+
+}  // namespace
+
+void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
+                    Index max_iterations, double tolerance, model::State& state) {
+  model.adopt(state);
+  state.velocities.assign(state.positions.size(), Vec3::Zero());
+  state.spins.assign(state.positions.size(), Vec3::Zero());
+  const std::vector<const solve::ExternalLoad*> no_loads;
+  const solve::System system(model, no_loads, held, 0.0, &held_turns);
+  solve::IntegratorParams params;
+  params.max_iterations = max_iterations;
+  params.tolerance = tolerance;
+  solve::makeIntegrator(solve::IntegratorType::kStatic, params, true)->advance(system, 0.0, 1.0, model.findStableStep(state), state);
+}
+
+Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
+                        const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state) {
+  const Points before = state.positions;
+  const bool has_slid = slide(dense, attraction, held, held_turns, state);
+  model.keepShape(state);
+  const double flat = kFlat / model.lattice().spacing;
+  const bool is_bent = std::any_of(state.traits.begin(), state.traits.end(), [flat](const model::ParticleTraits& traits) {
+    return !(traits.rest_curvature.cwiseAbs().maxCoeff() <= flat);
+  });
+  Settled settled;
+  if (!has_slid && !is_bent) {
+    for (model::ParticleTraits& traits : state.traits) traits.rest_curvature.setZero();
+    model.adopt(state);
+    return settled;
+  }
+  const model::State even = state;
+  relaxParticles(model, held, held_turns, kMaxIterations, kTolerance, state);
+  const bool is_near = measureMoves(even.positions, state.positions).root_mean_square < kNear * model.lattice().spacing;
+  if (!is_near) state = even;
+  settled = measureMoves(before, state.positions);
+  settled.is_near = is_near;
+  return settled;
+}
+
+}  // namespace deformable_surface::simulation

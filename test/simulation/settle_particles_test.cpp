@@ -1,0 +1,160 @@
+// Clouds that are no hexagonal lattice, as oriented particles: what is handed in is at rest, and stays.
+#include "clouds.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/model/oriented_particles/particle_triangles.h"
+#include "deformable_surface/simulation/expectations.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace deformable_surface::test {
+namespace {
+
+constexpr Index kSide = 20;
+
+// Without damping and without weight, so that nothing hides a force that is left.
+simulation::SceneParams unloaded(model::RestShape rest, double spacing) {
+  simulation::SceneParams p;
+  p.model = simulation::ModelKind::kOrientedParticles;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.gravity.setZero();
+  p.material.damping = 0.0;
+  p.material.bending_rigidity = 0.3 * p.material.young_modulus * p.material.thickness * spacing * spacing;
+  p.oriented_particles.rest_shape = rest;
+  return p;
+}
+
+cloud::PointCloud unevenSheet(double jitter) { return asCloud(makeSheet(kSide, kSide, 1.0, 1.0, jitter).points); }
+
+// Points of a spiral, moved within the sphere of radius 1.
+cloud::PointCloud unevenSphere(Index n) {
+  std::mt19937 generator(5);
+  Points points;
+  for (Index i = 0; i < n; ++i) {
+    const double z = 1.0 - (2.0 * i + 1.0) / n, angle = 2.399963229728653 * i, ring = std::sqrt(1.0 - z * z);
+    Vec3 p(ring * std::cos(angle), ring * std::sin(angle), z);
+    p += 0.05 * Vec3(uniform(generator), uniform(generator), uniform(generator));
+    points.push_back(p.normalized());
+  }
+  return asCloud(points);
+}
+
+double farthestMove(simulation::Simulation& s) {
+  const simulation::Surface& surface = s.surface(false);
+  return *std::max_element(surface.displacement.begin(), surface.displacement.end());
+}
+
+TEST(SettleParticles, UnevenSheetsStayWhereTheyAre) {
+  const double spacing = 1.0 / (kSide - 1);
+  for (const double jitter : {0.1, 0.3}) {
+    simulation::Simulation s(unloaded(model::RestShape::kAuto, spacing), unevenSheet(jitter));
+    EXPECT_EQ(farthestMove(s), 0.0);
+    run(s, 50);
+    // The relaxation ends at 1e-4 of the first force, and without damping what is left goes on swinging.
+    EXPECT_LT(farthestMove(s), 0.01 * spacing) << jitter;
+    EXPECT_EQ(simulation::computeQuantity("components", s), 1.0);
+    EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), 1.0);
+    EXPECT_EQ(simulation::computeQuantity("isolated", s), 0.0);
+  }
+  // As published it does not.
+  simulation::Simulation flat(unloaded(model::RestShape::kFlat, spacing), unevenSheet(0.3));
+  run(flat, 50);
+  EXPECT_GT(farthestMove(flat), 5.0 * spacing);
+}
+
+TEST(SettleParticles, UnevenSpheresKeepTheirRadius) {
+  constexpr Index kPoints = 400;
+  const double spacing = std::sqrt(8.0 * 3.141592653589793 / (std::sqrt(3.0) * kPoints));
+  const auto measure = [&](model::RestShape rest) {
+    simulation::Simulation s(unloaded(rest, spacing), unevenSphere(kPoints));
+    run(s, 50);
+    double sum = 0.0;
+    for (const Vec3& p : s.surface(false).positions) sum += p.norm() / kPoints;
+    return sum;
+  };
+  EXPECT_NEAR(measure(model::RestShape::kAuto), 1.0, 0.02 * spacing);
+  EXPECT_GT(std::abs(measure(model::RestShape::kFlat) - 1.0), spacing);
+}
+
+TEST(SettleParticles, LatticesStayToTheBit) {
+  Points lattice;
+  for (Index j = 0; j < 10; ++j)
+    for (Index i = 0; i < 10; ++i) lattice.emplace_back(0.05 * (i + 0.5 * (j % 2)), 0.05 * std::sqrt(0.75) * j, 0.0);
+  simulation::SceneParams p = unloaded(model::RestShape::kAuto, 0.05);
+  p.oriented_particles.spacing = 0.05;
+  simulation::Simulation settled(p, asCloud(lattice));
+  p.oriented_particles.rest_shape = model::RestShape::kFlat;
+  simulation::Simulation flat(p, asCloud(lattice));
+  EXPECT_EQ(settled.stateHash(), flat.stateHash());
+  EXPECT_EQ(settled.state().positions, lattice);
+}
+
+TEST(SettleParticles, SheetsThatAreBentBackReturnToTheShapeOfTheirCloud) {
+  // A half-pipe: opened by a force, let go, and as wide as it was; flat at rest it opens by itself.
+  Points pipe;
+  for (Index j = 0; j < 12; ++j)
+    for (Index i = 0; i < 16; ++i) {
+      const double angle = 0.2 * (i + 0.5 * (j % 2)) - 1.6;
+      pipe.emplace_back(0.25 * std::sin(angle), 0.05 * std::sqrt(0.75) * j, 0.25 * std::cos(angle));
+    }
+  for (const bool rests : {true, false}) {
+    simulation::SceneParams p = unloaded(rests ? model::RestShape::kCloud : model::RestShape::kFlat, 0.05);
+    p.material.damping = 20.0;
+    p.forces.push_back({"spread", pipe[15], Vec3(0.2, 0.0, 0.0), 0.06, 0.0, 0.2});
+    simulation::Simulation s(p, asCloud(pipe));
+    const auto findWidth = [&] { return (s.state().positions[15] - s.state().positions[0]).norm(); };
+    const double width = findWidth();
+    run(s, 20);
+    const double spread = findWidth();
+    run(s, 180);
+    EXPECT_GT(spread, width + 0.01);
+    if (rests) {
+      EXPECT_NEAR(findWidth(), width, 0.1 * (spread - width));
+    } else {
+      EXPECT_GT(findWidth(), width + 0.05);
+    }
+  }
+}
+
+TEST(SettleParticles, WhatIsTooSoftToStayASurfaceOnlyBecomesEven) {
+  simulation::SceneParams p = unloaded(model::RestShape::kAuto, 0.1);
+  p.material.bending_rigidity = 1e-3 * p.material.young_modulus * p.material.thickness * 0.1 * 0.1;
+  simulation::Simulation s(p, unevenSphere(400));
+  for (const Vec3& x : s.state().positions) EXPECT_NEAR(x.norm(), 1.0, 0.2 * s.particles()->lattice().spacing);
+  const auto says = [](const std::string& note) { return note.find("crumpled") != std::string::npos; };
+  EXPECT_TRUE(std::any_of(s.buildNotes().begin(), s.buildNotes().end(), says));
+}
+
+TEST(SettleParticles, PinsHoldWhileTheOthersSettle) {
+  simulation::SceneParams p = unloaded(model::RestShape::kAuto, 0.05);
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-0.1, -0.1, -0.1);
+  pin.region.max = Vec3(0.3, 2.0, 0.1);
+  p.pins.push_back(pin);
+  const cloud::PointCloud cloud = unevenSheet(0.3);
+  simulation::Simulation s(p, cloud);
+  Index moved = 0;
+  for (Index i = 0; i < s.state().size(); ++i) {
+    if (s.pinned()[i]) {
+      EXPECT_EQ(s.state().positions[i], cloud.positions[i]);
+    }
+    moved += s.state().positions[i] != cloud.positions[i];
+  }
+  EXPECT_GT(moved, 200);
+}
+
+TEST(SettleParticles, DoesNotDependOnTheNumberOfThreads) {
+  const simulation::SceneParams p = unloaded(model::RestShape::kAuto, 0.05);
+  setNumThreads(1);
+  const cloud::PointCloud cloud = unevenSphere(300);  // two blocks
+  const std::uint64_t one = simulation::Simulation(p, cloud).stateHash();
+  for (const int threads : {2, 3}) {
+    setNumThreads(threads);
+    EXPECT_EQ(simulation::Simulation(p, cloud).stateHash(), one);
+  }
+  setNumThreads(0);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
