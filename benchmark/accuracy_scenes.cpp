@@ -107,12 +107,32 @@ AccuracyScene makeDrape(Index points) {
   return scene;
 }
 
+// A bar of soft rubber, clamped at one end, that falls under its weight until it hangs.
+AccuracyScene makeSolidBar(Index points) {
+  AccuracyScene scene{"solid_bar", {}, {}, 0.4, {}};
+  simulation::CloudParams shape;
+  shape.shape = simulation::CloudParams::Shape::kBar;
+  shape.points = points;
+  shape.size = Vec2(1.0, 0.1);
+  shape.height = 0.1;
+  shape.jitter = 0.2;
+  scene.cloud = io::makeShape(shape);
+  scene.params.model = simulation::ModelKind::kElasticSolid;
+  scene.params.material.young_modulus = 1e5;
+  scene.params.material.poisson_ratio = 0.3;
+  scene.params.material.density = 1000.0;
+  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1e-6, 1.0, 1.0))};
+  scene.levels = halve(scene.cloud.size());
+  return scene;
+}
+
 }  // namespace
 
 std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
   std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points),
                                    makeSag(points)};
+  scenes.push_back(makeSolidBar(large ? 5000 : 1200));
   AccuracyScene poke = makePoke(points);
   if (!poke.cloud.positions.empty()) scenes.push_back(std::move(poke));
   return scenes;

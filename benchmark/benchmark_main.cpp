@@ -87,13 +87,15 @@ int run(int argc, char** argv) {
       options.first_scene = std::atoi(argv[++i]);
       options.num_scenes = std::atoi(argv[++i]);
       if (options.first_scene < 0 || options.num_scenes < 1) return fail("--scenes: accepted: a seed and a count");
+    } else if (argument == "--scene" && i + 1 < argc) {
+      options.scene = argv[++i];
     } else if ((argument == "--output" || argument == "--commit" || argument == "--only") && i + 1 < argc) {
       const std::string value = argv[++i];
       if (argument == "--output") options.folder = value;
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --geodesics, --accuracy, --statics, --physics, --calibration, --scenes FIRST "
+      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --geodesics, --accuracy, --scene NAME, --statics, --physics, --calibration, --scenes FIRST "
                   "COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }
