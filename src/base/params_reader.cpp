@@ -33,10 +33,11 @@ bool toNumber(const Value& value, double& number) {
 // Two steps per edit, so that a key in another section can lose to an equally near one in the same section.
 constexpr int kEditCost = 2;
 
-// Of all keys ("forces[].id"), the one that is nearest to a name in a section: by the last word, then by the section.
+// Of all keys ("forces[].id"), the one that is nearest to a name in a section: by the last word, then by the section. Empty if more
+// than half of the word would have to change: the nearest would only mislead.
 std::string nearestKey(const std::string& section, const std::string& name, const std::vector<std::string>& all_keys) {
   std::string nearest;
-  int least = std::numeric_limits<int>::max();
+  int least = kEditCost * (static_cast<int>(name.size()) / 2 + 1);
   for (const std::string& key : all_keys) {
     const std::size_t dot = key.rfind('.');
     const bool same_section = (dot == std::string::npos ? "" : key.substr(0, dot)) == section;
@@ -64,8 +65,10 @@ class Reader : public Fields {
       if (frame.known.count(key)) continue;
       std::string shown = quote(key);
       shown = shown.substr(1, shown.size() - 2);
-      problems_.push_back(joinPath(frame.path, shown) + ": unknown key; the nearest known one is " +
-                          nearestKey(frame.section, shown, all_keys_));
+      const std::string nearest = nearestKey(frame.section, shown, all_keys_);
+      const std::vector<std::string> known(frame.known.begin(), frame.known.end());
+      problems_.push_back(joinPath(frame.path, shown) + ": unknown key; " +
+                          (nearest.empty() ? "accepted: " + join(known, ", ") : "the nearest known one is " + nearest));
     }
     stack_.pop_back();
   }

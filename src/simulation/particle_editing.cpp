@@ -27,11 +27,13 @@ void requireCount(const char* what, std::size_t found, std::size_t accepted) {
 std::vector<Index> findPoints(const State& state, const std::vector<Index>& ids) {
   std::vector<Index> index_of_id(state.next_id, -1), points;
   for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
+  constexpr Index kTaken = -2;
   for (const Index id : ids) {
-    if (!(id >= 0 && id < state.next_id) || index_of_id[id] < 0)
-      throw InputError(nameOf(id) + ": found none of this id, or its id twice; accepted: particles that are there, each once");
-    points.push_back(index_of_id[id]);
-    index_of_id[id] = -1;
+    const Index i = id >= 0 && id < state.next_id ? index_of_id[id] : -1;
+    if (i == kTaken) throw InputError(nameOf(id) + ": found its id twice; accepted: each particle once");
+    if (i < 0) throw InputError(nameOf(id) + ": found none of this id; accepted: particles that are there");
+    points.push_back(i);
+    index_of_id[id] = kTaken;
   }
   return points;
 }

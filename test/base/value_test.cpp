@@ -154,6 +154,10 @@ TEST(ReadParams, FindsTheNearestKeyInAnotherSection) {
   EXPECT_EQ(problemsOf(makeMap("weight", 1))[0], "weight: unknown key; the nearest known one is inner.weight");
 }
 
+TEST(ReadParams, ListsTheKeysOfTheSectionWhereNoneIsNear) {
+  EXPECT_EQ(problemsOf(Value::Map{{"inner", Value::Map{{"weight", 1}, {"foo", 1}}}})[0], "inner.foo: unknown key; accepted: weight");
+}
+
 TEST(ReadParams, JudgesRulesOnlyOverReadableFields) {
   EXPECT_EQ(problemsOf(makeMap("count", 4)).size(), 1u);
   EXPECT_EQ(problemsOf(Value::Map{{"count", 4}, {"flag", "x"}}).size(), 1u);
