@@ -1,62 +1,80 @@
 #!/usr/bin/env python3
-"""Runs the scenes after the figures of [Szeliski and Tonnesen 1991] with `simulate` and draws each at three times, with every particle as
-a disc across its normal, into one picture. It is a file of its own so that docs/images/particles.png can be made again.
-  draw_particles.py SIMULATE OUT.png      SIMULATE: the program, e.g. .ws/devel/lib/deformable_surface/simulate"""
+"""Runs the scenes after the figures of [Szeliski and Tonnesen 1991] with `simulate` and draws each at some times into one picture, from the
+markers that RViz shows: axes, discs, wireframe, shaded triangles. It is a file of its own so that docs/images/particles.png can be made again.
+  draw_particles.py SIMULATE OUT.png [SCENES]      SIMULATE: the program, e.g. .ws/devel/lib/deformable_surface/simulate"""
+import io
 import os
-import re
 import subprocess
 import sys
 import tempfile
 
 import matplotlib
 import numpy as np
+import rosbag
 
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 from matplotlib.collections import LineCollection, PolyCollection  # noqa: E402
-
-sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
-import point_files  # noqa: E402
+from PIL import Image  # noqa: E402
 
 SCENES = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "scenes")
-# Scene, title, frames per second, frames drawn (from 0; -1 the last), elevation and azimuth of the viewer in degrees.
+# Scene, title, frames per second, frames drawn (from 0; -1 the last) and how, elevation and azimuth of the viewer in degrees.
 PANELS = [
-    ("chain", "5: two chains link", 50, (1, 20, -1), 0, -90),
-    ("weld", "6: welding", 50, (1, 25, -1), 60, -90),
-    ("cut", "7: cutting", 50, (0, 40, -1), 60, -90),
-    ("crease", "8: a crease", 10, (0, 5, -1), 12, 12),
-    ("stretch", "9: stretching", 10, (0, 15, -1), 20, -70),
-    ("grow", "10: growing through samples", 10, (0, -1), 15, -70),
-    ("fill", "11: small gaps are filled", 100, (1, 3, -1), 60, -90),
-    ("drape", "12a: draping", 10, (0, 4, -1), 20, -50),
-    ("plastic", "12b: drawn out, let go", 10, (0, 10, -1), 60, -90),
-    ("bend", "12b: bent, let go: it stays bent", 10, (5, 20, -1), 15, -70),
-    ("tear", "12c: tearing", 10, (1, 12, -1), 60, -90),
-    ("stem", "13: a stem", 10, (8, 20, -1), 12, -70),
-    ("handle", "13: and a handle", 10, (25, 55, -1), 12, -70),
-    ("torus", "14: a sphere becomes a torus", 10, (0, 14, -1), 50, -60),
+    ("stretch", "Figure 4: axes, discs, wireframe, triangles", 10,
+     ((-1, "axes"), (-1, "discs"), (-1, "wireframe"), (-1, "surface")), 35, -70),
+    ("chain", "Figure 5: two chains link", 50, ((1, "chain"), (20, "chain"), (-1, "chain")), 0, -90),
+    ("weld", "Figure 6: welding", 50, ((1, "discs"), (25, "discs"), (-1, "discs")), 60, -90),
+    ("cut", "Figure 7: cutting", 50, ((0, "discs"), (40, "discs"), (-1, "discs")), 60, -90),
+    ("crease", "Figure 8: a crease", 10, ((0, "surface"), (5, "surface"), (-1, "surface")), 15, 20),
+    ("stretch", "Figure 9: stretching, particles are born (orange)", 10, ((0, "discs"), (15, "discs"), (-1, "discs")), 20, -70),
+    ("grow", "Figure 10: samples (blue), grown through, triangles", 10, ((0, "samples"), (0, "discs"), (0, "surface")), 15, -70),
+    ("fill", "Figure 11: gaps are filled up to a width", 100, ((1, "discs"), (3, "discs"), (-1, "discs")), 60, -90),
+    ("drape", "Figure 12a: draping", 10, ((0, "surface"), (4, "surface"), (-1, "surface")), 20, -50),
+    ("plastic", "Figure 12b: drawn out, let go", 10, ((0, "discs"), (10, "discs"), (-1, "discs")), 60, -90),
+    ("bend", "Figure 12b: bent, let go: it stays bent", 10, ((5, "surface"), (20, "surface"), (-1, "surface")), 15, -70),
+    ("tear", "Figure 12c: tearing", 10, ((1, "surface"), (12, "surface"), (-1, "surface")), 60, -90),
+    ("stem", "Figure 13: a stem", 10, ((8, "surface"), (20, "surface"), (-1, "surface")), 12, -70),
+    ("handle", "Figure 13: and a handle", 10, ((25, "surface"), (55, "surface"), (-1, "surface")), 12, -70),
+    ("torus", "Figure 14: a sphere becomes a torus", 10, ((0, "surface"), (14, "surface"), (-1, "surface")), 50, -60),
+    ("axes", "Figure 15: x axes (red) before and after the spin torque", 10, ((0, "frames"), (-1, "frames")), 55, -60),
 ]
 GIVEN, BORN = np.array([0.45, 0.65, 0.85]), np.array([0.95, 0.6, 0.2])
+AXIS_COLOURS = ((0.8, 0.1, 0.1), (0.1, 0.6, 0.1), (0.1, 0.2, 0.8))
+COLOURS = 96  # of the picture: few enough for a small file
 DISC = np.radians(np.arange(0, 360, 30))
+LAMP = np.array([0.3, 0.5, 0.81])  # as the viewer sees it: right, up, towards the viewer
 
 
-def read_vertices(path):
-    """Positions, normals and displacements of a PLY file as `simulate` writes it: one element, all properties plain numbers."""
-    with open(path, "rb") as stream:
-        data = stream.read()
-    end = re.search(rb"^end_header\r?\n", data, re.MULTILINE).end()
-    header = [line.split() for line in data[:end].decode("ascii").splitlines()]
-    form = next(word[1] for word in header if word[0] == "format")
-    fields = [(word[2], point_files.PLY_FORMATS[form] + point_files.PLY_TYPES[word[1]]) for word in header if word[0] == "property"]
-    count = next(int(word[2]) for word in header if word[:2] == ["element", "vertex"])
-    table = np.frombuffer(data, np.dtype(fields), count, end)
-    columns = [np.stack([table[n] for n in names], axis=1).astype(float) for names in (("x", "y", "z"), fields_of_normals(table))]
-    is_there = np.isfinite(columns[0]).all(axis=1)
-    return columns[0][is_there], columns[1][is_there], table["displacement"][is_there]
+class Frame:
+    """What a bag says of one time: positions (n x 3), axes (n x 3 x 3, one a row), who was born, edges and triangles as points."""
+
+    def __init__(self, markers, cloud, first):
+        lists = {marker.ns: np.array([(p.x, p.y, p.z) for p in marker.points]).reshape(-1, 3) for marker in markers.markers}
+        lines = lists["axes"].reshape(-1, 3, 2, 3)
+        self.positions = lines[:, 0, 0]
+        self.axes = lines[:, :, 1] - lines[:, :, 0]
+        self.edges = lists["wireframe"].reshape(-1, 2, 3)
+        self.links = lists["stretch_springs"].reshape(-1, 2, 3)
+        self.triangles = lists["surface"].reshape(-1, 3, 3)
+        field = next(f for f in cloud.fields if f.name == "id")
+        rows = np.frombuffer(cloud.data, np.uint8).reshape(-1, cloud.point_step)
+        ids = rows[:, field.offset:field.offset + 4].copy().view(np.uint32)[:, 0]
+        self.is_born = ids >= (len(ids) if first is None else first)
 
 
-def fields_of_normals(table):
-    return ("nx", "ny", "nz") if "nx" in table.dtype.names else ("normal_x", "normal_y", "normal_z")
+def run_scene(simulate, name, rate, folder, given):
+    bag = os.path.join(folder, "out.bag")
+    subprocess.run([simulate, os.path.join(SCENES, "particles_%s.yaml" % name), "--bag_out", bag, "--set",
+                    "output.publish_rate=%d" % rate], check=True, stdout=subprocess.DEVNULL)
+    markers, clouds = [], []
+    with rosbag.Bag(bag) as messages:
+        for topic, message, _ in messages.read_messages():
+            if topic.endswith("/markers"):
+                markers.append(message)
+            if topic.endswith("/simulation_points"):
+                clouds.append(message)
+    first = given.get(name, clouds[0].width * clouds[0].height)
+    return [Frame(m, c, first) for m, c in zip(markers, clouds)]
 
 
 def look_along(elevation, azimuth):
@@ -72,63 +90,101 @@ def measure_spacing(points):
     return np.median(np.partition(distances, 1, axis=1)[:, 1])
 
 
-def draw_discs(axis, path, view):
-    points, normals, displacements = read_vertices(path)
-    radius = 0.5 * measure_spacing(points)
-    # Two directions across each normal.
-    helper = np.where(np.abs(normals[:, :1]) < 0.9, [[1.0, 0.0, 0.0]], [[0.0, 1.0, 0.0]])
-    u = np.cross(normals, helper)
-    u /= np.linalg.norm(u, axis=1, keepdims=True)
-    v = np.cross(normals, u)
-    rims = points[:, None] + radius * (np.cos(DISC)[None, :, None] * u[:, None] + np.sin(DISC)[None, :, None] * v[:, None])
-    light = view.T @ np.array([0.3, 0.5, 0.81])
-    shade = 0.35 + 0.65 * np.abs(normals @ light)
-    # The back of a disc is darker: holes and the inside of closed surfaces are then seen.
-    shade *= np.where(normals @ view[2] > 0.0, 1.0, 0.6)
-    colours = np.where(np.isnan(displacements)[:, None], BORN, GIVEN) * shade[:, None]
-    order = np.argsort(points @ view[2])
-    axis.add_collection(PolyCollection((rims @ view[:2].T)[order], facecolors=np.clip(colours[order], 0, 1), edgecolors="0.25",
-                                       linewidths=0.15))
-    return points @ view[:2].T
+def add_lines(axis, lines, view, colour, width):
+    axis.add_collection(LineCollection(lines @ view[:2].T, colors=[colour], linewidths=width))
 
 
-def draw_chain(axis, path, view):
-    points = read_vertices(path)[0]
-    longest = 1.6 * measure_spacing(points)
-    flat = points @ view[:2].T
-    pairs = [(i, j) for i in range(len(flat)) for j in range(i) if np.linalg.norm(points[i] - points[j]) < longest]
-    axis.add_collection(LineCollection([(flat[i], flat[j]) for i, j in pairs], colors="0.5", linewidths=0.8))
-    axis.plot(flat[:, 0], flat[:, 1], ".", color=GIVEN * 0.8, markersize=3)
-    return flat
+def add_faces(axis, faces, normals, base, view, edge, width):
+    """Faces (n x k x 3), the farthest first; the back is darker, so that holes and the inside of closed surfaces are seen."""
+    light = view.T @ LAMP
+    shade = (0.35 + 0.65 * np.abs(normals @ light)) * np.where(normals @ view[2] > 0.0, 1.0, 0.6)
+    order = np.argsort(faces.mean(1) @ view[2])
+    colours = np.clip(np.broadcast_to(base, normals.shape) * shade[:, None], 0, 1)
+    axis.add_collection(PolyCollection((faces @ view[:2].T)[order], facecolors=colours[order], edgecolors=edge, linewidths=width))
+
+
+def draw_discs(axis, frame, view, which):
+    points, axes = frame.positions[which], frame.axes[which]
+    radius = 0.5 * measure_spacing(frame.positions)
+    units = axes / np.linalg.norm(axes, axis=2, keepdims=True)
+    rims = points[:, None] + radius * (np.cos(DISC)[None, :, None] * units[:, None, 0] + np.sin(DISC)[None, :, None] * units[:, None, 1])
+    add_faces(axis, rims, units[:, 2], np.where(frame.is_born[which][:, None], BORN, GIVEN), view, "0.25", 0.15)
+
+
+def draw_surface(axis, frame, view):
+    corners = frame.triangles
+    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-300)
+    add_faces(axis, corners, normals, GIVEN, view, "0.3", 0.1)
+
+
+def draw_axes(axis, frame, view):
+    for k in range(3):
+        add_lines(axis, np.stack([frame.positions, frame.positions + frame.axes[:, k]], axis=1), view, AXIS_COLOURS[k], 0.6)
+
+
+def draw_directions(axis, frame, view):
+    """The x axes both ways, so that those of neighbours nearly touch."""
+    half = 1.1 * frame.axes[:, 0]
+    add_lines(axis, np.stack([frame.positions - half, frame.positions + half], axis=1), view, AXIS_COLOURS[0], 0.6)
+
+
+def draw(axis, frame, how, view):
+    everyone = np.ones(len(frame.positions), bool)
+    if how == "discs":
+        draw_discs(axis, frame, view, everyone)
+    elif how == "samples":
+        draw_discs(axis, frame, view, ~frame.is_born)
+    elif how == "surface":
+        draw_surface(axis, frame, view)
+    elif how == "axes":
+        draw_axes(axis, frame, view)
+    elif how == "frames":
+        draw_surface(axis, frame, view)
+        draw_directions(axis, frame, view)
+    elif how == "wireframe":
+        add_lines(axis, frame.edges, view, "0.2", 0.3)
+    else:
+        add_lines(axis, frame.links, view, "0.5", 0.8)
+        flat = frame.positions @ view[:2].T
+        axis.plot(flat[:, 0], flat[:, 1], ".", color=GIVEN * 0.8, markersize=3)
+    return frame.positions @ view[:2].T
 
 
 def main():
-    if len(sys.argv) != 3:
+    global SCENES
+    if len(sys.argv) not in (3, 4):
         sys.exit(__doc__)
+    SCENES = sys.argv[3] if len(sys.argv) == 4 else SCENES
     columns = 2
     rows = (len(PANELS) + columns - 1) // columns
-    figure = pyplot.figure(figsize=(13, 2.6 * rows))
+    figure = pyplot.figure(figsize=(13, 2.5 * rows))
+    # Of a scene that begins grown, the samples that it was given.
+    given = {"grow": 80}
     for k, (name, title, rate, chosen, elevation, azimuth) in enumerate(PANELS):
         view = look_along(elevation, azimuth)
         with tempfile.TemporaryDirectory() as folder:
-            subprocess.run([sys.argv[1], os.path.join(SCENES, "particles_%s.yaml" % name), "--frames", folder, "--frame_rate",
-                            str(rate)], check=True, stdout=subprocess.DEVNULL)
-            frames = sorted(os.listdir(folder))
-            axes, drawn = [], []
-            for c, frame in enumerate(chosen):
-                left = (k % columns + (c + 0.02) / 3.0) / columns
-                axis = figure.add_axes([left, 1.0 - (k // columns + 0.98) / rows, 0.96 / (3 * columns), 0.86 / rows])
-                draw = draw_chain if name == "chain" else draw_discs
-                drawn.append(draw(axis, os.path.join(folder, frames[frame]), view))
-                axes.append(axis)
-        # All times of a scene on one scale.
+            frames = run_scene(sys.argv[1], name, rate, folder, given)
+        axes, drawn = [], []
+        for c, (frame, how) in enumerate(chosen):
+            left = (k % columns + (c + 0.02) / len(chosen)) / columns
+            axis = figure.add_axes([left, 1.0 - (k // columns + 0.98) / rows, 0.96 / (len(chosen) * columns), 0.86 / rows])
+            drawn.append(draw(axis, frames[frame], how, view))
+            axes.append(axis)
+        # All times of a scene on one scale, as large as its own room lets it be.
         everything = np.concatenate(drawn)
-        middle, half = (everything.min(0) + everything.max(0)) / 2.0, 0.55 * (everything.max(0) - everything.min(0)).max()
+        low, high = everything.min(0), everything.max(0)
+        middle, half = (low + high) / 2.0, 0.52 * (high - low)
+        box = axes[0].get_position()
+        shape = box.width * figure.get_figwidth() / (box.height * figure.get_figheight())
+        half = max(half[0], half[1] * shape)
         for axis in axes:
-            axis.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half, middle[1] + half), aspect="equal")
+            axis.set(xlim=(middle[0] - half, middle[0] + half), ylim=(middle[1] - half / shape, middle[1] + half / shape), aspect="equal")
             axis.axis("off")
         figure.text((k % columns + 0.02) / columns, 1.0 - (k // columns + 0.09) / rows, title, fontsize=11)
-    figure.savefig(sys.argv[2], dpi=70)
+    drawn = io.BytesIO()
+    figure.savefig(drawn, dpi=70)
+    Image.open(drawn).convert("RGB").quantize(COLOURS, dither=Image.NONE).save(sys.argv[2], optimize=True)
 
 
 if __name__ == "__main__":
