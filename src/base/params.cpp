@@ -68,7 +68,6 @@ class Printer : public Fields {
     return true;
   }
   void onEndList() override { onEnd(); }
-  void onNotBuilt(const About&) override {}
   void onBroken(const std::string&, const std::string&) override {}
 
   std::vector<Frame> stack_{{"", Value::Map{}, false}};

@@ -77,7 +77,6 @@ class Page : public Fields {
     return true;
   }
   void onEndList() override { onEnd(); }
-  void onNotBuilt(const About& about) override { addRow(about, "empty", "nothing: not built yet"); }
   void onBroken(const std::string&, const std::string&) override {}
 
   void enter(const About& about, const std::string& path) {

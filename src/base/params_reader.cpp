@@ -280,14 +280,6 @@ class Reader : public Fields {
 
   void onEndList() override { stack_.pop_back(); }
 
-  void onNotBuilt(const About& about) override {
-    const Value* given = get(about, "nothing");
-    if (!given || given->isNull()) return;
-    if ((given->isMap() && given->asMap()->empty()) || (given->asList() && given->asList()->empty())) return;
-    addProblem(about.name,
-               "found " + given->describe() + "; this part is not built yet; accepted: nothing, or leave the key out");
-  }
-
   void onBroken(const std::string& name, const std::string& sentence) override {
     if (!stack_.back().failed) problems_.push_back(joinPath(stack_.back().path, name) + ": " + sentence);
   }

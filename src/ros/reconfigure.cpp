@@ -59,7 +59,6 @@ class Finder : public Fields {
   std::size_t onBeginList(const About&, std::size_t) override { return 0; }
   bool onBeginItem(std::size_t) override { return false; }
   void onEndList() override {}
-  void onNotBuilt(const About&) override {}
   void onBroken(const std::string&, const std::string&) override {}
 
   std::vector<std::string> path_;

@@ -32,8 +32,7 @@ DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointClou
       first_input_(rest.dense.positions.size(), -1),
       has_particles_(params.model == ModelKind::kOrientedParticles),
       solid_(solid),
-      is_direct_((solid_ && rest.points.size() == rest.dense.positions.size()) ||
-                 (has_particles_ && rest.points == rest.dense.positions)),
+      is_direct_(solid_ ? rest.solid_transfer.isEmpty() : has_particles_ && rest.points == rest.dense.positions),
       is_plain_(isPlain(rest.dense.point_of_input, rest.dense.positions.size())) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;

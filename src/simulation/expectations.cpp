@@ -150,6 +150,7 @@ std::optional<double> findParticleQuantity(const std::string& name, const Simula
 double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> statistic = findStatistic(name, simulation.statistics())) return *statistic;
   if (name == "volume_ratio") return computeVolumeRatio(simulation);
+  if (name == "plastic_dissipation") return simulation.state().dissipated;
 
   if (const std::optional<double> distance = findDistanceQuantity(name, simulation)) return *distance;
   if (const std::optional<double> particles = findParticleQuantity(name, simulation)) return *particles;

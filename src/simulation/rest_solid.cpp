@@ -80,20 +80,6 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   return Vec3::Zero();
 }
 
-// The 2k neighbours of the dense points, in space or over the body, and the weights of their detours (empty: all one).
-std::vector<double> findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
-  const Points& positions = s.dense.positions;
-  s.dense_neighbors = cloud::nearestNeighbors(positions, 2 * params.k);
-  if (params.areEuclidean()) return {};
-  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, {}, s.dense_neighbors, params.geodesicness);
-  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, {}, std::move(s.dense_neighbors));
-  s.dense_neighbors = std::move(found.lists);
-  noteGaps(found, s);
-  // Where there is no gap, detours are those of paths from point to point, and weights by them would only make fits narrower.
-  if (!hasGaps(found, s)) return {};
-  return cloud::geodesicWeights(graph, positions, s.dense_neighbors);
-}
-
 // Those given; else of points on the outside the direction away from their neighbours, and none inside. Of a planar solid its
 // own.
 void completeNormals(const Vec3& across, RestSurface& s) {
@@ -116,8 +102,7 @@ std::vector<Index> choosePoints(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   const cloud::SimplificationParams& how = params.simplification;
   const bool by_threshold = how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
-  Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
-  if (how.method == cloud::SimplificationMethod::kNone) target = n;
+  const Index target = findSolidTarget(how, n);
   s.order.num_points = n;
   const Index last = by_threshold ? Index{4} : target;
   if (last < n) s.order = cloud::orderByDistance(s.dense.positions, s.dense_neighbors, last, choosePinPoints(params, s.dense.positions));
@@ -134,9 +119,44 @@ void noteLoadsAcross(const SceneParams& params, const Vec3& across, RestSurface&
 
 }  // namespace
 
+std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors, RestSurface& s) {
+  if (params.areEuclidean()) return {};
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesicness);
+  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
+  neighbors = std::move(found.lists);
+  noteGaps(found, s);
+  // Where there is no gap, detours are those of paths from point to point, and weights by them would only make fits narrower.
+  if (!hasGaps(found, s)) return {};
+  return cloud::geodesicWeights(graph, points, neighbors);
+}
+
+Index findSolidTarget(const cloud::SimplificationParams& how, Index of) {
+  if (how.method == cloud::SimplificationMethod::kNone) return of;
+  return how.target_points > 0 ? how.target_points : kAutoPoints;
+}
+
+void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across, RestSurface& s) {
+  auto solid = std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material, params.elastic_solid);
+  if (solid->numDeficient() > 0)
+    s.notes.push_back(count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
+  const double volume = std::accumulate(solid->volumes().begin(), solid->volumes().end(), 0.0);
+  s.model = std::move(solid);
+  applyPins(params, s);
+  const bool is_planar = !across.isZero(0.0);
+  if (is_planar) noteLoadsAcross(params, across, s);
+  const Index m = static_cast<Index>(s.points.size());
+  // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
+  const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
+  s.area = m * spacing * spacing;
+  s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) + " m^3: " +
+                    count(static_cast<Index>(s.dense.positions.size()), "points, ") + count(m, "simulation points, ") +
+                    count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+}
+
 void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
-  std::vector<double> detours = findNeighbors(params.neighbors, s);
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  std::vector<double> detours = keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
   const Vec3 across = findAcross(params, s);
   const bool is_planar = !across.isZero(0.0);
   completeNormals(across, s);
@@ -156,14 +176,7 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
     if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, s.dense_index, k);
     neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
   }
-  auto solid = std::make_unique<model::ElasticSolid>(s.points, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across,
-                                                     params.material, params.elastic_solid);
-  if (solid->numDeficient() > 0)
-    s.notes.push_back(count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
-  const std::vector<double> volumes = solid->volumes();
-  s.model = std::move(solid);
-  applyPins(params, s);
-  if (is_planar) noteLoadsAcross(params, across, s);
+  finishSolid(params, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across, s);
 
   if (m < n) {
     Lists followed;
@@ -180,12 +193,6 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
     }
     s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
   }
-  const double volume = std::accumulate(volumes.begin(), volumes.end(), 0.0);
-  // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
-  const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
-  s.area = m * spacing * spacing;
-  s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) + " m^3: " + count(n, "points, ") +
-                    count(m, "simulation points, ") + count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 
 }  // namespace deformable_surface::simulation

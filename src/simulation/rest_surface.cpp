@@ -261,7 +261,13 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = cleanInput(input);
   if (params.model == ModelKind::kElasticSolid) {
-    buildRestSolid(params, input, s);
+    if (params.elastic_solid.fill) {
+      findNeighbors(params.neighbors, s);
+      completeNormals(input, params.neighbors.k, s);
+      buildFilledSolid(params, s);
+    } else {
+      buildRestSolid(params, input, s);
+    }
     return s;
   }
   const Index n = static_cast<Index>(s.dense.positions.size());

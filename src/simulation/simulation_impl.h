@@ -64,7 +64,7 @@ struct Simulation::Impl {
   // Made once from the rest state: what forks share, and what each has for itself.
   std::unique_ptr<model::DeformableModel> model;
   model::OrientedParticles* const particles;  // the model, if it is this one
-  const model::ElasticSolid* const solid;     // the same
+  model::ElasticSolid* const solid;           // the same
   const std::shared_ptr<const RestSurface> shared_rest;
   const RestSurface& rest = *shared_rest;
   std::vector<std::string> notes;

@@ -28,7 +28,7 @@ Simulation::Impl::Impl(const SceneParams& given, std::shared_ptr<const cloud::Po
       shared_input(std::move(cloud)),
       model(std::move(material)),
       particles(dynamic_cast<model::OrientedParticles*>(model.get())),
-      solid(dynamic_cast<const model::ElasticSolid*>(model.get())),
+      solid(dynamic_cast<model::ElasticSolid*>(model.get())),
       shared_rest(std::move(built)),
       notes(rest.notes),
       gravity(model->masses(), params.gravity),
@@ -138,6 +138,8 @@ void Simulation::Impl::reset() {
   contact.reset();
   part.reset();
   part_march = {};
+  contact.setTools({});  // by which the rate of contact must not be measured
+  chooseLoads();
   contact_rate = 0.0;
   setTools(params.tools);
   activity.reset();

@@ -107,7 +107,7 @@ std::size_t Snapshot::bytes() const {
   if (!contents_) return 0;
   const Contents& c = *contents_;
   std::size_t sum = sizeof(Contents) + bytesOf(c.state.positions) + bytesOf(c.state.velocities) + bytesOf(c.state.orientations) +
-                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.pinned) + bytesOf(c.pinned_turns) +
+                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.state.plastic) + bytesOf(c.pinned) + bytesOf(c.pinned_turns) +
                     bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.cuts) + bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
   if (c.severed) sum += bytesOf(*c.severed);
   for (const ContactLoad::Body& body : c.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);

@@ -58,6 +58,10 @@ StepOutcome Simulation::Impl::step() {
   }
   if (!contact.isEmpty()) appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
   if (may_be_cut) endCuts(now, dt, outcome);
+  if (solid && solid->flow(dt, state)) {
+    march.forcesChanged();
+    wakeAll();
+  }
   ++steps;
   surface.invalidate();
   surface.resample(state);

@@ -38,6 +38,7 @@ class VelocityVerlet : public Integrator {
     max_slow_step_ = max_slow_step;
     most_inner_ = most_inner;
   }
+  void forgetForces() override { last_positions_.clear(); }
 
  private:
   double max_slow_step_ = 0.0;

@@ -66,6 +66,11 @@ void TimeMarch::restart() {
   memory_.heated = memory_.dissipated = 0.0;
 }
 
+void TimeMarch::forcesChanged() {
+  for (auto& [type, integrator] : integrators_) integrator->forgetForces();
+  guard_.elasticityChanged();
+}
+
 // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
 std::string TimeMarch::chooseIntegrator() {
   IntegratorType wanted = params_.type;

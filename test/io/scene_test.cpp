@@ -208,9 +208,13 @@ TEST(ReadScene, RefusesWrongKinds) {
 }
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
-  EXPECT_TRUE(contains(problemOf("elastic_solid: {fill: true}"), "not built yet; accepted: ")) << problemOf("elastic_solid: {fill: true}");
   EXPECT_TRUE(contains(problemOf("neighbors: {radius: 0.1}"), "found a number; accepted: auto"));
   EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "only oriented_particles"));
+}
+
+TEST(ReadScene, RefusesChoicesOfElasticSolidsThatDoNotGoTogether) {
+  EXPECT_TRUE(contains(problemOf("elastic_solid: {dimension: planar, fill: true}"), "elastic_solid.fill: found true for a planar solid"));
+  EXPECT_TRUE(contains(problemOf("elastic_solid: {law: linear, plasticity: {yield_stress: 1}}"), "found one with law: linear"));
 }
 
 TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {

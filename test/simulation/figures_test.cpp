@@ -27,7 +27,7 @@ class TwoBars : public testing::TestWithParam<const char*> {};
 // Figure 8. The scene's own bounds, which are those of the tests of scenes, are for auto.
 TEST_P(TwoBars, TheLowerBarBendsDownUnlessNeighboursAreTheNearestInSpace) {
   SceneParams scene = loadScene(GetParam());
-  scene.duration = 0.6;  // by then it has bent by nine tenths
+  scene.duration = 0.6;  // by then it has bent most of the way
   const Vec3 low(0.9, -kFar, -kFar), high(kFar, kFar, 0.0);  // the tip of the lower bar
   Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished), euclidean = runFigure(scene, kEuclidean);
   const double bent = findLargestMotion(by_auto, low, high);

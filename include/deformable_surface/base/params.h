@@ -118,9 +118,6 @@ class Fields {
     onEndList();
   }
 
-  /// A section or list that is known but accepts nothing yet.
-  void notBuilt(const char* name, const char* meaning) { onNotBuilt(take(name, meaning)); }
-
   /// A rule among fields. name: the field that breaks it ("" = the section itself); sentence: what was found and what is
   /// accepted.
   void require(bool holds, const std::string& name, const std::string& sentence) {
@@ -152,7 +149,6 @@ class Fields {
   virtual std::size_t onBeginList(const About& about, std::size_t size) = 0;
   virtual bool onBeginItem(std::size_t i) = 0;
   virtual void onEndList() = 0;
-  virtual void onNotBuilt(const About& about) = 0;
   virtual void onBroken(const std::string& name, const std::string& sentence) = 0;
 
  private:

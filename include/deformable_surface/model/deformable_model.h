@@ -34,6 +34,9 @@ struct State {
   Points spins{};                        // (n x 3) angular velocity, rad/s
   std::vector<ParticleTraits> traits{};  // (n)
   Index next_id = 0;                     // of the particle that is born next
+  // Of solids that flow, else empty:
+  std::vector<Mat3> plastic{};  // (n) F_p^-1, from where the surroundings of a point are at rest now to where they were at first
+  double dissipated = 0.0;      // J, by what has flowed
 
   Index size() const { return static_cast<Index>(positions.size()); }
   /// The orientation of an oriented particle with its turn about the normal: the frame that shows the principal directions.

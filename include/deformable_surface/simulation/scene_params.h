@@ -171,6 +171,7 @@ inline std::vector<std::string> expectQuantities() {
   });
   for (const char* name : {"max_displacement", "mean_displacement", "rms_displacement", "min_x", "max_x", "min_y", "max_y",
                            "min_z", "max_z", "volume_ratio", "components", "boundary_loops", "euler_characteristic", "isolated",
+                           "plastic_dissipation",
                            "spacing_mean", "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean",
                            "distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms"}) {
     names.emplace_back(name);

@@ -33,6 +33,8 @@ class EnergyGuard {
   }
   /// The loads are not those of the last step: how hard they push from rest is to be found anew.
   void loadsChanged() { memory_.kick_needed = true; }
+  /// The elastic energy of the state is not that of the end of the last step: something has flowed.
+  void elasticityChanged() { elastic_known_ = false; }
   const Memory& memory() const { return memory_; }
   void setMemory(const Memory& memory) {
     restart();

@@ -31,6 +31,8 @@ class Integrator {
   /// Allows the model's slow forces (see DeformableModel) to act once in up to most_inner sub-steps, as long as those together stay
   /// within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every sub-step.
   virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
+  /// The model's forces are not those that the last step ended with, though the positions may be.
+  virtual void forgetForces() {}
 
   /// Solutions of the implicit and the static methods end between two iterations once this is true, and leave a state that is no
   /// step's; null = never.

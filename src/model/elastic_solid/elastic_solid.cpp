@@ -65,6 +65,7 @@ ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std
     : law_(params.law == SolidLaw::kLinear ? StressLaw::kLinear : StressLaw::kCorotated),
       is_plate_(!across.isZero(0.0) && params.plane == PlaneKind::kStress),
       passes_(makeRest(rest, neighbors, detours, across, material, params)) {
+  if (params.plasticity.isOn()) plasticity_.emplace(passes_.rest, params.plasticity);
   for (double volume : passes_.rest.volumes) masses_.push_back(material.density * volume);
   const char full = isPlanar() ? 2 : 3;
   for (char rank : passes_.rest.fit.rank) num_deficient_ += rank < full;
@@ -78,6 +79,22 @@ ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std
   findRowBounds();
   findCouplings();
   findStableStep();
+}
+
+void ElasticSolid::beginAtRest(State& state) {
+  state.dissipated = 0.0;
+  state.plastic.assign(plasticity_ ? state.positions.size() : 0, Mat3::Identity());
+  adopt(state);
+}
+
+void ElasticSolid::adopt(const State& state) {
+  if (plasticity_) plasticity_->apply(state.plastic, passes_);
+}
+
+bool ElasticSolid::flow(double dt, State& state) {
+  if (!plasticity_) return false;
+  positions_.assign(state.positions);
+  return plasticity_->flow(dt, positions_.data(), passes_, state);
 }
 
 // Sums of the norms of the blocks of a row of kBound's stiffness: E is a sum over k of what the neighbours i and j of k do to

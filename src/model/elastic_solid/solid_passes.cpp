@@ -505,15 +505,27 @@ Mat3 SolidPasses::findStress(StressLaw law, const Mat3& F) const {
   return 2.0 * mu * (F - R) + lambda * (R.cwiseProduct(F).sum() - 3.0) * R;
 }
 
-double SolidPasses::findEnergy(StressLaw law, Index i, const double* positions) const {
-  double density = 0.0;
-  if (rest.fit.rank[i] > 0) {
-    const Mat3 F = fitGradient(i, positions);
-    const Mat3 R = law == StressLaw::kLinear ? Mat3(Mat3::Identity()) : findRotation(F);
-    const Mat3 strain = law == StressLaw::kLinear ? Mat3(0.5 * (F + F.transpose()) - R) : Mat3(F - R);
-    const double trace = R.cwiseProduct(strain).sum();
-    density = rest.mu * strain.squaredNorm() + 0.5 * rest.lambda * trace * trace;
+double SolidPasses::findDensity(StressLaw law, const Mat3& F) const {
+  const Mat3 R = law == StressLaw::kLinear ? Mat3(Mat3::Identity()) : findRotation(F);
+  const Mat3 strain = law == StressLaw::kLinear ? Mat3(0.5 * (F + F.transpose()) - R) : Mat3(F - R);
+  const double trace = R.cwiseProduct(strain).sum();
+  return rest.mu * strain.squaredNorm() + 0.5 * rest.lambda * trace * trace;
+}
+
+void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse, const Mat3& inverse) {
+  const auto at = [](auto& rows, Index k) { return rows.data() + 4 * static_cast<std::size_t>(k); };
+  for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) {
+    const Vec3 row = inverse.transpose() * Eigen::Map<const Vec3>(at(at_rest.row, k));
+    Eigen::Map<Vec3>(at(rest.gradients.row, k)) = Eigen::Map<Vec3>(at(rest.gradients.column, reverse[k])) = row;
   }
+  rest.gradients.own[i] = inverse.transpose() * at_rest.own[i];
+  double* constants = constants_.data() + 4 * kConstants * static_cast<std::size_t>(i / 4);
+  for (Index lane = i % 4; lane < 4; lane += i + 1 == size() ? 1 : 4)  // the last group is filled up with the last point
+    for (int c = 0; c < 3; ++c) constants[4 * (1 + c) + lane] = rest.gradients.own[i][c];
+}
+
+double SolidPasses::findEnergy(StressLaw law, Index i, const double* positions) const {
+  const double density = rest.fit.rank[i] > 0 ? findDensity(law, fitGradient(i, positions)) : 0.0;
   Vec3 unused;
   const Mat3 N = sumPairs(rest.near.pairs, rest.near.m, i, positions, unused) * rest.near.inverseAt(i);
   double sum = 0.0;

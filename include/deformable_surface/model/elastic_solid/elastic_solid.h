@@ -4,8 +4,11 @@
 #include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/model/elastic_solid/elastic_solid_params.h"
+#include "deformable_surface/model/elastic_solid/plastic_flow.h"
 #include "deformable_surface/model/elastic_solid/solid_passes.h"
 #include "deformable_surface/model/material_params.h"
+
+#include <optional>
 
 namespace deformable_surface::model {
 
@@ -27,6 +30,11 @@ class ElasticSolid : public DeformableModel {
   /// A planar solid takes nothing across its plane.
   void confine(Points& forces) const override;
   bool forcesReadVelocities() const override { return false; }
+  void beginAtRest(State& state) override;
+  void adopt(const State& state) override;
+  /// After a step of dt seconds: what is beyond the yield flows (PlasticFlow), in a state that was adopted or began at rest.
+  /// Returns whether anything did.
+  bool flow(double dt, State& state);
   void addForces(const State& state, Points& forces) const override;
   double elasticEnergy(const State& state) const override;
   /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): it does not depend on the
@@ -73,6 +81,7 @@ class ElasticSolid : public DeformableModel {
   StressLaw law_;
   bool is_plate_;  // no stress across the plane
   mutable SolidPasses passes_;  // with scratch of its own
+  std::optional<PlasticFlow> plasticity_;
   std::vector<double> masses_, row_bounds_;
   std::vector<Coupling> couplings_;
   double stable_step_ = 0.0;

@@ -2,6 +2,7 @@
 #pragma once
 
 #include "deformable_surface/base/params.h"
+#include "deformable_surface/model/elastic_solid/plasticity_params.h"
 
 namespace deformable_surface::model {
 
@@ -19,6 +20,8 @@ struct ElasticSolidParams {
   PlaneKind plane = PlaneKind::kStress;
   SolidLaw law = SolidLaw::kCorotated;
   double stabilization = 0.05;  // >= 0: stiffness, over Young's modulus, against motions that no fitted gradient shows
+  bool fill = false;            // the cloud is the surface of a body, inside which points are made
+  PlasticityParams plasticity;
 };
 
 inline void visit(Fields& fields, ElasticSolidParams& p) {
@@ -33,7 +36,13 @@ inline void visit(Fields& fields, ElasticSolidParams& p) {
   fields.number("stabilization", p.stabilization, "", between(0.0, 10.0),
                 "stiffness, over Young's modulus, against motions from point to point that the fitted strain does not show; 0 leaves "
                 "them free");
-  fields.notBuilt("fill", "points inside a closed surface");
+  fields.flag("fill", p.fill,
+              "the cloud is the closed surface of a body: points are made inside, which are simulated and in no output cloud");
+  fields.require(!p.fill || p.dimension != SolidDimension::kPlanar, "fill",
+                 "found true for a planar solid; accepted: false, or dimension auto or volume");
+  fields.section("plasticity", p.plasticity, "What stays of a deformation.");
+  fields.require(!p.plasticity.isOn() || p.law == SolidLaw::kCorotated, "plasticity.yield_stress",
+                 "found one with law: linear, which would take rotations for yield; accepted: 0, or law: corotated");
 }
 
 }  // namespace deformable_surface::model

@@ -16,7 +16,7 @@ namespace deformable_surface::model {
 /// R is the rotation nearest to F (a proper one, also where F turns the body inside out).
 enum class StressLaw { kCorotated, kLinear, kBound, kTangent };
 
-/// What an elastic solid is, fixed at rest.
+/// What an elastic solid is, fixed at rest, but for the gradients of points that have flowed.
 struct SolidRest {
   PairFit fit;                    // whose corrected gradients strain is measured by
   ConsistentGradients gradients;
@@ -31,7 +31,7 @@ class SolidPasses {
  public:
   explicit SolidPasses(SolidRest given);
 
-  const SolidRest rest;
+  SolidRest rest;
   Index size() const { return rest.fit.size(); }
 
   /// First pass: of each point in [begin, end), begin a multiple of four, what it spreads: Q_i = V_i P_i and N_i = -s F'_i, and
@@ -56,6 +56,11 @@ class SolidPasses {
   Mat3 fitGradient(Index i, const double* positions) const;
   /// The stress by law of one F.
   Mat3 findStress(StressLaw law, const Mat3& F) const;
+  /// psi by law (not kBound) of one F, J/m^3.
+  double findDensity(StressLaw law, const Mat3& F) const;
+  /// From now on F_i is what it was by the rows (at_rest) with a matrix behind it: g_ij = inverse^T g_ij at rest. reverse: of every
+  /// pair i, j the place of j, i. Different points may be turned at once.
+  void setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse, const Mat3& inverse);
   /// Neighbours that span less than the solid.
   bool isDeficient(Index i) const { return rest.fit.rank[i] < (rest.across.isZero(0.0) ? 3 : 2); }
 
