@@ -29,7 +29,7 @@ std::string showOrder(const physics::Problem& problem, const std::vector<physics
 void runPhysicsSection(const Options& options, Report& report) {
   std::vector<physics::Problem> problems;
   for (const auto& list : {physics::listMotions, physics::listHanging, physics::listMembranes, physics::listStrips,
-                           physics::listVibrations, physics::listShells, physics::listMeasured})
+                           physics::listVibrations, physics::listShells, physics::listMeasured, physics::listSolids})
     for (const physics::Problem& problem : list()) problems.push_back(problem);
 
   std::vector<std::vector<std::string>> series;
