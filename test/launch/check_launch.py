@@ -160,6 +160,49 @@ def check_tracked():
         assert find_distance("deformed") < moved
 
 
+def check_track():
+    """A recorded motion as a camera would see it, dense, followed by a surface with the policy `track`."""
+    import csv
+    import rosbag
+    import rospy
+    from play_tracked import read_points
+    from sensor_msgs import point_cloud2
+    with rosbag.Bag(find_data("ros_bags/cloth_placemat_val_setup.bag")) as bag:
+        recorded = [(stamp, np.array(read_points(message)).reshape(3, 3, 3))
+                    for _, message, stamp in bag.read_messages(["/object_estimate"])]
+    # Between the nine tracked points the cloth is taken as bilinear.
+    at = np.linspace(0.0, 2.0, 41)
+    cell, share = np.minimum(at.astype(int), 1), at - np.minimum(at.astype(int), 1)
+
+    def refine(rows):
+        return rows[cell] * (1 - share)[:, None, None] + rows[cell + 1] * share[:, None, None]
+
+    clouds = [refine(refine(points).swapaxes(0, 1)).reshape(-1, 3) for _, points in recorded]
+    moved = np.linalg.norm(clouds[-1] - clouds[0], axis=1).max()
+    with tempfile.TemporaryDirectory() as folder:
+        path, scene, table = (os.path.join(folder, name) for name in ("in.bag", "scene.yaml", "statistics.csv"))
+        with rosbag.Bag(path, "w") as bag:
+            for (stamp, _), points in zip(recorded, clouds):
+                message = point_cloud2.create_cloud_xyz32(rospy.Header(stamp=stamp, frame_id="world"), points)
+                bag.write("/deformable_surface/cloud_in", message, stamp)
+        with open(scene, "w") as stream:
+            stream.write("{model: mass_spring, gravity: [0, 0, 0], material: {young_modulus: 1.0e3, damping: 1.0}, "
+                         "simplification: {target_points: 200}, input: {policy: track}}")
+        length = (recorded[-1][0] - recorded[0][0]).to_sec()
+        subprocess.run(["rosrun", "deformable_surface", "simulate", scene, "--bag_in", path, "--statistics", table, "--quiet",
+                        "--duration", "%.2f" % (np.ceil(length * 100) / 100 + 1.0)], check=True)
+        with open(table) as stream:
+            rows = list(csv.DictReader(stream))
+    residuals = np.array([float(row["track_residual"]) for row in rows])
+    seen = int(rows[-1]["track_points"])
+    print("moved by up to %.3g m; %d points seen; residual at most %.3g m, %.3g m in the end" %
+          (moved, seen, np.nanmax(residuals), residuals[-1]))
+    assert seen > 150, seen
+    # The noise of float32 and the resistance of the surface, far below the motion.
+    assert residuals[-1] < 0.05 * moved, (residuals[-1], moved)
+    assert np.nanmax(residuals) > 2 * residuals[-1], "nothing was followed"
+
+
 def check_record():
     import rosbag
     with tempfile.TemporaryDirectory() as folder:
