@@ -28,7 +28,7 @@ Eigen::Isometry3d findTransform(const std::string& what, const std::string& from
     transform.translate(Vec3(t.translation.x, t.translation.y, t.translation.z));
     transform.rotate(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
   } catch (const tf2::TransformException& error) {
-    throw InputError(what + ": there is no transform from frame " + quote(source) + " to " + quote(target) + " (" +
+    throw FrameError(what + ": there is no transform from frame " + quote(source) + " to " + quote(target) + " (" +
                      quote(error.what()) + "); accepted: frames that tf knows at the stamp");
   }
   if (!transform.matrix().allFinite()) {

@@ -1,6 +1,7 @@
 // Coordinate frames and poses: one lookup in tf and one reader, with the checks that tf and the messages leave out.
 #pragma once
 
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
 
 #include <geometry_msgs/Pose.h>
@@ -11,12 +12,18 @@
 
 namespace deformable_surface::node {
 
+/// There is no transform, which may still come.
+class FrameError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
 /// tf2 knows frames without a leading slash only; old bags have one.
 std::string withoutSlash(const std::string& frame);
 
 /// The transform that takes coordinates of `from` to those of `to` at the stamp (0 = the latest), without waiting. An empty or
-/// the same frame is no transform. Throws InputError, beginning with `what`, if there is none or it is not finite, which tf2 lets
-/// through.
+/// the same frame is no transform. Throws, beginning with `what`, FrameError if there is none, and InputError if it is not finite,
+/// which tf2 lets through.
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
                                 const tf2::BufferCore& transforms);
 

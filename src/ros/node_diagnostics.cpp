@@ -62,8 +62,9 @@ void NodeDiagnostics::describeInput(Status& status) const {
   status.add("clouds refused", refused);
   status.add("clouds ignored by policy", now_.clouds_ignored);
   status.add("clouds tracked", now_.clouds_tracked);
-  status.add("clouds replaced before they were built", inbox_.numCloudsReplaced());
+  status.add("clouds replaced before they were built", inbox_.numCloudsReplaced() + now_.clouds_dropped);
   status.add("commands applied", now_.commands_applied);
+  status.add("commands late", now_.commands_late);
   status.add("commands waiting", now_.commands_waiting);
   status.add("commands refused", complaints_.count(Complaint::kCommandRefused) + complaints_.count(Complaint::kToolsRefused));
   status.add("calls refused", complaints_.count(Complaint::kCallRefused));

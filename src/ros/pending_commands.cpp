@@ -1,10 +1,13 @@
 #include "pending_commands.h"
 
+#include "frames.h"
+
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/ros/commands.h"
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace deformable_surface::node {
 namespace {
@@ -12,6 +15,16 @@ namespace {
 // Far more than a scene uses; what comes over the network must not fill the memory.
 constexpr std::size_t kMaxForces = 1000;
 constexpr std::size_t kMaxWaiting = 100000;
+// Transforms come within a few periods of their publisher; a command that is older than this is no answer to anything.
+constexpr std::chrono::seconds kTransformPatience(2);
+
+constexpr char kToolKey[] = "tool ";
+
+// What a command is for: the next one for the same takes its place.
+std::string makeKey(const Command& command) {
+  if (command.tool) return kToolKey + command.tool->id;
+  return command.force ? "force " + command.force->id : kWrenchId;
+}
 
 }  // namespace
 
@@ -25,32 +38,72 @@ void PendingCommands::dropBefore(std::int64_t stamp) {
   const auto kept = std::remove_if(commands_.begin(), commands_.end(), is_past);
   num_dropped_ += static_cast<int>(commands_.end() - kept);
   commands_.erase(kept, commands_.end());
+  for (auto entry = without_frame_.begin(); entry != without_frame_.end();) {
+    num_dropped_ += is_past(entry->second.command);
+    entry = is_past(entry->second.command) ? without_frame_.erase(entry) : std::next(entry);
+  }
+}
+
+void PendingCommands::clear() {
+  commands_.clear();
+  without_frame_.clear();
 }
 
 void PendingCommands::apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame) {
+  // They may be younger than what they wait for now.
+  for (const auto& [key, waiting] : std::exchange(without_frame_, {})) carryOut(waiting.command, waiting.give_up, simulation, frame);
+
   const auto is_due = [&](const Command& command) { return command.stamp <= begin; };
   const auto later = std::stable_partition(commands_.begin(), commands_.end(), is_due);
   std::stable_sort(commands_.begin(), later, [](const Command& a, const Command& b) { return a.stamp < b.stamp; });
-  for (auto command = commands_.begin(); command != later; ++command) {
-    try {
-      apply(*command, simulation, frame);
-      ++num_applied_;
-    } catch (const InputError& error) {
-      complaints_.report(Complaint::kCommandRefused, error.what());
-    }
-  }
+  for (auto command = commands_.begin(); command != later; ++command)
+    carryOut(*command, SteadyClock::now() + kTransformPatience, simulation, frame);
   commands_.erase(commands_.begin(), later);
+  last_begin_ = begin;
   // Like gravity's frame by the latest transform: that of the step itself may come after it.
   for (const std::string& problem : tools_.move(ros::Time(), simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
+}
+
+void PendingCommands::carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
+                               const std::string& frame) {
+  const std::string key = makeKey(command);
+  const auto older = without_frame_.find(key);
+  try {
+    apply(command, simulation, frame);
+    ++num_applied_;
+    num_late_ += command.stamp <= last_begin_;
+  } catch (const FrameError& error) {
+    // However many come, the first says how long they wait.
+    if (older != without_frame_.end()) give_up = older->second.give_up;
+    if (SteadyClock::now() < give_up && (older != without_frame_.end() || without_frame_.size() < kMaxForces)) {
+      complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the command waits for it");
+      num_dropped_ += older != without_frame_.end();
+      without_frame_[key] = {command, give_up};
+      return;
+    }
+    complaints_.report(Complaint::kCommandRefused, error.what());
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCommandRefused, error.what());
+    return;  // what waits is as good as before
+  }
+  if (command.tool && command.tool->action == Tool::DELETEALL) {
+    const auto is_tool = [](const auto& entry) { return entry.first.compare(0, sizeof kToolKey - 1, kToolKey) == 0; };
+    for (auto entry = without_frame_.begin(); entry != without_frame_.end();)
+      entry = is_tool(*entry) ? without_frame_.erase(entry) : std::next(entry);
+  } else {
+    without_frame_.erase(key);
+  }
 }
 
 void PendingCommands::forget() {
   forces_.clear();
   tools_.forget();
+  last_begin_ = kNever;
 }
 
 void PendingCommands::restore(const Memory& memory) {
   clear();
+  last_begin_ = kNever;
   forces_ = memory.forces;
   tools_.setMemory(memory.tools);
 }

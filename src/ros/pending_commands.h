@@ -10,7 +10,10 @@
 
 #include <tf2/buffer_core.h>
 
+#include <chrono>
+#include <cstdint>
 #include <deque>
+#include <limits>
 #include <map>
 #include <string>
 #include <vector>
@@ -28,7 +31,7 @@ class PendingCommands {
   void append(std::vector<Command>&& commands);
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
-  void clear() { commands_.clear(); }
+  void clear();
   /// The surface is another or at rest again: the forces and tools of before are gone.
   void forget();
 
@@ -42,14 +45,28 @@ class PendingCommands {
   void restore(const Memory& memory);
 
   /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival, and moves the
-  /// tools through that step.
+  /// tools through that step. A command whose transform is not known waits for it, for a while, unless a newer one for the same force
+  /// or tool takes its place.
   void apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame);
+  /// Whether what is done before a step may change with time, by itself.
+  bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
 
-  int numWaiting() const { return static_cast<int>(commands_.size()); }
+  int numWaiting() const { return static_cast<int>(commands_.size() + without_frame_.size()); }
   int numDropped() const { return num_dropped_; }
+  /// How many were applied after the step at whose beginning they should have been.
+  std::uint64_t numLate() const { return num_late_; }
   std::uint64_t numApplied() const { return num_applied_; }
 
  private:
+  using SteadyClock = std::chrono::steady_clock;
+  struct Waiting {
+    Command command;
+    SteadyClock::time_point give_up;
+  };
+  static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
+
+  /// give_up: when its transform is waited for no longer.
+  void carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation, const std::string& frame);
   void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
 
   const simulation::WrenchParams wrench_;
@@ -58,8 +75,10 @@ class PendingCommands {
   std::deque<Command> commands_;          // in the order of arrival
   std::map<std::string, double> forces_;  // when they end, s of simulation time
   ToolCommands tools_;
+  std::map<std::string, Waiting> without_frame_;  // the newest for each force and tool
+  std::int64_t last_begin_ = kNever;      // of the last step (ns)
   int num_dropped_ = 0;
-  std::uint64_t num_applied_ = 0;
+  std::uint64_t num_applied_ = 0, num_late_ = 0;
 };
 
 }  // namespace deformable_surface::node

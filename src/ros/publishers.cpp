@@ -12,6 +12,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <utility>
 
 namespace deformable_surface::node {
 namespace {
@@ -81,26 +82,38 @@ void Publishers::setNormals(const simulation::Simulation& simulation) {
   encoder_.emplace(simulation.input(), simulation.params().output.normals);
 }
 
-void Publishers::publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input) {
-  const Timer timer;
+std_msgs::Header Publishers::makeHeader(std::int64_t stamp) const {
   std_msgs::Header header;
   header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
   header.frame_id = frame_;
+  return header;
+}
+
+void Publishers::publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input, bool all) {
+  const Timer timer;
+  const std_msgs::Header header = makeHeader(stamp);
+  all = all || is_new_;
+  const auto isNews = [all](std::uint64_t revision, std::uint64_t& published) {
+    return std::exchange(published, revision) != revision || all;
+  };
+
+  const bool has_moved = isNews(simulation.surfaceRevision(), surface_revision_);
 
   // The first is kept for those who come later.
-  if (is_new_ || deformed_.getNumSubscribers() > 0) {
+  if (is_new_ || (deformed_.getNumSubscribers() > 0 && has_moved)) {
     auto message = makeMessage<sensor_msgs::PointCloud2>(header);
     encoder_->encode(simulation.surface(true), *message);
     deformed_.publish(message);
   }
-  if (simulation_points_.getNumSubscribers() > 0) simulation_points_.publish(makeSimulationPoints(header, simulation));
-  if (markers_.getNumSubscribers() > 0) {
-    const auto now = std::chrono::steady_clock::now();
-    const bool all = is_viewer_new_.exchange(false) || is_new_ || now >= next_full_;
-    if (all) next_full_ = now + kFullPeriod;
+  if (simulation_points_.getNumSubscribers() > 0 && isNews(simulation.revision(), points_revision_))
+    simulation_points_.publish(makeSimulationPoints(header, simulation));
+  const auto now = std::chrono::steady_clock::now();
+  if (markers_.getNumSubscribers() > 0 && (now >= next_full_ || isNews(simulation.revision(), markers_revision_))) {
+    const bool whole = is_viewer_new_.exchange(false) || is_new_ || now >= next_full_;
+    if (whole) next_full_ = now + kFullPeriod;
     auto message = boost::make_shared<visualization_msgs::MarkerArray>();
     marker_maker_->make(header, simulation, *message);
-    marker_news_.reduce(all, *message);
+    marker_news_.reduce(whole, *message);
     if (is_new_) message->markers.insert(message->markers.begin(), makeDeleteAll(header));
     if (!message->markers.empty()) markers_.publish(message);
   }
@@ -111,16 +124,20 @@ void Publishers::publish(simulation::Simulation& simulation, std::int64_t stamp,
     message->time_publish = time_publish_;
     statistics_.publish(message);
   }
-  publishWrenches(header, simulation);
   is_new_ = false;
   time_publish_ = timer.seconds();
 }
 
-void Publishers::publishWrenches(const std_msgs::Header& header, const simulation::Simulation& simulation) {
+bool Publishers::hasStepListeners() const {
+  const auto isHeard = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };
+  return tool_wrenches_.getNumSubscribers() > 0 || std::any_of(wrenches_.begin(), wrenches_.end(), isHeard);
+}
+
+void Publishers::publishWrenches(const simulation::Simulation& simulation, std::int64_t stamp) {
   const std::vector<tool::ToolParams>& tools = simulation.tools();
   advertiseWrenches(tools);
-  const auto hasListeners = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };
-  if (tool_wrenches_.getNumSubscribers() == 0 && std::none_of(wrenches_.begin(), wrenches_.end(), hasListeners)) return;
+  if (!hasStepListeners()) return;
+  const std_msgs::Header header = makeHeader(stamp);
   const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
   if (tool_wrenches_.getNumSubscribers() > 0)
     tool_wrenches_.publish(boost::make_shared<ToolWrenchArray>(makeToolWrenches(header, reactions, simulation.pinReactions())));

@@ -28,11 +28,16 @@ class Publishers {
   void begin(const simulation::Simulation& simulation, const std::string& frame);
   /// The simulation's output.normals may have changed.
   void setNormals(const simulation::Simulation& simulation);
-  /// Publishes the surface as it is now. time_input: seconds spent on commands in the last step, for the statistics.
-  void publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input);
+  /// Publishes the surface as it is now. time_input: seconds spent on commands in the last step, for the statistics. all: clouds and
+  /// markers too that have not changed since they were published.
+  void publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input, bool all);
+  /// Publishes what tools and pins feel: after every step, since controllers close their loops over it.
+  void publishWrenches(const simulation::Simulation& simulation, std::int64_t stamp);
+  /// Whether anybody listens to what is published after every step.
+  bool hasStepListeners() const;
 
  private:
-  void publishWrenches(const std_msgs::Header& header, const simulation::Simulation& simulation);
+  std_msgs::Header makeHeader(std::int64_t stamp) const;
   void advertiseWrenches(const std::vector<tool::ToolParams>& tools);
 
   ros::NodeHandle& node_;
@@ -46,6 +51,7 @@ class Publishers {
   std::atomic<bool> is_viewer_new_{false};           // of the markers: it has nothing yet
   std::chrono::steady_clock::time_point next_full_;  // all markers again
   bool is_new_ = false;        // nothing of this surface was published yet
+  std::uint64_t surface_revision_ = 0, points_revision_ = 0, markers_revision_ = 0;  // of the simulation, when published last
   double time_publish_ = 0.0;  // s, of the last frame
 };
 

@@ -179,7 +179,35 @@ Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, C
       "set_parameters", boost::function<bool(Request&, Response&)>([this](Request& q, Response& r) { return set(q.config, r.config); }));
 }
 
-void Reconfigure::publish() { updates_.publish(printRunTimeParams(stepper_.params())); }
+void Reconfigure::publish() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  last_ = printRunTimeParams(stepper_.params());
+  updates_.publish(last_);
+}
+
+void Reconfigure::store() {
+  Config now;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    now = last_;
+  }
+  for (const Entry& entry : listEntries()) {
+    std::string key;
+    for (const std::string& part : entry.path) key += (key.empty() ? "" : "/") + part;
+    const auto has_name = [&](const auto& parameter) { return parameter.name == entry.name; };
+    const auto flag = std::find_if(now.bools.begin(), now.bools.end(), has_name);
+    const auto number = std::find_if(now.doubles.begin(), now.doubles.end(), has_name);
+    if (entry.component > 0) continue;  // set with the first
+    if (entry.component == 0) {
+      node_.setParam(key, std::vector<double>{number[0].value, number[1].value, number[2].value});
+    } else if (entry.is_flag) {
+      node_.setParam(key, flag->value != 0);
+    } else {
+      node_.setParam(key, number->value);
+    }
+  }
+  if (on_store_) on_store_();
+}
 
 bool Reconfigure::set(const Config& wanted, Config& now) {
   std::string problem;
@@ -198,22 +226,7 @@ bool Reconfigure::set(const Config& wanted, Config& now) {
     complaints_.report(Complaint::kCommandRefused, "parameters refused, the old ones stay: " + problem);
     return true;
   }
-  // Who looks there, or starts the node again, finds what holds.
-  for (const Entry& entry : listEntries()) {
-    std::string key;
-    for (const std::string& part : entry.path) key += (key.empty() ? "" : "/") + part;
-    const auto has_name = [&](const auto& parameter) { return parameter.name == entry.name; };
-    const auto flag = std::find_if(now.bools.begin(), now.bools.end(), has_name);
-    const auto number = std::find_if(now.doubles.begin(), now.doubles.end(), has_name);
-    if (entry.component > 0) continue;  // set with the first
-    if (entry.component == 0) {
-      node_.setParam(key, std::vector<double>{number[0].value, number[1].value, number[2].value});
-    } else if (entry.is_flag) {
-      node_.setParam(key, flag->value != 0);
-    } else {
-      node_.setParam(key, number->value);
-    }
-  }
+  store();
   return true;
 }
 

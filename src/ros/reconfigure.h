@@ -16,7 +16,10 @@
 #include <ros/publisher.h>
 #include <ros/service_server.h>
 
+#include <functional>
+#include <mutex>
 #include <string>
+#include <utility>
 
 namespace deformable_surface::node {
 
@@ -32,12 +35,19 @@ class Reconfigure {
 
   /// Tells the listeners what holds now. By the simulation thread.
   void publish();
+  /// Writes what was published last to the parameter server, so that who looks there, or starts the node again, finds what holds. Not by
+  /// the simulation thread, since the server may be away. Calls what onStore() was given.
+  void store();
+  void onStore(std::function<void()> call) { on_store_ = std::move(call); }
   std::string serviceName() const { return server_.getService(); }
 
  private:
   bool set(const dynamic_reconfigure::Config& wanted, dynamic_reconfigure::Config& now);
 
   ros::NodeHandle node_;
+  std::function<void()> on_store_;
+  std::mutex mutex_;
+  dynamic_reconfigure::Config last_;  // published
   Inbox& inbox_;
   Stepper& stepper_;
   Complaints& complaints_;

@@ -121,15 +121,39 @@ void RegistrationWatchdog::registerAll() {
     ask(master, "registerService", ros::this_node::getName() + service, service_uri_, uri_);
 }
 
+void RegistrationWatchdog::keepParameters(const std::string& name, const XmlRpcValue& tree) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  parameters_name_ = name;
+  parameters_ = tree;
+}
+
+// Those of a launch file that started the roscore anew are newer.
+void RegistrationWatchdog::restoreParameters() {
+  std::string name;
+  XmlRpcValue tree;
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    name = parameters_name_;
+    tree = parameters_;
+  }
+  if (!tree.valid()) return;
+  std::optional<XmlRpcValue> known = ask(ros::master::getURI(), "hasParam", name);
+  if (!known || static_cast<int>((*known)[0]) != kSuccess || static_cast<bool>((*known)[2])) return;
+  ask(ros::master::getURI(), "setParam", name, tree);
+}
+
 void RegistrationWatchdog::run() {
   while (!waitOrEnd(kPeriod)) {
     try {
       if (!isMissing()) continue;
       if (waitOrEnd(kGrace)) return;
       if (!isMissing()) continue;
+      restoreParameters();
       registerAll();
       if (waitOrEnd(std::chrono::milliseconds(0))) return;
-      ROS_WARN("the roscore was restarted; %s registered itself again", ros::this_node::getName().c_str());
+      ROS_WARN("the roscore was restarted; %s registered itself again, with its parameters; those of others, and what was sent meanwhile "
+               "by who was not connected, are lost",
+               ros::this_node::getName().c_str());
     } catch (const XmlRpc::XmlRpcException& error) {
       ROS_ERROR("registering again after a restart of the roscore failed: %s", error.getMessage().c_str());
     } catch (const std::exception& error) {

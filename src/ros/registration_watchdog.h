@@ -1,5 +1,5 @@
-// Registers the process again after the roscore was restarted. roscpp does not: the node would vanish from the graph, and nobody
-// new could find it, while old connections live on.
+// Registers the process again after the roscore was restarted, and gives the new one the parameters that the old one had of it. roscpp
+// does not: the node would vanish from the graph, and nobody new could find it, while old connections live on.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -20,6 +20,10 @@ class RegistrationWatchdog {
   /// whoever asks it.
   explicit RegistrationWatchdog(std::vector<std::string> services);
   ~RegistrationWatchdog();
+
+  /// Sets parameters (a tree) below a name in the new roscore, unless it has some there already.
+  void keepParameters(const std::string& name, const XmlRpc::XmlRpcValue& tree);
+
   RegistrationWatchdog(const RegistrationWatchdog&) = delete;
   RegistrationWatchdog& operator=(const RegistrationWatchdog&) = delete;
 
@@ -29,6 +33,7 @@ class RegistrationWatchdog {
   bool isMissing();
   /// Connections that live are left alone; only the master's books are written again.
   void registerAll();
+  void restoreParameters();
   /// Asks a master or a slave API, of which this process has one that knows its topics with their types: the name of the node and
   /// the values in, code, text and value out. Nothing if no answer comes, or the process ends meanwhile.
   template <class... Values>
@@ -39,6 +44,8 @@ class RegistrationWatchdog {
   const std::vector<std::string> services_;
   const std::string uri_, service_uri_;
   std::mutex mutex_;
+  std::string parameters_name_;
+  XmlRpc::XmlRpcValue parameters_;
   std::condition_variable ended_;
   bool is_ended_ = false;
   std::thread thread_;

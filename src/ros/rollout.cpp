@@ -45,33 +45,17 @@ std::vector<std::uint64_t> toSteps(const std::string& what, const std::vector<do
 
 void setTool(const ToolPath& given, const std::string& surface_frame, const tf2::BufferCore& transforms, simulation::Simulation& copy) {
   const Tool& command = given.tool;
-  if (command.action == Tool::DELETEALL) {
-    while (!copy.tools().empty()) copy.removeTool(copy.tools().back().id);
-    return;
-  }
-  if (command.action == Tool::DELETE) {
-    if (!copy.removeTool(command.id))
-      throw InputError("found a DELETE, but there is no such tool; accepted: ids of tools that are there");
-    return;
-  }
-  if (command.action != Tool::ADD)
-    throw InputError("action: found " + std::to_string(command.action) +
-                     "; accepted: 0 (ADD, which modifies too), 2 (DELETE), 3 (DELETEALL)");
-  if (!isToolId(command.id)) throw InputError("id: accepted: up to 64 letters, digits and '_', the first a letter");
+  if (removeTools(command, copy)) return;
   if (given.times.empty() || given.times.size() != given.poses.size())
     throw InputError("found " + std::to_string(given.times.size()) + " times and " + std::to_string(given.poses.size()) +
                      " poses; accepted: as many of each, at least one");
-  const auto has_id = [&](const tool::ToolParams& t) { return t.id == command.id; };
-  const auto before = std::find_if(copy.tools().begin(), copy.tools().end(), has_id);
-  const bool is_new = before == copy.tools().end();
-  if (is_new && copy.tools().size() >= kMaxTools)
-    throw InputError("found " + std::to_string(copy.tools().size()) + " tools at a time already; accepted: no more");
+  const tool::ToolParams* const before = findTool(copy, command.id);
   const double now = copy.time();
   tool::ToolParams tool = readTool(command);
   tool.start = now;
   const Eigen::Isometry3d transform =
       findTransform("tool.header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms);
-  if (!is_new) {
+  if (before) {
     // The grip of a tool that goes on gripping holds what it holds.
     if (before->mode == tool.mode && tool::isActive(*before, now)) tool.start = before->start;
     if (given.times[0] > 0.0) tool.path.push_back(makeWaypoint(now, tool::interpolate(before->path, now)));

@@ -117,25 +117,6 @@ simulation::MaterialChangeParams readMaterial(const SetMaterialRequest& request,
   return change;
 }
 
-// What is left at zero stays as it is.
-model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthParams growth) {
-  const auto take = [](double given, double& value) {
-    if (given != 0.0) value = given;
-  };
-  take(request.min_gap, growth.min_gap);
-  take(request.max_gap, growth.max_gap);
-  take(request.min_angle, growth.min_angle);
-  take(request.max_angle, growth.max_angle);
-  const auto takeCount = [](const char* name, std::uint32_t given, Index& value) {
-    if (given > static_cast<std::uint32_t>(std::numeric_limits<Index>::max()))
-      throw InputError(std::string(name) + ": found " + std::to_string(given) + "; accepted: fewer");
-    if (given != 0) value = static_cast<Index>(given);
-  };
-  takeCount("edge_rows", request.edge_rows, growth.edge_rows);
-  takeCount("max_particles", request.max_particles, growth.max_particles);
-  return growth;
-}
-
 void checkSaveName(const std::string& name) {
   if (!isBareName(name))
     throw InputError("name: found " + quote(name) + "; accepted: " + kBareNames + ", ending in .ply or .pcd");
@@ -160,7 +141,6 @@ Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const 
   advertise("pin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, true, r); });
   advertise("unpin", SelectRegionRequest(), SelectRegionResponse(), [this](auto& q, auto& r) { return select(q, false, r); });
   advertise("edit", EditParticlesRequest(), EditParticlesResponse(), [this](auto& q, auto& r) { return edit(q, r); });
-  advertise("fit", FitSurfaceRequest(), FitSurfaceResponse(), [this](auto& q, auto& r) { return fit(q, r); });
   advertise("save", SaveCloudRequest(), SaveCloudResponse(), [this](auto& q, auto& r) { return save(q.name, r); });
   advertise("snapshot", SnapshotRequest(), SnapshotResponse(), [this](auto& q, auto& r) { return keep(q, r); });
   advertise("restore", RestoreRequest(), RestoreResponse(), [this](auto& q, auto& r) { return restore(q.name, r); });
@@ -213,6 +193,7 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
   return perform(response, [&] {
     if (!(count >= 1 && count <= kMaxSteps))
       throw InputError("count: found " + std::to_string(count) + "; accepted: 1 to " + std::to_string(kMaxSteps));
+    stepper_.requireFree();
     if (!stepper_.isPaused()) throw InputError("the simulation is running; accepted: ~step while it is paused (~pause true)");
     const std::string obstacle = stepper_.obstacle();
     if (!obstacle.empty()) throw InputError(obstacle);
@@ -231,6 +212,7 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
 bool Services::select(const SelectRegionRequest& request, bool pinned, SelectRegionResponse& response) {
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    stepper_.requireFree();
     if (request.orientation && !(pinned && stepper_.simulation()->particles()))
       throw InputError("orientation: found true; accepted: with ~pin of oriented particles");
     const geometry::Region region = readRegion(request, stepper_.frame(), transforms_);
@@ -248,22 +230,12 @@ bool Services::select(const SelectRegionRequest& request, bool pinned, SelectReg
 bool Services::edit(const EditParticlesRequest& request, EditParticlesResponse& response) {
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    stepper_.requireFree();
     const simulation::ParticleEdit edit = readEdit(request, stepper_.frame(), transforms_);
     for (const Index id : stepper_.simulation()->editParticles(edit)) response.added.push_back(static_cast<std::uint32_t>(id));
     stepper_.publish();
     return std::to_string(std::max(edit.ids.size(), response.added.size())) + " particles edited, " +
            std::to_string(stepper_.simulation()->state().size()) + " are there";
-  });
-}
-
-bool Services::fit(const FitSurfaceRequest& request, FitSurfaceResponse& response) {
-  return perform(response, [&] {
-    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
-    const std::string sentence =
-        stepper_.simulation()->fit(readGrowth(request, stepper_.simulation()->params().oriented_particles.growth));
-    response.particles = static_cast<std::uint32_t>(stepper_.simulation()->state().size());
-    stepper_.publish();
-    return sentence;
   });
 }
 
@@ -298,7 +270,7 @@ bool Services::keep(const SnapshotRequest& request, SnapshotResponse& response) 
 }
 
 bool Services::restore(const std::string& name, RestoreResponse& response) {
-  return perform(response, [&] {
+  perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.restoreSnapshot(name);
     stepper_.publish();
@@ -306,6 +278,8 @@ bool Services::restore(const std::string& name, RestoreResponse& response) {
     response.state_hash = stepper_.simulation()->stateHash();
     return "the surface is as in " + name;
   });
+  if (response.success && on_restore_) on_restore_();
+  return true;
 }
 
 bool Services::list(ListResponse& response) {
@@ -329,6 +303,7 @@ bool Services::list(ListResponse& response) {
 bool Services::setMaterial(const SetMaterialRequest& request, SetMaterialResponse& response) {
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    stepper_.requireFree();
     simulation::Simulation& surface = *stepper_.simulation();
     std::optional<double> damping;
     const simulation::MaterialChangeParams change = readMaterial(request, damping);

@@ -6,7 +6,6 @@
 #include "stepper.h"
 
 #include "deformable_surface/EditParticles.h"
-#include "deformable_surface/FitSurface.h"
 #include "deformable_surface/List.h"
 #include "deformable_surface/Restore.h"
 #include "deformable_surface/SaveCloud.h"
@@ -20,7 +19,9 @@
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
+#include <functional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::node {
@@ -31,6 +32,8 @@ class Services {
   Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
            std::string save_directory);
 
+  /// Is called after ~restore, by the thread that answers it.
+  void onRestore(std::function<void()> call) { on_restore_ = std::move(call); }
   /// Resolved names, for registering them again.
   std::vector<std::string> names() const;
 
@@ -44,7 +47,6 @@ class Services {
   bool step(std::uint32_t count, StepResponse& response);
   bool select(const SelectRegionRequest& request, bool pinned, SelectRegionResponse& response);
   bool edit(const EditParticlesRequest& request, EditParticlesResponse& response);
-  bool fit(const FitSurfaceRequest& request, FitSurfaceResponse& response);
   bool save(const std::string& name, SaveCloudResponse& response);
   bool keep(const SnapshotRequest& request, SnapshotResponse& response);
   bool restore(const std::string& name, RestoreResponse& response);
@@ -56,6 +58,7 @@ class Services {
   const tf2::BufferCore& transforms_;
   Complaints& complaints_;
   const std::string save_directory_;
+  std::function<void()> on_restore_;
   std::vector<ros::ServiceServer> servers_;
 };
 

@@ -22,8 +22,6 @@ using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
 constexpr double kNanoseconds = 1e-9;
-// A sensor's transform comes a little after its first cloud; a latched cloud would be lost for ever.
-constexpr std::chrono::seconds kTransformPatience(5);
 // How often what is waited for, a transform, is looked at.
 constexpr milliseconds kPollPeriod(20);
 // More lag than this on the computer's clock would only be felt as delay; it is let go instead.
@@ -32,6 +30,8 @@ constexpr std::int64_t kMaxLag = 250'000'000;
 constexpr std::int64_t kOldCloud = 1'000'000'000;
 // A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
 constexpr std::int64_t kMaxAhead = 3600'000'000'000;
+// How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
+constexpr milliseconds kRestPeriod(100);
 // Even when steps come too late a picture is shown from time to time, and most of the time is left to steps.
 constexpr milliseconds kLateFramePeriod(200);
 constexpr double kLateFramesApart = 8.0;  // in the time that one takes
@@ -54,21 +54,23 @@ Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers
       transforms_(transforms),
       complaints_(complaints),
       is_clock_simulated_(ros::Time::isSimTime()),
+      delay_(std::llround(params.input.delay / kNanoseconds)),
       schedule_(params.integrator.time_step),
       commands_(params.force, transforms, complaints) {}
 
 bool Stepper::turn(Inbox::SteadyTime until) {
   Inbox::Content content = inbox_.take(nextDeadline(until));
   if (content.closed) return false;
+  last_turn_ = steady_clock::now();
   handleClock(content.clock);
   commands_.append(std::move(content.commands));
-  if (content.cloud) {
-    waiting_cloud_ =
-        std::make_unique<WaitingCloud>(WaitingCloud{std::move(*content.cloud), steady_clock::now() + kTransformPatience});
-  }
+  if (content.cloud) clouds_.put(std::move(*content.cloud));
   // Building takes long: the clock is to be read again before a step.
-  const bool was_built = waiting_cloud_ && now_ != 0 && handleCloud();
+  const bool was_built = !clouds_.isEmpty() && now_ != 0 && handleClouds();
   if (simulation_ && !is_gravity_known_) updateGravity();
+  // What passed while the surface slept is part of what services see.
+  bool has_stepped = false;
+  while (!was_built && isDue() && simulation_->isAsleep() && takeStep()) has_stepped = true;
   // The clock was read before them: what they take shows as lag in the next turn.
   const double call_seconds = call_seconds_;
   const Timer calls;
@@ -77,26 +79,37 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (content.frame_wanted && simulation_) publish();
   if (was_built) return true;
   letGoOfLag(call_seconds);
-  if (isDue() && takeStep()) publishIfDue();
+  if (isDue() && takeStep()) has_stepped = true;
+  if (has_stepped) publishIfDue();
   return true;
 }
 
 Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   const auto now = steady_clock::now();
-  if (waiting_cloud_ || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
-  if (!simulation_ || isPaused() || !is_gravity_known_) return until;
+  if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
+  if (canRest()) return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + kRestPeriod));
   if (isDue()) return now;
   // A simulated clock wakes the inbox itself.
   if (is_clock_simulated_) return until;
-  const std::int64_t due = schedule_.begin(simulation_->stepCount() + 1) - static_cast<std::int64_t>(ros::Time::now().toNSec());
+  const std::int64_t due =
+      schedule_.begin(simulation_->stepCount() + 1) - delayed(static_cast<std::int64_t>(ros::Time::now().toNSec()));
   return due > kMaxAhead ? until
                          : std::min<Inbox::SteadyTime>(until, now + std::chrono::nanoseconds(std::max<std::int64_t>(due, 0)));
 }
 
+// Nothing but time passes in the steps to come, and nobody wants to be told of each of them.
+bool Stepper::canRest() const {
+  return simulation_->isAsleep() && !commands_.isMoving() && !publishers_.hasStepListeners() &&
+         (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_);
+}
+
 // ---- The clock ----
 
+std::int64_t Stepper::delayed(std::int64_t clock) const { return clock == 0 ? 0 : std::max<std::int64_t>(clock - delay_, 1); }
+
 void Stepper::handleClock(const ClockNews& clock) {
-  now_ = clock.now;
+  now_ = delayed(clock.now);
   if (!clock.jumped_back) {
     schedule_.skip(clock.skipped);
     if (clock.skipped > 0 && simulation_) {
@@ -110,11 +123,12 @@ void Stepper::handleClock(const ClockNews& clock) {
   if (!simulation_) return;
   complaints_.report(Complaint::kClock, "the clock jumped back to " + formatReal(toSeconds(clock.restart)) +
                                             " s; the surface is reset to its rest state");
-  restart(clock.restart);
+  restart(delayed(clock.restart));
   publish();
 }
 
 void Stepper::restart(std::int64_t now) {
+  is_held_valid_ = false;
   simulation_->reset();
   commands_.forget();
   is_failed_ = false;
@@ -127,7 +141,7 @@ void Stepper::restart(std::int64_t now) {
 }
 
 void Stepper::letGoOfLag(double call_seconds) {
-  if (!simulation_ || isPaused() || !is_gravity_known_ || is_clock_simulated_) return;
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_ || is_clock_simulated_) return;
   const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
   if (!(lag > kMaxLag)) return;
   schedule_.skip(lag);
@@ -148,51 +162,81 @@ void Stepper::letGoOfLag(double call_seconds) {
 
 // ---- The cloud ----
 
+bool Stepper::isTracking() const { return simulation_ && params_.input.policy == simulation::InputPolicy::kTrack; }
+
+std::int64_t Stepper::arrivalOf(const IncomingCloud& incoming) const {
+  return incoming.arrival != 0 ? incoming.arrival : now_ + delay_;
+}
+
+std::int64_t Stepper::stampOf(const IncomingCloud& incoming) const {
+  const ros::Time stamp = incoming.decoded.header.stamp;
+  return stamp.isZero() ? arrivalOf(incoming) : static_cast<std::int64_t>(stamp.toNSec());
+}
+
+std::string Stepper::frameOf(const IncomingCloud& incoming) const {
+  if (isTracking()) return frame_;
+  return withoutSlash(params_.frame_id.empty() ? incoming.decoded.header.frame_id : params_.frame_id);
+}
+
 /// Returns true if it took time.
-bool Stepper::handleCloud() {
+bool Stepper::handleClouds() {
   if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) {
-    ++counts_.clouds_ignored;
-    waiting_cloud_.reset();
+    counts_.clouds_ignored += static_cast<int>(clouds_.size());
+    clouds_.clear();
     return false;
   }
-  const Index num_points = waiting_cloud_->incoming.decoded.cloud.size();
+  std::optional<IncomingCloud> incoming =
+      clouds_.take([this](IncomingCloud& cloud, bool is_patient) { return prepare(cloud, is_patient); });
+  if (!incoming) return false;
+  const Index num_points = incoming->decoded.cloud.size();
   try {
-    if (!accept(waiting_cloud_->incoming)) return false;
+    accept(*incoming);
   } catch (const InputError& error) {
     complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
   } catch (const std::bad_alloc&) {
     complaints_.report(Complaint::kCloudRefused,
                        "cloud refused: " + std::to_string(num_points) + " points do not fit in memory; accepted: fewer");
   }
-  waiting_cloud_.reset();
   return true;
 }
 
-/// Returns false to be called again, if a transform may still come.
-bool Stepper::accept(IncomingCloud& incoming) {
+/// Brings the cloud into the surface's frame, if that can be done now.
+WaitingClouds::Answer Stepper::prepare(IncomingCloud& incoming, bool is_patient) {
   DecodedCloud& decoded = incoming.decoded;
-  const std::int64_t arrival = incoming.arrival != 0 ? incoming.arrival : now_;
-  const std::int64_t stamp = decoded.header.stamp.isZero() ? arrival : static_cast<std::int64_t>(decoded.header.stamp.toNSec());
-  if (stamp - arrival > kMaxAhead) {
-    throw InputError("header.stamp: found a time " + formatReal(toSeconds(stamp - arrival)) +
-                     " s ahead of the clock; accepted: up to " + formatReal(toSeconds(kMaxAhead)) + " s");
-  }
-  const bool is_tracked = simulation_ && params_.input.policy == simulation::InputPolicy::kTrack;
-  const std::string frame =
-      is_tracked ? frame_ : withoutSlash(params_.frame_id.empty() ? decoded.header.frame_id : params_.frame_id);
+  const std::int64_t ahead = stampOf(incoming) - arrivalOf(incoming);
   try {
+    if (ahead > kMaxAhead) {
+      throw InputError("header.stamp: found a time " + formatReal(toSeconds(ahead)) + " s ahead of the clock; accepted: up to " +
+                       formatReal(toSeconds(kMaxAhead)) + " s");
+    }
+    // It shows the surface at its stamp, and draws it from there on.
+    if (isTracking() && !isPaused() && stampOf(incoming) > schedule_.begin(simulation_->stepCount()))
+      return WaitingClouds::Answer::kWait;
     const Eigen::Isometry3d transform =
-        findTransform("header.frame_id", decoded.header.frame_id, frame, decoded.header.stamp, transforms_);
+        findTransform("header.frame_id", decoded.header.frame_id, frameOf(incoming), decoded.header.stamp, transforms_);
     if (!transform.isApprox(Eigen::Isometry3d::Identity(), 0.0)) transformCloud(transform, decoded.cloud);
-  } catch (const InputError&) {
-    if (steady_clock::now() < waiting_cloud_->give_up) return false;
-    throw;
+    return WaitingClouds::Answer::kTake;
+  } catch (const FrameError& error) {
+    if (is_patient) {
+      complaints_.report(Complaint::kWaiting, std::string("cloud: ") + error.what() + "; the cloud waits for it");
+      return WaitingClouds::Answer::kWait;
+    }
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
   }
+  return WaitingClouds::Answer::kRefuse;
+}
 
-  if (is_tracked) {
+/// Throws InputError.
+void Stepper::accept(IncomingCloud& incoming) {
+  DecodedCloud& decoded = incoming.decoded;
+  const std::int64_t stamp = stampOf(incoming);
+  const std::string frame = frameOf(incoming);
+  if (isTracking()) {
     simulation_->observe(decoded.cloud);
     ++counts_.clouds_tracked;
-    return true;
+    return;
   }
   auto simulation = std::make_unique<simulation::Simulation>(params_, std::move(decoded.cloud));
   simulation->setInterrupt(inbox_.closing());
@@ -200,13 +244,15 @@ bool Stepper::accept(IncomingCloud& incoming) {
   // Commands for the surface before are not for this one; before the first there was none that they could be for.
   if (simulation_) commands_.dropBefore(stamp);
   simulation_ = std::move(simulation);
+  is_held_valid_ = false;
   frame_ = frame;
   commands_.forget();
   snapshots_.clear();
   is_failed_ = is_frame_due_ = false;
   last_frame_ = 0;
   schedule_.start(stamp);
-  if (is_clock_simulated_ && arrival - stamp > kOldCloud) schedule_.skipTo(arrival, 0);
+  const std::int64_t arrival = arrivalOf(incoming);
+  if (is_clock_simulated_ && arrival - stamp > kOldCloud) schedule_.skipTo(delayed(arrival), 0);
   is_gravity_known_ = false;
   updateGravity();
   ++counts_.clouds_accepted;
@@ -215,7 +261,6 @@ bool Stepper::accept(IncomingCloud& incoming) {
   for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
   ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
   publish();
-  return true;
 }
 
 // ---- Steps ----
@@ -227,7 +272,7 @@ std::string Stepper::obstacle() {
 }
 
 bool Stepper::isDue() const {
-  return simulation_ && !isPaused() && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
+  return simulation_ && !isPaused() && !is_held_ && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
 }
 
 void Stepper::setPaused(bool paused) {
@@ -241,12 +286,32 @@ void Stepper::reset() {
   restart(now_);
 }
 
+void Stepper::hold() { is_held_ = is_held_valid_ = true; }
+
+void Stepper::letGo() {
+  is_held_ = false;
+  if (simulation_) schedule_.skipTo(now_, simulation_->stepCount());
+}
+
+void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
+  letGo();
+  if (!is_held_valid_) throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
+  simulation_ = std::move(simulation);
+  simulation_->setInterrupt(inbox_.closing());
+  publish();
+}
+
+void Stepper::requireFree() const {
+  if (is_held_) throw InputError("a surface is being grown (~fit); accepted: once that is done");
+}
+
 void Stepper::keepSnapshot(const std::string& name) {
   snapshots_.put(name, {simulation_->snapshot(), commands_.memory(), simulation_->stateHash()});
 }
 
 void Stepper::restoreSnapshot(const std::string& name) {
   const SnapshotShelf::Entry& entry = snapshots_.find(name);
+  is_held_valid_ = false;
   simulation_->restore(entry.snapshot);
   commands_.restore(entry.commands);
   simulation::setPhysics(simulation::findPhysics(simulation_->params()), params_);
@@ -257,6 +322,7 @@ void Stepper::restoreSnapshot(const std::string& name) {
 }
 
 void Stepper::setParams(const simulation::SceneParams& params) {
+  requireFree();
   if (simulation_) {
     simulation_->setParams(params);
     publishers_.setNormals(*simulation_);
@@ -293,9 +359,10 @@ bool Stepper::takeStep() {
     return false;
   }
   ++counts_.steps_taken;
+  publishers_.publishWrenches(*simulation_, schedule_.stamp(simulation_->stepCount()));
   const std::int64_t frame = countFrames();
   if (frame > last_frame_) {
-    counts_.frames_dropped += is_frame_due_;
+    counts_.frames_dropped += is_frame_due_ && !simulation_->isAsleep();
     is_frame_due_ = true;
     last_frame_ = frame;
   }
@@ -325,8 +392,13 @@ bool Stepper::updateGravity() {
 // ---- Output ----
 
 void Stepper::publish() {
+  publish(true);
+  publishers_.publishWrenches(*simulation_, schedule_.stamp(simulation_->stepCount()));
+}
+
+void Stepper::publish(bool all) {
   const Timer timer;
-  publishers_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), time_input_);
+  publishers_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), time_input_, all);
   frame_seconds_ = timer.seconds();
   last_published_ = steady_clock::now();
 }
@@ -339,7 +411,7 @@ void Stepper::publishIfDue() {
       std::max<std::chrono::duration<double>>(kLateFramePeriod, std::chrono::duration<double>(kLateFramesApart * frame_seconds_));
   if (is_late && steady_clock::now() - last_published_ < apart) return;
   is_frame_due_ = false;
-  publish();
+  publish(false);
 }
 
 StepperStatus Stepper::status() const {
@@ -347,8 +419,10 @@ StepperStatus Stepper::status() const {
   status.is_failed = is_failed_;
   status.time_step = params_.integrator.time_step;
   status.commands_applied = commands_.numApplied();
+  status.commands_late = commands_.numLate();
   status.commands_waiting = commands_.numWaiting();
   status.commands_dropped = commands_.numDropped();
+  status.clouds_dropped = clouds_.numDropped();
   if (simulation_) {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();
@@ -357,6 +431,8 @@ StepperStatus Stepper::status() const {
   }
   if (is_failed_) {
     status.state = "stopped by a failed step";
+  } else if (is_held_) {
+    status.state = "growing a surface";
   } else if (is_paused_) {
     status.state = "paused";
   } else if (now_ == 0) {

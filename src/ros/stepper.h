@@ -7,6 +7,7 @@
 #include "pending_commands.h"
 #include "publishers.h"
 #include "snapshot_shelf.h"
+#include "waiting_clouds.h"
 
 #include "deformable_surface/ros/step_schedule.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -27,8 +28,8 @@ struct StepperStatus {
   double time_step = 0.0, simulation_time = 0.0;  // s
   std::uint64_t step = 0;
   std::uint64_t steps_taken = 0;  // of all surfaces
-  int clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, frames_dropped = 0, jumps_back = 0;
-  std::uint64_t commands_applied = 0;
+  int clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, clouds_dropped = 0, frames_dropped = 0, jumps_back = 0;
+  std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
@@ -57,6 +58,7 @@ class Stepper {
   void reset();
   /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
   std::uint32_t takeSteps(std::uint32_t count);
+  /// All of it, for who asked for it.
   void publish();
   /// Keeps the surface as it is now; the surface as it was then, with its forces and tools. Both throw InputError.
   void keepSnapshot(const std::string& name);
@@ -68,27 +70,37 @@ class Stepper {
   /// Is called when a snapshot has brought back others.
   void onParams(std::function<void()> call) { on_params_ = std::move(call); }
   const StepSchedule& schedule() const { return schedule_; }
+  /// Takes no step until letGo() or replaceHeld(), because a copy of the surface is being worked on that is to take its place.
+  void hold();
+  void letGo();
+  /// Throws InputError if the surface has become another since hold(), by a reset, a snapshot or a cloud.
+  void replaceHeld(std::unique_ptr<simulation::Simulation> simulation);
+  /// Throws InputError while it is held: for what would change it.
+  void requireFree() const;
   /// The reason why no step can be taken now; empty if there is none.
   std::string obstacle();
 
   StepperStatus status() const;
 
  private:
-  struct WaitingCloud {
-    IncomingCloud incoming;
-    Inbox::SteadyTime give_up;
-  };
-
   void handleClock(const ClockNews& clock);
-  bool handleCloud();
-  bool accept(IncomingCloud& incoming);
+  bool handleClouds();
+  WaitingClouds::Answer prepare(IncomingCloud& incoming, bool is_patient);
+  void accept(IncomingCloud& incoming);
   void restart(std::int64_t now);
+  std::int64_t delayed(std::int64_t clock) const;
+  std::int64_t arrivalOf(const IncomingCloud& incoming) const;
+  std::int64_t stampOf(const IncomingCloud& incoming) const;
+  bool isTracking() const;
+  std::string frameOf(const IncomingCloud& incoming) const;
 
   bool isDue() const;
+  bool canRest() const;
   bool takeStep();
   std::int64_t countFrames() const;
   bool updateGravity();
   void letGoOfLag(double call_seconds);
+  void publish(bool all);
   void publishIfDue();
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
@@ -100,16 +112,18 @@ class Stepper {
   const tf2::BufferCore& transforms_;
   Complaints& complaints_;
   const bool is_clock_simulated_;
+  const std::int64_t delay_;  // ns that steps stay behind the clock
 
   std::unique_ptr<simulation::Simulation> simulation_;
   std::string frame_;
   StepSchedule schedule_;
-  std::int64_t now_ = 0;  // ns of the ROS clock; 0 = there is no valid time yet
-  std::unique_ptr<WaitingCloud> waiting_cloud_;
+  std::int64_t now_ = 0;  // ns of the ROS clock, less the delay; 0 = there is no valid time yet
+  WaitingClouds clouds_;
   PendingCommands commands_;
   SnapshotShelf snapshots_;  // of this surface
   bool is_paused_ = false;  // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
+  bool is_held_ = false, is_held_valid_ = false;
   // s of wall time: the commands of the last step, all of the last step, the last frame.
   double time_input_ = 0.0, step_seconds_ = 0.0, frame_seconds_ = 0.0;
   double call_seconds_ = 0.0;  // of the services called in the last turn
@@ -117,7 +131,7 @@ class Stepper {
   // Frames lie on simulation time; this one is the last that was due.
   std::int64_t last_frame_ = 0;
   bool is_frame_due_ = false;
-  Inbox::SteadyTime last_published_;
+  Inbox::SteadyTime last_published_, last_turn_;
 
   StepperStatus counts_;
 };

@@ -1,6 +1,7 @@
 #include "deformable_surface/ros/surface_node.h"
 
 #include "complaints.h"
+#include "fit_service.h"
 #include "inbox.h"
 #include "mesh_files.h"
 #include "node_diagnostics.h"
@@ -84,6 +85,7 @@ struct SurfaceNode::Impl {
   Stepper stepper;
   std::optional<NodeDiagnostics> diagnostics;
   Services services;
+  FitService fit;
   Rollouts rollouts;
   Reconfigure reconfigure;
   ros::Subscriber cloud_subscriber;
@@ -110,10 +112,12 @@ struct SurfaceNode::Impl {
         service_node(onQueue(given_private, service_queue)),
         complaints(private_node.getNamespace()),
         inbox(ros::Time::isSimTime()),
-        transform_listener(transforms, given),
+        // Not in a thread of its own, which would wake up a hundred times a second.
+        transform_listener(transforms, node, false),
         publishers(private_node, [this] { inbox.wantFrame(); }),
         stepper(params, inbox, publishers, transforms, complaints),
         services(service_node, inbox, stepper, transforms, complaints, params.save_directory),
+        fit(given_private, inbox, stepper, complaints),
         rollouts(given_private, inbox, stepper, transforms, complaints, countRolloutThreads(params.threads)),
         reconfigure(service_node, inbox, stepper, complaints),
         watchdog(listServices()),
@@ -122,6 +126,9 @@ struct SurfaceNode::Impl {
         service_spinner(1, &service_queue) {
     stepper.setStanding(readRobotTools(private_node, params.robot));
     stepper.onParams([this] { reconfigure.publish(); });
+    services.onRestore([this] { reconfigure.store(); });
+    reconfigure.onStore([this] { keepParameters(); });
+    keepParameters();
     if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
     subscribe(params);
     simulation_thread = std::thread([this, num_threads = params.threads] {
@@ -141,8 +148,15 @@ struct SurfaceNode::Impl {
 
   std::vector<std::string> listServices() const {
     std::vector<std::string> names = services.names();
+    names.push_back(fit.name());
     names.push_back(reconfigure.serviceName());
     return names;
+  }
+
+  // As they are on the parameter server now.
+  void keepParameters() {
+    XmlRpc::XmlRpcValue tree;
+    if (private_node.getParam(private_node.getNamespace(), tree)) watchdog.keepParameters(private_node.getNamespace(), tree);
   }
 
   void subscribe(const simulation::SceneParams& params) {

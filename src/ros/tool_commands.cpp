@@ -106,13 +106,34 @@ Vec3 requireFinite(const std::string& name, const Vec3& v) {
   return v;
 }
 
+}  // namespace
+
 const ToolParams* findTool(const simulation::Simulation& simulation, const std::string& id) {
   for (const ToolParams& tool : simulation.tools())
     if (tool.id == id) return &tool;
   return nullptr;
 }
 
-}  // namespace
+bool removeTools(const Tool& command, simulation::Simulation& simulation) {
+  if (command.action == Tool::DELETEALL) {
+    while (!simulation.tools().empty()) simulation.removeTool(simulation.tools().back().id);
+    return true;
+  }
+  if (command.action == Tool::DELETE) {
+    if (!simulation.removeTool(command.id))
+      throw InputError("found a DELETE, but there is no such tool; accepted: ids of tools that are there");
+    return true;
+  }
+  if (command.action != Tool::ADD) {
+    throw InputError("action: found " + std::to_string(command.action) +
+                     "; accepted: 0 (ADD, which modifies too), 2 (DELETE), 3 (DELETEALL)");
+  }
+  if (!isToolId(command.id))
+    throw InputError("id: accepted: up to 64 letters, digits and '_', the first a letter, since it becomes a topic's name");
+  if (simulation.tools().size() >= kMaxTools && !findTool(simulation, command.id))
+    throw InputError("found " + std::to_string(simulation.tools().size()) + " tools at a time already; accepted: no more");
+  return false;
+}
 
 ToolParams readTool(const Tool& command) {
   ToolParams tool;
@@ -151,29 +172,19 @@ tool::Pose ToolCommands::Course::predict(double time) const {
 }
 
 void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame) {
-  if (command.action == Tool::DELETEALL) {
-    while (!simulation.tools().empty()) simulation.removeTool(simulation.tools().back().id);
-    return courses_.clear();
-  }
   const ToolParams* const before = findTool(simulation, command.id);
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   ToolParams tool;
   Course course;
   try {
-    if (command.action == Tool::DELETE) {
-      if (!before) throw InputError("found a DELETE, but there is no such tool; accepted: ids of tools that are there");
-      simulation.removeTool(command.id);
-      courses_.erase(command.id);
+    if (removeTools(command, simulation)) {
+      if (command.action == Tool::DELETEALL) {
+        courses_.clear();
+      } else {
+        courses_.erase(command.id);
+      }
       return;
     }
-    if (command.action != Tool::ADD) {
-      throw InputError("action: found " + std::to_string(command.action) +
-                       "; accepted: 0 (ADD, which modifies too), 2 (DELETE), 3 (DELETEALL)");
-    }
-    if (!isToolId(command.id))
-      throw InputError("id: accepted: up to 64 letters, digits and '_', the first a letter, since it becomes a topic's name");
-    if (!before && simulation.tools().size() >= kMaxTools)
-      throw InputError("found " + std::to_string(simulation.tools().size()) + " tools at a time already; accepted: no more");
     tool = readTool(command);
     course.given = now;
     course.frame = command.header.frame_id;
@@ -190,6 +201,8 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
     }
     course.T_surface_frame =
         findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_);
+  } catch (const FrameError& error) {
+    throw FrameError("tool " + quote(command.id.substr(0, 64)) + " " + error.what());
   } catch (const InputError& error) {
     throw InputError("tool " + quote(command.id.substr(0, 64)) + " " + error.what());
   }
@@ -210,6 +223,11 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
   }
   simulation.setTool(tool);
   courses_[command.id] = course;
+}
+
+bool ToolCommands::isMoving() const {
+  return stand_.size() < standing_.size() ||
+         std::any_of(courses_.begin(), courses_.end(), [](const auto& entry) { return entry.second.isMoving(); });
 }
 
 std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::Simulation& simulation,

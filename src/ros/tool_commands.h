@@ -25,6 +25,12 @@ tool::WaypointParams makeWaypoint(double time, const tool::Pose& pose);
 /// Whether an id can be a part of a topic's name: up to 64 letters, digits and '_', the first a letter.
 bool isToolId(const std::string& id);
 
+/// The tool of that id; null: there is none.
+const tool::ToolParams* findTool(const simulation::Simulation& simulation, const std::string& id);
+/// Carries out a DELETE or DELETEALL; false: the command is an ADD. Throws InputError for other actions, for the DELETE of a tool that is
+/// not there, and for the ADD of one that has no proper id or is one too many.
+bool removeTools(const Tool& command, simulation::Simulation& simulation);
+
 class ToolCommands {
   /// What a tool's last message says of its motion, in the frame of its header.
   struct Course {
@@ -56,6 +62,9 @@ class ToolCommands {
   /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget(); one that is
   /// deleted stays away until then.
   void setStanding(std::vector<Tool> tools) { standing_ = std::move(tools); }
+
+  /// Whether move() may have something to do.
+  bool isMoving() const;
 
   /// The surface is another or at rest again: the tools of before are gone.
   void forget() {

@@ -4,7 +4,10 @@
 
 #include "deformable_surface/ros/surface_node.h"
 
+#include <geometry_msgs/WrenchStamped.h>
+
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace deformable_surface::node::test {
@@ -44,6 +47,53 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
   with = without = 0;
   ASSERT_TRUE(waitUntil([&] { return with + without > 20; }));
   EXPECT_EQ(with, 0);
+}
+
+TEST(Publishing, SendsACloudThatHasNotChangedToWhoIsNewOnly) {
+  NodeProcess process("/resting", "{model: mass_spring, gravity: [0, 0, 0]}");
+  NodeClient client("/resting");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  std::uint64_t step = 0;
+  const ros::Subscriber statistics =
+      client.handle().subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { step = m->step; });
+  ASSERT_TRUE(client.exchange(makeStampedSheet())) << process.output();
+  // Whatever connections have asked for has come by then.
+  ASSERT_TRUE(waitUntil([&] { return step > 20; }));
+  const std::size_t before = client.frames.size();
+  const std::uint64_t begin = step;
+  ASSERT_TRUE(waitUntil([&] { return step > begin + 100; })) << process.output();
+  EXPECT_EQ(client.frames.size(), before);
+
+  // The latched one, and the surface of now.
+  NodeClient late("/resting");
+  ASSERT_TRUE(waitUntil([&] { return !late.frames.empty() && late.frames.back()->header.stamp > client.frames.front()->header.stamp; }))
+      << process.output();
+
+  const std::size_t at_rest = client.frames.size();
+  client.publish(makeForce("pull", Vec3(0.1, 0.05, 0.0), Vec3(0.0, 0.0, 1e-3)));
+  ASSERT_TRUE(waitUntil([&] { return client.frames.size() > at_rest + 5; })) << process.output();
+}
+
+TEST(Publishing, TellsWhatAToolFeelsAfterEveryStep) {
+  NodeProcess process("/felt", R"({model: mass_spring, gravity: [0, 0, -1], output: {publish_rate: 1.0},
+    tools: [{id: globe, mode: solid, shape: {sphere: {radius: 1.0}}, path: [{time: 0.0, position: [0, 0, -1.01]}]}]})");
+  NodeClient client("/felt");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  std::vector<ros::Time> stamps;
+  const ros::Subscriber wrench = client.handle().subscribe<geometry_msgs::WrenchStamped>(
+      "tools/globe/wrench", 100, [&](const geometry_msgs::WrenchStampedConstPtr& m) { stamps.push_back(m->header.stamp); });
+  ASSERT_TRUE(client.pause(true).success);
+  const PointCloud2 cloud = makeStampedSheet();
+  ASSERT_TRUE(client.exchange(cloud)) << process.output();
+  ASSERT_TRUE(waitUntil([&] { return wrench.getNumPublishers() > 0; }));
+  ASSERT_TRUE(client.step(1).success);
+  ASSERT_TRUE(waitUntil([&] { return client.step(1).success && !stamps.empty(); })) << process.output();
+  stamps.clear();
+  const StepResponse stepped = client.step(30);
+  ASSERT_TRUE(stepped.success) << stepped.message;
+  const ros::Time last = cloud.header.stamp + ros::Duration(stepped.simulation_time);
+  ASSERT_TRUE(waitUntil([&] { return !stamps.empty() && std::abs((stamps.back() - last).toSec()) < 1e-6; }));
+  EXPECT_GE(std::set<ros::Time>(stamps.begin(), stamps.end()).size(), 30u);
 }
 
 TEST(Publishing, GivesTheMessageItselfToThoseInTheSameProcess) {

@@ -83,6 +83,8 @@ TEST(RoscoreRestart, IsFollowedByTheRegistrationOfAllThereWas) {
   master.reset();
   master = std::make_unique<Master>(port);
   EXPECT_TRUE(waitUntil([&] { return master->listRegistrations("/surface") == before; })) << process.output();
+  XmlRpcValue model = master->ask("getParam", {std::string("/surface/model")});
+  EXPECT_EQ(model.getType() == XmlRpcValue::TypeString ? static_cast<std::string&>(model) : "", "mass_spring");
   process.send(SIGTERM);
   EXPECT_EQ(process.waitForExit(), std::optional<int>(0));
   EXPECT_TRUE(master->listRegistrations("/surface").empty());

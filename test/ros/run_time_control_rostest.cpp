@@ -15,6 +15,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <iterator>
 
 namespace deformable_surface::node::test {
 namespace {
@@ -305,6 +306,42 @@ TEST_F(RunTimeControlTest, ParametersChangeWhileItRunsOrStayWithAWarning) {
   ASSERT_TRUE(restore("start").success);
   EXPECT_TRUE(waitUntil([&] { return has_gravity(-1.0); }));
   EXPECT_EQ(client_->step(5).state_hash, before);
+  // A node that is started again begins with that, too.
+  EXPECT_TRUE(client_->handle().getParam("gravity", gravity));
+  EXPECT_EQ(gravity, (std::vector<double>{0.0, 0.0, -1.0}));
+}
+
+TEST_F(RunTimeControlTest, ParametersChangeBesideAToolThatIsAMesh) {
+  ros::Publisher tools = client_->handle().advertise<ToolArray>("tools", 10);
+  ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0; }));
+  ToolArray array;
+  array.tools.push_back(makeBall());
+  Tool& tool = array.tools[0];
+  tool.shape = Tool::MESH;
+  const double corners[4][3] = {{0, 0, 0}, {0.03, 0, 0}, {0, 0.03, 0}, {0, 0, 0.03}};
+  const std::uint32_t faces[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
+  for (int k = 0; k < 4; ++k) {
+    tool.mesh.vertices.emplace_back();
+    tool.mesh.vertices.back().x = corners[k][0];
+    tool.mesh.vertices.back().y = corners[k][1];
+    tool.mesh.vertices.back().z = corners[k][2];
+    tool.mesh.triangles.emplace_back();
+    std::copy(std::begin(faces[k]), std::end(faces[k]), tool.mesh.triangles.back().vertex_indices.begin());
+  }
+  tools.publish(array);
+  ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(client_->step(1).success);
+  ASSERT_EQ(call<List>("list", ListRequest()).tools, std::vector<std::string>{"ball"}) << process_->output();
+
+  dynamic_reconfigure::ReconfigureRequest request;
+  request.config.doubles.resize(1);
+  request.config.doubles[0].name = "gravity.z";
+  request.config.doubles[0].value = -2.0;
+  const auto now = call<dynamic_reconfigure::Reconfigure>("set_parameters", request).config.doubles;
+  EXPECT_TRUE(std::any_of(now.begin(), now.end(), [](const auto& d) { return d.name == "gravity.z" && d.value == -2.0; }))
+      << process_->output();
+  EXPECT_EQ(call<List>("list", ListRequest()).tools, std::vector<std::string>{"ball"});
+  EXPECT_TRUE(client_->step(5).success) << process_->output();
 }
 
 TEST_F(RunTimeControlTest, MaterialChangesInAShapeOrEverywhere) {
@@ -368,6 +405,23 @@ accuracy: {estimate: false}
   ASSERT_TRUE(client.exchange(cloud)) << process.output();
   process.send(SIGINT);
   EXPECT_EQ(process.waitForExit(), std::optional<int>(0)) << process.output();
+}
+
+TEST(RunTimeControl, ARolloutIsRefusedAsLongAsNobodyKnowsWhereGravityPoints) {
+  NodeProcess process("/tilted", "{model: mass_spring, gravity_frame: nowhere}");
+  NodeClient client("/tilted");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  PointCloud2 cloud = makeSheet(kSide, kSide);
+  cloud.header.stamp = ros::Time::now();
+  ASSERT_TRUE(client.exchange(cloud)) << process.output();
+  Client rollouts(client.handle(), "rollout");
+  ASSERT_TRUE(waitUntil([&] { return rollouts.isServerConnected(); })) << process.output();
+  RolloutGoal goal;
+  goal.duration = 0.1;
+  const Client::GoalHandle handle = rollouts.sendGoal(goal);
+  ASSERT_TRUE(waitUntil([&] { return handle.getCommState() == actionlib::CommState::DONE; }));
+  EXPECT_EQ(handle.getTerminalState(), actionlib::TerminalState::REJECTED);
+  EXPECT_NE(handle.getTerminalState().getText().find("gravity_frame"), std::string::npos) << handle.getTerminalState().getText();
 }
 
 TEST(RunTimeControl, ACloudThatIsTrackedMovesTheSurface) {

@@ -107,6 +107,54 @@ TEST_F(SimulatedTimeTest, RepeatsItselfWhenTheClockJumpsBackAndInAnotherInstance
   EXPECT_EQ(run(other), first);
 }
 
+TEST_F(SimulatedTimeTest, CountsCommandsThatComeAfterTheirStepAndTakesThemAllTheSame) {
+  tick(kStart);
+  ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
+  tick(kStart + kStep, kStart + 20 * kStep);
+  ASSERT_TRUE(client_.waitForFrame(toTime(kStart + 20 * kStep)));
+  PointForce force = makeForce("pull", Vec3(0.19, 0.05, 0.0), Vec3(0.0, 0.0, 0.002), 0.02);
+  for (const int step : {5, 40}) {
+    force.header.stamp = toTime(kStart + step * kStep);
+    client_.publish(force);
+  }
+  ASSERT_TRUE(client_.waitForDiagnostic("commands waiting", 2));
+  tick(kStart + 21 * kStep, kStart + 50 * kStep);
+  EXPECT_TRUE(client_.waitForDiagnostic("commands applied", 2)) << process_.output();
+  EXPECT_TRUE(client_.waitForDiagnostic("commands late", 1));
+}
+
+TEST_F(SimulatedTimeTest, BehindTheClockByItsDelayItTakesInTimeWhatWouldElseBeLate) {
+  constexpr std::int64_t kDelay = 10 * kStep;
+  NodeProcess process("/behind", std::string(kScene, sizeof kScene - 2) + ", input: {delay: 0.1}}");
+  NodeClient client("/behind");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  const std::uint32_t needed = clock_.getNumSubscribers();
+  ASSERT_TRUE(waitUntil([&] { return clock_.getNumSubscribers() >= std::max(needed, 3u); }));
+  const std::string expected = run(client_);  // every command in time, without a delay
+
+  tick(kStart);
+  ASSERT_TRUE(client.exchange(cloud_)) << process.output();
+  for (int step = 1; step <= 50; ++step) {
+    // Each comes eight steps after its stamp.
+    if (step % 8 == 3 && step >= 11 && step <= 43) {
+      const int i = (step - 11) / 8;
+      PointForce force = makeForce("pull", Vec3(0.19, 0.05, 0.0), Vec3(0.0, 0.001 * i, 0.002), 0.02, 0.07);
+      force.header.stamp = toTime(kStart + (3 + 8 * i) * kStep);
+      ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 0)) << step << process.output();
+      client.publish(force);
+      ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1)) << step << process.output();
+    }
+    tick(kStart + step * kStep);
+  }
+  const ros::Time end = cloud_.header.stamp + ros::Duration(0.5);
+  tick(kStart + 51 * kStep, kStart + 50 * kStep + kDelay);
+  const auto frame = client.waitForFrame(end);
+  ASSERT_TRUE(frame) << process.output();
+  EXPECT_EQ(std::string(frame->data.begin(), frame->data.end()), expected);
+  EXPECT_TRUE(client.waitForDiagnostic("step", 50));
+  EXPECT_EQ(client.diagnostic("commands late"), 0);
+}
+
 TEST_F(SimulatedTimeTest, StartsOverFromRestAfterAJumpBackWithoutANewCloud) {
   tick(kStart);
   ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();

@@ -119,6 +119,7 @@ struct InputParams {
   Index max_points = 20000000;  // >= 3
   double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
+  double delay = 0.0;               // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
 };
 
 /// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
@@ -309,6 +310,8 @@ inline void visit(Fields& fields, InputParams& p) {
                 "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
   fields.number("track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
                 "`track`: points of the surface farther from the cloud were not seen; `auto` = three spacings of the simulation points");
+  fields.number("delay", p.delay, "s", between(0.0, 10.0),
+                "the node: steps stay this far behind the clock, so that messages and transforms on their way come in time for theirs");
 }
 
 /// Why a scene's model cannot have this change; empty if it can.

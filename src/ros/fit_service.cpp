@@ -1,0 +1,96 @@
+#include "fit_service.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <cstdint>
+#include <exception>
+#include <limits>
+#include <memory>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+// What is left at zero stays as it is.
+model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthParams growth) {
+  const auto take = [](double given, double& value) {
+    if (given != 0.0) value = given;
+  };
+  take(request.min_gap, growth.min_gap);
+  take(request.max_gap, growth.max_gap);
+  take(request.min_angle, growth.min_angle);
+  take(request.max_angle, growth.max_angle);
+  const auto takeCount = [](const char* name, std::uint32_t given, Index& value) {
+    if (given > static_cast<std::uint32_t>(std::numeric_limits<Index>::max()))
+      throw InputError(std::string(name) + ": found " + std::to_string(given) + "; accepted: fewer");
+    if (given != 0) value = static_cast<Index>(given);
+  };
+  takeCount("edge_rows", request.edge_rows, growth.edge_rows);
+  takeCount("max_particles", request.max_particles, growth.max_particles);
+  return growth;
+}
+
+}  // namespace
+
+FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints)
+    : inbox_(inbox), stepper_(stepper), complaints_(complaints), spinner_(1, &queue_) {
+  node.setCallbackQueue(&queue_);
+  const auto answer = [this](FitSurfaceRequest& request, FitSurfaceResponse& response) {
+    try {
+      fit(request, response);
+    } catch (const std::exception& error) {
+      response.success = false;
+      response.message = error.what();
+      complaints_.report(Complaint::kCallRefused, "call refused: " + response.message);
+    }
+    return true;
+  };
+  server_ = node.advertiseService<FitSurfaceRequest, FitSurfaceResponse>(
+      "fit", boost::function<bool(FitSurfaceRequest&, FitSurfaceResponse&)>(answer));
+  spinner_.start();
+}
+
+FitService::~FitService() { spinner_.stop(); }
+
+// Work of the simulation thread may throw, too.
+void FitService::perform(const std::function<void()>& work) {
+  std::exception_ptr problem;
+  const std::string unheard = inbox_.perform([&] {
+    try {
+      work();
+    } catch (...) {
+      problem = std::current_exception();
+    }
+  });
+  if (!unheard.empty()) throw InputError(unheard);
+  if (problem) std::rethrow_exception(problem);
+}
+
+void FitService::fit(const FitSurfaceRequest& request, FitSurfaceResponse& response) {
+  std::unique_ptr<simulation::Simulation> copy;
+  model::GrowthParams growth;
+  int num_threads = 0;
+  perform([&] {
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
+    stepper_.requireFree();
+    growth = readGrowth(request, stepper_.simulation()->params().oriented_particles.growth);
+    num_threads = static_cast<int>(stepper_.params().threads);
+    copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
+    stepper_.hold();
+  });
+  try {
+    setNumThreads(num_threads);
+    response.message = copy->fit(growth);
+  } catch (...) {
+    perform([&] { stepper_.letGo(); });
+    throw;
+  }
+  perform([&] {
+    stepper_.replaceHeld(std::move(copy));
+    response.particles = static_cast<std::uint32_t>(stepper_.simulation()->state().size());
+  });
+  response.success = true;
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,43 @@
+// The service ~fit. Apart from the others because growing a surface takes seconds: it is done on a copy, in a thread of its own, while the
+// surface stands and the node goes on answering.
+#pragma once
+
+#include "complaints.h"
+#include "inbox.h"
+#include "stepper.h"
+
+#include "deformable_surface/FitSurface.h"
+
+#include <ros/callback_queue.h>
+#include <ros/node_handle.h>
+#include <ros/service_server.h>
+#include <ros/spinner.h>
+
+#include <functional>
+#include <string>
+
+namespace deformable_surface::node {
+
+class FitService {
+ public:
+  FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints);
+  /// After the inbox is closed: a fit that is under way is waited for.
+  ~FitService();
+
+  /// Resolved, for registering it again.
+  std::string name() const { return server_.getService(); }
+
+ private:
+  /// Throws.
+  void fit(const FitSurfaceRequest& request, FitSurfaceResponse& response);
+  void perform(const std::function<void()>& work);
+
+  Inbox& inbox_;
+  Stepper& stepper_;
+  Complaints& complaints_;
+  ros::CallbackQueue queue_;
+  ros::ServiceServer server_;
+  ros::AsyncSpinner spinner_;
+};
+
+}  // namespace deformable_surface::node
