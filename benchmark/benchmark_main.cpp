@@ -29,6 +29,8 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"factorization", runFactorizationSection},
                            {"particles", runParticlesSection},
                            {"activity", runActivitySection, true},
+                           {"scale", runScaleSection, true},
+                           {"peers", runPeersSection, true},
                            {"geodesics", runGeodesicsSection, true},
                            {"accuracy", runAccuracySection, true},
                            {"statics", runStaticsSection, true},
@@ -95,8 +97,8 @@ int run(int argc, char** argv) {
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --geodesics, --accuracy, --scene NAME, --statics, --physics, --calibration, --scenes FIRST "
-                  "COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
+      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --scale, --peers, --geodesics, --accuracy, "
+                  "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)

@@ -58,9 +58,23 @@ Timing measure(const std::function<void()>& body, double budget, int min_repetit
   Timing timing;
   timing.wall = quartiles.median;
   timing.spread = (quartiles.high - quartiles.low) / quartiles.median;
+  timing.least = *std::min_element(walls.begin(), walls.end());
   timing.cpu = *std::min_element(cpus.begin(), cpus.end());
   timing.repetitions = static_cast<int>(walls.size());
   return timing;
+}
+
+double fitExponent(const std::vector<double>& sizes, const std::vector<double>& values) {
+  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
+  for (std::size_t k = 0; k < sizes.size(); ++k) {
+    const double a = std::log(sizes[k]), b = std::log(values[k]);
+    x += a;
+    y += b;
+    xx += a * a;
+    xy += a * b;
+  }
+  const double n = static_cast<double>(sizes.size());
+  return (n * xy - x * y) / (n * xx - x * x);
 }
 
 std::uint64_t hashBytes(const void* data, std::size_t size, std::uint64_t start) {

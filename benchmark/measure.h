@@ -11,6 +11,7 @@ namespace deformable_surface::benchmark {
 
 struct Timing {
   double wall = 0.0;    // s, median of the repetitions
+  double least = 0.0;   // s of wall time, the least of them
   double spread = 0.0;  // interquartile range over median
   double cpu = 0.0;     // s of processor time of all threads, the least of the repetitions
   int repetitions = 0;
@@ -28,6 +29,9 @@ struct Quartiles {
   double low, median, high;
 };
 Quartiles findQuartiles(std::vector<double> values);
+
+/// The exponent of a power law through values over sizes, by least squares of the logarithms.
+double fitExponent(const std::vector<double>& sizes, const std::vector<double>& values);
 
 /// FNV-1a over the bytes of trivially copyable values without padding.
 std::uint64_t hashBytes(const void* data, std::size_t size, std::uint64_t start = 14695981039346656037ull);

@@ -16,6 +16,7 @@ void runMemorySection(const Options& options, Report& report) {
   for (Index n : sizes) {
     Preparation p;
     p.cloud = makeWavySheet(n, PointOrder::kScan);
+    p.target = countKept(p.cloud.size());
     const auto count = [&](const std::string& name, const std::function<void()>& call) {
       const std::int64_t resident = residentBytes();
       HeapCounter heap;
@@ -28,7 +29,7 @@ void runMemorySection(const Options& options, Report& report) {
     for (const Stage& stage : listStages()) count(stage.name, [&] { stage.run(p); });
 
     simulation::SceneParams scene;
-    scene.simplification.target_points = countKept(p.cloud.size());
+    scene.simplification.target_points = p.target;
     std::unique_ptr<simulation::Simulation> built;
     count("all (Simulation)", [&] { built = std::make_unique<simulation::Simulation>(scene, p.cloud); });
     count("first step", [&] { built->step(); });

@@ -112,20 +112,6 @@ Index countPairs(const OrientedParticles& particles, const State& s) {
   return ends / 2;
 }
 
-// The exponent of a power law through times over sizes, by least squares of the logarithms.
-double fitExponent(const std::vector<double>& sizes, const std::vector<double>& times) {
-  double x = 0.0, y = 0.0, xx = 0.0, xy = 0.0;
-  for (std::size_t k = 0; k < sizes.size(); ++k) {
-    const double a = std::log(sizes[k]), b = std::log(times[k]);
-    x += a;
-    y += b;
-    xx += a * a;
-    xy += a * b;
-  }
-  const double n = static_cast<double>(sizes.size());
-  return (n * xy - x * y) / (n * xx - x * x);
-}
-
 }  // namespace
 
 void runParticlesSection(const Options& options, Report& report) {

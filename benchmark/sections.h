@@ -28,6 +28,8 @@ void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);
 void runParticlesSection(const Options& options, Report& report);
 void runActivitySection(const Options& options, Report& report);
+void runScaleSection(const Options& options, Report& report);
+void runPeersSection(const Options& options, Report& report);
 void runGeodesicsSection(const Options& options, Report& report);
 void runCalibrationSection(const Options& options, Report& report);
 

@@ -11,6 +11,7 @@ void measureStages(Index n, PointOrder order, int threads, const Options& option
   setNumThreads(threads);
   Preparation p;
   p.cloud = makeWavySheet(n, order);
+  p.target = countKept(p.cloud.size());
   const double per_point = 1.0 / p.cloud.size();
   const auto addRow = [&](const std::string& name, const Timing& t, double error, const std::string& error_name,
                           std::uint64_t hash) {
@@ -26,7 +27,7 @@ void measureStages(Index n, PointOrder order, int threads, const Options& option
 
   // All of it, as a node that gets a cloud does it.
   simulation::SceneParams scene;
-  scene.simplification.target_points = countKept(p.cloud.size());
+  scene.simplification.target_points = p.target;
   std::unique_ptr<simulation::Simulation> built;
   const Timing timing = measure([&] { built = std::make_unique<simulation::Simulation>(scene, p.cloud); }, options.budget, 2);
   double mass = 0.0;

@@ -2,41 +2,20 @@
 // rotation, which must be reproduced exactly.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/transfer/transfer.h"
+#include "machine_limits.h"
 #include "sections.h"
 #include "wavy_sheet.h"
 
 #include <algorithm>
 #include <cmath>
-#include <stdexcept>
 
 namespace deformable_surface::benchmark {
 namespace {
 
 constexpr Index kSimulationPoints = 2000;
-constexpr Index kBlock = 8192;  // elements: many blocks per thread, each far longer than its start costs
-
-// A line of memory that is written is read first, unless the program takes special care; neither loop does.
-constexpr double kTriadBytes = 4.0 * sizeof(double);
+// A written line counts twice, as in the triad.
 double movedBytes(const transfer::Transfer& transfer) {
   return static_cast<double>(transfer.bytesPerPoint() + 2 * sizeof(Vec3) + 2 * sizeof(Eigen::Vector3f));
-}
-
-// Bandwidth in bytes per second of a = b + s c on arrays that take `bytes` together.
-double measureTriad(double bytes, double budget) {
-  const Index n = static_cast<Index>(bytes / (3 * sizeof(double)));
-  std::vector<double> a(n, 0.0), b(n, 1.0), c(n, 2.0);
-  const double s = 3.0;
-  const Timing timing = measure(
-      [&] {
-        parallelFor(n, kBlock, [&](Index begin, Index end) {
-          double* const to = a.data();
-          const double *const x = b.data(), *const y = c.data();
-          for (Index i = begin; i < end; ++i) to[i] = x[i] + s * y[i];
-        });
-      },
-      budget);
-  if (a[n / 2] != 7.0) throw std::logic_error("triad: wrong sum");
-  return n * kTriadBytes / timing.wall;
 }
 
 }  // namespace
@@ -67,7 +46,7 @@ void runTransferSection(const Options& options, Report& report) {
         error = std::max(error, (now[i] - rotation * dense.positions[i]).norm());
         normal_error = std::max(normal_error, (normals_now[i].cast<double>() - rotation * normals[i]).norm());
       }
-      const double bandwidth = movedBytes(transfer) * dense.size() / timing.wall;
+      const double bandwidth = movedBytes(transfer) * dense.size() / (threads == 1 ? timing.cpu : timing.least);  // as the triad
       const double triad = measureTriad(movedBytes(transfer) * dense.size(), options.budget);
       report.add({std::to_string(dense.size()), std::to_string(threads), showMilliseconds(timing.wall),
                   showPercent(timing.spread), showMilliseconds(timing.cpu), show(timing.cpu / timing.wall),

@@ -1,5 +1,6 @@
 #include "wavy_sheet.h"
 
+#include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/io/shapes.h"
@@ -76,7 +77,7 @@ double orientationError(const Preparation& p) {
 
 double spacingVariation(const Preparation& p) {
   Points kept;
-  for (Index i : p.simplification.keepCount(countKept(p.cloud.size()))) kept.push_back(p.cloud.positions[i]);
+  for (Index i : p.simplification.keepCount(p.target)) kept.push_back(p.cloud.positions[i]);
   const Lists nearest = cloud::nearestNeighbors(kept, 1);
   double sum = 0.0, squares = 0.0;
   for (Index i = 0; i < nearest.size(); ++i) {
@@ -94,6 +95,18 @@ double transferError(const Preparation& p) {
   for (const Vec3& x : p.cloud.positions) expected.push_back(bend(x));
   p.transfer.apply(bent, found);
   return rmsDistance(found, expected) / kBend;
+}
+
+// Also the normals that tell the sides apart, as the simulation estimates them first.
+void keepOverSurface(Preparation& p) {
+  const Points& positions = p.cleaned.positions;
+  Lists lists = p.neighbors;
+  cloud::SurfaceSides sides;
+  sides.normals = cloud::estimateNormals(positions, lists);
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, sides, lists, {});
+  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(lists));
+  p.num_at_gaps = found.num_at_gaps;
+  p.neighbors = std::move(found.lists);
 }
 
 void estimateNormals(Preparation& p) { p.normals = cloud::estimateNormals(p.cloud.positions, p.neighbors); }
@@ -138,8 +151,15 @@ cloud::PointCloud makeWavySheet(Index n, PointOrder order) {
 
 std::vector<Stage> listStages() {
   return {
+      {"clean", "points lost",
+       [](Preparation& p) { p.cleaned = cloud::clean(p.cloud); },
+       [](const Preparation& p) { return static_cast<double>(p.cloud.size() - p.cleaned.positions.size()); },
+       [](const Preparation& p) { return hashValues(p.cleaned.positions); }},
       {"neighbours", "share of lists that are wrong",
-       [](Preparation& p) { p.neighbors = cloud::nearestNeighbors(p.cloud.positions, 2 * kNeighbors); }, neighborError,
+       [](Preparation& p) { p.neighbors = cloud::nearestNeighbors(p.cleaned.positions, 2 * kNeighbors); }, neighborError,
+       [](const Preparation& p) { return hashValues(p.neighbors.items); }},
+      {"geodesic neighbours", "points at gaps, of which there are none", keepOverSurface,
+       [](const Preparation& p) { return static_cast<double>(p.num_at_gaps); },
        [](const Preparation& p) { return hashValues(p.neighbors.items); }},
       {"normals", "mean error, degrees", estimateNormals, meanNormalError,
        [](const Preparation& p) { return hashValues(p.normals); }},
@@ -153,28 +173,32 @@ std::vector<Stage> listStages() {
        orientationError, [](const Preparation& p) { return hashValues(p.normals); }},
       {"simplification", "variation of spacing",
        [](Preparation& p) {
-         p.simplification = cloud::simplify(p.cloud.positions, p.normals, kNeighbors, countKept(p.cloud.size()), {});
+         p.simplification = cloud::simplify(p.cloud.positions, p.normals, kNeighbors, p.target, {}, p.neighbors, p.boundary.is_corner, true);
+         p.kept = p.simplification.keepCount(p.target);
        },
        spacingVariation, [](const Preparation& p) { return hashValues(p.simplification.removed); }},
-      {"rings of all points", "relative error of area",
-       [](Preparation& p) { p.dense_rings = cloud::buildRings(p.cloud.positions, p.normals, p.neighbors); },
-       [](const Preparation& p) { return areaError(p.dense_rings); },
-       [](const Preparation& p) { return hashValues(p.dense_rings.area); }},
+      {"cells", "points without one",
+       [](Preparation& p) { p.cells = cloud::findGeodesicCells(p.cloud.positions, p.neighbors, p.kept, kNeighbors); },
+       [](const Preparation& p) { return static_cast<double>(std::count(p.cells.owner.begin(), p.cells.owner.end(), -1)); },
+       [](const Preparation& p) { return hashValues(p.cells.neighbors.items); }},
       {"rings of simulation points", "relative error of area",
        [](Preparation& p) {
-         p.kept = p.simplification.keepCount(countKept(p.cloud.size()));
          p.points.clear();
          p.point_normals.clear();
          for (Index i : p.kept) {
            p.points.push_back(p.cloud.positions[i]);
            p.point_normals.push_back(p.normals[i]);
          }
-         p.rings = cloud::buildRings(p.points, p.point_normals, cloud::nearestNeighbors(p.points, kNeighbors));
+         p.rings = cloud::buildRings(p.points, p.point_normals, p.cells.neighbors);
        },
        [](const Preparation& p) { return areaError(p.rings); }, [](const Preparation& p) { return hashValues(p.rings.area); }},
+      {"area of all points", "relative error",
+       [](Preparation& p) { p.area = cloud::measureArea(p.cloud.positions, p.normals, p.neighbors); },
+       [](const Preparation& p) { return std::abs(p.area / findWavyArea() - 1.0); },
+       [](const Preparation& p) { return hashBytes(&p.area, sizeof p.area); }},
       {"model", "relative error of mass",
        [](Preparation& p) {
-         p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, sumOf(p.dense_rings.area), false,
+         p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, p.area, false,
                                                        model::MaterialParams{}, model::MassSpringParams{});
        },
        [](const Preparation& p) {
@@ -183,7 +207,9 @@ std::vector<Stage> listStages() {
        [](const Preparation& p) { return hashValues(p.model->masses()); }},
       {"transfer weights", "rms error of a bend / its amplitude",
        [](Preparation& p) {
-         p.transfer = transfer::Transfer(p.cloud.positions, p.normals, p.points, std::vector<char>(p.points.size(), 1), {});
+         const transfer::TransferParams params;
+         const Lists followed = cloud::findChosenNear(p.cells, p.cloud.positions, params.k);
+         p.transfer = transfer::Transfer(p.cloud.positions, p.normals, p.points, std::vector<char>(p.points.size(), 1), params, &followed);
        },
        transferError,
        [](const Preparation& p) {

@@ -2,7 +2,8 @@
 // the error of its result. Times and memory are measured on the same stages.
 #pragma once
 
-#include "deformable_surface/cloud/point_cloud.h"
+#include "deformable_surface/cloud/clean.h"
+#include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
@@ -24,12 +25,16 @@ double findWavyArea();
 /// What the stages make, in their order.
 struct Preparation {
   cloud::PointCloud cloud;
+  Index target = 0;  // simulation points
+  cloud::CleanCloud cleaned;
   Lists neighbors;
+  Index num_at_gaps = 0;
   Points normals;
   cloud::Boundary boundary;
   cloud::Simplification simplification;
-  cloud::Rings dense_rings;
+  double area = 0.0;  // m^2, of the full cloud
   std::vector<Index> kept;
+  cloud::GeodesicCells cells;
   Points points, point_normals;  // of the simulation points
   cloud::Rings rings;
   std::unique_ptr<model::MassSpring> model;
@@ -43,7 +48,7 @@ struct Stage {
   std::function<std::uint64_t(const Preparation&)> hash;
 };
 
-/// The stages of buildRestSurface, with its defaults.
+/// The stages of buildRestSurface, with its defaults, in its order.
 std::vector<Stage> listStages();
 
 /// How many simulation points a cloud of n is simplified to: a fiftieth.

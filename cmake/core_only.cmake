@@ -29,3 +29,16 @@ string(REPLACE ";" " " benchmark_flags "${CMAKE_CXX_FLAGS} ${CMAKE_CXX_FLAGS_${b
 string(STRIP "${benchmark_flags}" benchmark_flags)
 target_compile_definitions(benchmark_core PRIVATE DEFORMABLE_SURFACE_FLAGS="${benchmark_flags}"
   DEFORMABLE_SURFACE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
+
+# Other programs beside ours (--peers): those that are installed.
+find_path(BULLET_INCLUDE_DIR BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h PATH_SUFFIXES bullet)
+find_path(NANOFLANN_INCLUDE_DIR nanoflann.hpp)
+if(BULLET_INCLUDE_DIR)
+  target_include_directories(benchmark_core SYSTEM PRIVATE ${BULLET_INCLUDE_DIR})
+  target_link_libraries(benchmark_core BulletSoftBody BulletDynamics BulletCollision LinearMath)
+  target_compile_definitions(benchmark_core PRIVATE DEFORMABLE_SURFACE_WITH_BULLET)
+endif()
+if(NANOFLANN_INCLUDE_DIR)
+  target_include_directories(benchmark_core SYSTEM PRIVATE ${NANOFLANN_INCLUDE_DIR})
+  target_compile_definitions(benchmark_core PRIVATE DEFORMABLE_SURFACE_WITH_NANOFLANN)
+endif()

@@ -1,0 +1,232 @@
+// Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies, neighbours with
+// nanoflann. Only what is installed when the benchmark is configured takes part; nothing of it is linked into the package.
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "sections.h"
+#include "swinging_sheet.h"
+#include "wavy_sheet.h"
+
+#include <algorithm>
+#include <cmath>
+
+#ifdef DEFORMABLE_SURFACE_WITH_BULLET
+#include <BulletSoftBody/btDeformableBodySolver.h>
+#include <BulletSoftBody/btDeformableGravityForce.h>
+#include <BulletSoftBody/btDeformableMassSpringForce.h>
+#include <BulletSoftBody/btDeformableMultiBodyConstraintSolver.h>
+#include <BulletSoftBody/btDeformableMultiBodyDynamicsWorld.h>
+#include <BulletSoftBody/btSoftBodyHelpers.h>
+#include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
+#include <btBulletCollisionCommon.h>
+#endif
+#ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN
+#include <nanoflann.hpp>
+#endif
+
+namespace deformable_surface::benchmark {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+
+// A square metre of 0.2 kg, level at first, that hangs from two adjacent corners.
+constexpr Index kSide = 64;
+constexpr double kMass = 0.2, kStiffness = 1000.0;  // kg, N/m
+constexpr double kDuration = 0.5;                   // s: it swings through its lowest place
+constexpr double kFrame = 1.0 / 60.0;               // s
+
+cloud::PointCloud makeSheet() {
+  cloud::PointCloud sheet;
+  for (Index i = 0; i < kSide; ++i)
+    for (Index j = 0; j < kSide; ++j) sheet.positions.emplace_back(-0.5 + i / (kSide - 1.0), -0.5 + j / (kSide - 1.0), 0.0);
+  sheet.width = static_cast<std::uint32_t>(sheet.positions.size());
+  return sheet;
+}
+
+struct Forces {
+  model::Membrane membrane;
+  model::Bending bending;
+};
+
+SceneParams makeScene(const Forces& forces, double time_step) {
+  SceneParams scene = makeSwingingScene(solve::IntegratorType::kVerlet, time_step);
+  scene.material.young_modulus = kStiffness / scene.material.thickness;
+  scene.mass_spring.membrane = forces.membrane;
+  scene.mass_spring.bending = forces.bending;
+  scene.pins.clear();
+  for (const double y : {-0.5, 0.5}) {
+    simulation::PinParams pin;
+    pin.region.min = Vec3(-0.501, y - 0.001, -0.001);
+    pin.region.max = Vec3(-0.499, y + 0.001, 0.001);
+    scene.pins.push_back(pin);
+  }
+  return scene;
+}
+
+// Sub-steps taken, positions at the end and the processor time that a simulated second took.
+struct Run {
+  long substeps = 0;
+  Points end;
+  double seconds = 0.0;
+};
+
+Run runOurs(const Forces& forces, long steps) {
+  Simulation sheet(makeScene(forces, kDuration / steps), makeSheet());
+  Run run;
+  const double before = processorSeconds();
+  for (long k = 0; k < steps; ++k) {
+    if (!sheet.step().ok) return run;
+    run.substeps += sheet.lastSubsteps();
+  }
+  run.seconds = (processorSeconds() - before) / kDuration;
+  run.end = sheet.state().positions;
+  return run;
+}
+
+void addOurs(const char* name, const Forces& forces, Report& report) {
+  const long frames = std::lround(kDuration / kFrame);
+  Run timed = runOurs(forces, frames);
+  for (int again = 0; again < 2; ++again) timed.seconds = std::min(timed.seconds, runOurs(forces, frames).seconds);
+  const Run at_2 = runOurs(forces, 2 * timed.substeps), at_4 = runOurs(forces, 4 * timed.substeps);
+  if (timed.end.empty() || at_4.end.empty()) return report.add({name, std::to_string(kSide * kSide), "-", "-", "failed", "-"});
+  Points converged(at_4.end.size());
+  for (std::size_t i = 0; i < converged.size(); ++i) converged[i] = (4.0 * at_4.end[i] - at_2.end[i]) / 3.0;
+  report.add({name, std::to_string(kSide * kSide), std::to_string(timed.substeps), show(timed.seconds), show(rmsDistance(timed.end, converged)),
+              show(rmsDistance(at_4.end, converged))});
+}
+
+#ifdef DEFORMABLE_SURFACE_WITH_BULLET
+// Bullet's springs between neighbours along both axes and both diagonals, explicit, with so many sub-steps a frame.
+Run runBullet(int substeps) {
+  btSoftBodyRigidBodyCollisionConfiguration configuration;
+  btCollisionDispatcher dispatcher(&configuration);
+  btDbvtBroadphase broadphase;
+  btDeformableBodySolver bodies;
+  btDeformableMultiBodyConstraintSolver constraints;
+  constraints.setDeformableSolver(&bodies);
+  btDeformableMultiBodyDynamicsWorld world(&dispatcher, &broadphase, &constraints, &configuration, &bodies);
+  const btVector3 gravity(0.0f, 0.0f, -9.81f);
+  world.setGravity(gravity);
+  world.getWorldInfo().m_gravity = gravity;
+  world.setImplicit(false);
+  btSoftBody* sheet = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-0.5f, -0.5f, 0.0f), btVector3(0.5f, -0.5f, 0.0f),
+                                                     btVector3(-0.5f, 0.5f, 0.0f), btVector3(0.5f, 0.5f, 0.0f), kSide, kSide, 0, true);
+  sheet->setTotalMass(static_cast<btScalar>(kMass));
+  for (int i = 0; i < sheet->m_nodes.size(); ++i) {
+    const btVector3& x = sheet->m_nodes[i].m_x;
+    if (x.x() < -0.499f && std::abs(x.y()) > 0.499f) sheet->setMass(i, 0.0f);
+  }
+  sheet->m_cfg.collisions = 0;
+  sheet->m_sleepingThreshold = 0.0f;
+  sheet->setActivationState(DISABLE_DEACTIVATION);
+  world.addSoftBody(sheet);
+  btDeformableMassSpringForce springs(static_cast<btScalar>(kStiffness), 0.0f, true);
+  btDeformableGravityForce weight(gravity);
+  world.addForce(sheet, &springs);
+  world.addForce(sheet, &weight);
+  Run run;
+  const double before = processorSeconds();
+  const int frames = static_cast<int>(std::lround(kDuration / kFrame));
+  for (int k = 0; k < frames; ++k)
+    world.stepSimulation(static_cast<btScalar>(kFrame), substeps, static_cast<btScalar>(kFrame / substeps));
+  run.seconds = (processorSeconds() - before) / kDuration;
+  run.substeps = static_cast<long>(frames) * substeps;
+  for (int i = 0; i < sheet->m_nodes.size(); ++i) {
+    const btVector3& x = sheet->m_nodes[i].m_x;
+    run.end.emplace_back(x.x(), x.y(), x.z());
+  }
+  world.removeSoftBody(sheet);
+  delete sheet;
+  return run;
+}
+#endif
+
+void addBullet(Report& report) {
+#ifdef DEFORMABLE_SURFACE_WITH_BULLET
+  // Its error is of first order in the step: extrapolated from the two finest.
+  constexpr int kSubsteps[] = {64, 128, 256};
+  std::vector<Run> runs;
+  for (const int substeps : kSubsteps) runs.push_back(runBullet(substeps));
+  Points converged(runs[2].end.size());
+  for (std::size_t i = 0; i < converged.size(); ++i) converged[i] = 2.0 * runs[2].end[i] - runs[1].end[i];
+  for (const Run& run : runs) {
+    const double error = rmsDistance(run.end, converged);
+    report.add({"Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100) + ", springs, explicit, float",
+                std::to_string(kSide * kSide), std::to_string(run.substeps), show(run.seconds), std::isfinite(error) ? show(error) : "diverges",
+                show(rmsDistance(runs[2].end, converged))});
+  }
+#else
+  report.add({"Bullet", "-", "-", "-", "not installed (libbullet-dev)", "-"});
+#endif
+}
+
+#ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN
+struct Adaptor {
+  const Points& points;
+  std::size_t kdtree_get_point_count() const { return points.size(); }
+  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
+  template <class Box>
+  bool kdtree_get_bbox(Box&) const {
+    return false;
+  }
+};
+
+Lists findByNanoflann(const Points& points, Index k) {
+  const Adaptor adaptor{points};
+  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>, Adaptor, 3, Index>;
+  Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
+  tree.buildIndex();
+  Lists lists;
+  std::vector<Index> found(k + 1);
+  std::vector<double> squared(k + 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const std::size_t count = tree.knnSearch(points[i].data(), k + 1, found.data(), squared.data());
+    for (std::size_t m = 0; m < count; ++m)
+      if (found[m] != static_cast<Index>(i)) lists.items.push_back(found[m]);
+    lists.offsets.push_back(static_cast<Index>(lists.items.size()));
+  }
+  return lists;
+}
+#endif
+
+void compareNeighbors(const Options& options, Report& report) {
+  constexpr Index kListed = 32;
+  report.begin("peers_neighbors", "14b. The " + std::to_string(kListed) + " nearest neighbours of every point, one thread",
+               {"program", "points", "cpu_ms", "ns_per_point", "lists_that_differ_from_ours"});
+  for (const Index n : {10000, 100000}) {
+    const Points points = makeWavySheet(n, PointOrder::kScan).positions;
+    const double count = static_cast<double>(points.size());
+    Lists ours;
+    const Timing timing = measure([&] { ours = cloud::nearestNeighbors(points, kListed); }, options.budget);
+    report.add({"deformable_surface", std::to_string(points.size()), showMilliseconds(timing.cpu), show(1e9 * timing.cpu / count), "0"});
+#ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN
+    Lists theirs;
+    const Timing other = measure([&] { theirs = findByNanoflann(points, kListed); }, options.budget);
+    Index differ = 0;
+    for (Index i = 0; i < ours.size(); ++i) differ += !std::equal(ours.begin(i), ours.end(i), theirs.begin(i), theirs.end(i));
+    report.add({"nanoflann", std::to_string(points.size()), showMilliseconds(other.cpu), show(1e9 * other.cpu / count), std::to_string(differ)});
+#else
+    report.add({"nanoflann", "-", "-", "-", "not installed (libnanoflann-dev)"});
+#endif
+  }
+  report.end();
+}
+
+}  // namespace
+
+void runPeersSection(const Options& options, Report& report) {
+  setNumThreads(1);
+  report.begin("peers_sheet", "14. A sheet of " + std::to_string(kSide * kSide) + " points that hangs from two corners, " + show(kDuration) +
+                   " s, frames of 1/60 s, one thread",
+               {"program", "points", "substeps", "cpu_s_per_simulated_s", "rms_error_m", "error_uncertain_by_m"});
+  addOurs("deformable_surface, springs", {model::Membrane::kSprings, model::Bending::kNone}, report);
+  addOurs("deformable_surface, springs and curvature", {model::Membrane::kSprings, model::Bending::kCurvature}, report);
+  addOurs("deformable_surface, triangles and curvature (default)", {model::Membrane::kTriangles, model::Bending::kCurvature}, report);
+  addBullet(report);
+  report.end();
+  report.note("error: rms against Richardson's extrapolation of the same program's own finer runs, since the networks are not the same");
+  compareNeighbors(options, report);
+  setNumThreads(0);
+}
+
+}  // namespace deformable_surface::benchmark

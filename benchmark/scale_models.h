@@ -1,0 +1,25 @@
+// How the models' force passes and steps grow with the simulation points, and what share of the machine each stage reaches.
+#pragma once
+
+#include "machine_limits.h"
+
+#include <string>
+#include <vector>
+
+namespace deformable_surface::benchmark {
+
+/// A stage on one thread whose operations (a sum, product, quotient or root each) and bytes are counted in its source.
+struct CountedStage {
+  std::string name;
+  Index points = 0;
+  double operations = 0.0, bytes = 0.0, seconds = 0.0;  // of one pass over all points
+};
+
+/// A table of every model at a hundred to a hundred thousand simulation points, and one of the exponents of their growth. Appends what is
+/// counted.
+void measureModels(const Options& options, Report& report, std::vector<CountedStage>& counted);
+
+/// A table of operations and bytes per second beside what the machine gives: scripts/draw_roofline.py makes a picture of it.
+void reportRoofline(const std::vector<CountedStage>& counted, const MachineLimits& limits, Report& report);
+
+}  // namespace deformable_surface::benchmark
