@@ -10,8 +10,8 @@ namespace deformable_surface::solve {
 
 /// Solves (K + W) d = -g on the free points by conjugate gradients [Hestenes and Stiefel 1952], K the stiffness of the model and the
 /// loads, W weights by point. Preconditioned by the springs that the model tells of (DeformableModel::couplings()) and W, factorised:
-/// these know no direction, so that no rotation of the body makes them worse, and the number of products hardly depends
-/// on the step, the number of points or the stiffness.
+/// these know no direction, so that no rotation of the body makes them worse, and what they differ by bounds the number of
+/// products however long the step and however stiff the body.
 class ProductSolver {
  public:
   /// Takes the matrix at a state; step: as in System::addStiffness(). Allocates nothing after the first time.
