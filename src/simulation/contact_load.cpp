@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numeric>
 
+#include "tool_reach.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -19,6 +21,9 @@ double attractionPotential(double d, double reach) {
   const double rest = 1.0 - d * d / (reach * reach);
   return -reach * reach / 6.0 * rest * rest * rest;
 }
+
+// A ball is asked with a little more than its radius, so that rounding leaves nothing out.
+constexpr double kBallMargin = 1.0 + 1e-9;
 
 bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
 
@@ -52,9 +57,13 @@ void ContactLoad::forEachTouch(const Body& body, double time, const Points& posi
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
+  const double ball = kBallMargin * (findRadius(tool.shape) + (pushing ? 0.0 : tool.reach)), squared_ball = ball * ball;
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
+    // Most points are far from most tools, and need no more of them.
+    const bool is_passed = passed != body.passed.end() && passed->point == i;
+    if (!is_passed && (positions[i] - pose.position).squaredNorm() > squared_ball) continue;
     geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? 0.0 : tool.reach);
-    if (passed != body.passed.end() && passed->point == i) {
+    if (is_passed) {
       const tool::Entry& entry = passed++->entry;
       const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
       if (tool::isHeldUp(tool.shape, entry, place, d)) d = {entry.heightOf(place), pose.orientation * entry.normal};

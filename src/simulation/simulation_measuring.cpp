@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tool_reach.h"
+
 namespace deformable_surface::simulation {
 
 // The quantities of the state, computed when asked for.
@@ -51,7 +53,8 @@ void Simulation::Impl::listSkipped() {
   if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
   if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
   if (params.anchors.empty()) statistics.skipped.push_back("anchors");
-  if (tools.empty()) statistics.skipped.push_back("contact");
+  const auto touches = [&](const ContactLoad::Body& body) { return isInReach(body.tool, time(), state.positions); };
+  if (std::none_of(contact.all().begin(), contact.all().end(), touches)) statistics.skipped.push_back("contact");
 }
 
 const Surface& Simulation::Impl::makeSurface(bool with_normals) {

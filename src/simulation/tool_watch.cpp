@@ -1,30 +1,14 @@
 #include "tool_watch.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
+
+#include "tool_reach.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
 using tool::Pose;
 using tool::ToolParams;
-
-// Of a ball about the tool's origin that holds the solid, m.
-double findRadius(const geometry::Solid& solid) {
-  using Kind = geometry::Solid::Kind;
-  switch (solid.kind) {
-    case Kind::kSphere: return solid.radius;
-    case Kind::kBox: return 0.5 * solid.size.norm();
-    case Kind::kCylinder:
-    case Kind::kCone: return std::hypot(solid.radius, 0.5 * solid.height);
-    case Kind::kMesh:
-      if (solid.mesh) return solid.mesh->radius();
-      break;
-    case Kind::kPlane: break;
-  }
-  return std::numeric_limits<double>::infinity();
-}
 
 void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) {
   const Vec3 reach = Vec3::Constant(findRadius(tool.shape) + tool.reach);

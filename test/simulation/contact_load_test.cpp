@@ -3,6 +3,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <random>
 
 namespace deformable_surface::test {
@@ -48,6 +49,60 @@ TEST(ContactLoad, PushesAlongMinusTheGradientOfItsPotential) {
     }
     EXPECT_GT(touched, 3);
   }
+}
+
+// Most points are left out by the ball around a tool: what is found is what looking at all of them finds.
+TEST(ContactLoad, PointsBeyondAToolsReachAreLeftOutAndNoOthers) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  model::State state;
+  for (int i = 0; i < 3000; ++i) state.positions.emplace_back(u(random), u(random), u(random));
+  state.velocities.assign(3000, Vec3::Zero());
+  const std::vector<double> masses(3000, 0.3);
+  using Kind = geometry::Solid::Kind;
+  for (const tool::Mode mode : {tool::Mode::kSolid, tool::Mode::kAttract})
+    for (const Kind kind : {Kind::kSphere, Kind::kBox, Kind::kCylinder, Kind::kCone, Kind::kPlane}) {
+      tool::ToolParams tool = ball(0.3, Vec3(0.2, -0.1, 0.3), Vec3(0.3, 0.1, 0.0));
+      tool.mode = mode;
+      tool.strength = 20.0;
+      tool.reach = 0.2;
+      tool.shape.kind = kind;
+      tool.shape.size = Vec3(0.7, 0.3, 0.9);
+      tool.shape.height = 0.9;
+      tool.path[1].orientation = Vec4(0.6, 0.0, 0.0, 0.8);
+      simulation::ContactLoad load(masses);
+      load.setTools({tool});
+      load.setRate(100.0);
+      Points forces(3000, Vec3::Zero());
+      load.addForces(0.4, state, forces);
+      const tool::Pose pose = tool::interpolate(tool.path, 0.4);
+      int touched = 0;
+      for (int i = 0; i < 3000; ++i) {
+        const double distance = tool::findSignedDistance(tool.shape, pose, state.positions[i]).distance;
+        const bool expected = mode == tool::Mode::kSolid ? distance < 0.0 : std::abs(distance) < tool.reach;
+        ASSERT_EQ(!forces[i].isZero(0.0), expected) << i << " " << static_cast<int>(kind);
+        touched += expected;
+      }
+      EXPECT_GT(touched, 15);
+    }
+}
+
+TEST(ContactLoad, StatisticsTellThatContactIsLeftOutUntilAToolComesNear) {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.tools = {ball(0.1, Vec3(0.5, 0.5, 2.0), Vec3(0.5, 0.5, 0.0))};
+  simulation::Simulation s(p, sheetCloud());
+  const auto skipsContact = [&] {
+    const std::vector<std::string> skipped = s.statistics().skipped;
+    return std::count(skipped.begin(), skipped.end(), "contact") == 1;
+  };
+  EXPECT_TRUE(skipsContact());
+  while (s.time() < 0.9) run(s, 1);
+  EXPECT_TRUE(skipsContact());
+  while (s.time() < 0.99) run(s, 1);
+  EXPECT_FALSE(skipsContact());
+  s.removeTool("ball");
+  EXPECT_TRUE(skipsContact());
 }
 
 TEST(ContactLoad, AFreeSheetRestsOnAPlaneAndNoPointSinksByMoreThanThePenaltyGives) {

@@ -1,0 +1,31 @@
+#include "tool_reach.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::simulation {
+
+double findRadius(const geometry::Solid& shape) {
+  using Kind = geometry::Solid::Kind;
+  switch (shape.kind) {
+    case Kind::kSphere: return shape.radius;
+    case Kind::kBox: return 0.5 * shape.size.norm();
+    case Kind::kCylinder:
+    case Kind::kCone: return std::hypot(shape.radius, 0.5 * shape.height);
+    case Kind::kMesh:
+      if (shape.mesh) return shape.mesh->radius();
+      break;
+    case Kind::kPlane: break;
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+bool isInReach(const tool::ToolParams& tool, double time, const Points& points) {
+  if (!tool::isActive(tool, time)) return false;
+  const double reach = findRadius(tool.shape) + (tool.mode == tool::Mode::kAttract ? tool.reach : 0.0);
+  const Vec3 origin = tool::interpolate(tool.path, time).position;
+  return std::any_of(points.begin(), points.end(), [&](const Vec3& p) { return !((p - origin).squaredNorm() > reach * reach); });
+}
+
+}  // namespace deformable_surface::simulation
