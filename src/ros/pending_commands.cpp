@@ -44,6 +44,16 @@ void PendingCommands::dropBefore(std::int64_t stamp) {
   }
 }
 
+std::vector<std::string> PendingCommands::waitingForces() const {
+  std::vector<std::string> ids;
+  const auto list = [&](const Command& command) {
+    if (command.force && std::count(ids.begin(), ids.end(), command.force->id) == 0) ids.push_back(command.force->id);
+  };
+  for (const auto& [key, waiting] : without_frame_) list(waiting.command);
+  for (const Command& command : commands_) list(command);
+  return ids;
+}
+
 void PendingCommands::clear() {
   commands_.clear();
   without_frame_.clear();

@@ -51,6 +51,8 @@ class PendingCommands {
   /// Whether what is done before a step may change with time, by itself.
   bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
 
+  /// The ids of the forces that wait, each once, in the order of arrival.
+  std::vector<std::string> waitingForces() const;
   int numWaiting() const { return static_cast<int>(commands_.size() + without_frame_.size()); }
   int numDropped() const { return num_dropped_; }
   /// How many were applied after the step at whose beginning they should have been.

@@ -13,7 +13,9 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <iterator>
 #include <limits>
+#include <numeric>
 #include <optional>
 #include <set>
 #include <utility>
@@ -100,7 +102,12 @@ simulation::MaterialChangeParams readMaterial(const SetMaterialRequest& request,
   Value::Map map;
   std::set<std::string> known;
   model::MaterialParams with_damping;
+  const std::set<std::string> accepted{"bending_rigidity", "damping", "density", "young_modulus"};
   for (std::size_t k = 0; k < request.names.size(); ++k) {
+    if (accepted.count(request.names[k]) == 0)
+      throw InputError("names: found " + quote(request.names[k]) + "; accepted, on a surface that is there: " +
+                       std::accumulate(std::next(accepted.begin()), accepted.end(), *accepted.begin(),
+                                       [](const std::string& a, const std::string& b) { return a + ", " + b; }));
     if (!known.insert(request.names[k]).second)
       throw InputError("names: found " + quote(request.names[k]) + " a second time; accepted: each once");
     if (request.names[k] == "damping") {
@@ -288,6 +295,8 @@ bool Services::list(ListResponse& response) {
     const simulation::Simulation& surface = *stepper_.simulation();
     for (const tool::ToolParams& tool : surface.tools()) response.tools.push_back(tool.id);
     response.forces = surface.forceIds();
+    for (const std::string& id : stepper_.waitingForces())
+      if (std::count(response.forces.begin(), response.forces.end(), id) == 0) response.forces.push_back(id);
     response.pinned = static_cast<std::uint32_t>(std::count(surface.pinned().begin(), surface.pinned().end(), 1));
     response.own_material = static_cast<std::uint32_t>(surface.numOwnMaterial());
     for (const auto& [name, entry] : stepper_.snapshots().all()) {

@@ -111,19 +111,26 @@ std::int64_t Stepper::delayed(std::int64_t clock) const { return clock == 0 ? 0 
 void Stepper::handleClock(const ClockNews& clock) {
   now_ = delayed(clock.now);
   if (!clock.jumped_back) {
-    schedule_.skip(clock.skipped);
-    if (clock.skipped > 0 && simulation_) {
+    // A surface that waited for its time has nothing to catch up of what the clock jumped over before.
+    const std::int64_t skipped = simulation_ && waitsUntilLater(now_ - clock.skipped)
+                                     ? std::max<std::int64_t>(0, now_ - schedule_.begin(simulation_->stepCount() + 1))
+                                     : clock.skipped;
+    schedule_.skip(skipped);
+    if (skipped > 0 && simulation_) {
       complaints_.report(Complaint::kClock,
-                         "the clock jumped forward by " + formatShort(toSeconds(clock.skipped)) + " s, which is not caught up");
+                         "the clock jumped forward by " + formatShort(toSeconds(skipped)) + " s, which is not caught up");
     }
     return;
   }
   ++counts_.jumps_back;
   commands_.clear();
   if (!simulation_) return;
-  complaints_.report(Complaint::kClock, "the clock jumped back to " + formatReal(toSeconds(clock.restart)) +
-                                            " s; the surface is reset to its rest state");
   restart(delayed(clock.restart));
+  complaints_.report(Complaint::kClock,
+                     "the clock jumped back to " + formatReal(toSeconds(clock.restart)) + " s; the surface is reset to its rest state" +
+                         (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
+                                                      " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
+                                                : ""));
   publish();
 }
 
@@ -153,7 +160,9 @@ void Stepper::letGoOfLag(double call_seconds) {
   }
   counts_.time_let_go += toSeconds(lag);
   if (simulation_->stepCount() > 0) {
-    complaints_.report(Complaint::kBehind, "slower than real time: the last step took " + formatShort(step_seconds_) + " s for " +
+    const bool is_slow = step_seconds_ + frame_seconds_ > params_.integrator.time_step;
+    complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time" : "the process did not get to run for a while") +
+                                               std::string(": the last step took ") + formatShort(step_seconds_) + " s for " +
                                                formatReal(params_.integrator.time_step) + " s, the last frame " +
                                                formatShort(frame_seconds_) + " s; " + formatShort(toSeconds(lag)) +
                                                " s are not caught up");
@@ -275,15 +284,21 @@ bool Stepper::isDue() const {
   return simulation_ && !isPaused() && !is_held_ && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
 }
 
+bool Stepper::waitsUntilLater(std::int64_t now) const {
+  return schedule_.begin(simulation_->stepCount()) > now + timeStep();
+}
+
 void Stepper::setPaused(bool paused) {
   if (isPaused() && !paused && simulation_) schedule_.skipTo(now_, simulation_->stepCount());
   if (!paused) is_failed_ = false;
   is_paused_ = paused;
 }
 
+// At once, also where the clock is behind the cloud's stamp.
 void Stepper::reset() {
   commands_.clear();
   restart(now_);
+  if (now_ != 0) schedule_.resumeAt(now_, 0);
 }
 
 void Stepper::hold() { is_held_ = is_held_valid_ = true; }
@@ -439,6 +454,8 @@ StepperStatus Stepper::status() const {
     status.state = "waiting for the clock";
   } else if (simulation_ && !is_gravity_known_) {
     status.state = "waiting for the transform of gravity_frame";
+  } else if (simulation_ && waitsUntilLater(now_)) {
+    status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
   } else if (simulation_) {
     status.state = "running";
   }

@@ -44,6 +44,7 @@ class Stepper {
 
   /// See ToolCommands. Before the first turn.
   void setStanding(std::vector<Tool> tools) { commands_.setStanding(std::move(tools)); }
+  std::vector<std::string> waitingForces() const { return commands_.waitingForces(); }
 
   /// Waits for the next thing to do, but not beyond the given time, and does it. Returns false when the inbox is closed.
   bool turn(Inbox::SteadyTime until);
@@ -95,6 +96,8 @@ class Stepper {
   std::string frameOf(const IncomingCloud& incoming) const;
 
   bool isDue() const;
+  /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
+  bool waitsUntilLater(std::int64_t now) const;
   bool canRest() const;
   bool takeStep();
   std::int64_t countFrames() const;

@@ -154,6 +154,11 @@ TEST_F(RunTimeControlTest, ListsWhatThereIsAndRefusesNamesThatAreNot) {
   EXPECT_FALSE(restore("a").success);
   EXPECT_TRUE(restore("b").success);
 
+  // Paused: it waits for its step.
+  client_->publish(makeForce("late", Vec3(0.14, 0.07, 0.01), Vec3(0.0, 0.0, 0.02), 0.05));
+  ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 1)) << process_->output();
+  EXPECT_EQ(call<List>("list", ListRequest()).forces, std::vector<std::string>{"late"});
+
   // They are of this surface, and go with it.
   PointCloud2 other = makeSheet(kSide, kSide);
   other.header.stamp = ros::Time::now();
@@ -368,6 +373,9 @@ TEST_F(RunTimeControlTest, MaterialChangesInAShapeOrEverywhere) {
   const auto refusal = [&] { return call<SetMaterial>("set_material", request).message; };
   request.values[1] = -3.0;
   EXPECT_NE(refusal().find("damping: found -3"), std::string::npos) << refusal();
+  request.names = {"young_modulus", "poisson_ratio"};
+  EXPECT_EQ(refusal(), "names: found \"poisson_ratio\"; accepted, on a surface that is there: bending_rigidity, damping, density, "
+                       "young_modulus");
   request.names = {"young_modulus", "young_modulus"};
   EXPECT_NE(refusal().find("a second time"), std::string::npos) << refusal();
   request.names = {"youngs_modulus"};

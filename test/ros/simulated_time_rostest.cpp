@@ -155,6 +155,29 @@ TEST_F(SimulatedTimeTest, BehindTheClockByItsDelayItTakesInTimeWhatWouldElseBeLa
   EXPECT_EQ(client.diagnostic("commands late"), 0);
 }
 
+TEST_F(SimulatedTimeTest, SaysWhatItWaitsForAfterAJumpFarBackAndResetBeginsAtOnce) {
+  tick(kStart);
+  ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
+  tick(kStart, kStart + 5 * kStep);
+  ASSERT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));
+  tick(kStart / 2);
+  EXPECT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "waiting for the clock to reach 100.0 s"; }))
+      << client_.diagnosticText("state");
+  // A jump ahead that ends before the surface's time, which it does not put off.
+  tick(kStart / 2 + 10'000'000'000);
+  client_.stamps.clear();
+  ASSERT_TRUE(client_.reset().success);
+  const std::int64_t now = kStart / 2 + 10'000'000'000;
+  tick(now, now + 5 * kStep);
+  EXPECT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));
+  EXPECT_EQ(client_.diagnosticText("state"), "running");
+  client_.stamps.clear();
+  tick(kStart / 2);
+  tick(kStart / 2 + 10'000'000'000);
+  tick(kStart, kStart + 5 * kStep);
+  EXPECT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));
+}
+
 TEST_F(SimulatedTimeTest, StartsOverFromRestAfterAJumpBackWithoutANewCloud) {
   tick(kStart);
   ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
