@@ -24,6 +24,14 @@ std::string showOrder(const physics::Problem& problem, const std::vector<physics
   return text;
 }
 
+std::string nameMembrane(const physics::Problem& problem, const physics::Variant& variant) {
+  return problem.is_solid ? "-" : physics::nameMembrane(variant);
+}
+
+std::string nameBending(const physics::Problem& problem, const physics::Variant& variant) {
+  return problem.is_solid ? "-" : physics::nameBending(variant);
+}
+
 }  // namespace
 
 void runPhysicsSection(const Options& options, Report& report) {
@@ -42,11 +50,11 @@ void runPhysicsSection(const Options& options, Report& report) {
       for (std::size_t k = 0; k < problem.sizes.size() && (options.large || k < kQuickSizes); ++k) {
         const physics::Answer a = physics::solve(problem, variant, problem.sizes[k]);
         answers.push_back(a);
-        report.add({problem.name, physics::nameMembrane(variant), physics::nameBending(variant), physics::nameSampling(variant),
+        report.add({problem.name, nameMembrane(problem, variant), nameBending(problem, variant), physics::nameSampling(variant),
                     variant.rotated ? "yes" : "no", std::to_string(a.points), show(a.size), show(a.value), show(a.reference),
                     show(a.error), show(a.seconds), problem.value, problem.scale, problem.source, a.failure});
       }
-      series.push_back({problem.name, physics::nameMembrane(variant), physics::nameBending(variant), physics::nameSampling(variant),
+      series.push_back({problem.name, nameMembrane(problem, variant), nameBending(problem, variant), physics::nameSampling(variant),
                         show(answers.front().size) + " .. " + show(answers.back().size),
                         std::to_string(answers.front().points) + " .. " + std::to_string(answers.back().points),
                         showPercent(answers.front().error) + " .. " + showPercent(answers.back().error), showOrder(problem, answers),

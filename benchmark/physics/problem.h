@@ -48,6 +48,7 @@ struct Problem {
   std::string scale;   // what the error is a share of
   std::string source;  // of the reference
   bool in_time = false;    // refined in time, not in space
+  bool is_solid = false;   // it has neither membrane nor bending
   bool other_law = false;  // the reference obeys another law than the model: no refinement makes the error fall
   std::vector<Variant> variants;
   /// Spacings or time steps, coarsest first. The tests take the first ones.

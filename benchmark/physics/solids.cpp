@@ -164,6 +164,7 @@ std::vector<Problem> listSolids() {
   ball.variants = variants;
   ball.sizes = {0.025, 0.02, 0.015, 0.01};
   ball.run = pressBall;
+  bar.is_solid = ball.is_solid = true;
   return {bar, ball};
 }
 
