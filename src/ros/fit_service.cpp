@@ -34,7 +34,7 @@ model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthPa
 }  // namespace
 
 FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints)
-    : inbox_(inbox), stepper_(stepper), complaints_(complaints), spinner_(1, &queue_) {
+    : inbox_(inbox), stepper_(stepper), complaints_(complaints), thread_(queue_) {
   node.setCallbackQueue(&queue_);
   const auto answer = [this](FitSurfaceRequest& request, FitSurfaceResponse& response) {
     try {
@@ -48,10 +48,10 @@ FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Com
   };
   server_ = node.advertiseService<FitSurfaceRequest, FitSurfaceResponse>(
       "fit", boost::function<bool(FitSurfaceRequest&, FitSurfaceResponse&)>(answer));
-  spinner_.start();
+  thread_.start();
 }
 
-FitService::~FitService() { spinner_.stop(); }
+FitService::~FitService() { thread_.stop(); }
 
 // Work of the simulation thread may throw, too.
 void FitService::perform(const std::function<void()>& work) {

@@ -4,6 +4,7 @@
 
 #include "complaints.h"
 #include "inbox.h"
+#include "queue_thread.h"
 #include "stepper.h"
 
 #include "deformable_surface/FitSurface.h"
@@ -11,7 +12,6 @@
 #include <ros/callback_queue.h>
 #include <ros/node_handle.h>
 #include <ros/service_server.h>
-#include <ros/spinner.h>
 
 #include <functional>
 #include <string>
@@ -37,7 +37,7 @@ class FitService {
   Complaints& complaints_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;
-  ros::AsyncSpinner spinner_;
+  QueueThread thread_;
 };
 
 }  // namespace deformable_surface::node

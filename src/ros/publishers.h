@@ -35,6 +35,7 @@ class Publishers {
   void publishWrenches(const simulation::Simulation& simulation, std::int64_t stamp);
   /// Whether anybody listens to what is published after every step.
   bool hasStepListeners() const;
+  bool isStatisticsHeard() const { return statistics_.getNumSubscribers() > 0; }
 
  private:
   std_msgs::Header makeHeader(std::int64_t stamp) const;

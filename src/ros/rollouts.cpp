@@ -27,14 +27,14 @@ RolloutResult makeRefusal(const std::string& message) {
 
 Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
                    int num_threads)
-    : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), spinner_(1, &queue_) {
+    : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), queue_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   server_ = std::make_unique<Server>(
       node, "rollout", [this](Server::GoalHandle goal) { accept(std::move(goal)); },
       [this](const Server::GoalHandle& goal) { cancel(goal); }, false);
   for (int k = 0; k < num_threads; ++k) threads_.emplace_back([this] { work(); });
   server_->start();
-  spinner_.start();
+  queue_thread_.start();
 }
 
 // The inbox is closed already: nobody waits for the simulation thread any more.
@@ -46,7 +46,7 @@ Rollouts::~Rollouts() {
   }
   came_.notify_all();
   for (std::thread& thread : threads_) thread.join();
-  spinner_.stop();
+  queue_thread_.stop();
   waiting_.clear();
   server_.reset();
 }

@@ -3,6 +3,7 @@
 
 #include "complaints.h"
 #include "inbox.h"
+#include "queue_thread.h"
 #include "rollout.h"
 #include "stepper.h"
 
@@ -10,7 +11,6 @@
 
 #include <actionlib/server/action_server.h>
 #include <ros/callback_queue.h>
-#include <ros/spinner.h>
 
 #include <atomic>
 #include <condition_variable>
@@ -62,7 +62,7 @@ class Rollouts {
 
   ros::CallbackQueue queue_;
   std::unique_ptr<Server> server_;
-  ros::AsyncSpinner spinner_;
+  QueueThread queue_thread_;
 };
 
 }  // namespace deformable_surface::node

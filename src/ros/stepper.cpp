@@ -31,7 +31,7 @@ constexpr std::int64_t kOldCloud = 1'000'000'000;
 // A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
 constexpr std::int64_t kMaxAhead = 3600'000'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
-constexpr milliseconds kRestPeriod(100);
+constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(1000);
 // Even when steps come too late a picture is shown from time to time, and most of the time is left to steps.
 constexpr milliseconds kLateFramePeriod(200);
 constexpr double kLateFramesApart = 8.0;  // in the time that one takes
@@ -88,7 +88,10 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   const auto now = steady_clock::now();
   if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
   if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
-  if (canRest()) return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + kRestPeriod));
+  if (canRest()) {
+    const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : kUnheardRestPeriod;
+    return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + period));
+  }
   if (isDue()) return now;
   // A simulated clock wakes the inbox itself.
   if (is_clock_simulated_) return until;

@@ -6,6 +6,7 @@
 #include "mesh_files.h"
 #include "node_diagnostics.h"
 #include "publishers.h"
+#include "queue_thread.h"
 #include "reconfigure.h"
 #include "registration_watchdog.h"
 #include "robot_tools.h"
@@ -25,7 +26,6 @@
 #include <boost/make_shared.hpp>
 #include <ros/callback_queue.h>
 #include <ros/console.h>
-#include <ros/spinner.h>
 #include <rosgraph_msgs/Clock.h>
 #include <tf2_ros/transform_listener.h>
 
@@ -92,7 +92,7 @@ struct SurfaceNode::Impl {
   std::vector<ros::Subscriber> subscribers;
   std::atomic<bool> has_cloud_come{false};
   RegistrationWatchdog watchdog;
-  ros::AsyncSpinner input_spinner, service_spinner;
+  QueueThread input_thread, service_thread;
   std::thread simulation_thread;
 
   // A core is left to the surface, where there are several.
@@ -122,8 +122,8 @@ struct SurfaceNode::Impl {
         reconfigure(service_node, inbox, stepper, complaints),
         watchdog(listServices()),
         // One thread each: input keeps its order, and a service that waits does not hold it up.
-        input_spinner(1, &input_queue),
-        service_spinner(1, &service_queue) {
+        input_thread(input_queue),
+        service_thread(service_queue) {
     stepper.setStanding(readRobotTools(private_node, params.robot));
     stepper.onParams([this] { reconfigure.publish(); });
     services.onRestore([this] { reconfigure.store(); });
@@ -135,15 +135,15 @@ struct SurfaceNode::Impl {
       setNumThreads(num_threads);
       run();
     });
-    service_spinner.start();
-    input_spinner.start();
+    service_thread.start();
+    input_thread.start();
   }
 
   ~Impl() {
     inbox.close();
     simulation_thread.join();
-    input_spinner.stop();
-    service_spinner.stop();
+    input_thread.stop();
+    service_thread.stop();
   }
 
   std::vector<std::string> listServices() const {
