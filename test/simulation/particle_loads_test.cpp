@@ -1,5 +1,7 @@
 // Loads on oriented particles, whose areas are those of their discs: motions with known answers.
 #include "clouds.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/simulation/expectations.h"
 
 #include <gtest/gtest.h>
 
@@ -55,6 +57,43 @@ TEST(ParticleLoads, PressureBlowsUpAClosedSurfaceOfThem) {
   // A thin sphere's strain is p R (1 - nu) / (2 E h), with nu a third. No sphere is a lattice: its defects change that by some per cent.
   const double strain = 10.0 * 0.5 * (2.0 / 3.0) / (2.0 * p.material.young_modulus * p.material.thickness);
   EXPECT_NEAR(radius[1] / radius[0] - 1.0, strain, 0.15 * strain);
+}
+
+// A strip drawn out slowly by its ends: in how many pieces it then is.
+double countPieces(double tear_strain, double strain) {
+  simulation::SceneParams p = freePatch();
+  p.oriented_particles.tear_strain = tear_strain;
+  p.oriented_particles.rest_shape = model::RestShape::kFlat;
+  p.material.damping = 20.0;
+  Points strip;
+  // Rows along the pull, so that one of three bonds takes the whole stretch.
+  for (Index j = 0; j < 6; ++j)
+    for (Index i = 0; i < 24; ++i) strip.emplace_back(kSpacing * (i + 0.5 * (j % 2)), kSpacing * std::sqrt(0.75) * j, 0.0);
+  const double length = 23.5 * kSpacing;
+  for (const double side : {0.0, 1.0}) {
+    tool::ToolParams hand;
+    hand.id = side > 0.0 ? "right" : "left";
+    hand.mode = tool::Mode::kMove;
+    hand.shape.kind = geometry::Solid::Kind::kBox;
+    hand.shape.size = Vec3(1.6 * kSpacing, 1.0, 1.0);
+    hand.path.resize(2);
+    hand.path[0].position = Vec3(side * length, 0.1, 0.0);
+    hand.path[1].position = hand.path[0].position + Vec3(side * strain * length, 0.0, 0.0);
+    hand.path[1].time = 1.0;
+    p.tools.push_back(hand);
+  }
+  simulation::Simulation s(p, asCloud(strip));
+  run(s, 130);
+  return simulation::computeQuantity("components", s);
+}
+
+TEST(ParticleLoads, SheetsTearAtTheStretchThatIsAskedFor) {
+  // What is between the hands takes a tenth more than the whole, and bonds near them are drawn across.
+  for (const double tear_strain : {0.12, 0.25}) {
+    EXPECT_EQ(countPieces(tear_strain, 0.75 * tear_strain), 1.0) << tear_strain;
+    EXPECT_GE(countPieces(tear_strain, 1.5 * tear_strain), 2.0) << tear_strain;
+  }
+  EXPECT_THROW(countPieces(0.5, 0.1), InputError);  // with these exponents and this cutoff bonds carry most at 42 %
 }
 
 TEST(ParticleLoads, DragBrakesMotionAlongTheNormalsAndNoOther) {

@@ -57,6 +57,39 @@ double findRestSpacing(const PairPotentials& unit, bool is_row) {
   return 0.5 * (low + high);
 }
 
+// The stretch, d / r0 - 1, at which a bond of these potentials (r0 = 1) carries most.
+double findStrongestStretch(const PairPotentials& unit) {
+  constexpr int kSteps = 20000;
+  double largest = 0.0, strongest = 1.0;
+  for (int k = 0; k < kSteps; ++k) {
+    const double d = 1.0 + (unit.cutoff - 1.0) * k / kSteps;
+    double value, slope;
+    evaluate(unit, d, value, slope);
+    if (!(slope > largest)) continue;
+    largest = slope;
+    strongest = d;
+  }
+  return strongest - 1.0;
+}
+
+void setCutoff(double cutoff, PairPotentials& unit) {
+  unit.cutoff = cutoff;
+  unit.switch_begin = 0.5 * (1.0 + cutoff);
+}
+
+// Shortens the cutoff until bonds carry most at this stretch.
+void shortenTo(double tear_strain, PairPotentials& unit) {
+  const double most = findStrongestStretch(unit);
+  if (!(tear_strain <= most))
+    throw InputError("oriented_particles.tear_strain: found " + formatReal(tear_strain) + "; accepted: up to " + formatShort(most) +
+                     ", where bonds of these exponents and this cutoff carry most");
+  double low = 1.0 + tear_strain, high = unit.cutoff;
+  for (int k = 0; k < 30; ++k) {
+    setCutoff(0.5 * (low + high), unit);
+    (findStrongestStretch(unit) < tear_strain ? low : high) = unit.cutoff;
+  }
+}
+
 }  // namespace
 
 Lattice calibrateLattice(double spacing, const MaterialParams& material, const OrientedParticlesParams& params) {
@@ -65,11 +98,11 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
                      formatReal(kMaxLength) + " m");
   const bool is_row = params.mode == ParticleMode::kPlane;
   PairPotentials unit;
-  unit.depth = unit.distance = 1.0;
   unit.repulsion = static_cast<int>(params.exponents[0]);
   unit.attraction = static_cast<int>(params.exponents[1]);
-  unit.cutoff = params.cutoff;
-  unit.switch_begin = 0.5 * (1.0 + params.cutoff);
+  unit.depth = unit.distance = 1.0;
+  setCutoff(params.cutoff, unit);
+  if (params.tear_strain > 0.0) shortenTo(params.tear_strain, unit);
 
   Lattice lattice;
   lattice.spacing = spacing;

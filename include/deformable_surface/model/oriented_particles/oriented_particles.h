@@ -15,7 +15,7 @@ namespace deformable_surface::model {
 /// A state of this model holds orientations, spins and traits of every particle.
 class OrientedParticles : public DeformableModel {
  public:
-  /// rest, normals: (n x 3), unit, where the particles are at first; their rest shape is none but flat. spacing: m, that of the
+  /// rest, normals: (n x 3), unit, where the particles are at first; they are flat at rest (but see setRest()). spacing: m, that of the
   /// cloud, for params.spacing: auto. apart: as NeighborList takes it; no force acts between such particles, nor between
   /// those that descend from them. Throws InputError if a surface of these potentials would collapse.
   OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,

@@ -40,6 +40,7 @@ struct OrientedParticlesParams {
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};       // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
+  double tear_strain = 0.0;       // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
@@ -84,6 +85,11 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                      "; accepted: whole numbers, the first the larger");
   fields.number("cutoff", p.cutoff, "", between(1.05, 4.0),
                 "distance, in that of a pair's least energy, beyond which particles do not feel each other: a bond is then gone");
+  fields.number("tear_strain", p.tear_strain, "", between(0.0, 4.0),
+                "stretch l / l0 - 1 at which a bond carries most: drawn further it lets go, as the cutoff is then so much shorter; 0 = as "
+                "exponents and cutoff make it (0.42 by default), which is the most that there is");
+  fields.require(!(p.tear_strain > 0.0) || p.tear_strain >= 0.1, "tear_strain",
+                 "found " + formatReal(p.tear_strain) + "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
   fields.choice("weighting", p.weighting,
                 {{"isotropic", ParticleWeighting::kIsotropic}, {"anisotropic", ParticleWeighting::kAnisotropic}},
                 "of the forces between orientations: by distance, or more near the tangent plane (as published)");
