@@ -47,10 +47,11 @@ void measure(const std::string& what, Surface& surface, double before, const Ros
   const ros::WallTime begin = ros::WallTime::now();
   const double during = surface.countSteps(options.seconds);
   const double seconds = (ros::WallTime::now() - begin).toSec();
+  const double sent = static_cast<double>(flood.sent() - first) / seconds;
   const double half = readPeakMemory(surface.id());
   surface.countSteps(options.seconds);
   table.add(what, show(during) + " steps/s of " + show(before) + "; at most " + show(readPeakMemory(surface.id())) + " MB", "within 20 %",
-            show(static_cast<double>(flood.sent() - first) / seconds) + " sent a second; memory " + show(memory_before) +
+            show(sent) + " sent a second; memory " + show(memory_before) +
                 " MB at its beginning, at most " + show(half) + " by the middle");
 }
 
