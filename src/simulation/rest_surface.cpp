@@ -262,8 +262,8 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   RestSurface s = cleanInput(input);
   if (params.model == ModelKind::kElasticSolid) {
     if (params.elastic_solid.fill) {
-      findNeighbors(params.neighbors, s);
-      completeNormals(input, params.neighbors.k, s);
+      Points estimated = findNeighbors(params.neighbors, s);
+      completeNormals(input, params.neighbors.k, std::move(estimated), s);
       buildFilledSolid(params, s);
     } else {
       buildRestSolid(params, input, s);
