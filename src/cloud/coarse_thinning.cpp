@@ -60,7 +60,9 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const std::vector<ch
   const Index n = static_cast<Index>(cloud.positions.size());
   std::vector<double> nearest(n, std::numeric_limits<double>::infinity());  // that stays and came before
   std::vector<Index> num_kept(num_parts, 0);
+  std::vector<char> is_kept(n, 0);
   const auto keep = [&](Index i) {
+    is_kept[i] = 1;
     ++num_kept[cloud.part[i]];
     for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j) {
       const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
@@ -70,11 +72,22 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const std::vector<ch
   };
   for (Index i = 0; i < n; ++i)
     if (cloud.stays[i]) keep(i);
-  for (Index i = 0; i < n; ++i)
-    if (is_left[i] && !cloud.stays[i] && !(nearest[i] < least)) keep(i);
+  // Lists are not mutual: where sampling changes one of two near points may not list the other.
+  const auto lookBack = [&](Index i) {
+    for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j) {
+      const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
+      if (!(distance < least)) break;
+      if (is_kept[*j]) nearest[i] = std::min(nearest[i], distance);
+    }
+  };
+  for (Index i = 0; i < n; ++i) {
+    if (!is_left[i] || cloud.stays[i]) continue;
+    lookBack(i);
+    if (!(nearest[i] < least)) keep(i);
+  }
   std::vector<Removal> removals;
   for (Index i = 0; i < n; ++i)
-    if (is_left[i] && !cloud.stays[i] && nearest[i] < least && num_kept[cloud.part[i]] >= kFewestOfPart) removals.push_back({nearest[i], i});
+    if (is_left[i] && !is_kept[i] && nearest[i] < least && num_kept[cloud.part[i]] >= kFewestOfPart) removals.push_back({nearest[i], i});
   std::sort(removals.begin(), removals.end());
   return removals;
 }

@@ -1,6 +1,8 @@
 #include "deformable_surface/cloud/interior.h"
 
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <cmath>
@@ -12,6 +14,7 @@ constexpr double kClear = 0.6;       // spacings that points inside keep from th
 constexpr double kClearlyOff = 1.0;  // spacings from the surface at which the dipoles blur into it
 constexpr double kNone = 0.25;       // from the nearer of zero and one: a winding number in between is neither
 constexpr Index kBlock = 64;         // places a task
+constexpr double kMostPlaces = 2e6;  // to be asked one by one: of a million surface points that is minutes
 const double kPi = std::acos(-1.0);
 
 }  // namespace
@@ -48,7 +51,11 @@ Interior fillSurface(const SurfaceDipoles& dipoles, const Points& surface, doubl
     high = high.cwiseMax(p);
   }
   // As many places as fit, in the middle.
-  const Eigen::Array<Index, 3, 1> counts = ((high - low) / spacing).array().floor().cast<Index>() + 1;
+  const Eigen::Array3d across = ((high - low) / spacing).array().floor() + 1.0;
+  if (!(across.prod() <= kMostPlaces))
+    throw InputError("fill: found a surface whose box holds " + formatShort(across.prod()) + " places at a spacing of " + formatShort(spacing) +
+                     " m; accepted: up to " + formatShort(kMostPlaces) + "; ask for fewer simulation points");
+  const Eigen::Array<Index, 3, 1> counts = across.cast<Index>();
   const Vec3 first = 0.5 * (low + high) - 0.5 * spacing * (counts.cast<double>() - 1.0).matrix();
   const auto placeAt = [&](Index k) {
     return Vec3(first + spacing * Vec3(k / (counts[1] * counts[2]), k / counts[2] % counts[1], k % counts[2]));

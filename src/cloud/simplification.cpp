@@ -342,7 +342,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
 
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner,
-                        bool over_surface) {
+                        bool over_surface, Index target) {
   const Index n = static_cast<Index>(positions.size());
   std::vector<std::string> problems;
   if (positions.size() != normals.size()) {
@@ -361,7 +361,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
   for (Index i : protected_points) stays[i] = 1;
   Index num_parts = 0;
   std::vector<Index> part = labelParts(positions, normals, neighbors, k, num_parts);
-  const std::int64_t stop = std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * min_points);
+  const std::int64_t stop = std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * std::max(target, min_points));
   if (n > kLarge * stop)
     return simplifyLarge(positions, normals, k, min_points, static_cast<Index>(stop), std::move(neighbors), std::move(part), num_parts,
                          std::move(stays), over_surface);

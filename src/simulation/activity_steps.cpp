@@ -91,7 +91,7 @@ solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
     }
     part_march = part->march().memory();
     solve::TimeMarch::Outcome taken = part->step(now, state, held);
-    if (interrupt && *interrupt) return taken;
+    if (!taken.ok && interrupt && *interrupt) return taken;
     if (!taken.ok) break;
     const double at_wall = part->findHits(end, activity.acceleration(), activity.speed(), hits);
     if (hits.empty()) {

@@ -136,7 +136,8 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
   return changes;
 }
 
-ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, State& state) const {
+ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
+                                        State& state) const {
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
   const bool keeps_shape = model_.params().restsAsCloud(), lets_go = growth.fix_samples && growth.release_samples;
@@ -167,8 +168,14 @@ ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const 
     fixed.resize(state.positions.size(), 0);
     if (!lets_go && growth.fix_samples) std::fill_n(fixed.begin(), before, char{1});
     particles.adopt(state);
-    particles.keepShape(state);
-    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, state);
+    trial = state;
+    particles.keepShape(trial);
+    // What was there keeps its motion, and from the start on its rest shape: how it is bent now may be of a load.
+    for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
+    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+    state.positions = trial.positions;
+    state.orientations = trial.orientations;
+    state.traits = trial.traits;
   }
   changes.born = static_cast<Index>(state.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",

@@ -87,7 +87,7 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
   const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
   if (last < n)
     s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, protected_points, s.dense_neighbors,
-                              is_corner, !params.neighbors.areEuclidean());
+                              is_corner, !params.neighbors.areEuclidean(), by_threshold ? last : target);
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 

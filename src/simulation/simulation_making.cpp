@@ -195,7 +195,13 @@ void Simulation::Impl::findContactRate() {
   at_rest.positions = rest.points;
   at_rest.velocities.assign(rest.points.size(), Vec3::Zero());
   model->beginAtRest(at_rest);
+  // The points at rest have clamps of their own: particles may have gone and come since.
+  std::vector<char> now_held = rest.pinned, now_held_turns = rest.pinned_turns;
+  held.swap(now_held);
+  held_turns.swap(now_held_turns);
   const double stable = march.findStableStep(0.0, at_rest);
+  held.swap(now_held);
+  held_turns.swap(now_held_turns);
   model->adopt(state);
   contact_rate = kContactRate * 2.0 / (std::isfinite(stable) ? stable : params.integrator.time_step);
   contact.setRate(contact_rate);

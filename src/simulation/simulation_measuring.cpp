@@ -53,7 +53,9 @@ void Simulation::Impl::listSkipped() {
   if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
   if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
   if (params.anchors.empty()) statistics.skipped.push_back("anchors");
-  const auto touches = [&](const ContactLoad::Body& body) { return isInReach(body.tool, time(), state.positions); };
+  const auto touches = [&](const ContactLoad::Body& body) {
+    return !body.passed.empty() || isInReach(body.tool, time(), state.positions);
+  };
   if (std::none_of(contact.all().begin(), contact.all().end(), touches)) statistics.skipped.push_back("contact");
 }
 

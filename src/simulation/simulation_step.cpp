@@ -58,7 +58,8 @@ StepOutcome Simulation::Impl::step() {
   }
   if (!contact.isEmpty()) appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
   if (may_be_cut) endCuts(now, dt, outcome);
-  if (solid && solid->flow(dt, state)) {
+  const bool has_flowed = solid && solid->flow(dt, state);
+  if (has_flowed) {
     march.forcesChanged();
     wakeAll();
   }
@@ -66,7 +67,7 @@ StepOutcome Simulation::Impl::step() {
   surface.invalidate();
   surface.resample(state);
   if (estimator) estimate(report, outcome);
-  considerSleep(report);
+  if (!has_flowed) considerSleep(report);
   changed();
 
   // What it was.
@@ -128,7 +129,7 @@ std::string Simulation::Impl::live(double now, double dt) {
 }
 
 ParticleLife::Changes Simulation::Impl::fit(const model::GrowthParams& growth) {
-  const ParticleLife::Changes changes = life->fit(growth, pinned, state);
+  const ParticleLife::Changes changes = life->fit(growth, steps > 0 ? held : pinned, steps == 0, state);
   follow(changes);
   return changes;
 }

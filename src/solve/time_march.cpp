@@ -69,6 +69,7 @@ void TimeMarch::restart() {
 void TimeMarch::forcesChanged() {
   for (auto& [type, integrator] : integrators_) integrator->forgetForces();
   guard_.elasticityChanged();
+  memory_.estimate_needed = true;
 }
 
 // The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.

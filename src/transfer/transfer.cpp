@@ -33,6 +33,7 @@ constexpr float kMinSquaredArea = 1e-10f;
 constexpr Index kUsualNeighbors = 8;
 // Points per block of a parallel loop: a few milliseconds of work.
 constexpr Index kFitBlock = 1024;
+constexpr double kMostUnits = 9007199254740992.0;  // 2^53: beyond it a double is a whole number of units already
 
 // Four floats that every processor of the supported compilers' targets adds and multiplies at once: one quantity of four dense
 // points that lie behind each other.
@@ -396,7 +397,8 @@ void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, 
   std::frexp(size, &exponent);
   const double unit = std::ldexp(0.5, exponent);
   if (size > 0.0 && std::isfinite(size))
-    for (int axis = 0; axis < 3; ++axis) reference[axis] = unit * std::round(mean[axis] / unit);
+    for (int axis = 0; axis < 3; ++axis)
+      if (std::abs(mean[axis]) < kMostUnits * unit) reference[axis] = unit * std::round(mean[axis] / unit);
   for (std::size_t j = 0; j < m; ++j) {
     const Vec3 u = usable_[j] ? Vec3(simulation_now[j] - simulation_rest_[j] - reference) : Vec3(0.0, 0.0, 0.0);
     for (int axis = 0; axis < 3; ++axis) displacements[4 * j + axis] = static_cast<float>(u[axis]);

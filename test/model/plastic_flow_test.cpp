@@ -128,6 +128,25 @@ TEST(PlasticFlow, EndsAtTheLargestStrain) {
     EXPECT_NEAR(std::sqrt(2.0 / 3.0) * stretch.array().log().matrix().norm(), 0.02, 1e-10);
   }
   EXPECT_GT(meanStress(solid, state), 3.0 * kYield);
+  EXPECT_FALSE(solid.flow(0.01, state));  // so that it may come to rest
+}
+
+TEST(PlasticFlow, IsKnownToNormalsAndToTheStableStep) {
+  const Points rest = makeBox(4, 4, 4, 0.1, 0.2);
+  ElasticSolid solid = makeSolid(rest, makePlastic());
+  Mat3 sheared = Mat3::Identity();
+  sheared(0, 1) = 0.5;
+  State state = beginAt(solid, rest, mapBy(sheared, rest));
+  const double stable = solid.findStableStep(state);
+  // All of it has flowed: no stress is left.
+  state.plastic.assign(rest.size(), sheared.inverse());
+  solid.adopt(state);
+  ASSERT_LT(meanStress(solid, state), 1e-6 * kYield);
+  std::vector<Eigen::Vector3f> normals;
+  solid.turnNormals(state, Points(rest.size(), Vec3::UnitX()), normals);
+  const Vec3 expected = Vec3(1.0, -0.5, 0.0).normalized();
+  for (const Eigen::Vector3f& normal : normals) EXPECT_LT((normal.cast<double>() - expected).norm(), 1e-6);
+  EXPECT_NEAR(solid.findStableStep(state), stable / sheared.inverse().jacobiSvd().singularValues()[0], 1e-9 * stable);
 }
 
 TEST(PlasticFlow, OfAPlanarSolidStaysInItsPlane) {

@@ -4,6 +4,7 @@
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "support/figures.h"
+#include "deformable_surface/base/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -100,12 +101,13 @@ TEST(FilledSolid, GivesTheSameBitsForEveryNumberOfThreads) {
   SceneParams scene = makeBallScene(400);
   std::uint64_t hash = 0;
   for (const Index threads : {1, 3}) {
-    scene.threads = threads;
+    setNumThreads(threads);
     Simulation s(scene, io::makeShape(scene.cloud));
     run(s, 2);
     if (threads == 1) hash = s.stateHash();
     EXPECT_EQ(s.stateHash(), hash);
   }
+  setNumThreads(0);
 }
 
 // A scan of 30571 points, whose base is open.

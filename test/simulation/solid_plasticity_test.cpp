@@ -1,5 +1,6 @@
 // Elastic solids that flow, as scenes: what stays bent, what the account of the energy says, and what a snapshot holds.
 #include "support/figures.h"
+#include "deformable_surface/base/parallel.h"
 
 namespace deformable_surface::test {
 namespace {
@@ -80,13 +81,14 @@ TEST(SolidPlasticity, GivesTheSameBitsForEveryNumberOfThreads) {
   std::uint64_t hash = 0;
   for (const Index threads : {1, 3}) {
     SceneParams scene = makeBar(2e4);
-    scene.threads = threads;
+    setNumThreads(threads);
     Simulation s = makeSimulation(scene);
     run(s, 40);
     if (threads == 1) hash = s.stateHash();
     EXPECT_EQ(s.stateHash(), hash);
     EXPECT_GT(s.state().dissipated, 0.0);
   }
+  setNumThreads(0);
 }
 
 }  // namespace

@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/base/parallel.h"
 
 #include <gtest/gtest.h>
 
@@ -77,12 +78,13 @@ TEST(SolidSimulation, GivesTheSameBitsForEveryNumberOfThreads) {
   SceneParams scene = makeBarScene(1500);
   std::uint64_t hash = 0;
   for (const Index threads : {1, 2, 3}) {
-    scene.threads = threads;
+    setNumThreads(threads);
     Simulation s = makeSimulation(scene);
     run(s, 3);
     if (threads == 1) hash = s.stateHash();
     EXPECT_EQ(s.stateHash(), hash);
   }
+  setNumThreads(0);
 }
 
 // Neighbourhoods over the body cost nothing where there is no gap.
@@ -236,12 +238,13 @@ TEST(SolidSimulation, ImplicitStepsGiveTheSameBitsForEveryNumberOfThreads) {
   scene.integrator.type = solve::IntegratorType::kImplicit;
   std::uint64_t hash = 0;
   for (const Index threads : {1, 2, 3}) {
-    scene.threads = threads;
+    setNumThreads(threads);
     Simulation s = makeSimulation(scene);
     run(s, 2);
     if (threads == 1) hash = s.stateHash();
     EXPECT_EQ(s.stateHash(), hash);
   }
+  setNumThreads(0);
 }
 
 TEST(SolidSimulation, IsPushedByToolsAndHeldByGrips) {

@@ -38,8 +38,9 @@ class ParticleLife {
   Changes update(double time, double step, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state) const;
 
   /// Grows a surface through the particles there are (sec. 7 of [Szeliski 1991]), with relaxation in between; held (n, 1 = fixed in
-  /// place) stay in any case. Returns what it did as one sentence, and the changes.
-  Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, model::State& state) const;
+  /// place) stay in any case. is_start: all take the shape that is found for their rest shape, else the new ones alone. Returns what it
+  /// did as one sentence, and the changes.
+  Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start, model::State& state) const;
 
   /// Does the edit wholly, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and
   /// orientation held.

@@ -41,7 +41,7 @@ class TimeMarch {
 
   /// The state, the masses or the model's forces are not those that the last step ended with.
   void restart();
-  /// The same of forces and energy alone, in a solid that has flowed: what was measured of stiffness and account stays.
+  /// The same of forces and energy alone, in a solid that has flowed: the account stays.
   void forcesChanged();
   /// The loads are not those of the last step.
   void loadsChanged() { guard_.loadsChanged(); }

@@ -4,6 +4,8 @@
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/elastic_solid/point_volumes.h"
 
+#include <Eigen/Eigenvalues>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -164,6 +166,17 @@ void ElasticSolid::findStableStep() {
   stable_step_ = eigenvalue > 0.0 ? 2.0 / std::sqrt(eigenvalue) : std::numeric_limits<double>::infinity();
 }
 
+// Gradients are those at rest times F_p^-T.
+double ElasticSolid::findStableStep(const State& state) const {
+  double largest = 1.0;
+  for (const Mat3& plastic : state.plastic) {
+    Eigen::SelfAdjointEigenSolver<Mat3> squares;
+    squares.computeDirect(plastic.transpose() * plastic, Eigen::EigenvaluesOnly);
+    largest = std::max(largest, squares.eigenvalues()[2]);
+  }
+  return stable_step_ / std::sqrt(largest);
+}
+
 void ElasticSolid::addPassForces(StressLaw law, const double* positions, Points& forces) const {
   const Index n = passes_.size();
   parallelFor(n, kBlock, [&](Index begin, Index end) { passes_.spreadStress(law, begin, end, positions); });
@@ -223,7 +236,8 @@ void ElasticSolid::turnNormals(const State& state, const Points& normals, std::v
   turned.resize(normals.size());
   parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
-      const Mat3 F = passes_.fitGradient(i, positions_.data());
+      Mat3 F = passes_.fitGradient(i, positions_.data());
+      if (!state.plastic.empty()) F = Mat3(F * state.plastic[i].inverse());  // of F_e and F_p
       Mat3 cofactor;
       cofactor << F.col(1).cross(F.col(2)), F.col(2).cross(F.col(0)), F.col(0).cross(F.col(1));
       const Vec3 normal = cofactor * normals[i];

@@ -15,6 +15,8 @@ namespace {
 constexpr Index kBlock = 256;           // points a task
 constexpr double kClearlyBelow = 0.5;   // of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing
 
+constexpr double kRounding = 1e-12;     // relative: where the largest strain is reached already nothing flows
+
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
 
@@ -53,7 +55,8 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
   const Square square = axes_.transpose() * F.transpose() * F * axes_;
   const double mean = square.trace() / static_cast<double>(square.rows());
   const Square green = 0.5 * (square - mean * Square::Identity(square.rows(), square.cols()));
-  if (!(stress_of_deviator_ * green.norm() > kClearlyBelow * params_.yield_stress)) return false;
+  // Green's difference of two stretches is theirs times half their sum: the bound holds unless all is crushed.
+  if (mean > 2.0 / 3.0 && !(stress_of_deviator_ * green.norm() > kClearlyBelow * params_.yield_stress)) return false;
   const Eigen::SelfAdjointEigenSolver<Square> solver(square);
   const Row stretch = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
   const double stress = stress_of_deviator_ * deviatorOf(stretch).norm();
@@ -63,6 +66,7 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
   const Square change = solver.eigenvectors() * Row(flown.array().exp()).asDiagonal() * solver.eigenvectors().transpose();
   Mat3 all = axes_ * change * axes_.transpose();
   if (is_planar) all += rest.across * rest.across.transpose();
+  const Mat3 before = plastic;
   plastic = Mat3(plastic * all);
 
   // The largest strain: all of its logarithm in proportion.
@@ -71,7 +75,7 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
   const double strain = std::sqrt(2.0 / 3.0) * logarithm.norm();
   if (strain > params_.max_strain)
     plastic = svd.matrixU() * Vec3((params_.max_strain / strain * logarithm).array().exp()).asDiagonal() * svd.matrixV().transpose();
-  return true;
+  return !plastic.isApprox(before, kRounding);
 }
 
 bool PlasticFlow::flow(double dt, const double* positions, SolidPasses& passes, State& state) const {

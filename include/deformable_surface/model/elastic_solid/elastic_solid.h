@@ -37,9 +37,9 @@ class ElasticSolid : public DeformableModel {
   bool flow(double dt, State& state);
   void addForces(const State& state, Points& forces) const override;
   double elasticEnergy(const State& state) const override;
-  /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): it does not depend on the
-  /// state.
-  double findStableStep(const State&) const override { return stable_step_; }
+  /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): of the state only what has
+  /// flowed counts, which may shorten lengths and so raise frequencies.
+  double findStableStep(const State& state) const override;
   void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
   bool hasStiffnessProducts() const override { return true; }
   void prepareStiffness(const State& state, Hessian hessian) const override;
