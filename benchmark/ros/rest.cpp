@@ -14,6 +14,12 @@ void measureRest(const RosOptions& options, RosTable& table) {
   ros::Publisher cloud = alone.advertise<sensor_msgs::PointCloud2>("cloud_in", 1);
   waitFor("/alone to listen", [&] { return cloud.getNumSubscribers() > 0; });
   cloud.publish(makeSquare(10000));
+  std::size_t surfaces = 0;
+  {
+    const ros::Subscriber once =
+        alone.subscribe<sensor_msgs::PointCloud2>("deformed", 1, [&](const sensor_msgs::PointCloud2ConstPtr&) { ++surfaces; });
+    waitFor("a cloud of /alone", [&] { return surfaces > 0; });
+  }
   std::size_t frames = 0;
   ros::NodeHandle heard("/heard");
   const node::test::NodeProcess shown("/heard", scene);

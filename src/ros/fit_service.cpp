@@ -67,6 +67,20 @@ void FitService::perform(const std::function<void()>& work) {
   if (problem) std::rethrow_exception(problem);
 }
 
+void FitService::performInTheEnd(const std::function<void()>& work) {
+  bool is_done = false;
+  while (!is_done && !inbox_.isClosed()) {
+    try {
+      perform([&] {
+        is_done = true;
+        work();
+      });
+    } catch (const InputError&) {
+      if (is_done) throw;
+    }
+  }
+}
+
 void FitService::fit(const FitSurfaceRequest& request, FitSurfaceResponse& response) {
   std::unique_ptr<simulation::Simulation> copy;
   model::GrowthParams growth;
@@ -83,10 +97,10 @@ void FitService::fit(const FitSurfaceRequest& request, FitSurfaceResponse& respo
     setNumThreads(num_threads);
     response.message = copy->fit(growth);
   } catch (...) {
-    perform([&] { stepper_.letGo(); });
+    performInTheEnd([&] { stepper_.letGo(); });
     throw;
   }
-  perform([&] {
+  performInTheEnd([&] {
     stepper_.replaceHeld(std::move(copy));
     response.particles = static_cast<std::uint32_t>(stepper_.simulation()->state().size());
   });

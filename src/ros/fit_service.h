@@ -31,6 +31,8 @@ class FitService {
   /// Throws.
   void fit(const FitSurfaceRequest& request, FitSurfaceResponse& response);
   void perform(const std::function<void()>& work);
+  /// However busy the simulation is: it must come to it, for the surface is held until then.
+  void performInTheEnd(const std::function<void()>& work);
 
   Inbox& inbox_;
   Stepper& stepper_;

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <set>
 #include <utility>
 
 namespace deformable_surface::node {
@@ -46,8 +47,9 @@ void PendingCommands::dropBefore(std::int64_t stamp) {
 
 std::vector<std::string> PendingCommands::waitingForces() const {
   std::vector<std::string> ids;
+  std::set<std::string> known;
   const auto list = [&](const Command& command) {
-    if (command.force && std::count(ids.begin(), ids.end(), command.force->id) == 0) ids.push_back(command.force->id);
+    if (command.force && known.insert(command.force->id).second) ids.push_back(command.force->id);
   };
   for (const auto& [key, waiting] : without_frame_) list(waiting.command);
   for (const Command& command : commands_) list(command);
@@ -77,6 +79,9 @@ void PendingCommands::apply(std::int64_t begin, simulation::Simulation& simulati
 void PendingCommands::carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
                                const std::string& frame) {
   const std::string key = makeKey(command);
+  // A tool that has not come yet is deleted by not letting it come.
+  const bool cancels = command.tool && command.tool->action == Tool::DELETE && without_frame_.erase(key) > 0;
+  num_dropped_ += cancels;
   const auto older = without_frame_.find(key);
   try {
     apply(command, simulation, frame);
@@ -93,15 +98,17 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     }
     complaints_.report(Complaint::kCommandRefused, error.what());
   } catch (const InputError& error) {
-    complaints_.report(Complaint::kCommandRefused, error.what());
+    if (!cancels) complaints_.report(Complaint::kCommandRefused, error.what());
     return;  // what waits is as good as before
   }
   if (command.tool && command.tool->action == Tool::DELETEALL) {
     const auto is_tool = [](const auto& entry) { return entry.first.compare(0, sizeof kToolKey - 1, kToolKey) == 0; };
-    for (auto entry = without_frame_.begin(); entry != without_frame_.end();)
+    for (auto entry = without_frame_.begin(); entry != without_frame_.end();) {
+      num_dropped_ += is_tool(*entry);
       entry = is_tool(*entry) ? without_frame_.erase(entry) : std::next(entry);
+    }
   } else {
-    without_frame_.erase(key);
+    num_dropped_ += static_cast<int>(without_frame_.erase(key));
   }
 }
 

@@ -32,6 +32,8 @@ class PendingCommands {
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
   void clear();
+  /// Steps to come count anew: none of them is late for what the last one began with.
+  void forgetSteps() { last_begin_ = kNever; }
   /// The surface is another or at rest again: the forces and tools of before are gone.
   void forget();
 

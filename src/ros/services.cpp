@@ -295,8 +295,9 @@ bool Services::list(ListResponse& response) {
     const simulation::Simulation& surface = *stepper_.simulation();
     for (const tool::ToolParams& tool : surface.tools()) response.tools.push_back(tool.id);
     response.forces = surface.forceIds();
+    const std::set<std::string> acting(response.forces.begin(), response.forces.end());
     for (const std::string& id : stepper_.waitingForces())
-      if (std::count(response.forces.begin(), response.forces.end(), id) == 0) response.forces.push_back(id);
+      if (acting.count(id) == 0) response.forces.push_back(id);
     response.pinned = static_cast<std::uint32_t>(std::count(surface.pinned().begin(), surface.pinned().end(), 1));
     response.own_material = static_cast<std::uint32_t>(surface.numOwnMaterial());
     for (const auto& [name, entry] : stepper_.snapshots().all()) {

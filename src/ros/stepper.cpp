@@ -31,7 +31,8 @@ constexpr std::int64_t kOldCloud = 1'000'000'000;
 // A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
 constexpr std::int64_t kMaxAhead = 3600'000'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
-constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(1000);
+// Less than what is let go of, so that a step that wakes is caught up with.
+constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200);
 // Even when steps come too late a picture is shown from time to time, and most of the time is left to steps.
 constexpr milliseconds kLateFramePeriod(200);
 constexpr double kLateFramesApart = 8.0;  // in the time that one takes
@@ -138,7 +139,7 @@ void Stepper::handleClock(const ClockNews& clock) {
 }
 
 void Stepper::restart(std::int64_t now) {
-  is_held_valid_ = false;
+  is_held_ = is_held_valid_ = false;
   simulation_->reset();
   commands_.forget();
   is_failed_ = false;
@@ -222,7 +223,7 @@ WaitingClouds::Answer Stepper::prepare(IncomingCloud& incoming, bool is_patient)
                        formatReal(toSeconds(kMaxAhead)) + " s");
     }
     // It shows the surface at its stamp, and draws it from there on.
-    if (isTracking() && !isPaused() && stampOf(incoming) > schedule_.begin(simulation_->stepCount()))
+    if (isTracking() && (is_held_ || (!isPaused() && stampOf(incoming) > schedule_.begin(simulation_->stepCount()))))
       return WaitingClouds::Answer::kWait;
     const Eigen::Isometry3d transform =
         findTransform("header.frame_id", decoded.header.frame_id, frameOf(incoming), decoded.header.stamp, transforms_);
@@ -256,7 +257,7 @@ void Stepper::accept(IncomingCloud& incoming) {
   // Commands for the surface before are not for this one; before the first there was none that they could be for.
   if (simulation_) commands_.dropBefore(stamp);
   simulation_ = std::move(simulation);
-  is_held_valid_ = false;
+  is_held_ = is_held_valid_ = false;
   frame_ = frame;
   commands_.forget();
   snapshots_.clear();
@@ -307,6 +308,7 @@ void Stepper::reset() {
 void Stepper::hold() { is_held_ = is_held_valid_ = true; }
 
 void Stepper::letGo() {
+  if (!is_held_) return;
   is_held_ = false;
   if (simulation_) schedule_.skipTo(now_, simulation_->stepCount());
 }
@@ -329,7 +331,7 @@ void Stepper::keepSnapshot(const std::string& name) {
 
 void Stepper::restoreSnapshot(const std::string& name) {
   const SnapshotShelf::Entry& entry = snapshots_.find(name);
-  is_held_valid_ = false;
+  is_held_ = is_held_valid_ = false;
   simulation_->restore(entry.snapshot);
   commands_.restore(entry.commands);
   simulation::setPhysics(simulation::findPhysics(simulation_->params()), params_);
@@ -357,6 +359,9 @@ std::uint32_t Stepper::takeSteps(std::uint32_t count) {
   std::uint32_t taken = 0;
   while (taken < count && !inbox_.isClosed() && takeStep()) ++taken;
   is_frame_due_ = false;
+  // They may have run ahead of the clock, which those to come do not wait for.
+  if (now_ != 0) schedule_.resumeAt(now_, simulation_->stepCount());
+  commands_.forgetSteps();
   return taken;
 }
 

@@ -5,8 +5,9 @@
 namespace deformable_surface::node {
 namespace {
 
-// A camera's quarter of a second: what a transform that is not broken may be late. Large clouds must not fill the memory.
-constexpr std::size_t kMaxClouds = 8;
+// A camera's two seconds: what a transform that is not broken may be late, and what a delay may be. They must not fill the memory.
+constexpr std::size_t kMaxClouds = 64;
+constexpr std::int64_t kMaxPoints = 4'000'000;  // of all together, unless it is one
 // A sensor's transform comes a little after its first cloud; a latched cloud would be lost for ever.
 constexpr std::chrono::seconds kPatience(5);
 
@@ -14,9 +15,12 @@ constexpr std::chrono::seconds kPatience(5);
 
 void WaitingClouds::put(IncomingCloud&& cloud) {
   clouds_.push_back({std::move(cloud), std::chrono::steady_clock::now() + kPatience});
-  if (clouds_.size() <= kMaxClouds) return;
-  clouds_.pop_front();
-  ++num_dropped_;
+  std::int64_t points = 0;
+  for (const Entry& entry : clouds_) points += entry.cloud.decoded.cloud.size();
+  for (; clouds_.size() > kMaxClouds || (clouds_.size() > 1 && points > kMaxPoints); ++num_dropped_) {
+    points -= clouds_.front().cloud.decoded.cloud.size();
+    clouds_.pop_front();
+  }
 }
 
 std::optional<IncomingCloud> WaitingClouds::take(const std::function<Answer(IncomingCloud&, bool)>& ask) {

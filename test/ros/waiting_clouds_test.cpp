@@ -49,11 +49,26 @@ TEST(WaitingClouds, OneThatIsRefusedIsNotAskedAboutAgain) {
 TEST(WaitingClouds, AreFewHoweverManyCome) {
   WaitingClouds clouds;
   for (int k = 1; k <= 1000; ++k) clouds.put(makeCloud(k));
-  EXPECT_LE(clouds.size(), 10u);
+  EXPECT_LE(clouds.size(), 64u);
   EXPECT_EQ(static_cast<int>(clouds.size()) + clouds.numDropped(), 1000);
   const std::optional<IncomingCloud> taken = clouds.take([](IncomingCloud&, bool) { return Answer::kTake; });
   ASSERT_TRUE(taken);
   EXPECT_EQ(taken->arrival, 1000);
+}
+
+TEST(WaitingClouds, AreFewerWhereTheyAreLargeAndOneInAnyCase) {
+  WaitingClouds clouds;
+  for (int k = 1; k <= 4; ++k) {
+    IncomingCloud cloud = makeCloud(k);
+    cloud.decoded.cloud.positions.resize(1'500'000);
+    clouds.put(std::move(cloud));
+  }
+  EXPECT_EQ(clouds.size(), 2u);
+  EXPECT_EQ(clouds.numDropped(), 2);
+  IncomingCloud huge = makeCloud(5);
+  huge.decoded.cloud.positions.resize(5'000'000);
+  clouds.put(std::move(huge));
+  EXPECT_EQ(clouds.size(), 1u);
 }
 
 }  // namespace
