@@ -374,7 +374,7 @@ TEST_F(RunTimeControlTest, MaterialChangesInAShapeOrEverywhere) {
   request.values[1] = -3.0;
   EXPECT_NE(refusal().find("damping: found -3"), std::string::npos) << refusal();
   request.names = {"young_modulus", "poisson_ratio"};
-  EXPECT_EQ(refusal(), "names: found \"poisson_ratio\"; accepted, on a surface that is there: bending_rigidity, damping, density, "
+  EXPECT_EQ(refusal(), "names: found 'poisson_ratio'; accepted, on a surface that is there: bending_rigidity, damping, density, "
                        "young_modulus");
   request.names = {"young_modulus", "young_modulus"};
   EXPECT_NE(refusal().find("a second time"), std::string::npos) << refusal();
