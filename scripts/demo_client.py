@@ -45,6 +45,7 @@ class Demo:
         self.lock = threading.Lock()  # the two subscribers call from threads of their own
         self.start = None             # the stamp of the surface at rest
         self.rest = None
+        self.now = None               # positions of the newest surface; one that has not changed is not sent again
         self.best = None              # the most deformed surface so far: positions, displacements, time
         self.last = None              # the newest statistics
         self.speeds = []
@@ -72,9 +73,15 @@ class Demo:
         return None
 
     def take_statistics(self, message):
+        """They come while the surface rests, too, and are the demo's clock."""
         with self.lock:
             self.last = message
+            if self.rest is None or self.ended.is_set():
+                return
             self.speeds.append(message.real_time_factor)
+            self.pull(self.now[self.handle], message.simulation_time)
+            if message.simulation_time >= self.duration:
+                self.ended.set()
 
     def take_surface(self, message):
         with self.lock:
@@ -83,12 +90,10 @@ class Demo:
             positions, displacement = read_positions(message), read_field(message, "displacement")
             if self.rest is None:
                 self.start, self.rest = message.header.stamp, (positions, displacement)
+            self.now = positions
             time = (message.header.stamp - self.start).to_sec()
             if self.best is None or np.nanmax(displacement) > np.nanmax(self.best[1]):
                 self.best = positions, displacement, time
-            self.pull(positions[self.handle], time)
-            if time >= self.duration:
-                self.ended.set()
 
     def pull(self, point, time):
         """Sends the force anew at the place to which the surface has moved. A zero force ends it and is sent once."""
