@@ -6,7 +6,9 @@
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <utility>
 
@@ -14,15 +16,39 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
+// Points that one thread hands lengths on among, one after the other: what it passes to another's comes a sweep later.
+constexpr Index kSweep = 1 << 15;
 // Listed neighbours that the search goes on to: with more, paths are straighter by next to nothing.
 constexpr Index kSteps = 16;
 
 const Index* endOfSteps(const Lists& neighbors, Index i) { return neighbors.begin(i) + std::min(kSteps, neighbors.count(i)); }
 
-// The chosen points whose cells touch without a detour between the points. Costs are their distances in space, raised so that a
-// way of kKeptWay is a detour of kKeptDetour.
+// Two chosen points whose cells touch without a detour between the points.
+struct Touch {
+  Index a, b;
+  double length;  // m, in space
+};
+
+// Costs are distances of chosen points in space, raised so that a way of kKeptWay is a detour of kKeptDetour.
 GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const std::vector<double>& distance,
                         const GeodesicCells& cells) {
+  const Index n = neighbors.size();
+  std::vector<std::vector<Touch>> blocks((n + kBlock - 1) / kBlock);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<Touch>& touches = blocks[begin / kBlock];
+    for (Index u = begin; u < end; ++u) {
+      const Index a = cells.owner[u];
+      if (a < 0) continue;
+      for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) {
+        const Index b = cells.owner[*v];
+        if (b < 0 || b == a) continue;
+        const double path = distance[u] + (positions[*v] - positions[u]).norm() + distance[*v];
+        const double length = (cells.chosen[b] - cells.chosen[a]).norm();
+        if (path <= kKeptWay * length) touches.push_back({a, b, length});
+      }
+    }
+  });
+
   std::vector<std::vector<std::pair<Index, double>>> beside(cells.chosen.size());
   const auto insert = [&](Index a, Index b, double length) {
     for (const auto& known : beside[a]) {
@@ -30,17 +56,10 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
     }
     beside[a].push_back({b, length});
   };
-  for (Index u = 0; u < neighbors.size(); ++u) {
-    const Index a = cells.owner[u];
-    if (a < 0) continue;
-    for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) {
-      const Index b = cells.owner[*v];
-      if (b < 0 || b == a) continue;
-      const double path = distance[u] + (positions[*v] - positions[u]).norm() + distance[*v];
-      const double length = (cells.chosen[b] - cells.chosen[a]).norm();
-      if (!(path <= kKeptWay * length)) continue;
-      insert(a, b, length);
-      insert(b, a, length);
+  for (const std::vector<Touch>& touches : blocks) {
+    for (const Touch& touch : touches) {
+      insert(touch.a, touch.b, touch.length);
+      insert(touch.b, touch.a, touch.length);
     }
   }
   GeodesicGraph graph;
@@ -61,13 +80,24 @@ void forSteps(const Points& positions, const Lists& neighbors, double distance, 
   for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) visit(*v, distance + (positions[*v] - positions[u]).norm());
 }
 
+// Replaces value by `to` while isLess(to, value), whatever other threads replace it by meanwhile. Returns whether it did.
+template <class T, class IsLess>
+bool lower(std::atomic<T>& value, T to, const IsLess& isLess) {
+  T known = value.load(std::memory_order_relaxed);
+  while (isLess(to, known)) {
+    if (value.compare_exchange_weak(known, to)) return true;
+  }
+  return false;
+}
+
 // Lengths of the shortest paths from any chosen point, m. Points whose length has changed wait to hand it on, and do so in the order of
 // the cloud, there and back again: what is near in space lies near in memory, which an order by length would jump about in. Those beyond a
-// horizon wait until nothing changes below it. The lengths are the same in any order.
+// horizon wait until nothing changes below it. The lengths are the same in any order, and so with any number of threads.
 std::vector<double> findDistances(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen) {
   const Index n = neighbors.size();
-  std::vector<double> distance(n, std::numeric_limits<double>::infinity());
-  std::vector<char> waits(n, 0);
+  std::vector<std::atomic<double>> distance(n);
+  std::vector<std::atomic<char>> waits(n);
+  for (std::atomic<double>& d : distance) d.store(std::numeric_limits<double>::infinity(), std::memory_order_relaxed);
   double spacing = 0.0;
   for (Index i : chosen) {
     distance[i] = 0.0;
@@ -76,28 +106,30 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
   }
   // About as far as cells reach.
   double horizon = spacing * std::sqrt(static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, chosen.size())));
-  for (bool any_beyond = !chosen.empty(); any_beyond; horizon = horizon > 0.0 ? 2.0 * horizon : std::numeric_limits<double>::infinity()) {
-    bool any_changed = true;
+  std::atomic<bool> any_beyond{!chosen.empty()};
+  for (; any_beyond; horizon = horizon > 0.0 ? 2.0 * horizon : std::numeric_limits<double>::infinity()) {
+    std::atomic<bool> any_changed{true};
     for (bool is_forward = true; any_changed; is_forward = !is_forward) {
       any_changed = any_beyond = false;
-      for (Index k = 0; k < n; ++k) {
-        const Index u = is_forward ? k : n - 1 - k;
-        if (!waits[u]) continue;
-        if (!(distance[u] <= horizon)) {
-          any_beyond = true;
-          continue;
+      parallelFor(n, kSweep, [&](Index begin, Index end) {
+        for (Index k = begin; k < end; ++k) {
+          const Index u = is_forward ? k : n - 1 - k;
+          if (!waits[u].load(std::memory_order_relaxed)) continue;
+          if (!(distance[u].load(std::memory_order_relaxed) <= horizon)) {
+            any_beyond = true;
+            continue;
+          }
+          // First the mark, then the length: one that falls in between is marked again.
+          waits[u].exchange(0);
+          any_changed = true;
+          forSteps(positions, neighbors, distance[u].load(), u, [&](Index v, double to) {
+            if (lower(distance[v], to, std::less<double>())) waits[v].store(1);
+          });
         }
-        waits[u] = 0;
-        any_changed = true;
-        forSteps(positions, neighbors, distance[u], u, [&](Index v, double to) {
-          if (!(to < distance[v])) return;
-          distance[v] = to;
-          waits[v] = 1;
-        });
-      }
+      });
     }
   }
-  return distance;
+  return std::vector<double>(distance.begin(), distance.end());
 }
 
 // The chosen point that each path begins at. Of several shortest paths to a point that over the nearest last step's beginning counts, ties by
@@ -105,14 +137,17 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
 void findOwners(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen, const std::vector<double>& distance,
                 std::vector<Index>& owner) {
   const Index n = neighbors.size();
-  std::vector<Index> before(n, -1);
-  for (Index u = 0; u < n; ++u) {
-    if (!(distance[u] < std::numeric_limits<double>::infinity())) continue;
-    forSteps(positions, neighbors, distance[u], u, [&](Index v, double to) {
-      if (to != distance[v] || !(distance[u] < distance[v])) return;
-      if (before[v] < 0 || std::make_pair(distance[u], u) < std::make_pair(distance[before[v]], before[v])) before[v] = u;
-    });
-  }
+  std::vector<std::atomic<Index>> before(n);
+  for (std::atomic<Index>& b : before) b.store(-1, std::memory_order_relaxed);
+  const auto isNearer = [&](Index a, Index b) { return b < 0 || std::make_pair(distance[a], a) < std::make_pair(distance[b], b); };
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index u = begin; u < end; ++u) {
+      if (!(distance[u] < std::numeric_limits<double>::infinity())) continue;
+      forSteps(positions, neighbors, distance[u], u, [&](Index v, double to) {
+        if (to == distance[v] && distance[u] < distance[v]) lower(before[v], u, isNearer);
+      });
+    }
+  });
   for (std::size_t a = 0; a < chosen.size(); ++a) owner[chosen[a]] = static_cast<Index>(a);
   std::vector<Index> way;
   for (Index i = 0; i < n; ++i) {

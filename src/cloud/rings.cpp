@@ -24,13 +24,9 @@ struct Stars {
 
 // Calls visit(i, linked, star) for every point, in parallel: its linked neighbours, of which the star names some.
 template <class Visit>
-void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const Visit& visit) {
-  // Half of the neighbours given is what the boundary looks at first, then all of them.
+void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary,
+                const Visit& visit) {
   const Index n = neighbors.size();
-  Index max_count = 0;
-  for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
-  const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
-
   const LinkRule rule(positions, normals, neighbors);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     geometry::DelaunayStarBuilder builder;
@@ -45,7 +41,7 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         linked.push_back(*j);
         projected.push_back(plane.project(positions[*j]));
       }
-      visit(i, linked, builder.build(projected, geometry::kStarTie, boundary.is_boundary[i] ? kBoundaryGap : geometry::kStarMaxGap));
+      visit(i, linked, builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : geometry::kStarMaxGap));
     }
   });
 }
@@ -54,7 +50,11 @@ Stars buildStars(const Points& positions, const Points& normals, const Lists& ne
   const Index n = neighbors.size();
   Stars stars{std::vector<Index>(neighbors.items.size()), std::vector<Index>(neighbors.items.size()), std::vector<Index>(n)};
   rings.open.resize(n);
-  visitStars(positions, normals, neighbors, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
+  // Half of the neighbours given is what the boundary looks at first, then all of them.
+  Index max_count = 0;
+  for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
+  const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
+  visitStars(positions, normals, neighbors, boundary.is_boundary, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
     stars.count[i] = static_cast<Index>(star.ring.size());
     for (Index r = 0; r < stars.count[i]; ++r) {
       stars.member[neighbors.offsets[i] + r] = linked[star.ring[r]];
@@ -202,10 +202,13 @@ Rings buildRings(const Points& positions, const Points& normals, const Lists& ne
   return rings;
 }
 
-double measureArea(const Points& positions, const Points& normals, const Lists& neighbors) {
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary) {
   checkSizes("measureArea", positions, normals, neighbors);
+  if (is_boundary.size() != positions.size())
+    throw InputError("measureArea: " + std::to_string(is_boundary.size()) + " boundary marks for " + std::to_string(positions.size()) +
+                     " points; there must be one for each");
   std::vector<double> area(positions.size(), 0.0);
-  visitStars(positions, normals, neighbors, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
+  visitStars(positions, normals, neighbors, is_boundary, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
     const std::size_t count = star.ring.size();
     for (std::size_t r = 0; r < count; ++r) {
       if (star.cell_size[r] == 0) continue;

@@ -33,8 +33,8 @@ constexpr Index kSpacingNeighbor = 6;
 
 // So many points are thinned one by one in less than a second, and of clouds that are some times as large the surplus goes by distances
 // alone, as long as some times the points wanted are left.
-constexpr Index kOneByOne = 50000;
-constexpr Index kLarge = 3;
+constexpr Index kOneByOne = 25000;
+constexpr Index kLarge = 6;
 constexpr Index kLeftForRings = 4;
 
 // Which part of the surface each point belongs to: connected by links among its k nearest.

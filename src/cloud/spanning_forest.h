@@ -1,26 +1,52 @@
-// Kruskal's minimum spanning forest, sorting little: most links are longer than what joins everything. One place, because the
-// side of normals and the trust radii of geodesics both need it.
+// Kruskal's minimum spanning forest, holding and sorting few links: most are longer than what joins everything. One place, because
+// the side of normals and the trust radii of geodesics both need it.
 #pragma once
 
+#include "deformable_surface/base/parallel_sort.h"
+#include "deformable_surface/base/types.h"
+
 #include <algorithm>
-#include <cstddef>
+#include <optional>
 #include <vector>
 
 namespace deformable_surface::cloud {
 
-/// Calls join(link) in ascending order for every link of the forest, and for some of the others, whose ends are joined by then.
-/// isJoined(link): the ends are joined already. links is used up. portion: how many are sorted first, about the number of points.
-template <class Link, class IsJoined, class Join>
-void visitSpanningForest(std::vector<Link>& links, std::ptrdiff_t portion, const IsJoined& isJoined, const Join& join) {
+/// Joins the ends of links in ascending order, as far as they are not joined yet. Link: with ends i and j and a strict total order;
+/// forLinks(i, visit): visits the links that point i offers, from several threads, every time the same; findRoot(i): of the
+/// points joined to i one that they share; join(link): called for every link of the forest, and for some of the others, whose ends
+/// are joined by then. The result does not depend on the number of threads.
+template <class Link, class ForLinks, class FindRoot, class Join>
+void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& findRoot, const Join& join) {
+  constexpr Index kBlock = 1024;   // points per task: about a millisecond of work
+  constexpr Index kSampled = 16;   // one of so many points tells how the links are distributed
+  std::vector<Index> root(n);
+  std::vector<std::vector<Link>> parts((n + kBlock - 1) / kBlock);
+  std::vector<Link> sample;
+  std::optional<Link> last;  // of those that have been looked at
   // The lightest links join nearly all points, so the others are mostly dropped before they are sorted. Portions double, so that
   // there are few of them where the weights tie and little can be dropped.
-  for (std::ptrdiff_t begin = 0; begin < static_cast<std::ptrdiff_t>(links.size()); portion *= 2) {
-    const auto first = links.begin() + begin, last = first + std::min(portion, links.end() - first);
-    std::nth_element(first, last, links.end());
-    std::sort(first, last);
-    for (auto link = first; link != last; ++link) join(*link);
-    begin = last - links.begin();
-    links.erase(std::remove_if(last, links.end(), isJoined), links.end());
+  for (std::size_t portion = n;; portion *= 2) {
+    for (Index i = 0; i < n; ++i) root[i] = findRoot(i);
+    const auto isLeft = [&](const Link& link) { return (!last || *last < link) && root[link.i] != root[link.j]; };
+    sample.clear();
+    for (Index i = 0; i < n; i += kSampled)
+      forLinks(i, [&](const Link& link) { if (isLeft(link)) sample.push_back(link); });
+    const std::size_t wanted = portion / kSampled;
+    const bool are_all = sample.size() <= wanted;
+    if (!are_all) std::nth_element(sample.begin(), sample.begin() + wanted, sample.end());
+    const auto isTaken = [&](const Link& link) { return isLeft(link) && (are_all || !(sample[wanted] < link)); };
+    parallelFor(n, kBlock, [&](Index begin, Index end) {
+      std::vector<Link>& part = parts[begin / kBlock];
+      part.clear();
+      for (Index i = begin; i < end; ++i)
+        forLinks(i, [&](const Link& link) { if (isTaken(link)) part.push_back(link); });
+    });
+    std::vector<Link> links;
+    for (const std::vector<Link>& part : parts) links.insert(links.end(), part.begin(), part.end());
+    parallelSort(links);
+    for (const Link& link : links) join(link);
+    if (are_all) return;
+    last = sample[wanted];
   }
 }
 

@@ -86,14 +86,13 @@ std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& 
   };
   std::vector<Link> tree;
   tree.reserve(n);
-  visitSpanningForest(
-      links, n, [&](const Link& link) { return findRoot(link.i) == findRoot(link.j); },
-      [&](const Link& link) {
-        const Index a = findRoot(link.i), b = findRoot(link.j);
-        if (a == b) return;
-        parent[std::max(a, b)] = std::min(a, b);
-        tree.push_back(link);
-      });
+  const auto forLinks = [&](Index i, const auto& visit) { std::for_each(links.begin() + first[i], links.begin() + first[i + 1], visit); };
+  visitSpanningForest<Link>(n, forLinks, findRoot, [&](const Link& link) {
+    const Index a = findRoot(link.i), b = findRoot(link.j);
+    if (a == b) return;
+    parent[std::max(a, b)] = std::min(a, b);
+    tree.push_back(link);
+  });
   return tree;
 }
 

@@ -69,7 +69,7 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
   const Index points = std::max(kCoarsestPoints, n / kRatio);
-  RestSurface surface = buildCoarser(coarse, full, points);
+  const RestSurface surface = buildCoarser(coarse, full, points);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
@@ -89,13 +89,13 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   const Index max_substeps = coarse.integrator.max_substeps;
   // A copy can be far stiffer than the simulation, where few points show a rough surface: auto then leaves Verlet.
   if (type != IntegratorType::kAuto) coarse.integrator.max_substeps = kAnyNumber;
-  shadow_ = std::make_unique<Simulation>(coarse, std::move(surface));
-  twin_ = std::make_unique<Simulation>(coarse, buildCoarser(coarse, full, points));
+  twin_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
+  shadow_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
   if (isDamping(type) || type == IntegratorType::kAuto) {
     // Auto leaves Verlet where it would need too many sub-steps.
     coarse.integrator.type = IntegratorType::kAuto;
     coarse.integrator.max_substeps = max_substeps;
-    verlet_ = std::make_unique<Simulation>(coarse, buildCoarser(coarse, full, points));
+    verlet_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
   }
   if (params.mass_spring.bending == model::Bending::kCurvature)
     dents_ = DentWatch(params.material, level.points, model.triangles(), level.area, num_full);

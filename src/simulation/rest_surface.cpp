@@ -42,8 +42,8 @@ Points findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
 }
 
 // Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent side.
-// Returns the corners.
-std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, Points normals, RestSurface& s) {
+// Returns the boundary.
+cloud::Boundary completeNormals(const cloud::PointCloud& input, Index k, Points normals, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
@@ -57,12 +57,12 @@ std::vector<char> completeNormals(const cloud::PointCloud& input, Index k, Point
   s.dense.normals = std::move(normals);
   static const char* const kRules[] = {"the input's normals", "outward (closed surface)", "towards the viewpoint", "+z"};
   s.notes.push_back(std::string("normals point by ") + kRules[static_cast<int>(rule)]);
-  return std::move(boundary.is_corner);
+  return boundary;
 }
 
 // Of a curve in the plane y = 0: across the line through the two nearest neighbours, on the side of +z, where none are given. No
-// corners.
-std::vector<char> completeCurveNormals(RestSurface& s) {
+// boundary.
+cloud::Boundary completeCurveNormals(RestSurface& s) {
   const Points& x = s.dense.positions;
   for (Index i = 0; s.dense.normals.size() < x.size(); ++i) {
     const Index* near = s.dense_neighbors.begin(i);
@@ -71,7 +71,7 @@ std::vector<char> completeCurveNormals(RestSurface& s) {
     if (normal.z() < 0.0) normal = -normal;
     s.dense.normals.push_back(normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ());
   }
-  return std::vector<char>(x.size(), 0);
+  return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0)};
 }
 
 // Records the order of removal as far as it is needed and returns the simulation points.
@@ -132,10 +132,6 @@ void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Li
                      count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
   const Index dropped = before - static_cast<Index>(kept.size());
   if (dropped > 0) s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
-}
-
-double measureDenseArea(const RestSurface& s) {
-  return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors);
 }
 
 // Of points to the nearest other one.
@@ -274,11 +270,12 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
 
   Points estimated = findNeighbors(params.neighbors, s);
   const bool is_curve = params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
-  const std::vector<char> is_corner = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
+  const cloud::Boundary boundary = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
-  std::vector<Index> kept = chooseSimulationPoints(params, pin_points, is_corner, coarsest, s);
+  std::vector<Index> kept = chooseSimulationPoints(params, pin_points, boundary.is_corner, coarsest, s);
+  const auto measureArea = [&] { return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary); };
   if (choose) {
-    s.area = measureDenseArea(s);
+    s.area = measureArea();
     kept = s.order.keepCount(choose(s));
   }
   const bool is_euclidean = params.neighbors.areEuclidean();
@@ -291,7 +288,11 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
     // The area of the full surface; where every point is simulated it is that of the rings.
     const bool is_all = static_cast<Index>(s.points.size()) == n;
-    s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : measureDenseArea(s);
+    if (is_all) {
+      s.area = std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0);
+    } else if (!choose) {
+      s.area = measureArea();
+    }
     buildModel(params, s);
     requireRegions(params, s);
   }
@@ -311,6 +312,18 @@ RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index
   s.area = of.area;
   s.closed = of.closed;
   connect(params, of.dense, of.dense_neighbors, of.order.keepCount(target), s);
+  buildModel(params, s);
+  return s;
+}
+
+RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) {
+  RestSurface s;
+  s.area = of.area;
+  s.closed = of.closed;
+  s.points = of.points;
+  s.normals = of.normals;
+  s.dense_index = of.dense_index;
+  s.rings = of.rings;
   buildModel(params, s);
   return s;
 }

@@ -29,8 +29,9 @@ struct Rings {
 /// Parallel; O(n k log k). [Su 2007, sec. 3 and 4.1]
 Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors);
 
-/// The sum of the areas that buildRings() finds (m^2), but for rounding, without making rings.
-double measureArea(const Points& positions, const Points& normals, const Lists& neighbors);
+/// The sum of the areas that buildRings() finds (m^2), but for rounding, without making rings. is_boundary (n): of findBoundary()
+/// with half of the neighbours.
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary);
 
 /// The boundary points of a surface: an angular gap wider than kBoundaryGap among the projected k and again 2k nearest
 /// neighbours, and at least two neighbours with such a gap. is_corner marks those where the boundary turns by more than 45

@@ -51,4 +51,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
 /// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
 RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);
 
+/// A coarser surface once more, for another simulation: the same points and rings with a model of its own, at a fraction of the cost.
+RestSurface copyCoarser(const SceneParams& params, const RestSurface& of);
+
 }  // namespace deformable_surface::simulation
