@@ -4,8 +4,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
+#include <random>
 
 namespace deformable_surface::test {
 namespace {
@@ -26,6 +29,31 @@ TEST(Simulation, StartsAtRestWithEveryPointInItsPlace) {
   }
   EXPECT_EQ(s.time(), 0.0);
   EXPECT_EQ(s.statistics().simulation_points, 150u);
+}
+
+// Large enough for points to be sorted inside.
+TEST(Simulation, AShuffledCloudMovesAsTheSameCloudInRowsInItsOwnOrder) {
+  constexpr int kSide = 150;
+  cloud::PointCloud rows;
+  for (int row = 0; row < kSide; ++row)
+    for (int column = 0; column < kSide; ++column) rows.positions.emplace_back(column / (kSide - 1.0), row / (kSide - 1.0), 0.0);
+  std::vector<std::size_t> place(rows.positions.size());
+  std::iota(place.begin(), place.end(), 0);
+  std::shuffle(place.begin(), place.end(), std::mt19937(3));
+  cloud::PointCloud shuffled = rows;
+  for (std::size_t i = 0; i < place.size(); ++i) shuffled.positions[place[i]] = rows.positions[i];
+  Simulation a(hangingSheet(), rows), b(hangingSheet(), shuffled);
+  run(a, 20);
+  run(b, 20);
+  // Other simulation points of the same sheet: they differ as two samplings do.
+  const Points &in_rows = a.surface(false).positions, &in_disorder = b.surface(false).positions;
+  double largest = 0.0, moved = 0.0;
+  for (std::size_t i = 0; i < place.size(); ++i) {
+    largest = std::max(largest, (in_rows[i] - in_disorder[place[i]]).norm());
+    moved = std::max(moved, (in_rows[i] - rows.positions[i]).norm());
+  }
+  EXPECT_GT(moved, 0.1);
+  EXPECT_LT(largest, 0.05 * moved);
 }
 
 TEST(Simulation, PinnedEdgeStaysAndTheFreeEdgeFalls) {
