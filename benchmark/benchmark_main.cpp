@@ -31,6 +31,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"activity", runActivitySection, true},
                            {"scale", runScaleSection, true},
                            {"peers", runPeersSection, true},
+                           {"wishes", runWishesSection, true},
                            {"geodesics", runGeodesicsSection, true},
                            {"accuracy", runAccuracySection, true},
                            {"statics", runStaticsSection, true},
@@ -97,7 +98,7 @@ int run(int argc, char** argv) {
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --scale, --peers, --geodesics, --accuracy, "
+      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --scale, --peers, --wishes, --geodesics, --accuracy, "
                   "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }

@@ -29,19 +29,10 @@ namespace {
 using simulation::SceneParams;
 using simulation::Simulation;
 
-// A square metre of 0.2 kg, level at first, that hangs from two adjacent corners.
 constexpr Index kSide = 64;
-constexpr double kMass = 0.2, kStiffness = 1000.0;  // kg, N/m
-constexpr double kDuration = 0.5;                   // s: it swings through its lowest place
-constexpr double kFrame = 1.0 / 60.0;               // s
-
-cloud::PointCloud makeSheet() {
-  cloud::PointCloud sheet;
-  for (Index i = 0; i < kSide; ++i)
-    for (Index j = 0; j < kSide; ++j) sheet.positions.emplace_back(-0.5 + i / (kSide - 1.0), -0.5 + j / (kSide - 1.0), 0.0);
-  sheet.width = static_cast<std::uint32_t>(sheet.positions.size());
-  return sheet;
-}
+constexpr double kMass = 0.2;         // kg
+constexpr double kDuration = 0.5;     // s: it swings through its lowest place
+constexpr double kFrame = 1.0 / 60.0; // s
 
 struct Forces {
   model::Membrane membrane;
@@ -49,17 +40,9 @@ struct Forces {
 };
 
 SceneParams makeScene(const Forces& forces, double time_step) {
-  SceneParams scene = makeSwingingScene(solve::IntegratorType::kVerlet, time_step);
-  scene.material.young_modulus = kStiffness / scene.material.thickness;
+  SceneParams scene = makeHangingScene(time_step);
   scene.mass_spring.membrane = forces.membrane;
   scene.mass_spring.bending = forces.bending;
-  scene.pins.clear();
-  for (const double y : {-0.5, 0.5}) {
-    simulation::PinParams pin;
-    pin.region.min = Vec3(-0.501, y - 0.001, -0.001);
-    pin.region.max = Vec3(-0.499, y + 0.001, 0.001);
-    scene.pins.push_back(pin);
-  }
   return scene;
 }
 
@@ -71,7 +54,7 @@ struct Run {
 };
 
 Run runOurs(const Forces& forces, long steps) {
-  Simulation sheet(makeScene(forces, kDuration / steps), makeSheet());
+  Simulation sheet(makeScene(forces, kDuration / steps), makeHangingSheet(kSide));
   Run run;
   const double before = processorSeconds();
   for (long k = 0; k < steps; ++k) {
@@ -120,7 +103,8 @@ Run runBullet(int substeps) {
   sheet->m_sleepingThreshold = 0.0f;
   sheet->setActivationState(DISABLE_DEACTIVATION);
   world.addSoftBody(sheet);
-  btDeformableMassSpringForce springs(static_cast<btScalar>(kStiffness), 0.0f, true);
+  const model::MaterialParams material = makeHangingScene(kFrame).material;
+  btDeformableMassSpringForce springs(static_cast<btScalar>(material.young_modulus * material.thickness), 0.0f, true);
   btDeformableGravityForce weight(gravity);
   world.addForce(sheet, &springs);
   world.addForce(sheet, &weight);

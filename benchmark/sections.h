@@ -30,6 +30,7 @@ void runParticlesSection(const Options& options, Report& report);
 void runActivitySection(const Options& options, Report& report);
 void runScaleSection(const Options& options, Report& report);
 void runPeersSection(const Options& options, Report& report);
+void runWishesSection(const Options& options, Report& report);
 void runGeodesicsSection(const Options& options, Report& report);
 void runCalibrationSection(const Options& options, Report& report);
 

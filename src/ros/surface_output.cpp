@@ -37,6 +37,7 @@ void encodeStatistics(const simulation::Statistics& statistics, Statistics& mess
   message.error_time = statistics.error_time;
   message.error_space = statistics.error_space;
   message.error_transfer = statistics.error_transfer;
+  message.error_softening = statistics.error_softening;
   message.substeps = statistics.substeps;
   message.solver_iterations = statistics.solver_iterations;
   message.solver_residual = statistics.solver_residual;

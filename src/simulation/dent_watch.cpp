@@ -41,6 +41,7 @@ const std::array<Direction, kDirections> kDirectionsOfWaves = makeDirections();
 DentWatch::DentWatch(const model::MaterialParams& material, const Points& points,
                      const std::vector<model::WeightedTriangle>& triangles, double area, Index num_full)
     : stretching_(material.young_modulus * material.thickness),
+      stated_stretching_(stretching_),
       rigidity_(material.bendingRigidity()),
       poisson_(material.poisson_ratio),
       mass_(material.density * material.thickness),

@@ -25,6 +25,8 @@ class DentWatch {
             double area, Index num_full);
 
   void reset();
+  /// Of the stiffness at the beginning.
+  void softenMembrane(double share) { stretching_ = share * stated_stretching_; }
 
   /// After a step of so many seconds: whether dents have had the time to grow out of next to nothing.
   bool followStep(const Points& positions, double step);
@@ -52,7 +54,7 @@ class DentWatch {
 
   // Constants.
   std::vector<Triangle> triangles_;  // empty: nothing is watched
-  double stretching_ = 0.0, rigidity_ = 0.0, poisson_ = 0.0, mass_ = 0.0, damping_ = 0.0;
+  double stretching_ = 0.0, stated_stretching_ = 0.0, rigidity_ = 0.0, poisson_ = 0.0, mass_ = 0.0, damping_ = 0.0;
   double least_ = 0.0, largest_ = 0.0;  // k^2, 1/m^2
   // What has been seen.
   std::vector<double> growth_;

@@ -122,7 +122,18 @@ void ErrorEstimator::reset() {
   forward([](Simulation& copy) { copy.reset(); });
   twin_->disturb(disturbance_);
   dents_.reset();
+  dents_.softenMembrane(shadow_->membraneShare());
   seen_ = Seen();
+}
+
+void ErrorEstimator::softenMembrane(double share) {
+  forward([&](Simulation& copy) { copy.softenMembrane(share); });
+  reset();
+}
+
+void ErrorEstimator::stiffenMembrane() {
+  forward([](Simulation& copy) { copy.stiffenMembrane(); });
+  dents_.softenMembrane(1.0);
 }
 
 std::shared_ptr<const ErrorEstimator::Memory> ErrorEstimator::memory() const {
@@ -139,6 +150,7 @@ void ErrorEstimator::setMemory(const Memory& saved) {
   shadow_->restore(saved.shadow);
   twin_->restore(saved.twin);
   if (verlet_) verlet_->restore(saved.verlet);
+  dents_.softenMembrane(shadow_->membraneShare());
 }
 
 void ErrorEstimator::setState(const model::State& state) {

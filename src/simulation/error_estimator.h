@@ -44,6 +44,12 @@ class ErrorEstimator {
       if (copy) command(*copy);
   }
 
+  /// Only this share of the membrane's stiffness acts in the simulation, which is at rest, and in the copies: what that changes is
+  /// no part of the estimate.
+  void softenMembrane(double share);
+  /// All of it acts again.
+  void stiffenMembrane();
+
   /// The simulation has slept through a step.
   void pass() {
     forward([](Simulation& copy) { copy.passStep(); });

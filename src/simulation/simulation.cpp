@@ -9,12 +9,13 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   RestSurface rest = buildChosen(params, input, choice);
   impl_ = Impl::make(params, std::move(input), std::move(rest));
   impl_->choice = std::move(choice);
-  if (!params.accuracy.estimate || impl_->particles || impl_->solid) return;
+  const bool has_estimate = params.accuracy.estimate && !impl_->particles && !impl_->solid;
   try {
-    estimateError(impl_->rest);
+    if (has_estimate) estimateError(impl_->rest);
   } catch (const InputError& problem) {
     impl_->notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }
+  if (impl_->choice.membrane_share < 1.0) softenMembrane(impl_->choice.membrane_share);
 }
 Simulation::Simulation(const SceneParams& params, RestSurface rest)
     : impl_(Impl::make(params, cloud::PointCloud(), std::move(rest))) {}
@@ -33,7 +34,7 @@ void Simulation::setInterrupt(const std::atomic<bool>* interrupt) {
   impl_->interrupt = interrupt;
   impl_->march.setInterrupt(interrupt);
   if (impl_->part) impl_->part->march().setInterrupt(interrupt);
-  impl_->forward([&](Simulation& copy) { copy.setInterrupt(interrupt); });
+  if (impl_->estimator) impl_->estimator->forward([&](Simulation& copy) { copy.setInterrupt(interrupt); });
 }
 
 void Simulation::setFineness(Index fineness) {
@@ -47,6 +48,8 @@ void Simulation::setIntegrator(solve::IntegratorType type) {
   impl_->wakeAll();
 }
 solve::IntegratorType Simulation::lastIntegrator() const { return impl_->lastMarch().lastType(); }
+void Simulation::stiffenMembrane() { impl_->stiffenMembrane(""); }
+double Simulation::membraneShare() const { return impl_->membrane_share; }
 Index Simulation::lastSubsteps() const { return static_cast<Index>(impl_->statistics.substeps); }
 
 std::uint64_t Simulation::revision() const { return impl_->revision; }

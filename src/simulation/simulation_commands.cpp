@@ -36,6 +36,7 @@ void Simulation::setState(const model::State& state) {
     if (impl_->pinned[i] && !state.velocities[i].isZero(0.0))
       throw InputError(point + "found a velocity though it is pinned; accepted: zero");
   }
+  impl_->leaveTrial("a state was given");
   impl_->state.positions = state.positions;
   impl_->state.velocities = state.velocities;
   impl_->march.restart();
@@ -73,6 +74,12 @@ std::vector<std::string> Simulation::forceIds() const {
 
 void Simulation::estimateError(const RestSurface& full) {
   impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, full, impl_->rest, *impl_->model);
+}
+
+void Simulation::softenMembrane(double share) {
+  impl_->chosen_membrane_share = impl_->membrane_share = share;
+  impl_->applyMaterial();
+  if (impl_->estimator) impl_->estimator->softenMembrane(share);
 }
 
 void Simulation::disturb(double size) {

@@ -38,6 +38,7 @@ struct Snapshot::Contents {
   std::vector<NamedForces::Named> forces;
   std::vector<tool::ToolParams> tools;
   std::vector<PointValues> values;
+  double membrane_share, softening;
   RunTimePhysics physics;
   double damping;       // 1/s
   double contact_rate;  // 1/s
@@ -92,6 +93,11 @@ struct Simulation::Impl {
   std::vector<PointValues> values;           // (m) what points are made of that are not as everywhere; empty if the model is another
   std::vector<model::PointMaterial> shares;  // the same as the model has it; empty: as it was made
 
+  double membrane_share = 1.0;         // of the stated membrane stiffness, that acts
+  double chosen_membrane_share = 1.0;  // from each reset on
+  double softening = 0.0;              // m, what that has changed so far, in the trial
+  std::string share_notice;            // for the next step, that it has ended
+
   double contact_rate = 0.0;  // 1/s; 0: not found yet
   solve::TimeMarch march;
   Index fineness = 1;
@@ -128,6 +134,8 @@ struct Simulation::Impl {
   void giveContactTools();
   void reset();
   void applyMaterial();
+  void stiffenMembrane(const std::string& why);
+  void leaveTrial(const char* how);
   void setDamping(double damping);
   void takePhysics();
   void findContactRate();
@@ -182,6 +190,7 @@ struct Simulation::Impl {
   // To the copies that estimate the error.
   template <class Command>
   void forward(const Command& command) {
+    leaveTrial("a command came");
     if (estimator) estimator->forward(command);
   }
 };

@@ -92,6 +92,7 @@ void Simulation::Impl::setTools(std::vector<tool::ToolParams> given) {
       throw InputError("tool " + quote(tool.id) + " mode: found cut on a surface that " +
                        (params.output.resample ? "inserts points, which would not know their side" : "keeps its volume") +
                        "; accepted: cut without output.resample and mass_spring.volume_stiffness");
+  if (!given.empty()) leaveTrial("a tool came");
   if (!given.empty() && !(contact_rate > 0.0)) findContactRate();
   tools = std::move(given);
   giveContactTools();
@@ -129,6 +130,9 @@ void Simulation::Impl::reset() {
   clampHeld();
   track.restore({});
   values = rest.values;
+  membrane_share = chosen_membrane_share;
+  softening = 0.0;
+  share_notice.clear();
   applyMaterial();
   setDamping(params.material.damping);
   gravity.gravity = params.gravity;
@@ -157,6 +161,7 @@ void Simulation::Impl::reset() {
 void Simulation::Impl::applyMaterial() {
   if (values.empty()) return;
   std::vector<model::PointMaterial> now = findShares(made, params.material, values);
+  for (model::PointMaterial& point : now) point.stretching *= membrane_share;
   if (shares.empty()) shares = findShares(made, made, rest.values);
   if (now == shares) return;
   model->setMaterial(now);
@@ -170,6 +175,20 @@ void Simulation::Impl::applyMaterial() {
   chooseLoads();
   wakeAll();
   march.restart();
+}
+
+// Back to the stated stiffness, until the next reset.
+void Simulation::Impl::stiffenMembrane(const std::string& why) {
+  if (membrane_share == 1.0) return;
+  share_notice = "the membrane, of which " + formatReal(membrane_share) + " of the stated stiffness acted, has all of it again: " + why;
+  membrane_share = 1.0;
+  applyMaterial();
+  if (estimator) estimator->stiffenMembrane();
+}
+
+// What happens from now on has not been tried.
+void Simulation::Impl::leaveTrial(const char* how) {
+  if (params.accuracy.position_error > 0.0) stiffenMembrane(std::string(how) + ", which was not tried");
 }
 
 void Simulation::Impl::setDamping(double damping) {

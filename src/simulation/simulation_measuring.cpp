@@ -38,7 +38,8 @@ void Simulation::Impl::measureState() {
     statistics.error_time = estimator->time() + activity.lost();
     statistics.error_space = estimator->space();
     statistics.error_transfer = estimator->transfer();
-    statistics.error_estimate = estimator->total() + activity.lost();
+    statistics.error_softening = softening;
+    statistics.error_estimate = estimator->total() + softening + activity.lost();
   }
 }
 

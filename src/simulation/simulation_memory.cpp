@@ -30,7 +30,7 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
 
 std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save() const {
   return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, findPhysics(params),
+      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening, findPhysics(params),
       system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
       surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), activity.memory(),
       tool_watch.memory(), surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
@@ -46,6 +46,9 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   pinned_turns = saved.pinned_turns;
   clampHeld();
   values = saved.values;
+  membrane_share = saved.membrane_share;
+  softening = saved.softening;
+  share_notice.clear();
   setPhysics(saved.physics, params);
   takePhysics();
   contact_rate = saved.contact_rate;
@@ -81,6 +84,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::fork() const {
   fork->is_wish_missed = is_wish_missed;
   fork->shares = shares;
   fork->made = made;
+  fork->chosen_membrane_share = chosen_membrane_share;
   fork->scene_hash = scene_hash;
   if (estimator) fork->estimator = std::make_unique<ErrorEstimator>(*estimator);
   fork->restore(*save());

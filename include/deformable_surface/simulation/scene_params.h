@@ -215,15 +215,15 @@ inline void visit(Fields& fields, CloudParams& p) {
 
 inline void visit(Fields& fields, AccuracyParams& p) {
   fields.number("position_error", p.position_error, "m", between(0.0, kMaxLength),
-                "`simplification.threshold: auto` keeps the fewest points whose estimated error stays below it over `duration`; "
-                "0 = not controlled");
+                "`simplification.threshold: auto` keeps the fewest points, and then the softest membrane, whose estimated error stays "
+                "below it over `duration`; 0 = not controlled");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
                 "`simplification.threshold: auto` keeps the most points whose step takes no longer than this wall time; gives up "
                 "bit-identical repeats; 0 = not controlled");
   fields.require(!(p.position_error > 0.0 && p.step_budget > 0.0), "step_budget",
                  "found beside a position_error; accepted: one of the two");
-  fields.flag("estimate", p.estimate, "estimate the error in every step, from coarser copies of the simulation");
-  fields.require(p.estimate || !(p.position_error > 0.0), "estimate", "found false beside a position_error; accepted: true");
+  fields.flag("estimate", p.estimate,
+              "estimate the error in every step, from coarser copies of the simulation; trials for a position_error always do");
 }
 
 inline void visitRegion(Fields& fields, geometry::Region& region) {

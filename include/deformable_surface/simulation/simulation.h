@@ -148,6 +148,11 @@ class Simulation {
   void disturb(double size);
   /// A step goes by in which nothing happens: time alone passes.
   void passStep();
+  /// Only this share, in (0, 1], of the stated membrane stiffness acts from now on and after resets, which is at rest; bending and masses
+  /// are as stated. It ends, until the next reset, where it is no longer known to be good: see docs/accuracy_control.md.
+  void softenMembrane(double share);
+  void stiffenMembrane();        // all of it acts, until the next reset
+  double membraneShare() const;  // that acts now
   /// A step is taken in fineness times as many sub-steps.
   void setFineness(Index fineness);
   /// From the next step on, in place of that of the params.

@@ -21,6 +21,7 @@ struct Statistics {
   double error_time = std::numeric_limits<double>::quiet_NaN();
   double error_space = std::numeric_limits<double>::quiet_NaN();
   double error_transfer = std::numeric_limits<double>::quiet_NaN();
+  double error_softening = std::numeric_limits<double>::quiet_NaN();
   std::uint32_t substeps = 0, solver_iterations = 0;
   double solver_residual = 0.0;  // N
   // s of wall time of the last step
@@ -51,6 +52,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("error_time", s.error_time);
   visitor("error_space", s.error_space);
   visitor("error_transfer", s.error_transfer);
+  visitor("error_softening", s.error_softening);
   visitor("substeps", s.substeps);
   visitor("solver_iterations", s.solver_iterations);
   visitor("solver_residual", s.solver_residual);
