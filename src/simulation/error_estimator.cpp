@@ -173,17 +173,34 @@ void ErrorEstimator::setState(const model::State& state) {
   seen_.follows_verlet = followed_verlet;
 }
 
+// Verlet's steps beside those of a method that damps, of a copy and of the twin. Where one of these leaves Verlet, the twin goes on from
+// the shadow, and where the simulation itself takes Verlet's steps.
+void ErrorEstimator::followVerlet(IntegratorType type) {
+  twin_->setIntegrator(IntegratorType::kAuto);
+  twin_->setFineness(1);
+  seen_.follows_verlet = isDamping(type);
+  for (Simulation* copy : {verlet_.get(), twin_.get()})
+    seen_.follows_verlet = seen_.follows_verlet && copy->step().ok && copy->lastIntegrator() == IntegratorType::kVerlet;
+  if (seen_.follows_verlet) return;
+  twin_->restore(shadow_->snapshot());
+  twin_->disturb(disturbance_);
+}
+
 // False if one of them took no sound step.
 bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   if (seen_.steps++ == 0) seen_.follows_verlet = isDamping(type);
-  if (seen_.follows_verlet)
-    seen_.follows_verlet = verlet_->step().ok && verlet_->lastIntegrator() == IntegratorType::kVerlet;
+  if (seen_.follows_verlet) followVerlet(type);
   // Where Verlet's steps go wrong, auto rescues them.
   const bool is_verlet = type == IntegratorType::kVerlet;
-  for (Simulation* copy : {shadow_.get(), twin_.get()}) copy->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
+  shadow_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
+  const StepOutcome shadow = shadow_->step();
+  StepOutcome twin;
   seen_.is_halved = isDamping(type) && !seen_.follows_verlet;
-  twin_->setFineness(is_verlet || seen_.is_halved ? kFineness : 1);
-  const StepOutcome shadow = shadow_->step(), twin = twin_->step();
+  if (!seen_.follows_verlet) {
+    twin_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
+    twin_->setFineness(is_verlet || seen_.is_halved ? kFineness : 1);
+    twin = twin_->step();
+  }
   const bool both_moved = shadow_->lastSubsteps() > 0 && twin_->lastSubsteps() > 0;
   if (shadow.notice.empty() && twin.notice.empty() && both_moved) {
     seen_.substeps += substeps;
@@ -225,7 +242,7 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   hold(seen_.space, kSpaceFactor * unresolved_ * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
-  hold(seen_.twin_distance, findLargestDistance(shadow, twin_->state().positions));
+  hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;
   seen_.is_chaotic = seen_.twin_distance > (seen_.is_halved ? kChaoticDistanceHalved : kChaoticDistance) * spacing_;

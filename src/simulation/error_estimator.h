@@ -82,7 +82,10 @@ class ErrorEstimator {
     bool is_lost = false, is_chaotic = false, has_dented = false;
   };
 
+  void followVerlet(solve::IntegratorType type);
   bool stepCopies(solve::IntegratorType type, Index substeps);
+  // What the twin takes the same steps as: what a method damps cannot tell of chaos.
+  const Simulation& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
   bool isDenting(const Points& positions, solve::IntegratorType type);
 
@@ -96,7 +99,7 @@ class ErrorEstimator {
   transfer::Transfer refine_;          // from the copies' points to the level's
 
   // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
-  // they fit; and one from disturbed positions and, where there is no such copy, in finer sub-steps.
+  // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.
   std::unique_ptr<Simulation> shadow_, twin_, verlet_;
 
   DentWatch dents_;
