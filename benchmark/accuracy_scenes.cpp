@@ -128,6 +128,19 @@ AccuracyScene makeSolidBar(Index points) {
 
 }  // namespace
 
+std::vector<AccuracyScene> makeStaticScenes(bool large) {
+  std::vector<AccuracyScene> scenes;
+  for (const bool hangs : {false, true})
+    for (const double young_modulus : {1e5, 1e6, 1e7, 1e8, 1e9}) {
+      AccuracyScene scene = makeSag(large ? 1254 : 400);
+      scene.params.material.young_modulus = young_modulus;
+      if (hangs) scene.params.pins.pop_back();
+      scene.name = hangs ? "hangs from an edge" : "between two edges";
+      scenes.push_back(std::move(scene));
+    }
+  return scenes;
+}
+
 std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
   std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points),

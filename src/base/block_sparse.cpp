@@ -46,24 +46,23 @@ bool BlockSparse::finish() {
 // The blocks there were, those that wait and the diagonal, by column and row.
 void BlockSparse::buildPattern() {
   const Index n = pattern_.size();
-  std::vector<std::pair<Index, Index>> places;  // column, row
-  places.reserve(n + values_.size() + pending_.size());
-  for (Index column = 0; column < n; ++column) {
-    places.emplace_back(column, column);
-    for (const Index* row = pattern_.begin(column); row != pattern_.end(column); ++row) places.emplace_back(column, *row);
-  }
-  for (const Pending& p : pending_) places.emplace_back(p.column, p.row);
-  std::sort(places.begin(), places.end());
-  places.erase(std::unique(places.begin(), places.end()), places.end());
+  std::vector<Index> next(n + 1, 0);
+  for (const Pending& p : pending_) ++next[p.column + 1];
+  for (Index column = 0; column < n; ++column) next[column + 1] += next[column];
+  std::vector<Index> waiting(pending_.size());  // rows, by column; next[column] is where those of the next one begin
+  for (const Pending& p : pending_) waiting[next[p.column]++] = p.row;
 
   const Lists before = std::exchange(pattern_, Lists());
-  const std::vector<Mat3> values_before = std::exchange(values_, std::vector<Mat3>(places.size(), Mat3::Zero()));
-  pattern_.offsets.assign(n + 1, 0);
-  for (const auto& [column, row] : places) {
-    ++pattern_.offsets[column + 1];
-    pattern_.items.push_back(row);
+  std::vector<Index> rows;
+  for (Index column = 0; column < n; ++column) {
+    rows.assign(1, column);
+    rows.insert(rows.end(), before.begin(column), before.end(column));
+    rows.insert(rows.end(), waiting.begin() + (column > 0 ? next[column - 1] : 0), waiting.begin() + next[column]);
+    std::sort(rows.begin(), rows.end());
+    pattern_.items.insert(pattern_.items.end(), rows.begin(), std::unique(rows.begin(), rows.end()));
+    pattern_.offsets.push_back(static_cast<Index>(pattern_.items.size()));
   }
-  for (Index column = 0; column < n; ++column) pattern_.offsets[column + 1] += pattern_.offsets[column];
+  const std::vector<Mat3> values_before = std::exchange(values_, std::vector<Mat3>(pattern_.items.size(), Mat3::Zero()));
 
   for (Index column = 0; column < n; ++column)
     for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k)

@@ -12,6 +12,7 @@ constexpr int kPatience = 2;           // projected matrices in a row after whic
 constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
 constexpr double kRaise = 10.0;        // of a shift that was not enough
 constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
+constexpr double kStillGood = 0.03;  // of the gradient, left by a step: its matrix then hardly differs from the one here
 constexpr double kLoosest = 0.05;      // error of a direction by products: the next iteration has to find the rest anyway
 constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, for the next direction's error
 constexpr double kOversolved = 0.3;    // of what is still to be gained: a direction that leaves no more is good for nothing else
@@ -121,7 +122,6 @@ void NewtonDescent::solveFactored(const Problem& problem, const State& state) {
 void NewtonDescent::solveByProducts(const Problem& problem, const State& state) {
   const double fall = last_residual_ > 0.0 ? residual_ / last_residual_ : 1.0;
   const double tolerance = std::min(kLoosest, std::max(kForcing * fall * fall, kOversolved * problem.enough / residual_));
-  last_residual_ = residual_;
   const auto solve = [&](model::Hessian hessian) {
     products_.prepare(problem.system, problem.time, state, problem.step, hessian, problem.weight);
     return products_.solve(problem.system, gradient_, tolerance, interrupt_, found_);
@@ -141,12 +141,15 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
   for (Index i = 0; i < n; ++i) direction_.segment<3>(3 * i) = -gradient_[i];
   if (system.hasStiffnessProducts()) {
     solveByProducts(problem, state);
+  } else if (is_factor_good_ && residual_ < kStillGood * last_residual_) {
+    solveFactored(problem, state);
   } else {
-    const bool exact = factorize(problem, state, model::Hessian::kExact);
+    const bool exact = is_factor_good_ = factorize(problem, state, model::Hessian::kExact);
     projected_in_a_row_ = exact || !tentative ? 0 : projected_in_a_row_ + 1;
     if (exact || (projected_in_a_row_ > kPatience && factorizeShifted(system)) || factorize(problem, state, model::Hessian::kPositive))
       solveFactored(problem, state);
   }
+  last_residual_ = residual_;
   double slope = 0.0;
   for (Index i = 0; i < n; ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));
   if (!(slope < 0.0)) return {0.0, false};
@@ -160,6 +163,7 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
     for (Index i = 0; i < n; ++i)
       if (!system.isHeld(i)) state.positions[i] = start_[i] + fraction * direction_.segment<3>(3 * i);
     const double after = merit(problem, state);
+    is_factor_good_ = is_factor_good_ && halving == 0 && after <= before + rounding;
     if (after <= before + kArmijo * fraction * slope + rounding) return {fraction, false};
     if (tentative && halving == 0 && std::isfinite(after)) return {fraction, true};
   }

@@ -28,7 +28,7 @@ class NewtonDescent {
   void begin(const std::atomic<bool>* interrupt) {
     projected_in_a_row_ = 0;
     shift_ = last_residual_ = 0.0;
-    is_indefinite_ = is_potential_known_ = false;
+    is_indefinite_ = is_potential_known_ = is_factor_good_ = false;
     interrupt_ = interrupt;
   }
   bool isInterrupted() const { return interrupt_ && *interrupt_; }
@@ -39,7 +39,8 @@ class NewtonDescent {
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
-  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, and moves state.positions
+  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, or the factor of the last iteration
+  /// where that left next to nothing of the gradient, and moves state.positions
   /// along the Newton direction, halving the step until Phi falls by Armijo's rule.
   /// tentative: the whole step is taken even if Phi rises, as long as it stays finite; and where several such steps in a row had
   /// no definite matrix, a multiple of the masses is added to the exact one, as the projected one hardly leaves a saddle.
@@ -79,6 +80,7 @@ class NewtonDescent {
   ProductSolver products_;
   Points found_;                  // by it
   double residual_ = 0.0, last_residual_ = 0.0;  // N, of the last evaluate(), and of the one that the last direction was of
+  bool is_factor_good_ = false;   // it is that of an exact matrix, and the whole of its last direction was taken
   bool is_indefinite_ = false;    // in this solution the exact products were not positive
   int projected_in_a_row_ = 0;  // tentative steps without the exact matrix
   double shift_ = 0.0;          // 1/s^2; 0 = none was needed yet
