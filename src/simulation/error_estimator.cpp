@@ -161,7 +161,9 @@ void ErrorEstimator::setState(const model::State& state) {
     for (std::size_t i = 0; i < common_.size(); ++i) {
       coarse.positions.push_back(state.positions[common_[i]]);
       coarse.velocities.push_back(copy.pinned()[i] ? Vec3::Zero().eval() : state.velocities[common_[i]]);
+      if (!state.plastic.empty()) coarse.plastic.push_back(state.plastic[common_[i]]);
     }
+    coarse.dissipated = state.dissipated;
     copy.setState(coarse);
   });
   twin_->disturb(disturbance_);

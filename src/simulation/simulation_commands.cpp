@@ -25,6 +25,14 @@ void Simulation::setState(const model::State& state) {
   if (state.positions.size() != n || state.velocities.size() != n)
     throw InputError("state: found " + std::to_string(state.positions.size()) + " positions and " +
                      std::to_string(state.velocities.size()) + " velocities; accepted: " + std::to_string(n) + " of each");
+  const bool has_flowed = !state.plastic.empty();
+  if (has_flowed && state.plastic.size() != impl_->state.plastic.size())
+    throw InputError("state: found " + std::to_string(state.plastic.size()) + " rest states of flow; accepted: none, or, of a solid that "
+                     "flows, one a simulation point");
+  for (const Mat3& plastic : state.plastic)
+    if (!(plastic.determinant() > 0.0) || !plastic.allFinite() || !(state.dissipated >= 0.0))
+      throw InputError("state: found a rest state of flow that turns matter inside out or is not finite, or dissipated energy below 0; "
+                       "accepted: what this solid came to");
   for (std::size_t i = 0; i < n; ++i) {
     const std::string point = "state of simulation point " + std::to_string(i) + ": ";
     if (!isWithin(state.positions[i], kMaxLength))
@@ -39,6 +47,11 @@ void Simulation::setState(const model::State& state) {
   impl_->leaveTrial("a state was given");
   impl_->state.positions = state.positions;
   impl_->state.velocities = state.velocities;
+  if (has_flowed) {
+    impl_->state.plastic = state.plastic;
+    impl_->state.dissipated = state.dissipated;
+    impl_->model->adopt(impl_->state);
+  }
   impl_->march.restart();
   impl_->part.reset();
   impl_->part_march = {};

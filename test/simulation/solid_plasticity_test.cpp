@@ -1,5 +1,6 @@
 // Elastic solids that flow, as scenes: what stays bent, what the account of the energy says, and what a snapshot holds.
 #include "support/figures.h"
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 
 namespace deformable_surface::test {
@@ -75,6 +76,33 @@ TEST(SolidPlasticity, IsHeldByASnapshotAndByAFork) {
   s.reset();
   run(s, 60);
   EXPECT_EQ(s.stateHash(), fresh.stateHash());
+}
+
+TEST(SolidPlasticity, IsTakenFromAStateThatIsGiven) {
+  Simulation s = makeSimulation(makeBar(2e4)), other = makeSimulation(makeBar(2e4));
+  run(s, 60);
+  const model::State bent = s.state();
+  const double energy = s.statistics().elastic_energy;
+  ASSERT_GT(bent.dissipated, 0.0);
+  other.setState(bent);
+  EXPECT_EQ(other.state().dissipated, bent.dissipated);
+  EXPECT_EQ(other.state().plastic, bent.plastic);
+  EXPECT_NEAR(other.statistics().elastic_energy, energy, 1e-12 * energy);
+  // What is left empty stays.
+  model::State places = bent;
+  places.plastic.clear();
+  other.setState(places);
+  EXPECT_EQ(other.state().plastic, bent.plastic);
+
+  const std::uint64_t before = other.stateHash();
+  places.plastic.assign(3, Mat3::Identity());
+  EXPECT_THROW(other.setState(places), InputError);
+  model::State inside_out = bent;
+  inside_out.plastic[1] *= -1.0;
+  EXPECT_THROW(other.setState(inside_out), InputError);
+  inside_out.plastic[1].setConstant(std::nan(""));
+  EXPECT_THROW(other.setState(inside_out), InputError);
+  EXPECT_EQ(other.stateHash(), before);
 }
 
 TEST(SolidPlasticity, GivesTheSameBitsForEveryNumberOfThreads) {

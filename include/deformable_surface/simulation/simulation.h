@@ -91,10 +91,11 @@ class Simulation {
   /// copied.
   Simulation fork() const;
 
-  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. What the energy was before
+  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. Of a solid that flows it takes
+  /// what has flowed as well, unless the state leaves that empty; orientations and traits stay. What the energy was before
   /// is forgotten, and the error estimate begins anew at zero, for the state that was given. Throws InputError, and changes nothing,
   /// on another number of points, on values that are not finite or beyond any surface's (more than kMaxLength, a third of the speed
-  /// of light), and on a velocity of a pinned point.
+  /// of light), on a velocity of a pinned point, and on what cannot have flowed.
   void setState(const model::State& state);
 
   // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
