@@ -27,6 +27,7 @@ bool CutTransfer::sever(const tool::BladeSweep& blade, const Points& before, con
       any = true;
     }
   }
+  if (any) memory_.reset();
   return any;
 }
 
@@ -80,8 +81,14 @@ void CutTransfer::followLinks(const std::vector<Link>& whole) {
   transfer_.refit(refit, followed, rest_.dense.normals, params_);
 }
 
-void CutTransfer::setMemory(const Memory& severed, const std::vector<Link>& whole) {
-  severed_ = severed;
+std::shared_ptr<const CutTransfer::Memory> CutTransfer::memory() const {
+  if (!memory_) memory_ = std::make_shared<const Memory>(severed_);
+  return memory_;
+}
+
+void CutTransfer::setMemory(const std::shared_ptr<const Memory>& severed, const std::vector<Link>& whole) {
+  severed_ = *severed;
+  memory_ = severed;
   followLinks(whole);
 }
 

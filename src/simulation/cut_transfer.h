@@ -32,14 +32,16 @@ class CutTransfer {
 
   /// What a snapshot must hold: bit j of a dense point, it is severed from the j-th simulation point that it follows at rest.
   using Memory = std::vector<std::uint64_t>;
-  std::shared_ptr<const Memory> memory() const { return std::make_shared<const Memory>(severed_); }
-  void setMemory(const Memory& severed, const std::vector<Link>& whole);
+  /// The same one until sever() finds something more.
+  std::shared_ptr<const Memory> memory() const;
+  void setMemory(const std::shared_ptr<const Memory>& severed, const std::vector<Link>& whole);
 
  private:
   const RestSurface& rest_;
   const transfer::TransferParams params_;
   transfer::Transfer transfer_;
   Memory severed_;              // (dense)
+  mutable std::shared_ptr<const Memory> memory_;  // the same; null: not asked for yet
   std::vector<char> is_refit_;  // (dense) its row is another than at rest
   Points dense_before_, dense_after_;
 };

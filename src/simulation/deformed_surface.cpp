@@ -5,6 +5,7 @@
 #include "deformable_surface/cloud/normals.h"
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 
 namespace deformable_surface::simulation {
@@ -38,6 +39,12 @@ DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointClou
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
 }
 
+void DeformedSurface::invalidate() {
+  static std::atomic<std::uint64_t> last{0};
+  is_made_ = has_normals_ = false;
+  revision_ = ++last;
+}
+
 void DeformedSurface::reset() {
   invalidate();
   ids_.clear();
@@ -45,6 +52,7 @@ void DeformedSurface::reset() {
   survivors_.reset();
   cut_.reset();
   frame_.forget();
+  saved_inserted_.reset();
   if (!params_.output.resample) return;
   const cloud::Rings rings = cloud::buildRings(rest_.dense.positions, rest_.dense.normals, rest_.dense_neighbors);
   const Index room = std::max<Index>(0, params_.input.max_points - static_cast<Index>(rest_.dense.positions.size()));
@@ -53,13 +61,19 @@ void DeformedSurface::reset() {
 }
 
 std::shared_ptr<const transfer::Resampler> DeformedSurface::saveInserted() const {
-  return resampler_ ? std::make_shared<const transfer::Resampler>(*resampler_) : nullptr;
+  if (resampler_ && !isSaved()) saved_inserted_ = std::make_shared<const transfer::Resampler>(*resampler_);
+  return saved_inserted_;
 }
 
-void DeformedSurface::restoreInserted(const transfer::Resampler* saved) {
+bool DeformedSurface::isSaved() const {
+  return resampler_ ? saved_inserted_ && saved_inserted_->revision() == resampler_->revision() : !saved_inserted_;
+}
+
+void DeformedSurface::restoreInserted(const std::shared_ptr<const transfer::Resampler>& saved) {
+  if (saved == saved_inserted_ && isSaved()) return;
   if (saved) resampler_ = std::make_unique<transfer::Resampler>(*saved);
+  saved_inserted_ = saved;
   inserted_transfer_ = transfer::Transfer();
-  invalidate();
 }
 
 void DeformedSurface::resample(const model::State& state) {
@@ -170,16 +184,20 @@ void DeformedSurface::followLinks(const std::vector<std::pair<Index, Index>>& wh
   if (first_input_.empty()) return;
   if (!cut_) cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
   cut_->followLinks(whole);
+  whole_ = whole;
   frame_.forget();
   invalidate();
 }
 
-void DeformedSurface::restoreCut(const CutTransfer::Memory* saved, const std::vector<std::pair<Index, Index>>& whole) {
+void DeformedSurface::restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved, const std::vector<std::pair<Index, Index>>& whole) {
+  const bool is_same = cut_ ? saved == cut_->memory() && whole == whole_ : !saved;
+  if (is_same) return;
   cut_.reset();
   frame_.forget();
   if (!saved) return;
   cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
-  cut_->setMemory(*saved, whole);
+  cut_->setMemory(saved, whole);
+  whole_ = whole;
 }
 
 // Which particles of the beginning are left, and the operator that does without the others: a dense point follows those that are

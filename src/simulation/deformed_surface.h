@@ -25,7 +25,7 @@ class DeformedSurface {
   void resample(const model::State& state);
   /// The inserted points, for a snapshot; null if none are ever inserted.
   std::shared_ptr<const transfer::Resampler> saveInserted() const;
-  void restoreInserted(const transfer::Resampler* saved);
+  void restoreInserted(const std::shared_ptr<const transfer::Resampler>& saved);
 
   /// A knife went through the surface while the simulation points (m x 3) moved from before to after: dense points no longer follow those that
   /// it went between.
@@ -35,14 +35,11 @@ class DeformedSurface {
   void followLinks(const std::vector<std::pair<Index, Index>>& whole);
   /// What was severed, for a snapshot; null: nothing.
   std::shared_ptr<const CutTransfer::Memory> saveCut() const { return cut_ ? cut_->memory() : nullptr; }
-  void restoreCut(const CutTransfer::Memory* saved, const std::vector<std::pair<Index, Index>>& whole);
+  void restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved, const std::vector<std::pair<Index, Index>>& whole);
 
   /// The state is another than that of the last make().
-  void invalidate() {
-    is_made_ = has_normals_ = false;
-    ++revision_;
-  }
-  /// Another number whenever the state may be another.
+  void invalidate();
+  /// Another number whenever the state may be another, also than that of any other surface.
   std::uint64_t revision() const { return revision_; }
   bool isMade() const { return is_made_; }
   bool hasNormals() const { return has_normals_; }
@@ -59,6 +56,7 @@ class DeformedSurface {
   void analyseNormals();
   Lists findFollowed() const;
   void moveInserted(const Points& positions, bool with_normals);
+  bool isSaved() const;
   bool isInTiles() const;
   void moveTiles(const Points& positions, bool with_normals);
   void groupRows();
@@ -77,11 +75,13 @@ class DeformedSurface {
 
   // Points inserted where the surface is stretched.
   std::unique_ptr<transfer::Resampler> resampler_;
+  mutable std::shared_ptr<const transfer::Resampler> saved_inserted_;  // the last that was saved or restored
   transfer::Transfer inserted_transfer_;
   Points inserted_now_, all_now_;
   std::vector<Eigen::Vector3f> inserted_normals_now_;
 
   std::unique_ptr<CutTransfer> cut_;  // null: nothing is cut
+  std::vector<std::pair<Index, Index>> whole_;  // the links that it was told of last
 
   // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
   std::vector<Index> ids_;            // of the state that the rest below belongs to

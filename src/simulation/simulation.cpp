@@ -23,7 +23,10 @@ Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
 
-StepOutcome Simulation::step() { return impl_->step(); }
+StepOutcome Simulation::step() {
+  if (impl_->is_viewer) return {false, "a viewer takes no steps", ""};
+  return impl_->step();
+}
 double Simulation::time() const { return impl_->time(); }
 std::uint64_t Simulation::stepCount() const { return impl_->steps; }
 const SceneParams& Simulation::params() const { return impl_->params; }

@@ -87,6 +87,7 @@ std::vector<std::string> Simulation::forceIds() const {
 
 void Simulation::estimateError(const RestSurface& full) {
   impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, full, impl_->rest, *impl_->model);
+  impl_->is_measured = false;
 }
 
 void Simulation::softenMembrane(double share) {
@@ -211,7 +212,9 @@ void Simulation::setDamping(double damping) {
   impl_->forward([&](Simulation& copy) { copy.setDamping(damping); });
 }
 
-void Simulation::observe(const cloud::PointCloud& cloud) {
+void Simulation::observe(const cloud::PointCloud& cloud) { observe(ObservedCloud(cloud)); }
+
+void Simulation::observe(const ObservedCloud& cloud) {
   if (impl_->solid) throw InputError("model: found elastic_solid, which has no sides that a cloud could show; accepted: a surface");
   constexpr double kReach = 3.0;  // spacings that a surface lags behind by at most; beyond it lies something else
   const double spacing = std::sqrt(impl_->rest.area / static_cast<double>(impl_->rest.points.size()));

@@ -26,6 +26,8 @@
 #include "state_hash.h"
 #include "tool_watch.h"
 
+#include <optional>
+
 namespace deformable_surface::simulation {
 
 struct Snapshot::Contents {
@@ -54,6 +56,8 @@ struct Snapshot::Contents {
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
   Statistics statistics;
+  bool is_sight, is_estimated;  // a sight holds nothing that only steps need
+  std::uint64_t surface_revision;
 };
 
 struct Simulation::Impl {
@@ -119,6 +123,8 @@ struct Simulation::Impl {
   AccuracyChoice choice;
   bool is_wish_missed = false;  // said since the last reset
   std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
+  bool is_viewer = false, is_estimated_elsewhere = false;  // it takes no steps; what it shows has an estimate
+  std::optional<std::uint64_t> seen_revision;              // of the surface, in the sight that a viewer was given last
   mutable Points forces_on_all;               // N, scratch
   model::MaterialParams made = params.material;  // what the model was made with
   std::uint64_t scene_hash;                      // of what was given
@@ -143,9 +149,9 @@ struct Simulation::Impl {
 
   // What a simulation hands out of itself: simulation_memory.cpp.
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
-  std::shared_ptr<const Snapshot::Contents> save() const;
+  std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;
   void restore(const Snapshot::Contents& saved);
-  std::unique_ptr<Impl> fork() const;
+  std::unique_ptr<Impl> fork(bool to_view) const;
 
   // A step and its parts: simulation_step.cpp.
   StepOutcome step();
@@ -183,6 +189,7 @@ struct Simulation::Impl {
   // What is measured of its state: simulation_measuring.cpp.
   void measure();
   void measureState();
+  void readEstimate(Statistics& into) const;
   void listSkipped();
   const Surface& makeSurface(bool with_normals);
   std::uint64_t hash() const { return hashState(state); }

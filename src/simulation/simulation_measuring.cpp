@@ -34,20 +34,24 @@ void Simulation::Impl::measureState() {
   statistics.track_residual = track.residual(state);
   statistics.track_points = static_cast<std::uint32_t>(track.seen().size());
   statistics.state_hash = hash();
-  if (estimator) {
-    statistics.error_time = estimator->time() + activity.lost();
-    statistics.error_space = estimator->space();
-    statistics.error_transfer = estimator->transfer();
-    statistics.error_softening = softening;
-    statistics.error_estimate = estimator->total() + softening + activity.lost();
-  }
+  readEstimate(statistics);
+}
+
+// A viewer has been told.
+void Simulation::Impl::readEstimate(Statistics& into) const {
+  if (!estimator) return;
+  into.error_time = estimator->time() + activity.lost();
+  into.error_space = estimator->space();
+  into.error_transfer = estimator->transfer();
+  into.error_softening = softening;
+  into.error_estimate = estimator->total() + softening + activity.lost();
 }
 
 void Simulation::Impl::listSkipped() {
   statistics.skipped.clear();
   if (activity.isAsleep()) statistics.skipped.push_back("step");
   if (!activity.isAsleep() && !activity.isWhole()) statistics.skipped.push_back("sleeping");
-  if (!estimator) statistics.skipped.push_back("error_estimate");
+  if (!estimator && !is_estimated_elsewhere) statistics.skipped.push_back("error_estimate");
   if (!surface.isMade()) statistics.skipped.push_back("transfer");
   if (!surface.hasNormals()) statistics.skipped.push_back("normals");
   if (surface.isMade() && surface.hasRested()) statistics.skipped.push_back("resting_tiles");

@@ -28,12 +28,15 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
   return hashPoints(rest.dense.positions, h);
 }
 
-std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save() const {
+std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) const {
+  Statistics now = statistics;
+  readEstimate(now);
   return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
       scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening, findPhysics(params),
       system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
       surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), activity.memory(),
-      tool_watch.memory(), surface.saveInserted(), estimator ? estimator->memory() : nullptr, statistics});
+      tool_watch.memory(), surface.saveInserted(), estimator && !is_sight ? estimator->memory() : nullptr, std::move(now), is_sight,
+      estimator != nullptr, surface.revision()});
 }
 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
@@ -64,17 +67,21 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   march.setMemory(saved.march);
   part_march = saved.part_march;
   activity.setMemory(saved.activity, state);
-  if (saved.has_part) makePart();
+  if (saved.has_part && !is_viewer) makePart();
   tool_watch.setMemory(saved.watched);
   changed();
   if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
   if (estimator && !saved.estimate) estimator->lose();
-  surface.restoreInserted(saved.resampler.get());
-  if (cutting) surface.restoreCut(saved.severed.get(), model->stretchLinks());
+  // What a viewer has made of the same positions is as good as before.
+  if (!is_viewer || seen_revision != saved.surface_revision) surface.invalidate();
+  if (is_viewer) seen_revision = saved.surface_revision;
+  surface.restoreInserted(saved.resampler);
+  if (cutting) surface.restoreCut(saved.severed, model->stretchLinks());
   statistics = saved.statistics;
+  is_estimated_elsewhere = is_viewer && saved.is_estimated;
 }
 
-std::unique_ptr<Simulation::Impl> Simulation::Impl::fork() const {
+std::unique_ptr<Simulation::Impl> Simulation::Impl::fork(bool to_view) const {
   std::unique_ptr<model::DeformableModel> copy = model->clone();
   if (!copy) throw InputError("model: found one that cannot be copied; accepted: one of this package");
   auto fork = std::make_unique<Impl>(params, shared_input, std::move(copy), shared_rest);
@@ -86,26 +93,36 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::fork() const {
   fork->made = made;
   fork->chosen_membrane_share = chosen_membrane_share;
   fork->scene_hash = scene_hash;
-  if (estimator) fork->estimator = std::make_unique<ErrorEstimator>(*estimator);
-  fork->restore(*save());
+  fork->is_viewer = to_view;
+  if (estimator && !to_view) fork->estimator = std::make_unique<ErrorEstimator>(*estimator);
+  fork->restore(*save(to_view));
   return fork;
 }
 
 Snapshot Simulation::snapshot() const {
   Snapshot snapshot;
-  snapshot.contents_ = impl_->save();
+  snapshot.contents_ = impl_->save(false);
   return snapshot;
+}
+
+Snapshot Simulation::sight() const {
+  Snapshot sight;
+  sight.contents_ = impl_->save(true);
+  return sight;
 }
 
 void Simulation::restore(const Snapshot& snapshot) {
   if (!snapshot.contents_) throw InputError("snapshot: found one of nothing; accepted: one that this surface gave");
   if (snapshot.contents_->scene != impl_->scene_hash)
     throw InputError("snapshot: found one of another surface or scene; accepted: those of this cloud with these parameters");
+  if (snapshot.contents_->is_sight && !impl_->is_viewer)
+    throw InputError("snapshot: found a sight, which is without what steps need; accepted: a snapshot");
   impl_->restore(*snapshot.contents_);
 }
 
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
-Simulation Simulation::fork() const { return Simulation(impl_->fork()); }
+Simulation Simulation::fork() const { return Simulation(impl_->fork(false)); }
+Simulation Simulation::viewer() const { return Simulation(impl_->fork(true)); }
 
 std::size_t Snapshot::bytes() const {
   if (!contents_) return 0;

@@ -2,11 +2,11 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/cloud/clean.h"
-#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
 
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -15,20 +15,26 @@ constexpr Index kNeighbors = 10;     // that show a plane in the noise of a dept
 constexpr double kAside = 1.0;       // of the distance to the farthest of these neighbours: beyond it nothing was seen
 constexpr double kLeastCosine = 0.5; // sixty degrees: a wall that the cloud shows beside the surface is not it
 
-}  // namespace
-
-void TrackLoad::observe(const cloud::PointCloud& cloud, const model::State& state, const Points& normals, double reach) {
-  const cloud::CleanCloud clean = cloud::clean(cloud);
+Points findDistinct(const cloud::PointCloud& cloud) {
+  cloud::CleanCloud clean = cloud::clean(cloud);
   if (clean.positions.size() < 3)
     throw InputError("cloud: found " + std::to_string(clean.positions.size()) + " finite distinct points among " +
                      std::to_string(cloud.positions.size()) + "; accepted: at least 3");
-  const cloud::KdTree tree(clean.positions);
+  return std::move(clean.positions);
+}
+
+}  // namespace
+
+ObservedCloud::ObservedCloud(const cloud::PointCloud& cloud) : points_(findDistinct(cloud)), tree_(points_) {}
+
+void TrackLoad::observe(const ObservedCloud& cloud, const model::State& state, const Points& normals, double reach) {
+  const cloud::KdTree& tree = cloud.tree();
   seen_.clear();
   std::vector<cloud::Neighbor> near;
   Points around;
   for (Index i = 0; i < state.size(); ++i) {
     tree.nearest(state.positions[i], kNeighbors, near);
-    const Vec3 place = clean.positions[near[0].index];
+    const Vec3 place = cloud.points()[near[0].index];
     if (!((place - state.positions[i]).norm() <= reach)) continue;
     // The plane by the neighbours of the nearest point.
     tree.nearest(place, kNeighbors, near);
@@ -37,7 +43,7 @@ void TrackLoad::observe(const cloud::PointCloud& cloud, const model::State& stat
     others.offsets = {0};
     for (const cloud::Neighbor& neighbor : near) {
       if (!around.empty()) others.items.push_back(static_cast<Index>(around.size()));
-      around.push_back(clean.positions[neighbor.index]);
+      around.push_back(cloud.points()[neighbor.index]);
     }
     others.offsets.resize(around.size() + 1, static_cast<Index>(others.items.size()));
     const Vec3 normal = cloud::estimateNormals(around, others)[0];

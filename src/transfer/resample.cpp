@@ -93,6 +93,7 @@ Index Resampler::update(const Points& dense_now) {
     if (too_long_[l] > 0.0) longest.push_back(l);
   }
   if (longest.empty()) return 0;
+  ++revision_;
 
   // The longest first; a stable sort breaks ties by the order of the links.
   std::stable_sort(longest.begin(), longest.end(), [&](Index l, Index m) { return too_long_[l] > too_long_[m]; });

@@ -20,6 +20,7 @@
 
 namespace deformable_surface::simulation {
 
+class ObservedCloud;
 struct RestSurface;
 
 /// The result of one step. Numbers that went wrong never throw: the state is then as it was before the step.
@@ -90,6 +91,12 @@ class Simulation {
   /// by a thread of its own; making a fork is a matter of the thread that steps this one. Throws InputError if the model cannot be
   /// copied.
   Simulation fork() const;
+  /// A fork that takes no steps (step() fails) but shows, in a thread of its own, what this one was: restore() of each sight() gives it
+  /// everything that is there to be seen. It has no error estimate of its own and tells that of the sight.
+  Simulation viewer() const;
+  /// A snapshot for viewers alone, without what only steps need: it costs a copy of the state. The scene's output.normals and
+  /// publish_rate are not in it.
+  Snapshot sight() const;
 
   /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. Of a solid that flows it takes
   /// what has flowed as well, unless the state leaves that empty; orientations and traits stay. What the energy was before
@@ -131,6 +138,8 @@ class Simulation {
   /// before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes nothing,
   /// for clouds of fewer than three points.
   void observe(const cloud::PointCloud& cloud);
+  /// The same of one that was made ready before, which is most of the work.
+  void observe(const ObservedCloud& cloud);
   /// Takes the values that may change while a surface runs (run_time_params.h), from the next step on and through resets; points with
   /// a Young's modulus of their own keep it. Throws InputError, and changes nothing, for values that are not accepted and where any other
   /// value is not as in params().

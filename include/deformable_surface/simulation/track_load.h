@@ -2,7 +2,7 @@
 // own, because it keeps what of the surface was seen where.
 #pragma once
 
-#include "deformable_surface/cloud/point_cloud.h"
+#include "deformable_surface/simulation/observed_cloud.h"
 #include "deformable_surface/solve/external_load.h"
 
 #include <vector>
@@ -24,9 +24,8 @@ class TrackLoad : public solve::ExternalLoad {
 
   /// From now on towards this cloud, instead of the one before. A point was seen if a point of the cloud lies within reach (m) whose
   /// plane is not turned by more than sixty degrees from the surface, and not farther aside than the cloud's points are apart: in a hole, or
-  /// behind what stands before it, it was not. normals (n x 3): of the surface, unit or zero. Throws InputError for fewer than three points
-  /// that are finite and distinct. O(n log n).
-  void observe(const cloud::PointCloud& cloud, const model::State& state, const Points& normals, double reach);
+  /// behind what stands before it, it was not. normals (m x 3): of the surface, unit or zero. O(m log n).
+  void observe(const ObservedCloud& cloud, const model::State& state, const Points& normals, double reach);
   void restore(const std::vector<Seen>& seen) { seen_ = seen; }
   const std::vector<Seen>& seen() const { return seen_; }
   bool isEmpty() const { return seen_.empty(); }

@@ -27,6 +27,8 @@ class Resampler {
   /// The two points between which each was inserted (indices may name inserted points too): extra fields are taken from the
   /// first.
   const std::vector<std::pair<Index, Index>>& parents() const;
+  /// Another number whenever an update has changed anything.
+  std::uint64_t revision() const { return revision_; }
   /// What it holds in memory.
   std::size_t bytes() const;
 
@@ -46,6 +48,7 @@ class Resampler {
   Index num_dense_ = 0;
   double max_stretch_ = 0.0;
   Index max_points_ = 0;
+  std::uint64_t revision_ = 0;
   Points dense_, normals_;
   Points inserted_rest_, inserted_normals_;
   std::vector<std::pair<Index, Index>> parents_;
