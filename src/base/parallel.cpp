@@ -99,7 +99,7 @@ void Pool::takeBlocks() {
   inside_block = false;
 }
 
-std::mutex pool_mutex;  // one job at a time
+std::mutex pool_mutex;  // one job at a time: who finds the pool at work does his blocks himself, for he would wait longer
 Pool pool;
 thread_local int num_threads = 0;
 
@@ -115,9 +115,8 @@ int numThreads() {
 void internal::runBlocks(Index num_blocks, void (*run)(const void* context, Index block), const void* context) {
   const int num_helpers = inside_block ? 0 : numThreads() - 1;
   if (num_helpers > 0) {
-    std::lock_guard<std::mutex> lock(pool_mutex);
-    pool.run(num_helpers, num_blocks, run, context);
-    return;
+    const std::unique_lock<std::mutex> lock(pool_mutex, std::try_to_lock);
+    if (lock.owns_lock()) return pool.run(num_helpers, num_blocks, run, context);
   }
   for (Index b = 0; b < num_blocks; ++b) run(context, b);
 }

@@ -1,10 +1,12 @@
-// What the node publishes of its surface. Each output is made only for those who listen, as a message of its own that is never
-// changed again, so that nodelets in the same process share it without a copy.
+// What the node publishes of its surface for those who look at it. Each output is made only for those who listen, and a message that
+// somebody holds is never changed again, so that nodelets in the same process share it without a copy.
 #pragma once
+
+#include "moment.h"
 
 #include "deformable_surface/ros/encode.h"
 #include "deformable_surface/ros/markers.h"
-#include "deformable_surface/simulation/simulation.h"
+#include "deformable_surface/ros/message_pool.h"
 
 #include <ros/node_handle.h>
 #include <ros/publisher.h>
@@ -12,10 +14,9 @@
 #include <atomic>
 #include <chrono>
 #include <functional>
-#include <map>
+#include <memory>
 #include <optional>
 #include <string>
-#include <vector>
 
 namespace deformable_surface::node {
 
@@ -24,32 +25,26 @@ class Publishers {
   /// on_subscriber is called when somebody begins to listen. The node handle must outlive this.
   Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
 
-  /// A new surface, which must be at rest.
-  void begin(const simulation::Simulation& simulation, const std::string& frame);
-  /// The simulation's output.normals may have changed.
-  void setNormals(const simulation::Simulation& simulation);
-  /// Publishes the surface as it is now. time_input: seconds spent on commands in the last step, for the statistics. all: clouds and
-  /// markers too that have not changed since they were published.
-  void publish(simulation::Simulation& simulation, std::int64_t stamp, double time_input, bool all);
-  /// Publishes what tools and pins feel: after every step, since controllers close their loops over it.
-  void publishWrenches(const simulation::Simulation& simulation, std::int64_t stamp);
-  /// Whether anybody listens to what is published after every step.
-  bool hasStepListeners() const;
+  // From any thread.
+  /// Whether anybody would get a message of a moment.
+  bool isWanted(bool has_changed, bool has_moved) const;
   bool isStatisticsHeard() const { return statistics_.getNumSubscribers() > 0; }
+
+  // From one.
+  void publish(Moment& moment);
 
  private:
   std_msgs::Header makeHeader(std::int64_t stamp) const;
-  void advertiseWrenches(const std::vector<tool::ToolParams>& tools);
+  void publishMarkers(const std_msgs::Header& header);
 
-  ros::NodeHandle& node_;
-  ros::Publisher deformed_, simulation_points_, markers_, statistics_, tool_wrenches_;
-  std::map<std::string, ros::Publisher> wrenches_;  // of each tool, by id
-  std::chrono::steady_clock::time_point next_try_;  // to advertise
+  ros::Publisher deformed_, simulation_points_, markers_, statistics_;
+  std::unique_ptr<simulation::Simulation> viewer_;  // of the surface now; null: there is none yet
   std::string frame_;
   std::optional<SurfaceEncoder> encoder_;
+  MessagePool<sensor_msgs::PointCloud2> clouds_;
   std::optional<SimulationMarkers> marker_maker_;
   MarkerNews marker_news_;
-  std::atomic<bool> is_viewer_new_{false};           // of the markers: it has nothing yet
+  std::atomic<bool> is_viewer_new_{false};           // somebody who looks at the markers has nothing yet
   std::chrono::steady_clock::time_point next_full_;  // all markers again
   bool is_new_ = false;        // nothing of this surface was published yet
   std::uint64_t surface_revision_ = 0, points_revision_ = 0, markers_revision_ = 0;  // of the simulation, when published last

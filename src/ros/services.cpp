@@ -184,7 +184,7 @@ bool Services::reset(std_srvs::TriggerResponse& response) {
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.reset();
-    stepper_.publish();
+    stepper_.show();
     return "the surface is at rest at time 0";
   });
 }
@@ -205,7 +205,7 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
     const std::string obstacle = stepper_.obstacle();
     if (!obstacle.empty()) throw InputError(obstacle);
     const std::uint32_t taken = stepper_.takeSteps(count);
-    stepper_.publish();
+    stepper_.show();
     const simulation::Statistics statistics = stepper_.simulation()->statistics();
     response.simulation_time = statistics.simulation_time;
     response.energy = statistics.kinetic_energy + statistics.elastic_energy + statistics.potential_energy;
@@ -229,7 +229,7 @@ bool Services::select(const SelectRegionRequest& request, bool pinned, SelectReg
     if (response.count == 0)
       throw InputError(std::string("no ") + (pinned ? "" : "pinned ") +
                        "simulation point lies in the shape; nothing was changed");
-    stepper_.publish();
+    stepper_.show();
     return std::to_string(response.count) + " simulation points " + (pinned ? "pinned" : "freed");
   });
 }
@@ -240,7 +240,7 @@ bool Services::edit(const EditParticlesRequest& request, EditParticlesResponse& 
     stepper_.requireFree();
     const simulation::ParticleEdit edit = readEdit(request, stepper_.frame(), transforms_);
     for (const Index id : stepper_.simulation()->editParticles(edit)) response.added.push_back(static_cast<std::uint32_t>(id));
-    stepper_.publish();
+    stepper_.show();
     return std::to_string(std::max(edit.ids.size(), response.added.size())) + " particles edited, " +
            std::to_string(stepper_.simulation()->state().size()) + " are there";
   });
@@ -280,7 +280,7 @@ bool Services::restore(const std::string& name, RestoreResponse& response) {
   perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.restoreSnapshot(name);
-    stepper_.publish();
+    stepper_.show();
     response.simulation_time = stepper_.simulation()->time();
     response.state_hash = stepper_.simulation()->stateHash();
     return "the surface is as in " + name;

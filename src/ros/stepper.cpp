@@ -33,9 +33,6 @@ constexpr std::int64_t kMaxAhead = 3600'000'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
 // Less than what is let go of, so that a step that wakes is caught up with.
 constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200);
-// Even when steps come too late a picture is shown from time to time, and most of the time is left to steps.
-constexpr milliseconds kLateFramePeriod(200);
-constexpr double kLateFramesApart = 8.0;  // in the time that one takes
 
 double toSeconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * kNanoseconds; }
 
@@ -47,11 +44,13 @@ void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud
 
 }  // namespace
 
-Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers& publishers, const tf2::BufferCore& transforms,
-                 Complaints& complaints)
+Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, const Publishers& publishers, FrameThread& frames,
+                 WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints)
     : params_(params),
       inbox_(inbox),
       publishers_(publishers),
+      frames_(frames),
+      wrenches_(wrenches),
       transforms_(transforms),
       complaints_(complaints),
       is_clock_simulated_(ros::Time::isSimTime()),
@@ -77,11 +76,11 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   const Timer calls;
   inbox_.doJobs();
   call_seconds_ = calls.seconds();
-  if (content.frame_wanted && simulation_) publish();
+  if (content.frame_wanted && simulation_) show();
   if (was_built) return true;
   letGoOfLag(call_seconds);
   if (isDue() && takeStep()) has_stepped = true;
-  if (has_stepped) publishIfDue();
+  if (has_stepped && std::exchange(is_frame_due_, false) && isWanted()) frames_.show(makeMoment());
   return true;
 }
 
@@ -104,7 +103,7 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
 
 // Nothing but time passes in the steps to come, and nobody wants to be told of each of them.
 bool Stepper::canRest() const {
-  return simulation_->isAsleep() && !commands_.isMoving() && !publishers_.hasStepListeners() &&
+  return simulation_->isAsleep() && !commands_.isMoving() && !wrenches_.isHeard() &&
          (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_);
 }
 
@@ -135,7 +134,7 @@ void Stepper::handleClock(const ClockNews& clock) {
                          (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
                                                       " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
                                                 : ""));
-  publish();
+  show();
 }
 
 void Stepper::restart(std::int64_t now) {
@@ -164,11 +163,10 @@ void Stepper::letGoOfLag(double call_seconds) {
   }
   counts_.time_let_go += toSeconds(lag);
   if (simulation_->stepCount() > 0) {
-    const bool is_slow = step_seconds_ + frame_seconds_ > params_.integrator.time_step;
+    const bool is_slow = step_seconds_ > params_.integrator.time_step;
     complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time" : "the process did not get to run for a while") +
                                                std::string(": the last step took ") + formatShort(step_seconds_) + " s for " +
-                                               formatReal(params_.integrator.time_step) + " s, the last frame " +
-                                               formatShort(frame_seconds_) + " s; " + formatShort(toSeconds(lag)) +
+                                               formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
                                                " s are not caught up");
   }
 }
@@ -253,7 +251,6 @@ void Stepper::accept(IncomingCloud& incoming) {
   }
   auto simulation = std::make_unique<simulation::Simulation>(params_, std::move(decoded.cloud));
   simulation->setInterrupt(inbox_.closing());
-  publishers_.begin(*simulation, frame);
   // Commands for the surface before are not for this one; before the first there was none that they could be for.
   if (simulation_) commands_.dropBefore(stamp);
   simulation_ = std::move(simulation);
@@ -273,7 +270,12 @@ void Stepper::accept(IncomingCloud& incoming) {
   std::string notes;
   for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
   ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
-  publish();
+  Moment moment = makeMoment();
+  moment.viewer = std::make_unique<simulation::Simulation>(simulation_->viewer());
+  moment.frame = frame_;
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
 }
 
 // ---- Steps ----
@@ -318,7 +320,7 @@ void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
   if (!is_held_valid_) throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
   simulation_ = std::move(simulation);
   simulation_->setInterrupt(inbox_.closing());
-  publish();
+  show();
 }
 
 void Stepper::requireFree() const {
@@ -345,13 +347,16 @@ void Stepper::setParams(const simulation::SceneParams& params) {
   requireFree();
   if (simulation_) {
     simulation_->setParams(params);
-    publishers_.setNormals(*simulation_);
   }
   params_ = params;
   if (!simulation_) return;
   last_frame_ = countFrames();
   updateGravity();
-  publish();
+  Moment moment = makeMoment();
+  moment.params = simulation_->params();
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
 }
 
 std::uint32_t Stepper::takeSteps(std::uint32_t count) {
@@ -382,13 +387,10 @@ bool Stepper::takeStep() {
     return false;
   }
   ++counts_.steps_taken;
-  publishers_.publishWrenches(*simulation_, schedule_.stamp(simulation_->stepCount()));
+  publishWrenches();
   const std::int64_t frame = countFrames();
-  if (frame > last_frame_) {
-    counts_.frames_dropped += is_frame_due_ && !simulation_->isAsleep();
-    is_frame_due_ = true;
-    last_frame_ = frame;
-  }
+  is_frame_due_ = is_frame_due_ || frame > last_frame_;
+  last_frame_ = std::max(frame, last_frame_);
   return true;
 }
 
@@ -414,31 +416,33 @@ bool Stepper::updateGravity() {
 
 // ---- Output ----
 
-void Stepper::publish() {
-  publish(true);
-  publishers_.publishWrenches(*simulation_, schedule_.stamp(simulation_->stepCount()));
+void Stepper::publishWrenches() { wrenches_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), frame_); }
+
+Moment Stepper::makeMoment() {
+  Moment moment;
+  moment.sight = simulation_->sight();
+  moment.stamp = schedule_.stamp(simulation_->stepCount());
+  moment.time_input = time_input_;
+  moment.revision = shown_revision_ = simulation_->revision();
+  moment.surface_revision = shown_surface_revision_ = simulation_->surfaceRevision();
+  return moment;
 }
 
-void Stepper::publish(bool all) {
-  const Timer timer;
-  publishers_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), time_input_, all);
-  frame_seconds_ = timer.seconds();
-  last_published_ = steady_clock::now();
+// Making a moment costs a copy of the state.
+bool Stepper::isWanted() const {
+  return publishers_.isWanted(simulation_->revision() != shown_revision_, simulation_->surfaceRevision() != shown_surface_revision_);
 }
 
-void Stepper::publishIfDue() {
-  if (!is_frame_due_) return;
-  // Steps go first when they come late, and the frame waits until they are in time.
-  const bool is_late = now_ - schedule_.begin(simulation_->stepCount() + 1) > timeStep();
-  const std::chrono::duration<double> apart =
-      std::max<std::chrono::duration<double>>(kLateFramePeriod, std::chrono::duration<double>(kLateFramesApart * frame_seconds_));
-  if (is_late && steady_clock::now() - last_published_ < apart) return;
-  is_frame_due_ = false;
-  publish(false);
+void Stepper::show() {
+  Moment moment = makeMoment();
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
 }
 
 StepperStatus Stepper::status() const {
   StepperStatus status = counts_;
+  status.frames_dropped = frames_.numDropped();
   status.is_failed = is_failed_;
   status.time_step = params_.integrator.time_step;
   status.commands_applied = commands_.numApplied();

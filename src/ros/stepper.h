@@ -1,13 +1,15 @@
-// The simulation thread: builds a surface from the cloud that came, takes its steps when they are due, publishes. All that
-// touches the simulation happens here, one thing after the other.
+// The simulation thread: builds a surface from the cloud that came, takes its steps when they are due, hands over what is to be shown.
+// All that touches the simulation happens here, one thing after the other.
 #pragma once
 
 #include "complaints.h"
+#include "frame_thread.h"
 #include "inbox.h"
 #include "pending_commands.h"
 #include "publishers.h"
 #include "snapshot_shelf.h"
 #include "waiting_clouds.h"
+#include "wrench_publishers.h"
 
 #include "deformable_surface/ros/step_schedule.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -39,8 +41,8 @@ struct StepperStatus {
 
 class Stepper {
  public:
-  Stepper(const simulation::SceneParams& params, Inbox& inbox, Publishers& publishers, const tf2::BufferCore& transforms,
-          Complaints& complaints);
+  Stepper(const simulation::SceneParams& params, Inbox& inbox, const Publishers& publishers, FrameThread& frames,
+          WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints);
 
   /// See ToolCommands. Before the first turn.
   void setStanding(std::vector<Tool> tools) { commands_.setStanding(std::move(tools)); }
@@ -59,8 +61,8 @@ class Stepper {
   void reset();
   /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
   std::uint32_t takeSteps(std::uint32_t count);
-  /// All of it, for who asked for it.
-  void publish();
+  /// Shows all of it, for who asked for it.
+  void show();
   /// Keeps the surface as it is now; the surface as it was then, with its forces and tools. Both throw InputError.
   void keepSnapshot(const std::string& name);
   void restoreSnapshot(const std::string& name);
@@ -103,15 +105,18 @@ class Stepper {
   std::int64_t countFrames() const;
   bool updateGravity();
   void letGoOfLag(double call_seconds);
-  void publish(bool all);
-  void publishIfDue();
+  Moment makeMoment();
+  bool isWanted() const;
+  void publishWrenches();
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
   simulation::SceneParams params_;
   std::function<void()> on_params_;
   Inbox& inbox_;
-  Publishers& publishers_;
+  const Publishers& publishers_;  // what any thread may ask of them
+  FrameThread& frames_;
+  WrenchPublishers& wrenches_;
   const tf2::BufferCore& transforms_;
   Complaints& complaints_;
   const bool is_clock_simulated_;
@@ -127,14 +132,14 @@ class Stepper {
   bool is_paused_ = false;  // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
-  // s of wall time: the commands of the last step, all of the last step, the last frame.
-  double time_input_ = 0.0, step_seconds_ = 0.0, frame_seconds_ = 0.0;
+  double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
   double call_seconds_ = 0.0;  // of the services called in the last turn
 
   // Frames lie on simulation time; this one is the last that was due.
   std::int64_t last_frame_ = 0;
   bool is_frame_due_ = false;
-  Inbox::SteadyTime last_published_, last_turn_;
+  std::uint64_t shown_revision_ = 0, shown_surface_revision_ = 0;  // of the simulation, when it was handed over last
+  Inbox::SteadyTime last_turn_;
 
   StepperStatus counts_;
 };

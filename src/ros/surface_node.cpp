@@ -2,6 +2,7 @@
 
 #include "complaints.h"
 #include "fit_service.h"
+#include "frame_thread.h"
 #include "inbox.h"
 #include "mesh_files.h"
 #include "node_diagnostics.h"
@@ -13,6 +14,7 @@
 #include "rollouts.h"
 #include "services.h"
 #include "stepper.h"
+#include "wrench_publishers.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -82,6 +84,8 @@ struct SurfaceNode::Impl {
   tf2::BufferCore transforms;
   tf2_ros::TransformListener transform_listener;
   Publishers publishers;
+  FrameThread frames;
+  WrenchPublishers wrenches;
   Stepper stepper;
   std::optional<NodeDiagnostics> diagnostics;
   Services services;
@@ -95,10 +99,8 @@ struct SurfaceNode::Impl {
   QueueThread input_thread, service_thread;
   std::thread simulation_thread;
 
-  // A core is left to the surface, where there are several.
-  static int countRolloutThreads(Index threads) {
-    const int cores = threads > 0 ? static_cast<int>(threads) : static_cast<int>(std::thread::hardware_concurrency());
-    return std::max(1, cores - 1);
+  static int countCores(Index threads) {
+    return std::max(1, threads > 0 ? static_cast<int>(threads) : static_cast<int>(std::thread::hardware_concurrency()));
   }
 
   static ros::NodeHandle onQueue(ros::NodeHandle node, ros::CallbackQueue& queue) {
@@ -115,10 +117,15 @@ struct SurfaceNode::Impl {
         // Not in a thread of its own, which would wake up a hundred times a second.
         transform_listener(transforms, node, false),
         publishers(private_node, [this] { inbox.wantFrame(); }),
-        stepper(params, inbox, publishers, transforms, complaints),
+        // Half of the cores are left to the steps.
+        frames([this](Moment& moment) { show(moment); }, std::max(1, countCores(params.threads) / 2)),
+        wrenches(private_node, [this] { inbox.wantFrame(); }),
+        stepper(params, inbox, publishers, frames, wrenches, transforms, complaints),
         services(service_node, inbox, stepper, transforms, complaints, params.save_directory),
         fit(given_private, inbox, stepper, complaints),
-        rollouts(given_private, inbox, stepper, transforms, complaints, countRolloutThreads(params.threads)),
+        rollouts(given_private, inbox, stepper, transforms, complaints,
+                 // One is left to the surface, where there are several.
+                 std::max(1, countCores(params.threads) - 1)),
         reconfigure(service_node, inbox, stepper, complaints),
         watchdog(listServices()),
         // One thread each: input keeps its order, and a service that waits does not hold it up.
@@ -144,6 +151,14 @@ struct SurfaceNode::Impl {
     simulation_thread.join();
     input_thread.stop();
     service_thread.stop();
+  }
+
+  void show(Moment& moment) {
+    try {
+      publishers.publish(moment);
+    } catch (const std::exception& error) {
+      complaints.report(Complaint::kInternal, std::string("the surface cannot be shown: ") + error.what());
+    }
   }
 
   std::vector<std::string> listServices() const {

@@ -1,0 +1,37 @@
+// What the node publishes after every step: what tools and pins feel. Apart from what is made for the eye (publishers.h), which a thread
+// of its own makes and which may be dropped: controllers close their loops over this.
+#pragma once
+
+#include "deformable_surface/simulation/simulation.h"
+
+#include <ros/node_handle.h>
+#include <ros/publisher.h>
+
+#include <chrono>
+#include <functional>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// For the stepping thread.
+class WrenchPublishers {
+ public:
+  /// on_subscriber is called when somebody begins to listen. The node handle must outlive this.
+  WrenchPublishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
+
+  /// stamp: ns, of the simulation's state; frame: that of the surface.
+  void publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame);
+  bool isHeard() const;
+
+ private:
+  void advertise(const std::vector<tool::ToolParams>& tools);
+
+  ros::NodeHandle& node_;
+  ros::Publisher all_;
+  std::map<std::string, ros::Publisher> of_tool_;   // by id
+  std::chrono::steady_clock::time_point next_try_;  // to advertise
+};
+
+}  // namespace deformable_surface::node
