@@ -173,6 +173,7 @@ Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, C
   updates_ = node_.advertise<Config>("parameter_updates", 1, true);
   descriptions_.publish(describeRunTimeParams());
   publish();
+  stored_ = listValues();
   using Request = dynamic_reconfigure::ReconfigureRequest;
   using Response = dynamic_reconfigure::ReconfigureResponse;
   server_ = node_.advertiseService<Request, Response>(
@@ -185,27 +186,35 @@ void Reconfigure::publish() {
   updates_.publish(last_);
 }
 
+std::map<std::string, double> Reconfigure::listValues() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  std::map<std::string, double> values;
+  for (const auto& flag : last_.bools) values[flag.name] = flag.value;
+  for (const auto& number : last_.doubles) values[number.name] = number.value;
+  return values;
+}
+
+// Each costs a call of the master.
 void Reconfigure::store() {
-  Config now;
-  {
-    const std::lock_guard<std::mutex> lock(mutex_);
-    now = last_;
-  }
+  const std::map<std::string, double> now = listValues();
+  if (now == stored_) return;
   for (const Entry& entry : listEntries()) {
+    if (entry.component > 0) continue;  // set with the first
     std::string key;
     for (const std::string& part : entry.path) key += (key.empty() ? "" : "/") + part;
-    const auto has_name = [&](const auto& parameter) { return parameter.name == entry.name; };
-    const auto flag = std::find_if(now.bools.begin(), now.bools.end(), has_name);
-    const auto number = std::find_if(now.doubles.begin(), now.doubles.end(), has_name);
-    if (entry.component > 0) continue;  // set with the first
+    std::vector<std::string> names = {entry.name};
+    if (entry.component == 0)
+      for (const char axis : {'y', 'z'}) names.push_back(entry.name.substr(0, entry.name.size() - 1) + axis);
+    if (std::all_of(names.begin(), names.end(), [&](const std::string& name) { return now.at(name) == stored_.at(name); })) continue;
     if (entry.component == 0) {
-      node_.setParam(key, std::vector<double>{number[0].value, number[1].value, number[2].value});
+      node_.setParam(key, std::vector<double>{now.at(names[0]), now.at(names[1]), now.at(names[2])});
     } else if (entry.is_flag) {
-      node_.setParam(key, flag->value != 0);
+      node_.setParam(key, now.at(entry.name) != 0.0);
     } else {
-      node_.setParam(key, number->value);
+      node_.setParam(key, now.at(entry.name));
     }
   }
+  stored_ = now;
   if (on_store_) on_store_();
 }
 

@@ -17,6 +17,7 @@
 #include <ros/service_server.h>
 
 #include <functional>
+#include <map>
 #include <mutex>
 #include <string>
 #include <utility>
@@ -35,19 +36,21 @@ class Reconfigure {
 
   /// Tells the listeners what holds now. By the simulation thread.
   void publish();
-  /// Writes what was published last to the parameter server, so that who looks there, or starts the node again, finds what holds. Not by
-  /// the simulation thread, since the server may be away. Calls what onStore() was given.
+  /// Writes what is another than last time to the parameter server, so that who looks there, or starts the node again, finds what holds.
+  /// Not by the simulation thread, since the server may be away. Calls what onStore() was given, if anything was written.
   void store();
   void onStore(std::function<void()> call) { on_store_ = std::move(call); }
   std::string serviceName() const { return server_.getService(); }
 
  private:
   bool set(const dynamic_reconfigure::Config& wanted, dynamic_reconfigure::Config& now);
+  std::map<std::string, double> listValues();
 
   ros::NodeHandle node_;
   std::function<void()> on_store_;
   std::mutex mutex_;
-  dynamic_reconfigure::Config last_;  // published
+  dynamic_reconfigure::Config last_;      // published
+  std::map<std::string, double> stored_;  // on the parameter server, flags as 0 and 1
   Inbox& inbox_;
   Stepper& stepper_;
   Complaints& complaints_;
