@@ -10,13 +10,15 @@ namespace {
 
 constexpr double kPi = 3.14159265358979323846;
 
-// Lengths of the waves that are looked at: copies of a quarter of the points show what is longer than eight spacings of the
-// simulation points, and the full cloud nothing shorter than four of its own.
-constexpr double kLongest = 8.0, kShortest = 4.0;
+// Lengths of the waves that are looked at, in spacings: copies of a quarter of the points show what is longer than eight of the
+// simulation points, and the full cloud nothing shorter than four of its own. Of folds that the points show in part, the twin sees
+// the longer ones.
+constexpr double kLongest = 8.0, kLongestFold = 4.0, kShortest = 4.0;
 constexpr int kDirections = 8;  // along which waves are looked at, over half a turn
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws; see docs/accuracy_control.md.
 constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times; the full cloud's forces peak higher
+constexpr double kGrownFold = 10.0;  // the same of folds: those of one triangle that grow less come to nothing
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
 
@@ -60,8 +62,9 @@ DentWatch::DentWatch(const model::MaterialParams& material, const Points& points
   for (const Triangle& t : triangles_) curvature += 0.5 * std::abs(measure(t, points).curvature.trace());
   curvature /= static_cast<double>(triangles_.size());
   const double spacing = std::sqrt(area / static_cast<double>(points.size())), full_spacing = std::sqrt(area / num_full);
-  if (!(std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing)) triangles_.clear();
-  const double least = 2.0 * kPi / (kLongest * spacing), largest = 2.0 * kPi / (kShortest * full_spacing);
+  has_short_dents_ = std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing;
+  if (!has_short_dents_ && static_cast<Index>(points.size()) >= num_full) triangles_.clear();
+  const double least = 2.0 * kPi / ((has_short_dents_ ? kLongest : kLongestFold) * spacing), largest = 2.0 * kPi / (kShortest * full_spacing);
   least_ = least * least;
   largest_ = largest * largest;
   reset();
@@ -133,13 +136,13 @@ bool DentWatch::followStep(const Points& positions, double step) {
     const double acceleration = is_tense ? 0.0 : std::max(0.0, findAcceleration(local));
     const double rate = std::sqrt(0.25 * damping_ * damping_ + acceleration) - 0.5 * damping_;
     growth_[i] = std::max(0.0, growth_[i] + (acceleration > 0.0 ? rate : -0.5 * damping_) * step);
-    has_grown = has_grown || growth_[i] > kGrown;
+    has_grown = has_grown || growth_[i] > (has_short_dents_ ? kGrown : kGrownFold);
   }
   return has_grown;
 }
 
 bool DentWatch::isOverloaded(const Points& positions) {
-  if (triangles_.empty()) return false;
+  if (!has_short_dents_) return false;
   findNormals(positions);
   return std::any_of(triangles_.begin(), triangles_.end(),
                      [&](const Triangle& t) { return findLoad(measure(t, positions)) > kOverloaded; });

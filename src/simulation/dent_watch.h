@@ -1,4 +1,4 @@
-// Whether a curved surface dents between its simulation points, where neither they nor coarser copies can show it: how fast dents
+// Whether a surface dents or folds between its simulation points, where neither they nor coarser copies can show it: how fast dents
 // would grow on the full surface under the forces that the simulation points feel. Apart from the error estimator, which only asks.
 #pragma once
 
@@ -20,7 +20,8 @@ class DentWatch {
  public:
   DentWatch() = default;  // sees nothing
   /// points (m x 3) and triangles: the simulation points at rest; area: of the surface, m^2; num_full: points of the full cloud.
-  /// Only a curved surface whose dents would be too short for the spacing of the points is watched.
+  /// A curved surface whose dents would be too short for the spacing of the points is watched closely; any other for folds that are too
+  /// short for them and grow by far, if there are more points.
   DentWatch(const model::MaterialParams& material, const Points& points, const std::vector<model::WeightedTriangle>& triangles,
             double area, Index num_full);
 
@@ -30,7 +31,7 @@ class DentWatch {
 
   /// After a step of so many seconds: whether dents have had the time to grow out of next to nothing.
   bool followStep(const Points& positions, double step);
-  /// Of an equilibrium: whether it is compressed well beyond the load at which dents begin.
+  /// Of an equilibrium of a surface with short dents: whether it is compressed well beyond the load at which they begin.
   bool isOverloaded(const Points& positions);
 
   /// What a snapshot must hold: of each triangle the logarithm of the growth so far.
@@ -54,6 +55,7 @@ class DentWatch {
 
   // Constants.
   std::vector<Triangle> triangles_;  // empty: nothing is watched
+  bool has_short_dents_ = false;
   double stretching_ = 0.0, stated_stretching_ = 0.0, rigidity_ = 0.0, poisson_ = 0.0, mass_ = 0.0, damping_ = 0.0;
   double least_ = 0.0, largest_ = 0.0;  // k^2, 1/m^2
   // What has been seen.
