@@ -1,8 +1,8 @@
 #include "deformable_surface/simulation/particle_life.h"
 
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
+#include "deformable_surface/model/oriented_particles/relax_on_surface.h"
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
-#include "deformable_surface/solve/integrator_params.h"
 
 #include <algorithm>
 #include <cmath>
@@ -16,7 +16,8 @@ using model::State;
 using tool::Mode;
 using tool::ToolParams;
 
-constexpr Index kRelaxationIterations = 5;  // hundreds of steps between two passes of growth: near equilibrium is enough
+constexpr Index kSweeps = 20;               // between two passes of growth: near equilibrium is enough
+constexpr double kDensity = 0.95;           // of the spacing: what the rules leave is looser than a lattice, and would contract when let go
 constexpr Index kLastIterations = 40;       // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;     // of its first force
 
@@ -140,43 +141,34 @@ ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const 
                                         State& state) const {
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
-  const bool keeps_shape = model_.params().restsAsCloud(), lets_go = growth.fix_samples && growth.release_samples;
-  if (keeps_shape) growth.release_samples = false;  // below, when the shape is known that is not to be lost then
-  // A world of its own for the relaxation: the particles alone, without loads.
-  model::OrientedParticles particles = model_;
-  const double tolerance = solve::IntegratorParams().tolerance;
-  State trial = state;
+  const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;
+  const double spacing = kDensity * model_.lattice().spacing;
   const auto relax = [&](Points& positions, Orientations& orientations, const std::vector<char>& still) {
     std::vector<char> fixed = still;
     for (std::size_t i = 0; i < held.size(); ++i) fixed[i] = fixed[i] || held[i];
-    trial.positions = positions;
-    trial.orientations = orientations;
-    trial.traits.resize(positions.size());
-    relaxParticles(particles, fixed, fixed, kRelaxationIterations, tolerance, trial);
-    positions = trial.positions;
-    orientations = trial.orientations;
+    model::relaxOnSurface(spacing, kSweeps, fixed, positions, orientations);
   };
-  const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, model_.lattice().spacing, growth, relax);
+  const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax);
 
   Changes changes;
   const std::size_t before = state.positions.size();
   for (const model::NewParticle& particle : grown.added) append(particle, state);
   state.positions = grown.positions;
   state.orientations = grown.orientations;
-  if (keeps_shape) {
-    std::vector<char> fixed = held;
-    fixed.resize(state.positions.size(), 0);
-    if (!lets_go && growth.fix_samples) std::fill_n(fixed.begin(), before, char{1});
-    particles.adopt(state);
-    trial = state;
-    particles.keepShape(trial);
-    // What was there keeps its motion, and from the start on its rest shape: how it is bent now may be of a load.
-    for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
-    relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
-    state.positions = trial.positions;
-    state.orientations = trial.orientations;
-    state.traits = trial.traits;
-  }
+  // A world of its own for the particles alone, without loads.
+  std::vector<char> fixed = held;
+  fixed.resize(state.positions.size(), 0);
+  if (!lets_go) std::fill_n(fixed.begin(), before, char{1});
+  model::OrientedParticles particles = model_;
+  particles.adopt(state);
+  State trial = state;
+  if (keeps_shape) particles.keepShape(trial);
+  // What was there keeps its motion, and from the start on its rest shape: how it is bent now may be of a load.
+  for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
+  relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+  state.positions = trial.positions;
+  state.orientations = trial.orientations;
+  state.traits = trial.traits;
   changes.born = static_cast<Index>(state.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
                                       "until growth.max_particles was reached"};

@@ -294,21 +294,75 @@ TEST(Growth, DoesNotDependOnTheNumberOfThreads) {
   setNumThreads(0);
 }
 
+// A valley, its floor filled: the two rims see each other over it.
+TEST(Growth, ValleysThatAreClosedBelowAreNotBridged) {
+  constexpr double kSpacing = 0.5;
+  GrowthParams params;
+  params.max_gap = 10.0;
+  params.witnessed = true;
+  const auto isBridged = [&](bool has_floor) {
+    TestSurface valley;
+    for (int j = -4; j <= 4; ++j)
+      for (int i = -6; i <= 6; ++i) {
+        const double x = kSpacing * i, slope = -0.6 * std::sin(x);
+        const bool is_floor = std::abs(i) <= 2;
+        if (is_floor && !has_floor) continue;
+        valley.add(Vec3(x, kSpacing * j, 0.6 * std::cos(x) * -1.0), Vec3(slope, 0.0, 1.0).normalized());
+      }
+    const std::vector<NewParticle> born = proposeStretched(valley.positions, orientTo(valley.normals),
+                                                           std::vector<char>(valley.size(), kFillsGaps), kSpacing, params);
+    return !born.empty();
+  };
+  EXPECT_FALSE(isBridged(true));
+  EXPECT_TRUE(isBridged(false));
+}
+
+TEST(Growth, SamplesCloseNoWiderGapsThanTheyMay) {
+  const TestSurface pair = makePair(2.2);
+  const std::vector<char> flags(2, kFillsGaps);
+  const auto count = [&](double other) {
+    return proposeStretched(pair.positions, orientTo(pair.normals), flags, 1.0, {}, {3.0, other}).size();
+  };
+  EXPECT_EQ(count(2.3), 1u);
+  EXPECT_EQ(count(2.1), 0u);
+}
+
+// One that has come off the surface would grow a sheet of its own.
+TEST(Growth, NobodyIsBornBesideTheSurface) {
+  const auto count = [](double height, bool witnessed) {
+    TestSurface sheet;
+    sheet.add(Vec3(0.0, 0.0, height), Vec3::UnitZ());
+    const TestSurface all = makeHexagons(1.0, 4.2);
+    const double hole = height > 0.0 ? 0.0 : 1.1;
+    for (Index i = 0; i < all.size(); ++i)
+      if (all.positions[i].norm() >= hole) sheet.add(all.positions[i], all.normals[i]);
+    std::vector<char> flags(sheet.size(), kGrowsNothing);
+    flags[0] = kFillsGaps | kExtendsEdge;
+    GrowthParams params;
+    params.witnessed = witnessed;
+    return proposeGrown(sheet.positions, orientTo(sheet.normals), flags, 1.0, params).size();
+  };
+  EXPECT_EQ(count(0.0, true), 6u);
+  EXPECT_GT(count(1.4, false), 0u);
+  EXPECT_EQ(count(1.4, true), 0u);
+}
+
 TEST(Growth, InputThatCannotBeUsedIsRefused) {
   const TestSurface pair = makePair(2.2);
   const Orientations orientations = orientTo(pair.normals);
   const std::vector<char> flags(2, kFillsGaps);
   for (const auto& rule : {proposeStretched, proposeGrown}) {
-    EXPECT_THROW(rule(pair.positions, {orientations[0]}, flags, 1.0, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, {kFillsGaps}, 1.0, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 0.0, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, std::nan(""), {}), InputError);
-    EXPECT_THROW(rule({Vec3::Zero(), Vec3(std::nan(""), 0.0, 0.0)}, orientations, flags, 1.0, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, {orientations[0], Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, flags, 1.0, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, {orientations[0]}, flags, 1.0, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, {kFillsGaps}, 1.0, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 0.0, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, std::nan(""), {}, {}), InputError);
+    EXPECT_THROW(rule({Vec3::Zero(), Vec3(std::nan(""), 0.0, 0.0)}, orientations, flags, 1.0, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, {orientations[0], Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, flags, 1.0, {}, {}), InputError);
     GrowthParams params;
     params.max_gap = 1.5;
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, params), InputError);
-    EXPECT_TRUE(rule({}, {}, {}, 1.0, {}).empty());
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, params, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, {}, {3.0}), InputError);
+    EXPECT_TRUE(rule({}, {}, {}, 1.0, {}, {}).empty());
   }
 }
 

@@ -1,17 +1,44 @@
 // The loop over passes; the rules are in growth.cpp.
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 
+#include "deformable_surface/cloud/kd_tree.h"
+
 #include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::model {
+namespace {
 
-GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
+constexpr Index kNearest = 4;          // whose distance tells how densely there are samples: all around, and not by one close pair
+constexpr double kLeastReach = 2.5;    // spacings: what is published
+
+// The widest gaps, m, that samples close; none if that is the same for all.
+std::vector<double> findReaches(const Points& samples, double spacing, const GrowthParams& params) {
+  std::vector<double> reaches;
+  if (!(params.sample_gap > 0.0)) return reaches;
+  const cloud::KdTree tree(samples);
+  std::vector<cloud::Neighbor> nearest;
+  for (const Vec3& p : samples) {
+    tree.nearest(p, kNearest + 1, nearest);  // it is one of them
+    const double distance = nearest.empty() ? 0.0 : std::sqrt(nearest.back().squared_distance);
+    reaches.push_back(std::max(kLeastReach * spacing, params.sample_gap * distance));
+  }
+  return reaches;
+}
+
+}  // namespace
+
+GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& given,
                          const Relaxation& relax) {
+  GrowthParams params = given;
+  params.witnessed = true;
   GrownSurface surface;
   surface.positions = positions;
   surface.orientations = orientations;
   std::vector<Index> row(positions.size(), 0);
   std::vector<char> fixed(positions.size(), params.fix_samples);
+
+  std::vector<double> reaches = findReaches(positions, spacing, params);
 
   const auto makeFlags = [&] {
     std::vector<char> flags;
@@ -25,16 +52,17 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
     const auto& [first, second] = particle.parents;
     row.push_back(second < 0 ? row[first] + 1 : std::max(row[first], row[second]));
     fixed.push_back(0);
+    if (!reaches.empty()) reaches.push_back(second < 0 ? reaches[first] : std::max(reaches[first], reaches[second]));
     surface.positions.push_back(particle.position);
     surface.orientations.push_back(particle.orientation);
     surface.added.push_back(particle);
   };
 
   for (;;) {
-    std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params);
+    std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
     leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     if (found.empty()) {
-      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params);
+      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
       leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     }
     if (found.empty()) break;

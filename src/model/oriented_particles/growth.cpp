@@ -24,6 +24,9 @@ constexpr double kAhead = -0.9;
 // Share of d / 2 that a wide pair keeps clear: d_min / 2 at the published d_max.
 constexpr double kWideClearance = 0.8;
 
+// Who is nearer to a new particle, in spacings, has to see it: the first neighbours, which lie on the same surface.
+constexpr double kWitnesses = 1.5;
+
 constexpr Index kBlock = 64;
 
 struct Candidate {
@@ -31,16 +34,28 @@ struct Candidate {
   NewParticle particle;
 };
 
-void check(std::size_t num_particles, const std::vector<char>& flags, double spacing, const GrowthParams& params) {
+void check(std::size_t num_particles, const std::vector<char>& flags, const std::vector<double>& reaches, double spacing,
+           const GrowthParams& params) {
   if (flags.size() != num_particles) {
     throw InputError("found " + std::to_string(flags.size()) + " flags for " + std::to_string(num_particles) +
                      " particles; accepted: one for each");
+  }
+  if (!reaches.empty() && reaches.size() != num_particles) {
+    throw InputError("found " + std::to_string(reaches.size()) + " reaches for " + std::to_string(num_particles) +
+                     " particles; accepted: one for each, or none");
   }
   if (!(spacing > 0.0 && std::isfinite(spacing))) {
     throw InputError("found a spacing of " + std::to_string(spacing) + " m; accepted: a length above 0");
   }
   const std::vector<std::string> problems = checkParams(params);
   if (!problems.empty()) throw InputError(problems);
+}
+
+// Whether both ends of a gap may close it.
+bool isWithinReach(const std::vector<double>& reaches, Index i, const cloud::Neighbor& other) {
+  if (reaches.empty()) return true;
+  const double reach = std::min(reaches[i], reaches[other.index]);
+  return other.squared_distance <= reach * reach;
 }
 
 // Calls propose(i, scratch, out) for all particles and returns what they put out, in their order.
@@ -123,8 +138,9 @@ void findOpenDirections(const LocalSurface& surface, Index i, const std::vector<
 }  // namespace
 
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
-                                          const std::vector<char>& flags, double spacing, const GrowthParams& params) {
-  check(positions.size(), flags, spacing, params);
+                                          const std::vector<char>& flags, double spacing, const GrowthParams& params,
+                                          const std::vector<double>& reaches) {
+  check(positions.size(), flags, reaches, spacing, params);
   const LocalSurface surface(positions, orientations);
   const double min_clearance = 0.5 * params.min_gap * spacing;
   const double min_gap = (1.0 - kRounding) * params.min_gap * spacing, max_gap = (1.0 + kRounding) * params.max_gap * spacing;
@@ -135,6 +151,7 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
     for (const cloud::Neighbor& q : scratch.near) {
       const Index j = q.index;
       if (j <= i || !(flags[j] & kFillsGaps) || !(q.squared_distance >= min_gap * min_gap) || !surface.sees(i, j)) continue;
+      if (!isWithinReach(reaches, i, q)) continue;
       const Vec3 middle = 0.5 * (positions[i] + positions[j]), normal = surface.normals()[i] + surface.normals()[j];
       const double half = 0.5 * std::sqrt(q.squared_distance);
       const double clearance = (1.0 - kRounding) * std::max(min_clearance, kWideClearance * half);
@@ -147,6 +164,11 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
       const Placed placed = surface.place(middle, half, parents, scratch.found);
       if (!surface.sees(i, placed) || !surface.sees(j, placed)) continue;
       if (!surface.isClear(placed.position, normal, min_clearance, parents, scratch.found)) continue;
+      // Seen along the normal: below a bridge over a valley, and above a cut through a ridge, there is no gap.
+      if (params.witnessed && half > min_clearance &&
+          !surface.isOpen(placed.position, normal, clearance, half, parents, scratch.found))
+        continue;
+      if (params.witnessed && !surface.fits(placed, kWitnesses * spacing, scratch.found)) continue;
       out.push_back({q.squared_distance, {placed.position, placed.orientation, {i, j}}});
     }
   });
@@ -154,8 +176,8 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
 }
 
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
-                                      double spacing, const GrowthParams& params) {
-  check(positions.size(), flags, spacing, params);
+                                      double spacing, const GrowthParams& params, const std::vector<double>& reaches) {
+  check(positions.size(), flags, reaches, spacing, params);
   const LocalSurface surface(positions, orientations);
   const double range = params.neighbor_range * spacing, max_gap = params.max_gap * spacing;
   const double clearance = params.clearance * spacing;
@@ -168,7 +190,8 @@ std::vector<NewParticle> proposeGrown(const Points& positions, const Orientation
     findOpenDirections(surface, i, scratch.near, range, params, directions);
     for (const Vec3& direction : directions) {
       const auto isAhead = [&](const cloud::Neighbor& q) {
-        if (q.index == i || !(q.squared_distance <= max_gap * max_gap) || !surface.sees(i, q.index)) return false;
+        if (q.index == i || !(q.squared_distance <= max_gap * max_gap) || !isWithinReach(reaches, i, q)) return false;
+        if (!surface.sees(i, q.index)) return false;
         const Vec3 line = positions[q.index] - positions[i], on = line - line.dot(normal) * normal - spacing * direction;
         return on.dot(-direction) <= kAhead * on.norm();
       };
@@ -178,6 +201,7 @@ std::vector<NewParticle> proposeGrown(const Points& positions, const Orientation
       placed.position = positions[i] + spacing * (placed.position - positions[i]).normalized();
       if (!surface.sees(i, placed)) continue;
       if (!surface.isClear(placed.position, normal, clearance, parents, scratch.found)) continue;
+      if (params.witnessed && !surface.fits(placed, kWitnesses * spacing, scratch.found)) continue;
       out.push_back({0.0, {placed.position, placed.orientation, {i, -1}}});
     }
   });

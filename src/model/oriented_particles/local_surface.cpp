@@ -69,6 +69,26 @@ bool LocalSurface::isClear(const Vec3& point, const Vec3& normal, double radius,
   });
 }
 
+bool LocalSurface::isOpen(const Vec3& point, const Vec3& normal, double radius, double height, const Index (&parents)[2],
+                          std::vector<cloud::Neighbor>& found) const {
+  tree_.withinRadius(point, std::hypot(radius, height), found);
+  const Vec3 up = normal.normalized();
+  return std::none_of(found.begin(), found.end(), [&](const cloud::Neighbor& q) {
+    const Vec3 offset = positions_[q.index] - point;
+    const double above = offset.dot(up);
+    return q.index != parents[0] && q.index != parents[1] && normals_[q.index].dot(up) > 0.0 && std::abs(above) <= height &&
+           (offset - above * up).norm() <= radius;
+  });
+}
+
+bool LocalSurface::fits(const Placed& placed, double radius, std::vector<cloud::Neighbor>& found) const {
+  tree_.withinRadius(placed.position, radius, found);
+  const Vec3 normal = placed.orientation * Vec3::UnitZ();
+  return std::none_of(found.begin(), found.end(), [&](const cloud::Neighbor& q) {
+    return normals_[q.index].dot(normal) > 0.0 && !sees(q.index, placed);
+  });
+}
+
 Placed LocalSurface::place(const Vec3& point, double scale, const Index (&parents)[2],
                            std::vector<cloud::Neighbor>& found) const {
   const auto isPart = [&](Index j) {

@@ -32,6 +32,14 @@ class LocalSurface {
   bool isClear(const Vec3& point, const Vec3& normal, double radius, const Index (&parents)[2],
                std::vector<cloud::Neighbor>& found) const;
 
+  /// True if nobody who faces the way of `normal` lies in the cylinder about the point along it: radius wide, up to height above
+  /// and below, parents apart.
+  bool isOpen(const Vec3& point, const Vec3& normal, double radius, double height, const Index (&parents)[2],
+              std::vector<cloud::Neighbor>& found) const;
+
+  /// True if all within radius of a new particle who face its way see it: beside a surface instead of on it nobody would.
+  bool fits(const Placed& placed, double radius, std::vector<cloud::Neighbor>& found) const;
+
   /// A particle at the point, moved along the normal n to where the co-circularity (eq. 8) with those nearby is least:
   ///   min over h of  sum_j w_j ((n + n_j) . (p_j - point - h n))^2,   w_j = exp(-|p_j - point|^2 / (2 scale^2)),
   /// which is exact on spheres, and to second order on every smooth surface, with particles on one side only too. n is the

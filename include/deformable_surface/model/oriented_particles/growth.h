@@ -30,10 +30,16 @@ struct NewParticle {
 /// from the plane of the mean normal; so must each of them and the new one. Of candidates closer than d_min / 2 to each other
 /// the one with the smaller d stays, then that with the smaller indices.
 ///
-/// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0. In the order of acceptance. Parallel; O(n (log n + k^2))
-/// for k particles within max_gap. Throws InputError.
+/// params.witnessed, of either rule: all within one and a half spacings of a new particle who face its way have to see it. And of a
+/// pair farther apart than min_gap nobody may lie above or below the new one, within d / 2: where the line of sight goes over a
+/// valley or through a ridge there is no gap.
+///
+/// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0; reaches (n or none): the widest gap, m, that a particle closes
+/// if that is less than max_gap. In the order of acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap. Throws
+/// InputError.
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
-                                          const std::vector<char>& flags, double spacing, const GrowthParams& params);
+                                          const std::vector<char>& flags, double spacing, const GrowthParams& params,
+                                          const std::vector<double>& reaches = {});
 
 /// The growing rule [sec. 7]: a particle with n_min to n_max neighbours (within neighbor_range, and seen) fills every gap between
 /// successive neighbours of theta_min to theta_max, seen along its normal, with round(gap / 60 degrees) - 1 particles at r0,
@@ -42,7 +48,7 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
 /// is closer than clearance to a particle is left out; of two that are so close to each other the one from the smaller index,
 /// then from the earlier gap, stays. In a chain the directions are the two of the curve, each open if it has no neighbour.
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
-                                      double spacing, const GrowthParams& params);
+                                      double spacing, const GrowthParams& params, const std::vector<double>& reaches = {});
 
 /// Leaves out those nearer than a distance, m, to any of the given particles, whichever way they face. The rules look at those
 /// that face the same way; nearer to any other, repulsion would be a blow.

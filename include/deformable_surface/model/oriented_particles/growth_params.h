@@ -8,6 +8,7 @@ namespace deformable_surface::model {
 struct GrowthParams {
   double min_gap = 2.0;         // spacings: d_min of the stretching rule
   double max_gap = 2.5;         // spacings, >= min_gap: d_max; the widest gap that either rule closes
+  double sample_gap = 0.0;      // >= 0: samples close gaps up to so many times their distance to others; 0 = up to max_gap
   Index min_neighbors = 0;      // n_min of the growing rule
   Index max_neighbors = 5;      // n_max, >= n_min: particles with more grow nothing
   double min_angle = 1.75;      // rad: theta_min, the smallest gap between successive neighbours that is filled
@@ -19,6 +20,7 @@ struct GrowthParams {
   Index max_particles = 20000;
   bool fix_samples = true;      // the given particles stay where they are while the surface grows
   bool release_samples = true;  // they move in a last relaxation
+  bool witnessed = false;       // the surroundings must agree to what is born (growth.h); growSurface() asks for it, no field
   bool chain = false;           // particles of a curve in the plane y = 0; follows from the model's mode, no field
 };
 
@@ -26,6 +28,9 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "particles this far apart get one between them");
   fields.number("max_gap", p.max_gap, "spacings", between(1.0, 100.0), "the widest gap that is closed");
   fields.require(p.min_gap <= p.max_gap, "max_gap", "found less than min_gap; accepted: at least min_gap");
+  fields.number("sample_gap", p.sample_gap, "", between(0.0, 100.0),
+                "of `fit`: beside a sample gaps are closed up to this times the distance of its fourth nearest (and up to 2.5 spacings), "
+                "at most max_gap: where samples are dense, features may be small; 0 = max_gap everywhere");
   fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours grow nothing");
   fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours grow nothing");
   fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: as many or more");
