@@ -1,5 +1,6 @@
 #include "coarse_thinning.h"
 
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -24,12 +25,6 @@ constexpr Index kFewestOfPart = 64;
 constexpr Index kMaxAsked = 4;
 constexpr Index kSpacingNeighbor = 6;  // that completes a hexagon
 constexpr int kPasses = 2;             // over those found, nearest first: the second finds ways that lead back
-
-double findMedian(std::vector<double> values) {
-  const auto middle = values.begin() + values.size() / 2;
-  std::nth_element(values.begin(), middle, values.end());
-  return *middle;
-}
 
 // The median distance of the nearest and of the farthest that are listed, m.
 std::pair<double, double> measureLists(const ThinnedCloud& cloud) {

@@ -1,5 +1,6 @@
 // The graph that geodesics run on: what a link costs, and which links there are. Searching it is another matter.
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "trust_radii.h"
@@ -25,10 +26,8 @@ double findMedianSpacing(const Points& positions, const Lists& neighbors) {
   for (Index i = 0; i < neighbors.size(); ++i) {
     if (neighbors.count(i) > 0) nearest.push_back((positions[neighbors.begin(i)[0]] - positions[i]).norm());
   }
-  if (nearest.empty()) return 1.0;
-  const auto middle = nearest.begin() + nearest.size() / 2;
-  std::nth_element(nearest.begin(), middle, nearest.end());
-  return *middle > 0.0 ? *middle : 1.0;
+  const double median = nearest.empty() ? 0.0 : findMedian(std::move(nearest));
+  return median > 0.0 ? median : 1.0;
 }
 
 // The links that keep(i, j, cost) takes, made symmetric.

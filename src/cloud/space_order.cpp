@@ -1,5 +1,6 @@
 #include "deformable_surface/cloud/space_order.h"
 
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel_sort.h"
 
 #include <algorithm>
@@ -35,9 +36,7 @@ double findExtent(const Points& points, const Vec3& low) {
 bool isScattered(const Points& points, double extent) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < points.size(); i += kSampled) steps.push_back((points[i] - points[i - 1]).norm());
-  const auto middle = steps.begin() + steps.size() / 2;
-  std::nth_element(steps.begin(), middle, steps.end());
-  return *middle > kLongestStep * extent / std::sqrt(static_cast<double>(points.size()));
+  return findMedian(std::move(steps)) > kLongestStep * extent / std::sqrt(static_cast<double>(points.size()));
 }
 
 // The bits of a number of kBits bits, each followed by two zeros.

@@ -8,6 +8,7 @@
 #include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -117,9 +118,8 @@ void Hand::measure() {
     tree.nearest(p, 2, nearest);
     distances.push_back(std::sqrt(nearest.back().squared_distance));
   }
-  const auto median = distances.begin() + distances.size() / 2;
-  std::nth_element(distances.begin(), median, distances.end());
-  spacing_ = *median > 0.0 ? *median : extent_;
+  const double median = findMedian(std::move(distances));
+  spacing_ = median > 0.0 ? median : extent_;
   top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + 2.0 * kPanelShare * extent_);
   if (!has_menus_) {
     makeMenus();

@@ -1,5 +1,6 @@
 // From a cloud to an elastic solid: like rest_surface.cpp, but a body has neither rings nor tangent planes.
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/cloud/farthest_points.h"
 #include "deformable_surface/cloud/geodesic_cells.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -44,11 +45,6 @@ Spread measureSpread(Index n, const At& at) {
   s.normal.cwiseAbs().maxCoeff(&largest);
   if (s.normal[largest] < 0.0) s.normal = -s.normal;
   return s;
-}
-
-double findMedian(std::vector<double> values) {
-  std::nth_element(values.begin(), values.begin() + values.size() / 2, values.end());
-  return values[values.size() / 2];
 }
 
 // The normal of a planar cloud, or zero of one that fills space. Refuses what is neither.

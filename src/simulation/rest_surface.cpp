@@ -1,6 +1,7 @@
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
@@ -140,9 +141,7 @@ double findMedianDistance(const Points& points) {
   std::vector<double> distances;
   for (Index i = 0; i < nearest.size(); ++i)
     if (nearest.count(i) > 0) distances.push_back((points[*nearest.begin(i)] - points[i]).norm());
-  if (distances.empty()) return 0.0;
-  std::nth_element(distances.begin(), distances.begin() + distances.size() / 2, distances.end());
-  return distances[distances.size() / 2];
+  return distances.empty() ? 0.0 : findMedian(std::move(distances));
 }
 
 // Edge of the equilateral triangle whose area is that of the mean triangle between the simulation points: of a hexagonal lattice

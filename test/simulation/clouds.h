@@ -2,6 +2,7 @@
 #pragma once
 
 #include "../support/surfaces.h"
+#include "deformable_surface/base/error.h"
 #include "deformable_surface/simulation/simulation.h"
 
 namespace deformable_surface::test {
@@ -27,6 +28,16 @@ inline simulation::SceneParams hangingSheet() {
 }
 
 inline cloud::PointCloud sheetCloud(Index n = 30) { return asCloud(makeSheet(n, n, 1.0, 1.0, 0.2).points); }
+
+/// What is wrong with a scene or its cloud, or "accepted".
+inline std::string problemOf(const simulation::SceneParams& scene, const cloud::PointCloud& cloud) {
+  try {
+    simulation::Simulation simulation(scene, cloud);
+  } catch (const InputError& problem) {
+    return problem.what();
+  }
+  return "accepted";
+}
 
 inline void run(simulation::Simulation& s, int steps) {
   for (int k = 0; k < steps; ++k) {

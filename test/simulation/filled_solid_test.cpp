@@ -36,15 +36,6 @@ double measureMass(const Simulation& s) {
   return std::accumulate(masses.begin(), masses.end(), 0.0);
 }
 
-std::string problemOf(const SceneParams& scene, const cloud::PointCloud& cloud) {
-  try {
-    Simulation simulation(scene, cloud);
-  } catch (const InputError& problem) {
-    return problem.what();
-  }
-  return "accepted";
-}
-
 // The hull of the points lies within the ball: its volume is short by about 3 A / (2 n) times the curvature's, a / (4 pi r^2).
 TEST(FilledSolid, HasTheVolumeOfItsSurfaceWithinWhatTheSamplingLeavesOpen) {
   const double ball = 4.0 / 3.0 * kPi * 1e-3;

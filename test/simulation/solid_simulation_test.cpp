@@ -32,15 +32,6 @@ SceneParams makeBarScene(Index points = 600) {
 
 Simulation makeSimulation(const SceneParams& scene) { return Simulation(scene, io::makeShape(scene.cloud)); }
 
-std::string problemOf(const SceneParams& scene, const cloud::PointCloud& cloud) {
-  try {
-    Simulation simulation(scene, cloud);
-  } catch (const InputError& problem) {
-    return problem.what();
-  }
-  return "accepted";
-}
-
 bool hasNote(const Simulation& s, const std::string& part) {
   for (const std::string& note : s.buildNotes())
     if (note.find(part) != std::string::npos) return true;
