@@ -17,7 +17,7 @@ using solve::IntegratorType;
 
 // The first number tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
 constexpr Index kFewest = 8 * kCoarsestPoints;
-// The membranes that are tried: each has this share of the stiffness of the one before, so that a step of it takes half as many sub-steps.
+// The membranes that are tried: each has this share of the stiffness of the one before, so that its steps take half as many sub-steps.
 constexpr double kSofter = 0.25;
 constexpr double kWorthwhile = 0.9;  // of the work: what a softer membrane must save, else bending or loads ask for the sub-steps
 constexpr double kMostKept = 2e6;    // points whose positions are kept of a probe: some fifty megabytes
@@ -83,7 +83,7 @@ bool maySoften(const SceneParams& params) {
          params.mass_spring.stiffness == model::Stiffness::kMaterial;
 }
 
-// The softest membrane whose estimate stays below the wish, with how far the probe with it is from the one with the stated stiffness.
+// The softest membrane whose estimate stays below the wish, and how far the probe with it is from the one with the stated stiffness.
 void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, AccuracyChoice& choice) {
   double work = stated.work;
   const auto isBetter = [&](double share) {
@@ -118,8 +118,8 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +
                         formatReal(params.duration) + " s stays below it (" + estimate + ")";
       if (choice.membrane_share < 1.0)
-        choice.sentence += ", with " + formatReal(choice.membrane_share) + " of the stated membrane stiffness, the least tried for which "
-                           "that holds (steps are fewer)";
+        choice.sentence += ", with " + formatReal(choice.membrane_share) +
+                           " of the stated membrane stiffness, the least tried for which that holds (sub-steps are fewer)";
       break;
     }
     const std::string reached = "; its estimated error has reached " + estimate;
