@@ -1,4 +1,7 @@
+// What acts between pairs, four at once; bounds of its stiffness are in pair_stiffness.cpp.
 #include "deformable_surface/model/oriented_particles/pair_forces.h"
+
+#include "raise_two.h"
 
 #include <algorithm>
 
@@ -7,45 +10,6 @@ namespace {
 
 DEFORMABLE_SURFACE_INLINE void takeRoots(double& x) { x = std::sqrt(x); }
 using deformable_surface::takeRoots;
-
-// e^x and e^y for x, y <= 0, to some units in the last place: four of each at once, and, unlike the library's, with the same bits on every
-// processor; both together, since they share their constants. x = k log 2 + rest; the polynomial of the rest, which goes through e^rest at
-// Chebyshev's points, is off by less than rounding, and k goes to the exponent's bits. Smaller than any that counts: kLeast.
-DEFORMABLE_SURFACE_INLINE void exponentiate(Double4& x, Double4& y) {
-  using Bits = long long __attribute__((vector_size(4 * sizeof(long long))));
-  constexpr double kLeast = -700.0, kRounder = 6755399441055744.0;  // 1.5 * 2^52: a sum with it ends in the nearest whole number
-  constexpr double kLog2High = 0x1.62e42fee00000p-1, kLog2Low = 0x1.a39ef35793c76p-33;  // k times the first is exact
-  constexpr double kEven[] = {0x1.28a2c1a026d69p-22, 0x1.a019a6698693fp-16, 0x1.6c16c17f43f0fp-10,
-                              0x1.55555555520aep-5,  0x1.0000000000005p-1,  1.0};
-  constexpr double kOdd[] = {0x1.72faf19a64b4ep-19, 0x1.a01978c553e71p-13, 0x1.1111112dd6ed8p-7, 0x1.555555554b753p-3,
-                             0x1.000000000001ep+0};
-  const Double4 least = x - x + kLeast;
-  x = x > least ? x : least;
-  y = y > least ? y : least;
-  const Double4 x_shifted = x * 1.4426950408889634 + kRounder, y_shifted = y * 1.4426950408889634 + kRounder;
-  const Double4 x_k = x_shifted - kRounder, y_k = y_shifted - kRounder;
-  x = (x - x_k * kLog2High) - x_k * kLog2Low;
-  y = (y - y_k * kLog2High) - y_k * kLog2Low;
-  const Double4 x_square = x * x, y_square = y * y, zero = x - x;
-  Double4 x_even = zero + kEven[0], y_even = x_even, x_odd = zero + kOdd[0], y_odd = x_odd;  // short chains instead of long ones
-  for (int c = 1; c < 6; ++c) {
-    x_even = x_even * x_square + kEven[c];
-    y_even = y_even * y_square + kEven[c];
-    if (c == 5) break;
-    x_odd = x_odd * x_square + kOdd[c];
-    y_odd = y_odd * y_square + kOdd[c];
-  }
-  const Double4 x_sum = x_even + x * x_odd, y_sum = y_even + y * y_odd;
-  x = (Double4)((Bits)x_sum + ((Bits)x_shifted << 52));
-  y = (Double4)((Bits)y_sum + ((Bits)y_shifted << 52));
-}
-
-DEFORMABLE_SURFACE_INLINE void exponentiate(double& x, double& y) {
-  Double4 four_x{x, x, x, x}, four_y{y, y, y, y};
-  exponentiate(four_x, four_y);
-  x = four_x[0];
-  y = four_y[0];
-}
 
 // A pair seen from particle i, in the letters of the header. r and the normals are given, the rest follows.
 template <class T>
@@ -130,8 +94,10 @@ DEFORMABLE_SURFACE_INLINE void evaluatePair(const PairPotentials& p, Pair<T>& pa
   T psi_i, psi_j;
   if (kAnisotropic) {
     const double tilt = p.inverse_width - p.inverse_height;  // psi falls along u by u times it
-    T gi = -0.5 * (p.inverse_width * squared - tilt * ui * ui), gj = -0.5 * (p.inverse_width * squared - tilt * uj * uj);
-    exponentiate(gi, gj);
+    const double wide = -kHalfLog2E * p.inverse_width, tilted = kHalfLog2E * tilt;
+    const T near = wide * squared;
+    T gi = near + tilted * ui * ui, gj = near + tilted * uj * uj;
+    raiseTwo(gi, gj);
     gi *= pair.smooth_strength;
     gj *= pair.smooth_strength;
     psi_i = on * gi;
@@ -201,60 +167,135 @@ DEFORMABLE_SURFACE_INLINE void loadRows(const double* rows, const Index* near, D
   transpose(a, b, c, d);
 }
 
+// What a particle brings into its pairs, or what two of them bring into lanes that they share.
+struct Owner {
+  Double4 place[3], strength, normal[3], smooth, curvature[6];
+};
+
+template <bool kBends, bool kBent>
+DEFORMABLE_SURFACE_INLINE void takeOwner(const PackedParticles& particles, Index i, Owner& owner) {
+  const Double4 zero{0.0, 0.0, 0.0, 0.0};
+  for (int a = 0; a < 3; ++a) owner.place[a] = zero + particles.place(i)[a];
+  owner.strength = zero + particles.place(i)[3];
+  for (int a = 0; kBends && a < 3; ++a) owner.normal[a] = zero + particles.normal(i)[a];
+  if (kBends) owner.smooth = zero + particles.normal(i)[3];
+  for (int a = 0; kBent && a < 6; ++a) owner.curvature[a] = zero + particles.curvature(i)[a];
+}
+
+// The owner keeps the lanes where mine is 1, the other gets those where it is 0.
+template <bool kBends, bool kBent>
+DEFORMABLE_SURFACE_INLINE void blend(const Double4& mine, const Owner& other, Owner& owner) {
+  const Double4 half = mine - mine + 0.5;
+  for (int a = 0; a < 3; ++a) owner.place[a] = mine > half ? owner.place[a] : other.place[a];
+  owner.strength = mine > half ? owner.strength : other.strength;
+  for (int a = 0; kBends && a < 3; ++a) owner.normal[a] = mine > half ? owner.normal[a] : other.normal[a];
+  if (kBends) owner.smooth = mine > half ? owner.smooth : other.smooth;
+  for (int a = 0; kBent && a < 6; ++a) owner.curvature[a] = mine > half ? owner.curvature[a] : other.curvature[a];
+}
+
+// Of all pairs of a particle, lane by lane: force; c_i; what is to be crossed with the normal; torque.
+struct Sums {
+  Double4 value[10];
+};
+
+template <bool kBends, bool kNormality, bool kBent>
+DEFORMABLE_SURFACE_INLINE void addPairs(const Pair<Double4>& pair, Sums& sums) {
+  for (int a = 0; a < 3; ++a) {
+    Double4& force = sums.value[a];
+    force += pair.c_r * pair.r[a];
+    if (kBends) {
+      force += pair.c_j * pair.nj[a];
+      sums.value[4 + a] += pair.c_i * pair.r[a];
+      if (kNormality) sums.value[4 + a] += pair.twist * pair.q[a];
+    }
+    if (kBent) {
+      force += pair.force[a];
+      sums.value[7 + a] += pair.torque[a];
+    }
+  }
+  if (kBends) sums.value[3] += pair.c_i;
+}
+
+template <bool kBends, bool kBent>
+DEFORMABLE_SURFACE_INLINE void addSums(const PackedParticles& particles, Index i, const Sums& sums, Vec3* forces, Vec3* torques) {
+  const Double4* const s = sums.value;
+  forces[i] += Vec3(addLanes(s[0]), addLanes(s[1]), addLanes(s[2]));
+  if (!kBends) return;
+  const double* const normal = particles.normal(i);
+  const Vec3 n(normal[0], normal[1], normal[2]);
+  forces[i] += addLanes(s[3]) * n;
+  torques[i] += Vec3(addLanes(s[4]), addLanes(s[5]), addLanes(s[6])).cross(n);
+  if (kBent) torques[i] += Vec3(addLanes(s[7]), addLanes(s[8]), addLanes(s[9]));
+}
+
+// Two particles at a time: in a lattice each has six neighbours, so that together they fill three times four lanes.
 template <bool kAnisotropic, bool kPlanarity, bool kNormality, bool kCircularity, bool kBent = false>
 DEFORMABLE_SURFACE_INLINE void gather(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles,
                                       Index begin, Index end, Vec3* forces, Vec3* torques) {
   constexpr bool kBends = kPlanarity || kNormality || kCircularity;
+  constexpr int kValues = kBent ? 10 : kBends ? 7 : 3;
   const double *const places = particles.places.data(), *const normals = particles.normals.data();
   const Double4 zero{0.0, 0.0, 0.0, 0.0};
-  Index near[NeighborList::kMostNeighbors + 4];
-  for (Index i = begin; i < end; ++i) {
-    const Index count = selectNear(p, lists, particles, i, near);
-    for (Index k = count; k < count + 3; ++k) near[k] = i;
-    const double *const place = particles.place(i), *const normal = particles.normal(i);
-    Pair<Double4> pair;
-    for (int a = 0; a < 3; ++a) pair.ni[a] = zero + normal[a];
-    for (int a = 0; kBent && a < 6; ++a) pair.ki[a] = zero + particles.curvature(i)[a];
-    Double4 more_moment[3] = {zero, zero, zero};
-    Double4 force[3] = {zero, zero, zero}, moment[3] = {zero, zero, zero}, along_normal = zero;
+  Index near[2 * NeighborList::kMostNeighbors + 4];
+  for (Index i = begin; i < end; i += 2) {
+    const Index first = selectNear(p, lists, particles, i, near);
+    const Index count = i + 1 < end ? first + selectNear(p, lists, particles, i + 1, near + first) : first;
+    for (Index k = count; k < count + 3; ++k) near[k] = count > first ? i + 1 : i;  // with oneself there is no force
+    Owner owner, next;
+    Sums sums;
+    for (int a = 0; a < kValues; ++a) sums.value[a] = zero;
+    takeOwner<kBends, kBent>(particles, i, owner);
+    if (count > first) takeOwner<kBends, kBent>(particles, i + 1, next);
+    Index at = i;
     for (Index k = 0; k < count; k += 4) {
-      Double4 strength, lanes;
-      loadRows(places, near + k, pair.r[0], pair.r[1], pair.r[2], strength);
-      for (int a = 0; a < 3; ++a) pair.r[a] -= place[a];
+      Double4 lanes, mine;
       load(kLanes[std::min(Index{4}, count - k)], lanes);
-      const Double4 own = zero + place[3];
-      pair.strength = lanes * (strength < own ? strength : own);
+      const bool is_shared = k < first && first < std::min(count, k + 4);
+      if (is_shared) {
+        load(kLanes[first - k], mine);
+        blend<kBends, kBent>(mine, next, owner);
+      } else if (k == first) {
+        addSums<kBends, kBent>(particles, i, sums, forces, torques);
+        for (int a = 0; a < kValues; ++a) sums.value[a] = zero;
+        owner = next;
+        at = i + 1;
+      }
+      Pair<Double4> pair;
+      Double4 strength;
+      loadRows(places, near + k, pair.r[0], pair.r[1], pair.r[2], strength);
+      for (int a = 0; a < 3; ++a) pair.r[a] -= owner.place[a];
+      pair.strength = lanes * (strength < owner.strength ? strength : owner.strength);
       if (kBends) {
         Double4 smooth;
         loadRows(normals, near + k, pair.nj[0], pair.nj[1], pair.nj[2], smooth);
-        pair.smooth_strength = pair.strength * smooth * normal[3];
+        for (int a = 0; a < 3; ++a) pair.ni[a] = owner.normal[a];
+        pair.smooth_strength = pair.strength * smooth * owner.smooth;
       }
       if (kBent) {
         Double4 zeros, more_zeros;  // each its own: rows become columns in place
+        for (int a = 0; a < 6; ++a) pair.ki[a] = owner.curvature[a];
         loadRows<8>(particles.curvatures.data(), near + k, pair.kj[0], pair.kj[1], pair.kj[2], pair.kj[3]);
         loadRows<8>(particles.curvatures.data() + 4, near + k, pair.kj[4], pair.kj[5], zeros, more_zeros);
       }
       evaluatePair<kAnisotropic, kPlanarity, kNormality, kCircularity, kBent>(p, pair);
-      for (int a = 0; a < 3; ++a) {
-        force[a] += pair.c_r * pair.r[a];
-        if (kBends) {
-          force[a] += pair.c_j * pair.nj[a];
-          moment[a] += pair.c_i * pair.r[a];
-          if (kNormality) moment[a] += pair.twist * pair.q[a];
-        }
-        if (kBent) {
-          force[a] += pair.force[a];
-          more_moment[a] += pair.torque[a];
-        }
+      if (!is_shared) {
+        addPairs<kBends, kNormality, kBent>(pair, sums);
+        continue;
       }
-      along_normal += pair.c_i;
+      Sums both;
+      for (int a = 0; a < kValues; ++a) both.value[a] = zero;
+      addPairs<kBends, kNormality, kBent>(pair, both);
+      for (int a = 0; a < kValues; ++a) {
+        const Double4 part = mine * both.value[a];
+        sums.value[a] += part;
+        both.value[a] -= part;
+      }
+      addSums<kBends, kBent>(particles, i, sums, forces, torques);
+      sums = both;
+      owner = next;
+      at = i + 1;
     }
-    forces[i] += Vec3(addLanes(force[0]), addLanes(force[1]), addLanes(force[2]));
-    if (!kBends) continue;
-    const Vec3 n(normal[0], normal[1], normal[2]);
-    forces[i] += addLanes(along_normal) * n;
-    torques[i] += Vec3(addLanes(moment[0]), addLanes(moment[1]), addLanes(moment[2])).cross(n);
-    if (kBent) torques[i] += Vec3(addLanes(more_moment[0]), addLanes(more_moment[1]), addLanes(more_moment[2]));
+    addSums<kBends, kBent>(particles, at, sums, forces, torques);
   }
 }
 
@@ -316,77 +357,6 @@ double gatherEnergy(const PairPotentials& p, const NeighborList& lists, const Pa
     }
   }
   return sum;
-}
-
-constexpr double kSwitchBend = 60.0 / (6.0 * 1.7320508);  // the largest second derivative of the switch, times its width squared
-
-// The largest eigenvalue's bound: of a symmetric matrix, the root of the sum of squares.
-double findLargest(const double* k) {
-  return std::sqrt(k[0] * k[0] + k[1] * k[1] + k[2] * k[2] + 2.0 * (k[3] * k[3] + k[4] * k[4] + k[5] * k[5]));
-}
-
-// Of E = psi B with B a sum of squares: psi times that of the squares of their gradients, and, where the surface is bent, what
-// else the product rule leaves. Norms of vectors stand for all their components.
-PairStiffness boundStiffness(const PairPotentials& p, const PackedParticles& particles, Index i, Index j) {
-  const Eigen::Map<const Vec4> place_i(particles.place(i)), place_j(particles.place(j));
-  const Eigen::Map<const Vec4> normal_i(particles.normal(i)), normal_j(particles.normal(j));
-  const Vec3 r = place_j.head<3>() - place_i.head<3>();
-  const double squared = r.squaredNorm(), d = std::sqrt(squared);
-  PairStiffness k;
-  if (!(d < p.cutoff)) return k;
-  const double strength = std::min(place_i[3], place_j[3]);
-  double on, on_slope, phi, slope;
-  switchOff(p, d, on, on_slope);
-  evaluateLennardJones(p, d, 1.0 / d, on, on_slope, phi, slope);
-  k.x = 2.0 * (d > p.distance ? strength : 1.0) * std::max({0.0, findLennardJonesCurvature(p, d), slope / std::max(d, p.core)});
-  const double smooth = strength * normal_i[3] * normal_j[3];
-  if (!p.bends() || !(smooth > 0.0)) return k;
-
-  // What rest curvatures add, at most: to u, to n_i - n_j, and, as a factor, to their derivatives.
-  double bent = 0.0;
-  if (!particles.curvatures.empty())
-    bent = std::max(findLargest(particles.curvature(i)), findLargest(particles.curvature(j)));
-  const double height = 0.5 * bent * squared, steeper = 1.0 + bent * d;
-  const double ui = std::abs(normal_i.head<3>().dot(r)) + height, uj = std::abs(normal_j.head<3>().dot(r)) + height, s = ui + uj;
-  const double normals = (normal_i - normal_j).head<3>().norm() + bent * d;
-  // psi, the sizes of its slope and of its second derivatives by position, and of those by turning the normal.
-  double psi, psi_slope, psi_bend, turned = 0.0, turned_twice = 0.0, turned_moved = 0.0;
-  if (p.is_anisotropic) {
-    const double lower = std::min(ui, uj), steep = d * p.inverse_height, width = p.cutoff - p.switch_begin;
-    psi = -0.5 * (squared * p.inverse_width + (p.inverse_height - p.inverse_width) * lower * lower);
-    double same = psi;
-    exponentiate(psi, same);
-    psi *= on;
-    psi_slope = psi * steep + std::abs(on_slope);
-    psi_bend = psi * (steep * steep + p.inverse_height) + 2.0 * std::abs(on_slope) * steep;
-    if (on < 1.0) psi_bend += kSwitchBend / (width * width);
-    turned = psi * steep * std::max(ui, uj);
-    turned_moved = psi * steep + turned * p.inverse_height * std::max(ui, uj);
-    turned_twice = turned_moved * d;
-  } else {
-    const double inverse = 1.0 / (p.cutoff * p.cutoff), q = 1.0 - inverse * squared;
-    weighByDistance(p, squared, psi, psi_slope);
-    psi_slope *= -d;
-    psi_bend = 6.0 * inverse * q * std::max(q, 4.0 * inverse * squared);
-  }
-  const double planarity = p.co_planarity * steeper * steeper, normality = p.co_normality * steeper * steeper;
-  const double circularity = p.co_circularity;
-  const double stored = planarity * (ui * ui + uj * uj) + 2.0 * (normality * normals * normals + circularity * s * s);
-  // |dB/dr| and |dB/dn|.
-  const double by_place = (2.0 * planarity + 8.0 * circularity) * s;
-  const double by_normal = 2.0 * planarity * std::max(ui, uj) * d + 4.0 * normality * normals + 4.0 * circularity * s * d;
-  k.x += smooth * (psi * (4.0 * planarity + 16.0 * circularity) + 2.0 * psi_slope * by_place + psi_bend * stored);
-  k.y = smooth * (psi * (2.0 * planarity * (d + s) + circularity * (8.0 * d + 4.0 * s)) + psi_slope * by_normal +
-                  turned * by_place + turned_moved * stored);
-  if (bent > 0.0) {
-    // n_i - n_j now changes with places, and u with their squares.
-    const double by_both = 4.0 * normality * bent, moved = by_both * normals;
-    k.x += smooth * (psi * (by_both * bent + 2.0 * planarity * s * bent) + 2.0 * psi_slope * moved);
-    k.y += smooth * (psi * (by_both + moved + 2.0 * planarity * s * bent * d) + psi_slope * moved * d);
-  }
-  k.z = smooth * (psi * (2.0 * planarity * squared + 8.0 * normality + 8.0 * circularity * squared + by_normal) +
-                  2.0 * turned * by_normal + turned_twice * stored);
-  return k;
 }
 
 }  // namespace deformable_surface::model
