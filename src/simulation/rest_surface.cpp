@@ -163,6 +163,10 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
     s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) + " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
+  constexpr double kTheirs = 1.0 / 3.0, kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects
+  if (!(std::abs(m.poisson_ratio - kTheirs) <= kNoted))
+    s.notes.push_back("material.poisson_ratio " + formatShort(m.poisson_ratio) + " counts in bending_rigidity: auto only: a surface of "
+                      "particles has 1/3");
   const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
   if (m.bendingRigidity() < kSoftest * stiffness)
     s.notes.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) + " N m is below a fiftieth of E h a^2, " +

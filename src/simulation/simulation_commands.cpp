@@ -151,8 +151,11 @@ Index Simulation::pin(const geometry::Region& region, bool orientation) {
   for (Index i = 0; i < impl_->state.size(); ++i) {
     if (!region.contains(impl_->state.positions[i])) continue;
     impl_->pinned[i] = 1;
-    if (!impl_->pinned_turns.empty() && orientation) impl_->pinned_turns[i] = 1;
     impl_->state.velocities[i].setZero();
+    if (!impl_->pinned_turns.empty() && orientation) {
+      impl_->pinned_turns[i] = 1;
+      if (!impl_->state.spins.empty()) impl_->state.spins[i].setZero();
+    }
     ++changed;
   }
   if (changed > 0) impl_->wakeAll();

@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace deformable_surface::test {
@@ -27,6 +28,16 @@ cloud::PointCloud patch() {
   for (Index j = 0; j < 8; ++j)
     for (Index i = 0; i < 8; ++i) points.emplace_back(kSpacing * (i + 0.5 * (j % 2)), kSpacing * std::sqrt(0.75) * j, 0.0);
   return asCloud(points);
+}
+
+TEST(ParticleLoads, APoissonRatioThatParticlesDoNotHaveIsNoted) {
+  for (const double ratio : {0.0, 0.3, 0.45}) {
+    simulation::SceneParams p = freePatch();
+    p.material.poisson_ratio = ratio;
+    const simulation::Simulation s(p, patch());
+    const auto says = [](const std::string& note) { return note.find("poisson_ratio") != std::string::npos; };
+    EXPECT_EQ(std::any_of(s.buildNotes().begin(), s.buildNotes().end(), says), ratio != 0.3) << ratio;
+  }
 }
 
 TEST(ParticleLoads, PressureMovesAFlatSheetAlongItsNormalLikeItsMass) {
@@ -94,6 +105,35 @@ TEST(ParticleLoads, SheetsTearAtTheStretchThatIsAskedFor) {
     EXPECT_GE(countPieces(tear_strain, 1.5 * tear_strain), 2.0) << tear_strain;
   }
   EXPECT_THROW(countPieces(0.5, 0.1), InputError);  // with these exponents and this cutoff bonds carry most at 42 %
+}
+
+// Pinned while it swings about a hinge: with orientation the held edge becomes a clamp, and stops where it is.
+TEST(ParticleLoads, PinsHoldOrientationsIfTheyAreAskedTo) {
+  geometry::Region edge;
+  edge.min = Vec3(-1.0, -1.0, -1.0);
+  edge.max = Vec3(0.3 * kSpacing, 1.0, 1.0);
+  for (const bool orientation : {false, true}) {
+    simulation::SceneParams p = freePatch();
+    simulation::Simulation s(p, patch());
+    ASSERT_GT(s.pin(edge), 0);
+    s.setGravity(Vec3(0.0, 0.0, -9.81));
+    run(s, 5);
+    ASSERT_GT(s.pin(edge, orientation), 0);
+    const model::State before = s.state();
+    run(s, 5);
+    double turned = 0.0;
+    for (Index i = 0; i < s.state().size(); ++i) {
+      if (!s.pinned()[i]) continue;
+      EXPECT_EQ(s.state().positions[i], before.positions[i]);
+      EXPECT_EQ(before.spins[i].isZero(0.0), orientation);  // else it would go on where it stopped as soon as it is let go
+      turned = std::max(turned, (s.state().orientations[i].coeffs() - before.orientations[i].coeffs()).norm());
+    }
+    if (orientation) {
+      EXPECT_EQ(turned, 0.0);
+    } else {
+      EXPECT_GT(turned, 0.01);
+    }
+  }
 }
 
 TEST(ParticleLoads, DragBrakesMotionAlongTheNormalsAndNoOther) {
