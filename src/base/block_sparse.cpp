@@ -43,32 +43,44 @@ bool BlockSparse::finish() {
   return true;
 }
 
-// The blocks there were, those that wait and the diagonal, by column and row.
+// The blocks there were, those that wait and the diagonal, by column and row. A first filling names each block many times, so that
+// nothing here may cost more than a look at each.
 void BlockSparse::buildPattern() {
   const Index n = pattern_.size();
-  std::vector<Index> next(n + 1, 0);
-  for (const Pending& p : pending_) ++next[p.column + 1];
-  for (Index column = 0; column < n; ++column) next[column + 1] += next[column];
-  std::vector<Index> waiting(pending_.size());  // rows, by column; next[column] is where those of the next one begin
-  for (const Pending& p : pending_) waiting[next[p.column]++] = p.row;
+  Lists waiting;  // of each column, in the order in which they came
+  waiting.offsets.assign(n + 1, 0);
+  for (const Pending& p : pending_) ++waiting.offsets[p.column + 1];
+  for (Index column = 0; column < n; ++column) waiting.offsets[column + 1] += waiting.offsets[column];
+  waiting.items.resize(pending_.size());
+  std::vector<Index> next(waiting.offsets.begin(), waiting.offsets.end() - 1);
+  for (std::size_t k = 0; k < pending_.size(); ++k) waiting.items[next[pending_[k].column]++] = static_cast<Index>(k);
 
   const Lists before = std::exchange(pattern_, Lists());
+  const std::vector<Mat3> values_before = std::exchange(values_, {});
+  std::vector<Index> moved(values_before.size()), found(pending_.size());  // the slots of those before and of those that wait
+  std::vector<Index> slot(n), seen(n, -1);                                 // of a row; the last column that it was seen in
   std::vector<Index> rows;
+  pattern_.offsets.assign(1, 0);
   for (Index column = 0; column < n; ++column) {
-    rows.assign(1, column);
-    rows.insert(rows.end(), before.begin(column), before.end(column));
-    rows.insert(rows.end(), waiting.begin() + (column > 0 ? next[column - 1] : 0), waiting.begin() + next[column]);
+    rows.clear();
+    const auto see = [&](Index row) {
+      if (std::exchange(seen[row], column) != column) rows.push_back(row);
+    };
+    see(column);
+    for (const Index* row = before.begin(column); row != before.end(column); ++row) see(*row);
+    for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k) see(pending_[*k].row);
     std::sort(rows.begin(), rows.end());
-    pattern_.items.insert(pattern_.items.end(), rows.begin(), std::unique(rows.begin(), rows.end()));
+    for (const Index row : rows) {
+      slot[row] = static_cast<Index>(pattern_.items.size());
+      pattern_.items.push_back(row);
+    }
     pattern_.offsets.push_back(static_cast<Index>(pattern_.items.size()));
+    values_.resize(pattern_.items.size(), Mat3::Zero());
+    for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k) values_[moved[k] = slot[before.items[k]]] = values_before[k];
+    for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k) values_[found[*k] = slot[pending_[*k].row]] += pending_[*k].block;
   }
-  const std::vector<Mat3> values_before = std::exchange(values_, std::vector<Mat3>(pattern_.items.size(), Mat3::Zero()));
-
-  for (Index column = 0; column < n; ++column)
-    for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k)
-      values_[find(before.items[k], column)] = values_before[k];
-  for (const Pending& p : pending_) values_[find(p.row, p.column)] += p.block;
-  for (Entry& entry : order_) entry.slot = find(entry.i, entry.j);
+  auto next_found = found.begin();
+  for (Entry& entry : order_) entry.slot = entry.slot < 0 ? *next_found++ : moved[entry.slot];
   std::vector<Pending>().swap(pending_);  // the largest array of all, seldom needed again
 }
 
