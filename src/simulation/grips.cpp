@@ -5,6 +5,11 @@
 #include <algorithm>
 
 namespace deformable_surface::simulation {
+namespace {
+
+constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew";
+
+}  // namespace
 
 void Grips::setTools(const std::vector<tool::ToolParams>& tools) {
   std::vector<Grip> grips;
@@ -50,14 +55,15 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
         grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
       }
       update.changed = true;
-      if (grip.points.empty()) update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it";
+      if (grip.points.empty()) update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it; " + kAnew;
     }
     if (!(grip.tool.strength > 0.0) || grip.points.empty()) continue;
     Vec3 force = Vec3::Zero();
     for (const Index i : grip.points) force += forces[i];
     if (force.norm() <= grip.tool.strength) continue;
     letGo(grip);
-    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatReal(force.norm()) + " N";
+    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatReal(force.norm()) + " N; " +
+                    kAnew;
   }
   return update;
 }
