@@ -17,10 +17,15 @@ constexpr std::chrono::seconds kPatience(30);
 
 }  // namespace
 
-void Inbox::put(DecodedCloud&& cloud) {
+std::int64_t Inbox::now() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return readClock();
+}
+
+void Inbox::put(DecodedCloud&& cloud, std::int64_t arrival) {
   const std::lock_guard<std::mutex> lock(mutex_);
   num_clouds_replaced_ += cloud_.has_value();
-  cloud_ = IncomingCloud{std::move(cloud), readClock()};
+  cloud_ = IncomingCloud{std::move(cloud), arrival};
   came_.notify_one();
 }
 
@@ -38,7 +43,8 @@ void Inbox::put(const ToolConstPtr& tool) {
 
 void Inbox::putCommand(Command command) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (command.stamp == 0) command.stamp = readClock();
+  command.is_stamped = command.stamp != 0;
+  if (!command.is_stamped) command.stamp = readClock();
   if (commands_.size() >= kMaxCommands) {
     commands_.pop_front();
     ++num_commands_dropped_;

@@ -27,13 +27,15 @@ struct IncomingCloud {
   std::int64_t arrival = 0;
 };
 
-/// A command and the time (ns) from which it counts: its stamp, or that of its arrival if it brings none.
+/// A command and its stamp (ns), or the time of its arrival if it brings none: it counts from the first step that begins at its stamp or
+/// later, or from the one in which it arrives.
 struct Command {
   std::int64_t stamp = 0;
   // One of the three:
   PointForceConstPtr force;
   geometry_msgs::WrenchStampedConstPtr wrench;
   ToolConstPtr tool;
+  bool is_stamped = true;
 };
 
 class Inbox {
@@ -58,12 +60,14 @@ class Inbox {
   explicit Inbox(bool use_simulated_clock) : clock_(use_simulated_clock) {}
 
   // For callbacks. None of them waits but perform().
-  /// A cloud that was not fetched yet gives way to the new one.
-  void put(DecodedCloud&& cloud);
+  /// A cloud that was not fetched yet gives way to the new one. arrival: as in IncomingCloud.
+  void put(DecodedCloud&& cloud, std::int64_t arrival);
   /// Too many: the oldest is dropped.
   void put(const PointForceConstPtr& force);
   void put(const geometry_msgs::WrenchStampedConstPtr& wrench);
   void put(const ToolConstPtr& tool);
+  /// ns of the ROS clock; 0 if there is no valid time yet.
+  std::int64_t now();
   /// A message of /clock.
   void observeClock(std::int64_t now);
   /// Asks for a frame at once, for a new subscriber.

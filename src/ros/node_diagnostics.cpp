@@ -58,10 +58,12 @@ void NodeDiagnostics::describeInput(Status& status) const {
   } else {
     status.summary(DiagnosticStatus::OK, "ok");
   }
+  status.add("clouds received", now_.clouds_received);
   status.add("clouds accepted", now_.clouds_accepted);
   status.add("clouds refused", refused);
   status.add("clouds ignored by policy", now_.clouds_ignored);
   status.add("clouds tracked", now_.clouds_tracked);
+  status.add("clouds late", now_.clouds_late);
   status.add("clouds replaced before they were built", inbox_.numCloudsReplaced() + now_.clouds_dropped);
   status.add("commands applied", now_.commands_applied);
   status.add("commands late", now_.commands_late);

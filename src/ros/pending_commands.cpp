@@ -56,7 +56,23 @@ std::vector<std::string> PendingCommands::waitingForces() const {
   return ids;
 }
 
+void PendingCommands::keepSince(std::int64_t stamp) {
+  kept_.clear();
+  keep_since_ = stamp;
+}
+
+void PendingCommands::takeBack() {
+  commands_.insert(commands_.begin(), kept_.begin(), kept_.end());
+  forgetKept();
+}
+
+void PendingCommands::forgetKept() {
+  kept_.clear();
+  keep_since_ = std::numeric_limits<std::int64_t>::max();
+}
+
 void PendingCommands::clear() {
+  kept_.clear();
   commands_.clear();
   without_frame_.clear();
 }
@@ -86,6 +102,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
   try {
     apply(command, simulation, frame);
     ++num_applied_;
+    if (command.stamp >= keep_since_ && kept_.size() < kMaxWaiting) kept_.push_back(command);
     num_late_ += command.stamp <= last_begin_;
   } catch (const FrameError& error) {
     // However many come, the first says how long they wait.

@@ -32,6 +32,11 @@ class PendingCommands {
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
   void clear();
+  /// Those that count from the stamp (ns) on are remembered while they are applied, for a surface that is to begin then.
+  void keepSince(std::int64_t stamp);
+  /// They wait once more.
+  void takeBack();
+  void forgetKept();
   /// Steps to come count anew: none of them is late for what the last one began with.
   void forgetSteps() { last_begin_ = kNever; }
   /// The surface is another or at rest again: the forces and tools of before are gone.
@@ -77,6 +82,8 @@ class PendingCommands {
   const tf2::BufferCore& transforms_;
   Complaints& complaints_;
   std::deque<Command> commands_;          // in the order of arrival
+  std::deque<Command> kept_;              // applied, see keepSince()
+  std::int64_t keep_since_ = std::numeric_limits<std::int64_t>::max();
   std::map<std::string, double> forces_;  // when they end, s of simulation time
   ToolCommands tools_;
   std::map<std::string, Waiting> without_frame_;  // the newest for each force and tool

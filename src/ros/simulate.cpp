@@ -163,7 +163,8 @@ class Run {
     if (options_.bag_in.empty()) {
       begin(build(loadCloud(params_), "", 0), 0);
     } else {
-      bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points});
+      bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
+                   toNanoseconds(params_.integrator.time_step));
       tool_commands_.emplace(bag_->transforms());
       if (!params_.robot.links.empty()) tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
       playBag();

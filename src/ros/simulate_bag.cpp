@@ -3,6 +3,7 @@
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/ros/step_schedule.h"
 
 #include <ros/serialization.h>
 #include <tf2/exceptions.h>
@@ -22,7 +23,7 @@ std::vector<std::uint8_t> readBytes(const rosbag::MessageInstance& instance) {
   return bytes;
 }
 
-// A message that begins with a header has its stamp behind the 4 bytes of the sequence number.
+// A message that begins with a header has its stamp behind the 4 bytes of the sequence number. Zero if there is none.
 std::int64_t readStamp(const rosbag::MessageInstance& instance) {
   const std::vector<std::uint8_t> bytes = readBytes(instance);
   std::uint32_t seconds = 0, nanoseconds = 0;
@@ -30,8 +31,7 @@ std::int64_t readStamp(const rosbag::MessageInstance& instance) {
     std::memcpy(&seconds, bytes.data() + 4, sizeof seconds);
     std::memcpy(&nanoseconds, bytes.data() + 8, sizeof nanoseconds);
   }
-  const std::int64_t stamp = std::int64_t{seconds} * 1000000000 + nanoseconds;
-  return stamp != 0 ? stamp : static_cast<std::int64_t>(instance.getTime().toNSec());
+  return std::int64_t{seconds} * 1000000000 + nanoseconds;
 }
 
 DecodedTools decode(const rosbag::MessageInstance& instance) {
@@ -66,8 +66,8 @@ std::string removeSlash(const std::string& topic) { return topic[0] == '/' ? top
 }  // namespace
 
 InputBag::InputBag(const std::string& file, const std::map<std::string, std::string>& topics, std::set<std::string> required,
-                   const DecodeLimits& limits)
-    : file_(file), limits_(limits) {
+                   const DecodeLimits& limits, std::int64_t time_step)
+    : file_(file), limits_(limits), time_step_(time_step) {
   try {
     bag_.open(file, rosbag::bagmode::Read);
     index(topics, std::move(required));
@@ -124,16 +124,19 @@ void InputBag::index(const std::map<std::string, std::string>& topics, std::set<
 }
 
 void InputBag::addEntries(const rosbag::MessageInstance& instance) {
+  const auto recorded = static_cast<std::int64_t>(instance.getTime().toNSec());
+  const std::int64_t arrived = stampOfArrival(recorded, time_step_);
   if (!instance.isType<ToolArray>()) {
-    entries_.emplace(readStamp(instance), Entry{instance});
+    const std::int64_t stamp = readStamp(instance);
+    const bool is_cloud = instance.isType<sensor_msgs::PointCloud2>();
+    entries_.emplace(stamp != 0 ? stamp : is_cloud ? recorded : arrived, Entry{instance});
     return;
   }
   const DecodedTools decoded = decode(instance);
-  const auto recorded = static_cast<std::int64_t>(instance.getTime().toNSec());
   if (!decoded.ok()) entries_.emplace(recorded, Entry{instance});
   for (std::size_t i = 0; i < decoded.tools.size(); ++i) {
     const ros::Time stamp = decoded.tools[i].header.stamp;
-    entries_.emplace(stamp.isZero() ? recorded : static_cast<std::int64_t>(stamp.toNSec()), Entry{instance, i});
+    entries_.emplace(stamp.isZero() ? arrived : static_cast<std::int64_t>(stamp.toNSec()), Entry{instance, i});
   }
 }
 

@@ -25,11 +25,13 @@ class InputBag {
   /// topics: from cloud_in, force, wrench, tools to topics, with or without a leading slash here and in the bag; required: the
   /// names whose topics must be there, as that of the clouds always must. Throws InputError, naming the file and the topic, for
   /// a bag that cannot be read, lacks a topic that it must have, or has messages of another type there.
+  /// time_step: ns.
   InputBag(const std::string& file, const std::map<std::string, std::string>& topics, std::set<std::string> required,
-           const DecodeLimits& limits);
+           const DecodeLimits& limits, std::int64_t time_step);
 
   struct Event {
-    std::int64_t stamp = 0;  // ns; that of the message, or when it was recorded if its own is zero
+    // ns; that of the message. If it is zero: of a cloud, when it was recorded; of a command, as of one that arrived then (stampOfArrival()).
+    std::int64_t stamp = 0;
     std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped, DecodedTools> message;  // of tools one, or a refusal
   };
   /// Where the events are, by stamp; equal stamps in the order of the bag. Each tool of a message is an event of its own.
@@ -51,6 +53,7 @@ class InputBag {
 
   std::string file_;
   DecodeLimits limits_;
+  std::int64_t time_step_;  // ns
   rosbag::Bag bag_;
   std::unique_ptr<rosbag::View> view_;
   std::multimap<std::int64_t, Entry> entries_;

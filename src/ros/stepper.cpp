@@ -21,40 +21,28 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-constexpr double kNanoseconds = 1e-9;
 // How often what is waited for, a transform, is looked at.
 constexpr milliseconds kPollPeriod(20);
 // More lag than this on the computer's clock would only be felt as delay; it is let go instead.
 constexpr std::int64_t kMaxLag = 250'000'000;
-// A simulated clock may start late or jump; a cloud older than this when it comes is not one that steps should catch up from.
-constexpr std::int64_t kOldCloud = 1'000'000'000;
-// A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
-constexpr std::int64_t kMaxAhead = 3600'000'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
 // Less than what is let go of, so that a step that wakes is caught up with.
 constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200);
 
-double toSeconds(std::int64_t nanoseconds) { return static_cast<double>(nanoseconds) * kNanoseconds; }
-
-void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud) {
-  for (Vec3& p : cloud.positions) p = transform * p;
-  for (Vec3& n : cloud.normals) n = transform.linear() * n;
-  if (cloud.viewpoint) cloud.viewpoint = transform * *cloud.viewpoint;
-}
-
 }  // namespace
 
-Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, const Publishers& publishers, FrameThread& frames,
-                 WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints)
+Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers,
+                 FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints)
     : params_(params),
       inbox_(inbox),
+      worker_(worker),
       publishers_(publishers),
       frames_(frames),
       wrenches_(wrenches),
       transforms_(transforms),
       complaints_(complaints),
       is_clock_simulated_(ros::Time::isSimTime()),
-      delay_(std::llround(params.input.delay / kNanoseconds)),
+      delay_(std::llround(params.input.delay * 1e9)),
       schedule_(params.integrator.time_step),
       commands_(params.force, transforms, complaints) {}
 
@@ -63,21 +51,21 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (content.closed) return false;
   last_turn_ = steady_clock::now();
   handleClock(content.clock);
+  for (Command& command : content.commands)
+    if (!command.is_stamped) command.stamp = stampOfArrival(command.stamp, timeStep());
   commands_.append(std::move(content.commands));
   if (content.cloud) clouds_.put(std::move(*content.cloud));
-  // Building takes long: the clock is to be read again before a step.
-  const bool was_built = !clouds_.isEmpty() && now_ != 0 && handleClouds();
+  if (now_ != 0) handleClouds();
   if (simulation_ && !is_gravity_known_) updateGravity();
   // What passed while the surface slept is part of what services see.
   bool has_stepped = false;
-  while (!was_built && isDue() && simulation_->isAsleep() && takeStep()) has_stepped = true;
+  while (isDue() && simulation_->isAsleep() && takeStep()) has_stepped = true;
   // The clock was read before them: what they take shows as lag in the next turn.
   const double call_seconds = call_seconds_;
   const Timer calls;
   inbox_.doJobs();
   call_seconds_ = calls.seconds();
   if (content.frame_wanted && simulation_) show();
-  if (was_built) return true;
   letGoOfLag(call_seconds);
   if (isDue() && takeStep()) has_stepped = true;
   if (has_stepped && std::exchange(is_frame_due_, false) && isWanted()) frames_.show(makeMoment());
@@ -103,7 +91,7 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
 
 // Nothing but time passes in the steps to come, and nobody wants to be told of each of them.
 bool Stepper::canRest() const {
-  return simulation_->isAsleep() && !commands_.isMoving() && !wrenches_.isHeard() &&
+  return simulation_->isAsleep() && !commands_.isMoving() && ready_.empty() && !wrenches_.isHeard() &&
          (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_);
 }
 
@@ -140,6 +128,7 @@ void Stepper::handleClock(const ClockNews& clock) {
 void Stepper::restart(std::int64_t now) {
   is_held_ = is_held_valid_ = false;
   simulation_->reset();
+  ready_.clear();
   commands_.forget();
   is_failed_ = false;
   last_frame_ = 0;
@@ -171,117 +160,11 @@ void Stepper::letGoOfLag(double call_seconds) {
   }
 }
 
-// ---- The cloud ----
-
-bool Stepper::isTracking() const { return simulation_ && params_.input.policy == simulation::InputPolicy::kTrack; }
-
-std::int64_t Stepper::arrivalOf(const IncomingCloud& incoming) const {
-  return incoming.arrival != 0 ? incoming.arrival : now_ + delay_;
-}
-
-std::int64_t Stepper::stampOf(const IncomingCloud& incoming) const {
-  const ros::Time stamp = incoming.decoded.header.stamp;
-  return stamp.isZero() ? arrivalOf(incoming) : static_cast<std::int64_t>(stamp.toNSec());
-}
-
-std::string Stepper::frameOf(const IncomingCloud& incoming) const {
-  if (isTracking()) return frame_;
-  return withoutSlash(params_.frame_id.empty() ? incoming.decoded.header.frame_id : params_.frame_id);
-}
-
-/// Returns true if it took time.
-bool Stepper::handleClouds() {
-  if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) {
-    counts_.clouds_ignored += static_cast<int>(clouds_.size());
-    clouds_.clear();
-    return false;
-  }
-  std::optional<IncomingCloud> incoming =
-      clouds_.take([this](IncomingCloud& cloud, bool is_patient) { return prepare(cloud, is_patient); });
-  if (!incoming) return false;
-  const Index num_points = incoming->decoded.cloud.size();
-  try {
-    accept(*incoming);
-  } catch (const InputError& error) {
-    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
-  } catch (const std::bad_alloc&) {
-    complaints_.report(Complaint::kCloudRefused,
-                       "cloud refused: " + std::to_string(num_points) + " points do not fit in memory; accepted: fewer");
-  }
-  return true;
-}
-
-/// Brings the cloud into the surface's frame, if that can be done now.
-WaitingClouds::Answer Stepper::prepare(IncomingCloud& incoming, bool is_patient) {
-  DecodedCloud& decoded = incoming.decoded;
-  const std::int64_t ahead = stampOf(incoming) - arrivalOf(incoming);
-  try {
-    if (ahead > kMaxAhead) {
-      throw InputError("header.stamp: found a time " + formatReal(toSeconds(ahead)) + " s ahead of the clock; accepted: up to " +
-                       formatReal(toSeconds(kMaxAhead)) + " s");
-    }
-    // It shows the surface at its stamp, and draws it from there on.
-    if (isTracking() && (is_held_ || (!isPaused() && stampOf(incoming) > schedule_.begin(simulation_->stepCount()))))
-      return WaitingClouds::Answer::kWait;
-    const Eigen::Isometry3d transform =
-        findTransform("header.frame_id", decoded.header.frame_id, frameOf(incoming), decoded.header.stamp, transforms_);
-    if (!transform.isApprox(Eigen::Isometry3d::Identity(), 0.0)) transformCloud(transform, decoded.cloud);
-    return WaitingClouds::Answer::kTake;
-  } catch (const FrameError& error) {
-    if (is_patient) {
-      complaints_.report(Complaint::kWaiting, std::string("cloud: ") + error.what() + "; the cloud waits for it");
-      return WaitingClouds::Answer::kWait;
-    }
-    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
-  } catch (const InputError& error) {
-    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
-  }
-  return WaitingClouds::Answer::kRefuse;
-}
-
-/// Throws InputError.
-void Stepper::accept(IncomingCloud& incoming) {
-  DecodedCloud& decoded = incoming.decoded;
-  const std::int64_t stamp = stampOf(incoming);
-  const std::string frame = frameOf(incoming);
-  if (isTracking()) {
-    simulation_->observe(decoded.cloud);
-    ++counts_.clouds_tracked;
-    return;
-  }
-  auto simulation = std::make_unique<simulation::Simulation>(params_, std::move(decoded.cloud));
-  simulation->setInterrupt(inbox_.closing());
-  // Commands for the surface before are not for this one; before the first there was none that they could be for.
-  if (simulation_) commands_.dropBefore(stamp);
-  simulation_ = std::move(simulation);
-  is_held_ = is_held_valid_ = false;
-  frame_ = frame;
-  commands_.forget();
-  snapshots_.clear();
-  is_failed_ = is_frame_due_ = false;
-  last_frame_ = 0;
-  schedule_.start(stamp);
-  const std::int64_t arrival = arrivalOf(incoming);
-  if (is_clock_simulated_ && arrival - stamp > kOldCloud) schedule_.skipTo(delayed(arrival), 0);
-  is_gravity_known_ = false;
-  updateGravity();
-  ++counts_.clouds_accepted;
-
-  std::string notes;
-  for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
-  ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
-  Moment moment = makeMoment();
-  moment.viewer = std::make_unique<simulation::Simulation>(simulation_->viewer());
-  moment.frame = frame_;
-  moment.all = moment.is_kept = true;
-  frames_.show(std::move(moment));
-  publishWrenches();
-}
-
 // ---- Steps ----
 
 std::string Stepper::obstacle() {
-  if (!simulation_) return "there is no surface yet; publish a cloud on ~cloud_in first";
+  if (!simulation_)
+    return std::string("there is no surface yet; ") + (worker_.isBusy() ? "one is being built" : "publish a cloud on ~cloud_in first");
   if (!is_gravity_known_ && !updateGravity()) return "the transform of gravity_frame is not known yet";
   return "";
 }
@@ -337,6 +220,7 @@ void Stepper::restoreSnapshot(const std::string& name) {
   simulation_->restore(entry.snapshot);
   commands_.restore(entry.commands);
   simulation::setPhysics(simulation::findPhysics(simulation_->params()), params_);
+  ++params_revision_;
   if (on_params_) on_params_();
   is_failed_ = is_frame_due_ = false;
   last_frame_ = countFrames();
@@ -349,6 +233,7 @@ void Stepper::setParams(const simulation::SceneParams& params) {
     simulation_->setParams(params);
   }
   params_ = params;
+  ++params_revision_;
   if (!simulation_) return;
   last_frame_ = countFrames();
   updateGravity();
@@ -449,7 +334,10 @@ StepperStatus Stepper::status() const {
   status.commands_late = commands_.numLate();
   status.commands_waiting = commands_.numWaiting();
   status.commands_dropped = commands_.numDropped();
-  status.clouds_dropped = clouds_.numDropped();
+  const CloudWorker::Counts came = worker_.counts();
+  status.clouds_received = came.received;
+  status.clouds_ignored += came.ignored;
+  status.clouds_dropped += clouds_.numDropped() + came.replaced;
   if (simulation_) {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();
@@ -470,6 +358,8 @@ StepperStatus Stepper::status() const {
     status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
   } else if (simulation_) {
     status.state = "running";
+  } else if (worker_.isBusy()) {
+    status.state = "building a surface";
   }
   return status;
 }

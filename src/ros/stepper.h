@@ -1,7 +1,8 @@
-// The simulation thread: builds a surface from the cloud that came, takes its steps when they are due, hands over what is to be shown.
-// All that touches the simulation happens here, one thing after the other.
+// The simulation thread: takes the steps of the surface when they are due, hands over what is to be shown, begins with another surface
+// when one was built. All that touches the simulation happens here, one thing after the other.
 #pragma once
 
+#include "cloud_worker.h"
 #include "complaints.h"
 #include "frame_thread.h"
 #include "inbox.h"
@@ -17,6 +18,7 @@
 #include <tf2/buffer_core.h>
 
 #include <chrono>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <string>
@@ -30,7 +32,7 @@ struct StepperStatus {
   double time_step = 0.0, simulation_time = 0.0;  // s
   std::uint64_t step = 0;
   std::uint64_t steps_taken = 0;  // of all surfaces
-  int clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, clouds_dropped = 0, frames_dropped = 0, jumps_back = 0;
+  int clouds_received = 0, clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, clouds_late = 0, clouds_dropped = 0, frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
   double lag = 0.0;          // s that the next step is late
@@ -41,7 +43,7 @@ struct StepperStatus {
 
 class Stepper {
  public:
-  Stepper(const simulation::SceneParams& params, Inbox& inbox, const Publishers& publishers, FrameThread& frames,
+  Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers, FrameThread& frames,
           WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints);
 
   /// See ToolCommands. Before the first turn.
@@ -87,15 +89,18 @@ class Stepper {
 
  private:
   void handleClock(const ClockNews& clock);
-  bool handleClouds();
-  WaitingClouds::Answer prepare(IncomingCloud& incoming, bool is_patient);
-  void accept(IncomingCloud& incoming);
-  void restart(std::int64_t now);
-  std::int64_t delayed(std::int64_t clock) const;
+  // In stepper_clouds.cpp:
+  void handleClouds();
+  WaitingClouds::Answer prepare(const IncomingCloud& incoming, bool is_patient, CloudWork& work);
+  void takeResult(CloudResult&& result);
+  void observeReady();
+  void begin(CloudResult&& result);
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
   bool isTracking() const;
-  std::string frameOf(const IncomingCloud& incoming) const;
+
+  void restart(std::int64_t now);
+  std::int64_t delayed(std::int64_t clock) const;
 
   bool isDue() const;
   /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
@@ -111,9 +116,13 @@ class Stepper {
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
+  // A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
+  static constexpr std::int64_t kMaxAhead = 3600'000'000'000;
+
   simulation::SceneParams params_;
   std::function<void()> on_params_;
   Inbox& inbox_;
+  CloudWorker& worker_;
   const Publishers& publishers_;  // what any thread may ask of them
   FrameThread& frames_;
   WrenchPublishers& wrenches_;
@@ -127,6 +136,12 @@ class Stepper {
   StepSchedule schedule_;
   std::int64_t now_ = 0;  // ns of the ROS clock, less the delay; 0 = there is no valid time yet
   WaitingClouds clouds_;
+  struct ReadyCloud {
+    std::int64_t stamp;  // ns
+    std::unique_ptr<simulation::ObservedCloud> cloud;
+  };
+  std::deque<ReadyCloud> ready_;  // to be tracked from the step at their stamp on
+  std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and when a surface was last begun to be built with them
   PendingCommands commands_;
   SnapshotShelf snapshots_;  // of this surface
   bool is_paused_ = false;  // asked for

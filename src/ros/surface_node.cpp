@@ -1,5 +1,6 @@
 #include "deformable_surface/ros/surface_node.h"
 
+#include "cloud_worker.h"
 #include "complaints.h"
 #include "fit_service.h"
 #include "frame_thread.h"
@@ -21,7 +22,6 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/ToolArray.h"
-#include "deformable_surface/ros/bounded_cloud.h"
 #include "deformable_surface/ros/tool_decoder.h"
 #include "deformable_surface/ros/xmlrpc_value.h"
 
@@ -81,6 +81,7 @@ struct SurfaceNode::Impl {
   ros::NodeHandle node, private_node, service_node;
   Complaints complaints;
   Inbox inbox;
+  CloudWorker worker;
   tf2::BufferCore transforms;
   tf2_ros::TransformListener transform_listener;
   Publishers publishers;
@@ -114,13 +115,14 @@ struct SurfaceNode::Impl {
         service_node(onQueue(given_private, service_queue)),
         complaints(private_node.getNamespace()),
         inbox(ros::Time::isSimTime()),
+        worker(inbox, complaints, DecodeLimits{params.input.max_points}),
         // Not in a thread of its own, which would wake up a hundred times a second.
         transform_listener(transforms, node, false),
         publishers(private_node, [this] { inbox.wantFrame(); }),
         // Half of the cores are left to the steps.
         frames([this](Moment& moment) { show(moment); }, std::max(1, countCores(params.threads) / 2)),
         wrenches(private_node, [this] { inbox.wantFrame(); }),
-        stepper(params, inbox, publishers, frames, wrenches, transforms, complaints),
+        stepper(params, inbox, worker, publishers, frames, wrenches, transforms, complaints),
         services(service_node, inbox, stepper, transforms, complaints, params.save_directory),
         fit(given_private, inbox, stepper, complaints),
         rollouts(given_private, inbox, stepper, transforms, complaints,
@@ -137,7 +139,7 @@ struct SurfaceNode::Impl {
     reconfigure.onStore([this] { keepParameters(); });
     keepParameters();
     if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
-    subscribe(params);
+    subscribe();
     simulation_thread = std::thread([this, num_threads = params.threads] {
       setNumThreads(num_threads);
       run();
@@ -174,24 +176,18 @@ struct SurfaceNode::Impl {
     if (private_node.getParam(private_node.getNamespace(), tree)) watchdog.keepParameters(private_node.getNamespace(), tree);
   }
 
-  void subscribe(const simulation::SceneParams& params) {
+  void subscribe() {
     if (ros::Time::isSimTime()) {
       subscribers.push_back(
           node.subscribe<rosgraph_msgs::Clock>("/clock", kClockQueue, [this](const rosgraph_msgs::ClockConstPtr& clock) {
             inbox.observeClock(static_cast<std::int64_t>(clock->clock.toNSec()));
           }));
     }
-    DecodeLimits limits;
-    limits.max_points = params.input.max_points;
-    cloud_subscriber = subscribeCloud(private_node, "cloud_in", kCloudQueue, limits, [this](DecodedCloud&& cloud) {
-      has_cloud_come = true;
-      if (cloud.ok()) {
-        inbox.put(std::move(cloud));
-      } else {
-        complaints.report(Complaint::kCloudRefused, "cloud refused: " + cloud.refusal);
-        inbox.wake();
-      }
-    });
+    cloud_subscriber =
+        private_node.subscribe<BoundedCloud>("cloud_in", kCloudQueue, [this](const boost::shared_ptr<const BoundedCloud>& message) {
+          has_cloud_come = true;
+          worker.put(message);
+        });
     ROS_INFO_STREAM(complaints.name() << ": waiting for a cloud on " << cloud_subscriber.getTopic());
     subscribers.push_back(
         private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));

@@ -1,6 +1,5 @@
 // The decoder of PointCloud2: what it reads from good clouds, and that bad ones are refused with a sentence, as messages and as
 // bytes. Also built with the address and undefined-behaviour sanitizers.
-#include "deformable_surface/ros/bounded_cloud.h"
 #include "deformable_surface/ros/cloud_decoder.h"
 
 #include "bad_clouds.h"

@@ -37,6 +37,13 @@ TEST_F(SimulateBag, TakesCloudsAndForcesFromABagInTheOrderOfTheirStamps) {
   }
 }
 
+TEST_F(SimulateBag, TakesAForceWithoutAStampFromTheStepInWhichItWasRecorded) {
+  // That which begins at 0.04 s, so it is 6 steps long.
+  writeBag("in.bag", [](rosbag::Bag& bag) { bag.write("/pushes", ros::Time(kStart + 0.045), makeForce(0.0, 1.0)); });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "force=/pushes", "--final", path("out.ply")}), 0) << err_;
+  EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), 0.5 / 0.81 * 0.06 * 0.06, 1e-6);
+}
+
 TEST_F(SimulateBag, TakesTopicsWithAndWithoutALeadingSlash) {
   {
     rosbag::Bag bag(path("in.bag"), rosbag::bagmode::Write);

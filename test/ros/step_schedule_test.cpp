@@ -66,6 +66,20 @@ TEST(StepSchedule, LaysStepsFromTheStampOfTheCloudOn) {
   EXPECT_EQ(thirds.begin(3'000'000), 1'000'000 * kSecond);
 }
 
+TEST(StepSchedule, WhatArrivesWithoutAStampCountsFromTheStepInWhichItArrives) {
+  StepSchedule schedule(0.01);
+  schedule.start(kStart);
+  const auto findStep = [&](std::int64_t arrival) {
+    std::uint64_t step = 0;
+    while (schedule.begin(step) < stampOfArrival(arrival, 10'000'000)) ++step;
+    return step;
+  };
+  EXPECT_EQ(findStep(kStart + 30'000'000), 3u);
+  EXPECT_EQ(findStep(kStart + 35'000'000), 3u);
+  EXPECT_EQ(findStep(kStart + 39'999'999), 3u);
+  EXPECT_EQ(findStep(kStart + 40'000'000), 4u);
+}
+
 TEST(StepSchedule, MovesStepsButNotStampsWhenTimeIsSkipped) {
   StepSchedule schedule(0.01);
   schedule.start(kStart);

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
+#include "deformable_surface/ros/raw_message.h"
 
 #include <sensor_msgs/PointCloud2.h>
 #include <std_msgs/Header.h>
@@ -11,6 +12,9 @@
 #include <string>
 
 namespace deformable_surface::node {
+
+/// A cloud as its bytes came.
+using BoundedCloud = RawMessage<sensor_msgs::PointCloud2>;
 
 /// What a cloud may ask for at most.
 struct DecodeLimits {

@@ -1,0 +1,161 @@
+// What becomes of clouds: which one is decoded next into a surface or something to track, when that is taken, and what is ignored. A file
+// of its own, because the steps go on meanwhile: what takes long is done by the worker.
+#include "stepper.h"
+
+#include "frames.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/simulation/run_time_params.h"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+// A simulated clock may start late or jump; a cloud older than this when it comes is not one that steps should catch up from.
+constexpr std::int64_t kOldCloud = 1'000'000'000;
+// Clouds that were made ready before their step: as many as may wait undone.
+constexpr std::size_t kMostReady = 64;
+constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
+
+}  // namespace
+
+bool Stepper::isTracking() const { return simulation_ && params_.input.policy == simulation::InputPolicy::kTrack; }
+
+std::int64_t Stepper::arrivalOf(const IncomingCloud& incoming) const {
+  return incoming.arrival != 0 ? incoming.arrival : now_ + delay_;
+}
+
+std::int64_t Stepper::stampOf(const IncomingCloud& incoming) const {
+  const ros::Time stamp = incoming.decoded.header.stamp;
+  return stamp.isZero() ? arrivalOf(incoming) : static_cast<std::int64_t>(stamp.toNSec());
+}
+
+void Stepper::handleClouds() {
+  if (std::optional<CloudResult> result = worker_.take()) takeResult(std::move(*result));
+  if (isTracking()) observeReady();
+  if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) {
+    counts_.clouds_ignored += static_cast<int>(clouds_.size());
+    clouds_.clear();
+  }
+  if (clouds_.isEmpty() || worker_.isBusy()) return;
+  CloudWork work;
+  std::optional<IncomingCloud> incoming = clouds_.take(
+      [&](const IncomingCloud& cloud, bool is_patient) { return prepare(cloud, is_patient, work); });
+  if (!incoming) return;
+  work.kind = isTracking() ? CloudWork::Kind::kObserve : CloudWork::Kind::kBuild;
+  work.arrival = arrivalOf(*incoming);
+  work.stamp = stampOf(*incoming);
+  work.cloud = std::move(incoming->decoded.cloud);
+  work.params = params_;
+  // The steps of a surface that is there go on beside it.
+  work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
+  if (work.kind == CloudWork::Kind::kBuild) {
+    built_revision_ = params_revision_;
+    commands_.keepSince(work.stamp);
+  }
+  worker_.begin(std::move(work));
+}
+
+/// Finds the way into the surface's frame, if that can be done now.
+WaitingClouds::Answer Stepper::prepare(const IncomingCloud& incoming, bool is_patient, CloudWork& work) {
+  const std_msgs::Header& header = incoming.decoded.header;
+  const std::int64_t ahead = stampOf(incoming) - arrivalOf(incoming);
+  try {
+    if (ahead > kMaxAhead) {
+      throw InputError("header.stamp: found a time " + formatReal(toSeconds(ahead)) + " s ahead of the clock; accepted: up to " +
+                       formatReal(toSeconds(kMaxAhead)) + " s");
+    }
+    work.frame = isTracking() ? frame_ : withoutSlash(params_.frame_id.empty() ? header.frame_id : params_.frame_id);
+    work.transform = findTransform("header.frame_id", header.frame_id, work.frame, header.stamp, transforms_);
+    return WaitingClouds::Answer::kTake;
+  } catch (const FrameError& error) {
+    if (is_patient) {
+      complaints_.report(Complaint::kWaiting, std::string("cloud: ") + error.what() + "; the cloud waits for it");
+      return WaitingClouds::Answer::kWait;
+    }
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  }
+  return WaitingClouds::Answer::kRefuse;
+}
+
+void Stepper::takeResult(CloudResult&& result) {
+  if (!result.refusal.empty()) {
+    commands_.forgetKept();
+    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + result.refusal);
+  } else if (result.simulation) {
+    begin(std::move(result));
+  } else if (isTracking() && result.frame == frame_) {
+    ready_.push_back({result.stamp, std::move(result.observed)});
+    std::int64_t points = 0;
+    for (const ReadyCloud& ready : ready_) points += static_cast<std::int64_t>(ready.cloud->points().size());
+    for (; ready_.size() > kMostReady || (ready_.size() > 1 && points > kMostReadyPoints); ++counts_.clouds_dropped) {
+      points -= static_cast<std::int64_t>(ready_.front().cloud->points().size());
+      ready_.pop_front();
+    }
+  }
+}
+
+// A cloud shows the surface at its stamp, and draws it from there on.
+void Stepper::observeReady() {
+  if (is_held_) return;
+  const std::uint64_t step = simulation_->stepCount();
+  const auto isDue = [&](const ReadyCloud& ready) { return isPaused() || ready.stamp <= schedule_.begin(step); };
+  const auto newest = std::find_if(ready_.rbegin(), ready_.rend(), isDue);
+  if (newest == ready_.rend()) return;
+  try {
+    simulation_->observe(*newest->cloud);
+    ++counts_.clouds_tracked;
+    counts_.clouds_late += !isPaused() && step > 0 && newest->stamp <= schedule_.begin(step - 1);
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  }
+  counts_.clouds_dropped += static_cast<int>(ready_.rend() - newest) - 1;
+  ready_.erase(ready_.begin(), newest.base());
+}
+
+void Stepper::begin(CloudResult&& result) {
+  // What may change while a surface runs may have changed while this one was built.
+  if (params_revision_ != built_revision_) result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
+  result.simulation->setInterrupt(inbox_.closing());
+  // Commands for the surface before are not for this one, but those since its stamp are; before the first there was none that they could
+  // be for.
+  if (simulation_) {
+    commands_.takeBack();
+    commands_.dropBefore(result.stamp);
+  }
+  simulation_ = std::move(result.simulation);
+  is_held_ = is_held_valid_ = false;
+  frame_ = result.frame;
+  commands_.forget();
+  snapshots_.clear();
+  ready_.clear();
+  is_failed_ = is_frame_due_ = false;
+  last_frame_ = 0;
+  schedule_.start(result.stamp);
+  if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) schedule_.skipTo(delayed(result.arrival), 0);
+  is_gravity_known_ = false;
+  updateGravity();
+  ++counts_.clouds_accepted;
+  worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
+
+  std::string notes;
+  for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
+  ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
+  Moment moment = makeMoment();
+  moment.viewer = std::move(result.viewer);
+  moment.params = simulation_->params();
+  moment.frame = frame_;
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
+}
+
+}  // namespace deformable_surface::node

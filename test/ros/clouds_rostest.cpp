@@ -1,0 +1,107 @@
+// Clouds that come while a surface runs: the steps go on while they are decoded, built and made ready, and what came too late is counted.
+#include "bad_clouds.h"
+#include "node_client.h"
+
+#include "deformable_surface/List.h"
+
+#include <algorithm>
+
+namespace deformable_surface::node::test {
+namespace {
+
+constexpr int kManyColumns = 300, kManyRows = 300;
+constexpr std::uint32_t kFewPoints = 200;
+
+PointCloud2 makeStamped(int columns, int rows, const ros::Time& stamp) {
+  PointCloud2 cloud = makeSheet(columns, rows);
+  cloud.header.stamp = stamp;
+  return cloud;
+}
+
+TEST(Clouds, StepsGoOnWhileALargeOneIsBuiltWhichThenTakesTheCommandsSinceItsStamp) {
+  NodeProcess process("/replaced", "{model: mass_spring, gravity: [0, 0, -0.1], activity: {sleep: never}, input: {policy: replace}}");
+  NodeClient client("/replaced");
+  std::uint64_t step = 0;
+  std::uint32_t points = 0;
+  const ros::Subscriber statistics = client.handle().subscribe<Statistics>("statistics", 1000, [&](const StatisticsConstPtr& m) {
+    step = m->step;
+    points = m->points;
+  });
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  ASSERT_TRUE(waitUntil([&] { return step > 5 && points == kFewPoints; })) << process.output();
+
+  client.publish(makeStamped(kManyColumns, kManyRows, ros::Time::now()));
+  ASSERT_TRUE(waitUntil([&] { return client.diagnostic("clouds received") == 2.0; })) << process.output();
+  client.publish(makeForce("pull", Vec3(0.1, 0.05, 0.0), Vec3(0.0, 0.0, 1e-3)));
+  const std::uint64_t begin = step;
+  std::uint64_t last = begin;
+  const auto isReplaced = [&] {
+    if (points == kFewPoints) last = std::max(last, step);
+    return points == std::uint32_t{kManyColumns} * kManyRows;
+  };
+  ASSERT_TRUE(waitUntil(isReplaced, 120.0)) << process.output();
+  // To build takes seconds, and what was in work of one that stops is a step or two.
+  EXPECT_GT(last, begin + 20);
+  EXPECT_EQ(client.diagnosticText("last complaint").find("refused"), std::string::npos) << process.output();
+  List list;
+  ASSERT_TRUE(ros::service::call("/replaced/list", list));
+  EXPECT_EQ(list.response.forces, std::vector<std::string>{"pull"});
+}
+
+TEST(Clouds, OfManyThatComeWhileOneIsBuiltTheNewestIsBuiltAndTheOthersAreCounted) {
+  NodeProcess process("/flooded", "{model: mass_spring, gravity: [0, 0, 0], input: {policy: replace}}");
+  NodeClient client("/flooded");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  client.publish(makeStamped(kManyColumns, kManyRows, ros::Time::now()));
+  for (int k = 2; k <= 8; ++k) {
+    ASSERT_TRUE(client.waitForDiagnostic("clouds received", k)) << process.output();
+    // One after the other, so that none is dropped on its way.
+    client.publish(makeStamped(20, 10 + k, ros::Time::now()));
+  }
+  ASSERT_TRUE(client.waitForDiagnostic("clouds received", 9.0)) << process.output();
+  ASSERT_TRUE(waitUntil([&] { return !client.frames.empty() && client.frames.back()->width * client.frames.back()->height == 20u * 18u; }, 120.0))
+      << process.output();
+  ASSERT_TRUE(waitUntil([&] {
+    return client.diagnostic("clouds accepted") + client.diagnostic("clouds replaced before they were built") == 9.0;
+  })) << process.output();
+  EXPECT_GT(client.diagnostic("clouds replaced before they were built"), 2.0);
+}
+
+TEST(Clouds, OneToBeTrackedThatComesAfterTheStepAtItsStampIsCounted) {
+  NodeProcess process("/late", "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, input: {policy: track}}");
+  NodeClient client("/late");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  ASSERT_TRUE(waitUntil([&] { return client.diagnostic("step") > 100; })) << process.output();
+  client.publish(makeStamped(20, 10, ros::Time::now() - ros::Duration(0.5)));
+  ASSERT_TRUE(client.waitForDiagnostic("clouds tracked", 1.0)) << process.output();
+  EXPECT_EQ(client.diagnostic("clouds late"), 1.0);
+  // Far enough ahead for any machine.
+  client.publish(makeStamped(20, 10, ros::Time::now() + ros::Duration(3.0)));
+  ASSERT_TRUE(client.waitForDiagnostic("clouds tracked", 2.0)) << process.output();
+  EXPECT_EQ(client.diagnostic("clouds late"), 1.0);
+}
+
+TEST(Clouds, IgnoredOnesAreNotEvenDecoded) {
+  NodeProcess process("/ignoring", "{model: mass_spring, gravity: [0, 0, 0], input: {policy: ignore}}");
+  NodeClient client("/ignoring");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  PointCloud2 broken = makeStamped(20, 10, ros::Time::now());
+  broken.data.resize(3);
+  client.publish(broken);
+  ASSERT_TRUE(client.waitForDiagnostic("clouds ignored by policy", 1.0)) << process.output();
+  EXPECT_EQ(client.diagnostic("clouds refused"), 0.0);
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "clouds_rostest");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}
