@@ -80,7 +80,14 @@ void BlockSparse::buildPattern() {
     for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k) values_[found[*k] = slot[pending_[*k].row]] += pending_[*k].block;
   }
   auto next_found = found.begin();
-  for (Entry& entry : order_) entry.slot = entry.slot < 0 ? *next_found++ : moved[entry.slot];
+  for (std::size_t k = 0; k < order_.size(); ++k) {
+    Entry& entry = order_[k];
+    if (entry.slot >= 0) {
+      entry.slot = moved[entry.slot];
+    } else if (k < next_) {  // those behind are left of a filling that was given up
+      entry.slot = *next_found++;
+    }
+  }
   std::vector<Pending>().swap(pending_);  // the largest array of all, seldom needed again
 }
 

@@ -51,6 +51,28 @@ TEST(BlockSparse, AnotherOrderOrFewerBlocksKeepThePattern) {
   }
 }
 
+TEST(BlockSparse, AFillingThatIsGivenUpLeavesNothingToTheNext) {
+  BlockSparse matrix;
+  matrix.begin(3);
+  matrix.add(1, 0, blockOf(7.0));
+  matrix.add(2, 1, blockOf(8.0));
+  matrix.add(2, 0, blockOf(9.0));
+  matrix.begin(3);
+  matrix.add(1, 0, blockOf(1.0));
+  EXPECT_TRUE(matrix.finish());
+  matrix.begin(3);
+  matrix.add(1, 0, blockOf(1.0));
+  matrix.add(2, 1, blockOf(2.0));
+  matrix.add(2, 0, blockOf(3.0));
+  EXPECT_TRUE(matrix.finish());
+  Eigen::MatrixXd expected = Eigen::MatrixXd::Zero(9, 9);
+  expected.block<3, 3>(3, 0) = blockOf(1.0);
+  expected.block<3, 3>(6, 3) = blockOf(2.0);
+  expected.block<3, 3>(6, 0) = blockOf(3.0);
+  const Eigen::MatrixXd upper = expected.transpose();
+  EXPECT_EQ(makeDense(matrix), expected + upper);
+}
+
 TEST(BlockSparse, ANewBlockInAnyPassExtendsThePattern) {
   BlockSparse matrix;
   matrix.begin(3);
