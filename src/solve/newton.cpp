@@ -12,7 +12,6 @@ constexpr int kPatience = 2;           // projected matrices in a row after whic
 constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
 constexpr double kRaise = 10.0;        // of a shift that was not enough
 constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
-constexpr double kStillGood = 0.03;  // of the gradient, left by a step: its matrix then hardly differs from the one here
 constexpr double kLoosest = 0.05;      // error of a direction by products: the next iteration has to find the rest anyway
 constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, for the next direction's error
 constexpr double kOversolved = 0.3;    // of what is still to be gained: a direction that leaves no more is good for nothing else
@@ -141,8 +140,8 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
   for (Index i = 0; i < n; ++i) direction_.segment<3>(3 * i) = -gradient_[i];
   if (system.hasStiffnessProducts()) {
     solveByProducts(problem, state);
-  } else if (is_factor_good_ && residual_ < kStillGood * last_residual_) {
-    solveFactored(problem, state);
+  } else if (is_factor_good_ && residual_ * residual_ < problem.enough * last_residual_) {
+    solveFactored(problem, state);  // leaves about as much of the gradient as it left before: so it is the last one
   } else {
     const bool exact = is_factor_good_ = factorize(problem, state, model::Hessian::kExact);
     projected_in_a_row_ = exact || !tentative ? 0 : projected_in_a_row_ + 1;

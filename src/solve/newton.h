@@ -40,7 +40,7 @@ class NewtonDescent {
   double evaluate(const Problem& problem, State& state);
 
   /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, or the factor of the last iteration
-  /// where that left next to nothing of the gradient, and moves state.positions
+  /// where that probably ends the search, and moves state.positions
   /// along the Newton direction, halving the step until Phi falls by Armijo's rule.
   /// tentative: the whole step is taken even if Phi rises, as long as it stays finite; and where several such steps in a row had
   /// no definite matrix, a multiple of the masses is added to the exact one, as the projected one hardly leaves a saddle.
