@@ -13,6 +13,7 @@
 #include <cstdint>
 #include <cstdio>
 #include <functional>
+#include <map>
 #include <string>
 
 #include <sys/types.h>
@@ -48,7 +49,7 @@ void measureRest(const RosOptions& options, RosTable& table);
 /// A square metre in z = 0 about the origin, x y z as float32, stamped now.
 sensor_msgs::PointCloud2 makeSquare(Index points);
 
-/// s of processor time of all threads of a process so far, to the tick of the kernel.
+/// s of processor time of all threads that a process has so far.
 double readProcessorSeconds(pid_t process);
 /// MB that a process holds now, and the most that it ever held.
 double readMemory(pid_t process);
@@ -68,6 +69,8 @@ class Surface {
   pid_t id() const { return process_.id(); }
   ros::NodeHandle& handle() { return handle_; }
   const Statistics& statistics() const { return statistics_; }
+  /// A count of its diagnostics; 0 before the first.
+  double diagnostic(const std::string& key) const;
   ros::Publisher& cloud() { return cloud_; }
   /// Steps per second of wall time while messages are let in for that long.
   double countSteps(double seconds);
@@ -76,8 +79,10 @@ class Surface {
   node::test::NodeProcess process_;
   ros::NodeHandle handle_;
   ros::Publisher cloud_;
-  ros::Subscriber statistics_subscriber_;
+  ros::Subscriber statistics_subscriber_, diagnostics_subscriber_;
   Statistics statistics_;
+  std::uint64_t steps_ = 0;
+  std::map<std::string, std::string> diagnostics_;
 };
 
 }  // namespace deformable_surface::benchmark

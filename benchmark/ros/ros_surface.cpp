@@ -1,10 +1,13 @@
 // What the parts share (ros_parts.h).
 #include "ros_parts.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
+
 #include <cmath>
+#include <cstdlib>
 #include <cstring>
+#include <filesystem>
 #include <fstream>
-#include <sstream>
 #include <stdexcept>
 
 namespace deformable_surface::benchmark {
@@ -47,17 +50,15 @@ sensor_msgs::PointCloud2 makeSquare(Index points) {
   return cloud;
 }
 
+// The scheduler's own account, in nanoseconds: ticks are too coarse for a node that rests.
 double readProcessorSeconds(pid_t process) {
-  std::ifstream file("/proc/" + std::to_string(process) + "/stat");
-  std::string line;
-  std::getline(file, line);
-  // The name in brackets may contain anything; the times of user and system are the twelfth and thirteenth numbers behind it.
-  std::istringstream rest(line.substr(line.rfind(')') + 2));
-  std::string skipped;
-  for (int k = 0; k < 11; ++k) rest >> skipped;
-  double user = 0.0, system = 0.0;
-  if (!(rest >> user >> system)) throw std::runtime_error("no processor time of process " + std::to_string(process));
-  return (user + system) / static_cast<double>(sysconf(_SC_CLK_TCK));
+  double seconds = 0.0;
+  for (const auto& thread : std::filesystem::directory_iterator("/proc/" + std::to_string(process) + "/task")) {
+    double nanoseconds = 0.0;
+    if (std::ifstream(thread.path() / "schedstat") >> nanoseconds) seconds += 1e-9 * nanoseconds;
+  }
+  if (!(seconds > 0.0)) throw std::runtime_error("no processor time of process " + std::to_string(process));
+  return seconds;
 }
 
 double readMemory(pid_t process) { return readStatus(process, "VmRSS"); }
@@ -74,18 +75,34 @@ void waitFor(const std::string& what, const std::function<bool()>& condition, do
 Surface::Surface(const std::string& name, const std::string& scene, const sensor_msgs::PointCloud2& cloud)
     : process_(name, scene), handle_(name) {
   cloud_ = handle_.advertise<sensor_msgs::PointCloud2>("cloud_in", 1);
-  statistics_subscriber_ = handle_.subscribe<Statistics>("statistics", 1000, [this](const StatisticsConstPtr& m) { statistics_ = *m; });
+  // A surface that takes the place of another begins at step 0.
+  statistics_subscriber_ = handle_.subscribe<Statistics>("statistics", 1000, [this](const StatisticsConstPtr& m) {
+    steps_ += m->step >= statistics_.step ? m->step - statistics_.step : m->step;
+    statistics_ = *m;
+  });
+  const std::string prefix = name.substr(1) + ": ";
+  diagnostics_subscriber_ = handle_.subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 100, [this, prefix](const diagnostic_msgs::DiagnosticArrayConstPtr& m) {
+        for (const auto& status : m->status)
+          if (status.name.rfind(prefix, 0) == 0)
+            for (const auto& value : status.values) diagnostics_[value.key] = value.value;
+      });
   waitFor(name + " to listen", [this] { return cloud_.getNumSubscribers() > 0 && statistics_subscriber_.getNumPublishers() > 0; });
   cloud_.publish(cloud);
   waitFor("the surface of " + name, [this] { return statistics_.step > 0; });
 }
 
+double Surface::diagnostic(const std::string& key) const {
+  const auto found = diagnostics_.find(key);
+  return found == diagnostics_.end() ? 0.0 : std::atof(found->second.c_str());
+}
+
 double Surface::countSteps(double seconds) {
   letIn(0.5);
-  const std::uint64_t first = statistics_.step;
+  const std::uint64_t first = steps_;
   const ros::WallTime begin = ros::WallTime::now();
   letIn(seconds);
-  return static_cast<double>(statistics_.step - first) / (ros::WallTime::now() - begin).toSec();
+  return static_cast<double>(steps_ - first) / (ros::WallTime::now() - begin).toSec();
 }
 
 }  // namespace deformable_surface::benchmark
