@@ -60,6 +60,7 @@ void NodeDiagnostics::describeInput(Status& status) const {
   }
   status.add("clouds received", now_.clouds_received);
   status.add("clouds accepted", now_.clouds_accepted);
+  status.add("clouds that came again", now_.clouds_again);
   status.add("clouds refused", refused);
   status.add("clouds ignored by policy", now_.clouds_ignored);
   status.add("clouds tracked", now_.clouds_tracked);

@@ -203,6 +203,7 @@ void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
   if (!is_held_valid_) throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
   simulation_ = std::move(simulation);
   simulation_->setInterrupt(inbox_.closing());
+  is_as_built_ = false;
   show();
 }
 

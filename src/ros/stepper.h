@@ -32,7 +32,9 @@ struct StepperStatus {
   double time_step = 0.0, simulation_time = 0.0;  // s
   std::uint64_t step = 0;
   std::uint64_t steps_taken = 0;  // of all surfaces
-  int clouds_received = 0, clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, clouds_late = 0, clouds_dropped = 0, frames_dropped = 0, jumps_back = 0;
+  int clouds_received = 0, clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, clouds_late = 0, clouds_dropped = 0;
+  int clouds_again = 0;  // of those accepted: as the one that the surface was made of
+  int frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
   double lag = 0.0;          // s that the next step is late
@@ -97,6 +99,7 @@ class Stepper {
   void begin(CloudResult&& result);
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
+  bool isAgain(const CloudWork& work) const;
   bool isTracking() const;
 
   void restart(std::int64_t now);
@@ -147,6 +150,7 @@ class Stepper {
   bool is_paused_ = false;  // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
+  bool is_as_built_ = false;  // its cloud and params_ made the surface, and nothing else
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
   double call_seconds_ = 0.0;  // of the services called in the last turn
 

@@ -7,6 +7,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/equal_clouds.h"
 #include "deformable_surface/simulation/run_time_params.h"
 
 #include <ros/console.h>
@@ -58,6 +59,7 @@ void Stepper::handleClouds() {
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
     commands_.keepSince(work.stamp);
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, {}, {}, {}, {}});
   }
   worker_.begin(std::move(work));
 }
@@ -121,17 +123,32 @@ void Stepper::observeReady() {
   ready_.erase(ready_.begin(), newest.base());
 }
 
+// Whether neighbours, weights and springs would come out as they are.
+bool Stepper::isAgain(const CloudWork& work) const {
+  return simulation_ && is_as_built_ && work.frame == frame_ && work.transform.isApprox(Eigen::Isometry3d::Identity(), 0.0) &&
+         cloud::areEqual(work.cloud, simulation_->input());
+}
+
+// With the simulation that was built, or, where none was, with the one that is there.
 void Stepper::begin(CloudResult&& result) {
-  // What may change while a surface runs may have changed while this one was built.
-  if (params_revision_ != built_revision_) result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
-  result.simulation->setInterrupt(inbox_.closing());
+  const bool is_again = !result.simulation;
+  if (!is_again) {
+    result.simulation->setInterrupt(inbox_.closing());
+    // What may change while a surface runs may have changed while this one was built.
+    if (params_revision_ != built_revision_) result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
+  }
   // Commands for the surface before are not for this one, but those since its stamp are; before the first there was none that they could
   // be for.
   if (simulation_) {
     commands_.takeBack();
     commands_.dropBefore(result.stamp);
   }
-  simulation_ = std::move(result.simulation);
+  if (is_again) {
+    simulation_->reset();
+  } else {
+    simulation_ = std::move(result.simulation);
+  }
+  is_as_built_ = true;
   is_held_ = is_held_valid_ = false;
   frame_ = result.frame;
   commands_.forget();
@@ -144,11 +161,16 @@ void Stepper::begin(CloudResult&& result) {
   is_gravity_known_ = false;
   updateGravity();
   ++counts_.clouds_accepted;
+  counts_.clouds_again += is_again;
   worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
 
-  std::string notes;
-  for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
-  ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
+  if (is_again) {
+    ROS_INFO_STREAM(complaints_.name() << ": the cloud came again: the surface that was made of it begins anew");
+  } else {
+    std::string notes;
+    for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
+    ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
+  }
   Moment moment = makeMoment();
   moment.viewer = std::move(result.viewer);
   moment.params = simulation_->params();

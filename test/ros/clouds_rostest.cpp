@@ -69,6 +69,29 @@ TEST(Clouds, OfManyThatComeWhileOneIsBuiltTheNewestIsBuiltAndTheOthersAreCounted
   EXPECT_GT(client.diagnostic("clouds replaced before they were built"), 2.0);
 }
 
+TEST(Clouds, OneThatComesAgainBeginsItsSurfaceAnewWithoutBuildingIt) {
+  NodeProcess process("/again", "{model: mass_spring, gravity: [0, 0, -1], activity: {sleep: never}, input: {policy: replace}}");
+  NodeClient client("/again");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  const PointCloud2 at_rest = *client.frames.front();
+  ASSERT_TRUE(waitUntil([&] { return client.diagnostic("step") > 20; })) << process.output();
+
+  client.frames.clear();
+  client.publish(makeStamped(20, 10, ros::Time::now()));
+  ASSERT_TRUE(client.waitForDiagnostic("clouds that came again", 1.0)) << process.output();
+  EXPECT_EQ(client.diagnostic("clouds accepted"), 2.0);
+  const auto isAtRest = [&](const sensor_msgs::PointCloud2ConstPtr& frame) { return frame->data == at_rest.data; };
+  EXPECT_TRUE(waitUntil([&] { return std::any_of(client.frames.begin(), client.frames.end(), isAtRest); })) << process.output();
+
+  // One bit, and it is another.
+  PointCloud2 other = makeStamped(20, 10, ros::Time::now());
+  other.data[0] ^= 1;
+  client.publish(other);
+  ASSERT_TRUE(client.waitForDiagnostic("clouds accepted", 3.0)) << process.output();
+  EXPECT_EQ(client.diagnostic("clouds that came again"), 1.0);
+}
+
 TEST(Clouds, OneToBeTrackedThatComesAfterTheStepAtItsStampIsCounted) {
   NodeProcess process("/late", "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, input: {policy: track}}");
   NodeClient client("/late");
