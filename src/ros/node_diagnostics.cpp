@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/value.h"
 
+#include <diagnostic_msgs/DiagnosticArray.h>
 #include <diagnostic_msgs/DiagnosticStatus.h>
 
 namespace deformable_surface::node {
@@ -23,6 +24,7 @@ NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHan
       complaints_(complaints),
       updater_(node, private_node, private_node.getNamespace()),
       last_time_(steady_clock::now()) {
+  topic_ = ros::NodeHandle(node).advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   updater_.setHardwareID("none");
   updater_.add("input", [this](Status& status) { describeInput(status); });
   updater_.add("simulation", [this](Status& status) { describeSimulation(status); });
@@ -47,7 +49,7 @@ void NodeDiagnostics::update() {
   last_time_ = now;
   published_ = observe();
   now_ = stepper_.status();
-  updater_.force_update();
+  if (topic_.getNumSubscribers() > 0) updater_.force_update();
   last_ = now_;
 }
 

@@ -38,6 +38,7 @@ class NodeDiagnostics {
   const Stepper& stepper_;
   const Inbox& inbox_;
   const Complaints& complaints_;
+  ros::Publisher topic_;  // of the updater's messages: who listens
   diagnostic_updater::Updater updater_;
   Happened published_;
   Inbox::SteadyTime last_time_;

@@ -23,8 +23,8 @@ using XmlRpc::XmlRpcValue;
 // The first part of an answer of the master or slave API.
 constexpr int kSuccess = 1;
 
-// Restarts are rare and asking costs less than a millisecond.
-constexpr std::chrono::milliseconds kPeriod(1000);
+// Restarts are rare; each question opens a connection, which a node that rests would feel.
+constexpr std::chrono::milliseconds kPeriod(4000);
 // A node that is shutting down takes itself out of the master's books before it says so: being missing counts when it lasts.
 constexpr std::chrono::milliseconds kGrace(200);
 

@@ -14,6 +14,7 @@ using std::chrono::steady_clock;
 
 // Each holds a copy of the surface while it waits; a planner that has more branches sends them as results come.
 constexpr std::size_t kMaxWaiting = 64;
+constexpr double kStatusFrequency = 1.0;  // Hz
 // As often as a progress bar moves smoothly.
 constexpr std::chrono::milliseconds kFeedbackPeriod(100);
 
@@ -33,8 +34,17 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
       node, "rollout", [this](Server::GoalHandle goal) { accept(std::move(goal)); },
       [this](const Server::GoalHandle& goal) { cancel(goal); }, false);
   for (int k = 0; k < num_threads; ++k) threads_.emplace_back([this] { work(); });
-  server_->start();
+  start(node);
   queue_thread_.start();
+}
+
+// The server tells its status from time to time, and reads how often from a parameter, which is here for that long only: of its own accord it
+// would wake a node that rests more often than everything else. Changes of status are told at once in any case.
+void Rollouts::start(const ros::NodeHandle& node) {
+  const std::string key = "rollout/actionlib_status_frequency";
+  node.setParam(key, kStatusFrequency);
+  server_->start();
+  node.deleteParam("rollout");
 }
 
 // The inbox is closed already: nobody waits for the simulation thread any more.

@@ -43,6 +43,7 @@ class Rollouts {
     std::atomic<bool> is_cancelled{false};
   };
 
+  void start(const ros::NodeHandle& node);
   void accept(Server::GoalHandle goal);
   void cancel(const Server::GoalHandle& goal);
   void work();
