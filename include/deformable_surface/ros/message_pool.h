@@ -5,6 +5,7 @@
 #include <boost/make_shared.hpp>
 #include <boost/shared_ptr.hpp>
 
+#include <atomic>
 #include <vector>
 
 namespace deformable_surface::node {
@@ -15,8 +16,12 @@ class MessagePool {
  public:
   /// One that nobody else holds, with whatever it held before.
   boost::shared_ptr<Message> take() {
-    for (const boost::shared_ptr<Message>& message : messages_)
-      if (message.use_count() == 1) return message;
+    for (const boost::shared_ptr<Message>& message : messages_) {
+      if (message.use_count() != 1) continue;
+      // Whoever let go of it last has read it before.
+      std::atomic_thread_fence(std::memory_order_acquire);
+      return message;
+    }
     auto message = boost::make_shared<Message>();
     if (messages_.size() < kMost) messages_.push_back(message);
     return message;
