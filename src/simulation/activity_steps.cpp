@@ -26,7 +26,7 @@ void Simulation::Impl::wakeAll() {
   if (activity.isWhole()) return activity.wakeAll();
   activity.wakeAll();
   part.reset();
-  march.restart();
+  march.resume();
 }
 
 void Simulation::Impl::loadsChanged() {
@@ -70,11 +70,11 @@ void Simulation::Impl::wakeForStep(const NamedForces::Update& update) {
   if (!tool_watch.changed().empty()) changed();
   if (was_whole || !activity.isWhole()) return;
   part.reset();
-  march.restart();
+  march.resume();
 }
 
 solve::TimeMarch::Outcome Simulation::Impl::advanceWhole(double now) {
-  if (part) march.restart();
+  if (part) march.resume();
   part.reset();
   return march.step(now, state);
 }
@@ -105,13 +105,16 @@ solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
   }
   activity.wakeAll();
   part.reset();
-  march.restart();
+  march.resume();
   return march.step(now, state);
 }
 
-// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep.
+// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep. The step that wakes it is the one
+// that somebody waits for, so that what can be known before is found out now.
 void Simulation::Impl::beginAsleep(double now) {
   if (!activity.isFresh() || !maySleep() || !activity.beginAsleep(system, now, state)) return;
+  march.prepare(now, state);
+  part_march = march.memory();
   for (const Eigen::AlignedBox3d& box : tool_watch.changed()) activity.wakeIn(box);
   changed();
 }

@@ -66,6 +66,18 @@ void TimeMarch::restart() {
   memory_.heated = memory_.dissipated = 0.0;
 }
 
+void TimeMarch::prepare(double time, const State& state) {
+  if (estimatesStableStep()) refreshStableStep(time, state);
+}
+
+void TimeMarch::resume() {
+  const bool estimate_needed = memory_.estimate_needed;
+  restart();
+  if (estimate_needed) return;
+  memory_.estimate_needed = false;
+  memory_.max_substep = memory_.stable_step;
+}
+
 void TimeMarch::forcesChanged() {
   for (auto& [type, integrator] : integrators_) integrator->forgetForces();
   guard_.elasticityChanged();

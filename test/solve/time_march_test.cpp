@@ -13,7 +13,10 @@ namespace {
 class KnownStep : public SlowerOscillators {
  public:
   explicit KnownStep(double stiffness) : SlowerOscillators({stiffness}, 1e-3, 1.0) {}
-  double findStableStep(const State&) const override { return stable_step; }
+  double findStableStep(const State&) const override {
+    ++num_estimates;
+    return stable_step;
+  }
   double maxStretch(const State&) const override { return stretch; }
 
   void change(double step) {
@@ -21,6 +24,7 @@ class KnownStep : public SlowerOscillators {
     stretch += 1.0;
   }
   double stable_step = 0.01, stretch = 0.0;
+  mutable int num_estimates = 0;
 };
 
 struct March {
@@ -58,6 +62,24 @@ TEST(TimeMarch, ShortensSubstepsAtOnceAndLengthensThemOnlyWhenTheyCouldLongHaveB
   m.model.change(0.01);
   m.march.restart();
   EXPECT_EQ(m.countSubsteps(), 2);
+}
+
+TEST(TimeMarch, AStableStepThatWasFoundBeforehandHoldsForAStateThatAPartBroughtOn) {
+  March m(1.0);
+  m.march.prepare(0.0, m.state);
+  EXPECT_EQ(m.countSubsteps(), 2);
+  m.march.resume();
+  EXPECT_EQ(m.countSubsteps(), 2);
+  EXPECT_EQ(m.model.num_estimates, 1);
+  // It is looked for where it would have been without the part.
+  m.model.change(0.002);
+  m.march.resume();
+  EXPECT_EQ(m.countSubsteps(), 6);
+  EXPECT_EQ(m.model.num_estimates, 2);
+  m.march.forcesChanged();
+  m.march.resume();
+  m.countSubsteps();
+  EXPECT_EQ(m.model.num_estimates, 3);
 }
 
 TEST(TimeMarch, SlowForcesActInOuterStepsWhileTheEnergyIsCalm) {

@@ -41,7 +41,12 @@ class TimeMarch {
 
   /// The state, the masses or the model's forces are not those that the last step ended with.
   void restart();
-  /// The same of forces and energy alone, in a solid that has flowed: the account stays.
+  /// Estimates the stable step of a state from which no step is taken yet.
+  void prepare(double time, const State& state);
+  /// The state was brought on by another march over the same forces (of a part): the account begins anew, but the stable step that was
+  /// estimated holds as long as it would have.
+  void resume();
+  /// As restart(), of forces and energy alone, in a solid that has flowed: the account stays.
   void forcesChanged();
   /// The loads are not those of the last step.
   void loadsChanged() { guard_.loadsChanged(); }
