@@ -69,8 +69,7 @@ TEST(BlockSparse, AFillingThatIsGivenUpLeavesNothingToTheNext) {
   expected.block<3, 3>(3, 0) = blockOf(1.0);
   expected.block<3, 3>(6, 3) = blockOf(2.0);
   expected.block<3, 3>(6, 0) = blockOf(3.0);
-  const Eigen::MatrixXd upper = expected.transpose();
-  EXPECT_EQ(makeDense(matrix), expected + upper);
+  EXPECT_EQ(makeDense(matrix), expected + expected.transpose().eval());
 }
 
 TEST(BlockSparse, ANewBlockInAnyPassExtendsThePattern) {

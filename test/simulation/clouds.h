@@ -29,6 +29,16 @@ inline simulation::SceneParams hangingSheet() {
 
 inline cloud::PointCloud sheetCloud(Index n = 30) { return asCloud(makeSheet(n, n, 1.0, 1.0, 0.2).points); }
 
+/// The same without weight, pulled so far that points are inserted.
+inline simulation::SceneParams resampledSheet() {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.output.resample = true;
+  p.material.bending_rigidity = 0.0;
+  p.forces.push_back({"pull", Vec3(1.0, 0.0, 0.0), Vec3(60.0, 0.0, 0.0), 0.6, 0.0, 1e300});
+  return p;
+}
+
 /// What is wrong with a scene or its cloud, or "accepted".
 inline std::string problemOf(const simulation::SceneParams& scene, const cloud::PointCloud& cloud) {
   try {

@@ -268,12 +268,7 @@ TEST(Simulation, EnergyIsKeptWithoutDamping) {
 }
 
 TEST(Simulation, ResamplingAppendsPointsWhereTheSurfaceIsStretchedAndKeepsTheirIndices) {
-  SceneParams p = hangingSheet();
-  p.gravity.setZero();
-  p.output.resample = true;
-  p.material.bending_rigidity = 0.0;
-  p.forces.push_back({"pull", Vec3(1.0, 0.0, 0.0), Vec3(60.0, 0.0, 0.0), 0.6, 0.0, 1e300});
-  Simulation s(p, sheetCloud());
+  Simulation s(resampledSheet(), sheetCloud());
   run(s, 20);
   const Index first = static_cast<Index>(s.surface(true).positions.size());
   EXPECT_GT(first, s.input().size());

@@ -89,12 +89,7 @@ TEST(Viewer, ShowsASheetThatIsPressedPulledAndCut) {
 }
 
 TEST(Viewer, ShowsPointsThatWereInserted) {
-  SceneParams p = hangingSheet();
-  p.gravity.setZero();
-  p.output.resample = true;
-  p.material.bending_rigidity = 0.0;
-  p.forces.push_back({"pull", Vec3(1.0, 0.0, 0.0), Vec3(60.0, 0.0, 0.0), 0.6, 0.0, 1e300});
-  Simulation s(p, sheetCloud());
+  Simulation s(resampledSheet(), sheetCloud());
   Simulation viewer = s.viewer();
   for (int k = 0; k < 6; ++k) {
     run(s, 10);
