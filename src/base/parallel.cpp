@@ -1,5 +1,7 @@
 #include "deformable_surface/base/parallel.h"
 
+#include "deformable_surface/base/interrupt.h"
+
 #include <algorithm>
 #include <atomic>
 #include <condition_variable>
@@ -32,6 +34,7 @@ class Pool {
       std::lock_guard<std::mutex> lock(mutex_);
       block_ = block;
       context_ = context;
+      interrupt_ = currentInterrupt();
       num_blocks_ = num_blocks;
       next_ = 0;
       failed_block_ = num_blocks;
@@ -43,6 +46,7 @@ class Pool {
     std::unique_lock<std::mutex> lock(mutex_);
     done_.wait(lock, [this] { return busy_ == 0; });
     if (failure_) std::rethrow_exception(std::exchange(failure_, nullptr));
+    endIfInterrupted();
   }
 
  private:
@@ -71,6 +75,7 @@ class Pool {
   std::condition_variable wake_, done_;
   void (*block_)(const void*, Index) = nullptr;
   const void* context_ = nullptr;
+  const std::atomic<bool>* interrupt_ = nullptr;  // of the thread that began the job: no more blocks once it is true
   Index num_blocks_ = 0;
   std::atomic<Index> next_{0};
   int helpers_ = 0;  // of the job: the first so many workers
@@ -85,7 +90,7 @@ thread_local bool inside_block = false;
 
 void Pool::takeBlocks() {
   inside_block = true;
-  for (Index b = next_++; b < num_blocks_; b = next_++) {
+  for (Index b = next_++; b < num_blocks_ && !(interrupt_ && *interrupt_); b = next_++) {
     try {
       block_(context_, b);
     } catch (...) {
@@ -118,7 +123,10 @@ void internal::runBlocks(Index num_blocks, void (*run)(const void* context, Inde
     const std::unique_lock<std::mutex> lock(pool_mutex, std::try_to_lock);
     if (lock.owns_lock()) return pool.run(num_helpers, num_blocks, run, context);
   }
-  for (Index b = 0; b < num_blocks; ++b) run(context, b);
+  for (Index b = 0; b < num_blocks; ++b) {
+    endIfInterrupted();
+    run(context, b);
+  }
 }
 
 }  // namespace deformable_surface

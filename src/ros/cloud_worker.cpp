@@ -1,6 +1,7 @@
 #include "cloud_worker.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 
 #include <exception>
@@ -115,6 +116,7 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
   result.stamp = work.stamp;
   result.arrival = work.arrival;
   result.frame = std::move(work.frame);
+  const InterruptScope scope(*inbox_.closing());
   try {
     setNumThreads(work.num_threads);
     transformCloud(work.transform, work.cloud);

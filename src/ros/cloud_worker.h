@@ -45,7 +45,7 @@ struct CloudResult {
 class CloudWorker {
  public:
   CloudWorker(Inbox& inbox, Complaints& complaints, const DecodeLimits& limits);
-  /// After the inbox is closed. What is under way is waited for.
+  /// After the inbox is closed, which ends what is under way.
   ~CloudWorker();
   CloudWorker(const CloudWorker&) = delete;
   CloudWorker& operator=(const CloudWorker&) = delete;

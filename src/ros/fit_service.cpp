@@ -1,6 +1,7 @@
 #include "fit_service.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 
 #include <cstdint>
@@ -34,7 +35,7 @@ model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthPa
 }  // namespace
 
 FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints)
-    : inbox_(inbox), stepper_(stepper), complaints_(complaints), thread_(queue_) {
+    : inbox_(inbox), stepper_(stepper), complaints_(complaints), first_thread_(queue_), second_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   const auto answer = [this](FitSurfaceRequest& request, FitSurfaceResponse& response) {
     try {
@@ -48,10 +49,14 @@ FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Com
   };
   server_ = node.advertiseService<FitSurfaceRequest, FitSurfaceResponse>(
       "fit", boost::function<bool(FitSurfaceRequest&, FitSurfaceResponse&)>(answer));
-  thread_.start();
+  first_thread_.start();
+  second_thread_.start();
 }
 
-FitService::~FitService() { thread_.stop(); }
+FitService::~FitService() {
+  first_thread_.stop();
+  second_thread_.stop();
+}
 
 // Work of the simulation thread may throw, too.
 void FitService::perform(const std::function<void()>& work) {
@@ -94,6 +99,7 @@ void FitService::fit(const FitSurfaceRequest& request, FitSurfaceResponse& respo
     stepper_.hold();
   });
   try {
+    const InterruptScope scope(*inbox_.closing());
     setNumThreads(num_threads);
     response.message = copy->fit(growth);
   } catch (...) {

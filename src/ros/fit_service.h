@@ -1,4 +1,4 @@
-// The service ~fit. Apart from the others because growing a surface takes seconds: it is done on a copy, in a thread of its own, while the
+// The service ~fit. Apart from the others because growing a surface takes seconds: it is done on a copy, in threads of its own, while the
 // surface stands and the node goes on answering.
 #pragma once
 
@@ -21,7 +21,7 @@ namespace deformable_surface::node {
 class FitService {
  public:
   FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints);
-  /// After the inbox is closed: a fit that is under way is waited for.
+  /// After the inbox is closed, which ends a fit that is under way.
   ~FitService();
 
   /// Resolved, for registering it again.
@@ -39,7 +39,8 @@ class FitService {
   Complaints& complaints_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;
-  QueueThread thread_;
+  // One grows a surface while the other refuses to.
+  QueueThread first_thread_, second_thread_;
 };
 
 }  // namespace deformable_surface::node

@@ -14,6 +14,26 @@ namespace {
 // A unit quaternion in float32 is off by less; more means that somebody did not mean a rotation.
 constexpr double kUnitTolerance = 1e-3;
 
+LatestTransform lookUp(const std::string& what, const std::string& source, const std::string& target, const ros::Time& stamp,
+                       const tf2::BufferCore& transforms) {
+  LatestTransform found;
+  try {
+    const geometry_msgs::TransformStamped stamped = transforms.lookupTransform(target, source, stamp);
+    const geometry_msgs::Transform& t = stamped.transform;
+    found.stamp = stamped.header.stamp;
+    found.transform.translate(Vec3(t.translation.x, t.translation.y, t.translation.z));
+    found.transform.rotate(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
+  } catch (const tf2::TransformException& error) {
+    throw FrameError(what + ": there is no transform from frame " + quote(source) + " to " + quote(target) + " (" +
+                     quote(error.what()) + "); accepted: frames that tf knows at the stamp");
+  }
+  if (!found.transform.matrix().allFinite()) {
+    throw InputError(what + ": the transform from frame " + quote(source) + " to " + quote(target) +
+                     " is not finite; accepted: a finite one");
+  }
+  return found;
+}
+
 }  // namespace
 
 std::string withoutSlash(const std::string& frame) { return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame; }
@@ -21,21 +41,17 @@ std::string withoutSlash(const std::string& frame) { return !frame.empty() && fr
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
                                 const tf2::BufferCore& transforms) {
   const std::string source = withoutSlash(from), target = withoutSlash(to);
-  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
-  if (source.empty() || source == target) return transform;
-  try {
-    const geometry_msgs::Transform t = transforms.lookupTransform(target, source, stamp).transform;
-    transform.translate(Vec3(t.translation.x, t.translation.y, t.translation.z));
-    transform.rotate(Eigen::Quaterniond(t.rotation.w, t.rotation.x, t.rotation.y, t.rotation.z).normalized());
-  } catch (const tf2::TransformException& error) {
-    throw FrameError(what + ": there is no transform from frame " + quote(source) + " to " + quote(target) + " (" +
-                     quote(error.what()) + "); accepted: frames that tf knows at the stamp");
-  }
-  if (!transform.matrix().allFinite()) {
-    throw InputError(what + ": the transform from frame " + quote(source) + " to " + quote(target) +
-                     " is not finite; accepted: a finite one");
-  }
-  return transform;
+  if (source.empty() || source == target) return Eigen::Isometry3d::Identity();
+  return lookUp(what, source, target, stamp, transforms).transform;
+}
+
+LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
+                                   const tf2::BufferCore& transforms) {
+  const std::string source = withoutSlash(from), target = withoutSlash(to);
+  if (source.empty() || source == target) return {};
+  const LatestTransform latest = lookUp(what, source, target, ros::Time(), transforms);
+  if (latest.stamp <= stamp || stamp.isZero()) return latest;
+  return lookUp(what, source, target, stamp, transforms);
 }
 
 Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {

@@ -95,6 +95,7 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
   status.add("lag (s)", formatReal(now_.lag));
   status.add("time not caught up (s)", formatReal(now_.time_let_go));
   status.add("time not caught up after calls (s)", formatReal(now_.time_in_calls));
+  status.add("time not caught up after building (s)", formatReal(now_.time_in_builds));
   status.add("frames dropped", now_.frames_dropped);
   status.add("clock jumps back", now_.jumps_back);
   if (!now_.accuracy.empty()) status.add("accuracy", now_.accuracy);

@@ -77,7 +77,7 @@ void PendingCommands::clear() {
   without_frame_.clear();
 }
 
-void PendingCommands::apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame) {
+void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame) {
   // They may be younger than what they wait for now.
   for (const auto& [key, waiting] : std::exchange(without_frame_, {})) carryOut(waiting.command, waiting.give_up, simulation, frame);
 
@@ -88,8 +88,8 @@ void PendingCommands::apply(std::int64_t begin, simulation::Simulation& simulati
     carryOut(*command, SteadyClock::now() + kTransformPatience, simulation, frame);
   commands_.erase(commands_.begin(), later);
   last_begin_ = begin;
-  // Like gravity's frame by the latest transform: that of the step itself may come after it.
-  for (const std::string& problem : tools_.move(ros::Time(), simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
+  const ros::Time stamp = ros::Time().fromNSec(static_cast<std::uint64_t>(end));
+  for (const std::string& problem : tools_.move(stamp, simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
 }
 
 void PendingCommands::carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
@@ -99,10 +99,11 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
   const bool cancels = command.tool && command.tool->action == Tool::DELETE && without_frame_.erase(key) > 0;
   num_dropped_ += cancels;
   const auto older = without_frame_.find(key);
+  const bool is_kept = command.stamp >= keep_since_ && kept_.size() < kMaxWaiting;
   try {
     apply(command, simulation, frame);
     ++num_applied_;
-    if (command.stamp >= keep_since_ && kept_.size() < kMaxWaiting) kept_.push_back(command);
+    if (is_kept) kept_.push_back(command);
     num_late_ += command.stamp <= last_begin_;
   } catch (const FrameError& error) {
     // However many come, the first says how long they wait.
@@ -115,7 +116,9 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     }
     complaints_.report(Complaint::kCommandRefused, error.what());
   } catch (const InputError& error) {
-    if (!cancels) complaints_.report(Complaint::kCommandRefused, error.what());
+    if (is_kept) kept_.push_back(command);
+    const std::string rest = is_kept ? " (by the surface that is there; it is tried again on the one that is being built)" : "";
+    if (!cancels) complaints_.report(Complaint::kCommandRefused, error.what() + rest);
     return;  // what waits is as good as before
   }
   if (command.tool && command.tool->action == Tool::DELETEALL) {

@@ -32,7 +32,8 @@ class PendingCommands {
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
   void clear();
-  /// Those that count from the stamp (ns) on are remembered while they are applied, for a surface that is to begin then.
+  /// Those that count from the stamp (ns) on are remembered while they are applied, for a surface that is to begin then; also those that
+  /// the surface of now has no use for.
   void keepSince(std::int64_t stamp);
   /// They wait once more.
   void takeBack();
@@ -52,9 +53,9 @@ class PendingCommands {
   void restore(const Memory& memory);
 
   /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival, and moves the
-  /// tools through that step. A command whose transform is not known waits for it, for a while, unless a newer one for the same force
+  /// tools through that step, to its end. A command whose transform is not known waits for it, for a while, unless a newer one for the same force
   /// or tool takes its place.
-  void apply(std::int64_t begin, simulation::Simulation& simulation, const std::string& frame);
+  void apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame);
   /// Whether what is done before a step may change with time, by itself.
   bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
 

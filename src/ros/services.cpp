@@ -201,6 +201,7 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
     if (!(count >= 1 && count <= kMaxSteps))
       throw InputError("count: found " + std::to_string(count) + "; accepted: 1 to " + std::to_string(kMaxSteps));
     stepper_.requireFree();
+    if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     if (!stepper_.isPaused()) throw InputError("the simulation is running; accepted: ~step while it is paused (~pause true)");
     const std::string obstacle = stepper_.obstacle();
     if (!obstacle.empty()) throw InputError(obstacle);
@@ -306,7 +307,8 @@ bool Services::list(ListResponse& response) {
       response.snapshot_bytes.push_back(entry.snapshot.bytes());
     }
     return std::to_string(response.tools.size()) + " tools, " + std::to_string(response.forces.size()) + " forces, " +
-           std::to_string(response.pinned) + " pinned points, " + std::to_string(response.snapshots.size()) + " snapshots";
+           std::to_string(response.pinned) + " pinned points, " + std::to_string(response.snapshots.size()) + " snapshots" +
+           (stepper_.isBuilding() ? "; another surface is being built" : "");
   });
 }
 

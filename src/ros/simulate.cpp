@@ -9,6 +9,7 @@
 #include "tool_commands.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/io/pending_file.h"
@@ -173,7 +174,7 @@ class Run {
     if (status_ == kInterrupted) {
       report("interrupted at t = " + formatReal(runTime()) + " s; nothing is written" +
              (frames_ ? " but the frames until then" : ""));
-      return kInterrupted + terminal_.stop;
+      return kInterrupted + terminal_.stop.number;
     }
     finish();
     return status_;
@@ -253,7 +254,10 @@ class Run {
   }
 
   std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp) {
+    const InterruptScope scope(terminal_.stop.has_come);
+    endIfInterrupted();
     auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
+    simulation->setInterrupt(&terminal_.stop.has_come);
     const std::string frame = !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
     simulation->setGravity(findGravity(frame, stamp));
     frame_ = frame;
@@ -296,11 +300,10 @@ class Run {
     }
   }
 
-  // The transforms are all there: frames are those of the step's beginning.
   void moveTools() {
     if (!tool_commands_) return;
     ros::Time time;
-    time.fromNSec(static_cast<std::uint64_t>(now()));
+    time.fromNSec(static_cast<std::uint64_t>(timeOf(simulation_->stepCount() + 1)));
     for (const std::string& problem : tool_commands_->move(time, *simulation_, frame_)) note(problem);
   }
 
@@ -313,14 +316,12 @@ class Run {
   bool canStep() const { return status_ == kDone && now() + toNanoseconds(0.99 * params_.integrator.time_step) <= end_; }
 
   void step() {
-    if (terminal_.stop != 0) {
-      status_ = kInterrupted;
-      return;
-    }
+    if (isInterrupted()) return;
     updateGravity();
     moveTools();
     const simulation::StepOutcome outcome = simulation_->step();
     if (!outcome.notice.empty()) note(outcome.notice);
+    if (!outcome.ok && isInterrupted()) return;
     if (!outcome.ok) {
       status_ = kNoSoundStep;
       report(outcome.problem);
@@ -330,6 +331,11 @@ class Run {
     if (statistics_) statistics_->add(simulation_->statistics());
     ++steps_;
     progress_.update(runTime(), params_.duration);
+  }
+
+  bool isInterrupted() {
+    if (terminal_.stop.has_come) status_ = kInterrupted;
+    return status_ == kInterrupted;
   }
 
   void writeState() {
@@ -395,7 +401,11 @@ class Run {
   }
 
   // Stamp of the state, ns, and time since the run began, s.
-  std::int64_t now() const { return start_ + toNanoseconds(simulation_->time()); }
+  std::int64_t now() const { return timeOf(simulation_->stepCount()); }
+  // When a step begins, as the node has it.
+  std::int64_t timeOf(std::uint64_t step) const {
+    return start_ + toNanoseconds(static_cast<double>(step) * params_.integrator.time_step);
+  }
   double runTime() const { return static_cast<double>(start_ - run_start_) * 1e-9 + simulation_->time(); }
   static std::int64_t toNanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
@@ -447,6 +457,9 @@ int simulate(const std::vector<std::string>& arguments, const Terminal& terminal
     return Run(options, terminal).run();
   } catch (const InputError& error) {
     for (const std::string& problem : error.problems()) report(problem);
+  } catch (const Interrupted&) {
+    report("interrupted while a surface was built; nothing is written");
+    return kInterrupted + terminal.stop.number;
   } catch (const std::exception& error) {
     report(std::string("stopped: ") + error.what());
   }

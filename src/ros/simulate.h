@@ -1,19 +1,25 @@
 // The program `simulate`: a scene in, and a bag if given; clouds, a bag and a CSV out. Apart from its main, for tests.
 #pragma once
 
-#include <csignal>
+#include <atomic>
 #include <ostream>
 #include <string>
 #include <vector>
 
 namespace deformable_surface::node {
 
+/// A signal that is to end a run. A handler sets the number first.
+struct StopSignal {
+  std::atomic<int> number{0};
+  std::atomic<bool> has_come{false};
+};
+
 /// Where a run shows itself, and how it is interrupted.
 struct Terminal {
   std::ostream& out;
   std::ostream& err;
-  bool show_progress;                      // a bar on err
-  const volatile std::sig_atomic_t& stop;  // the number of a signal that came, else 0
+  bool show_progress;  // a bar on err
+  const StopSignal& stop;
 };
 
 /// arguments: without the name of the program. Returns the exit status: 0 done; 2 the command line, the scene or an input file is

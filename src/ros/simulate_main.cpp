@@ -3,13 +3,18 @@
 
 #include <unistd.h>
 
+#include <csignal>
 #include <iostream>
 
 namespace {
 
-volatile std::sig_atomic_t stop_signal = 0;
+deformable_surface::node::StopSignal stop_signal;
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free, "else a handler must not touch them");
 
-void onSignal(int number) { stop_signal = number; }
+void onSignal(int number) {
+  stop_signal.number = number;
+  stop_signal.has_come = true;
+}
 
 }  // namespace
 

@@ -51,6 +51,7 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (content.closed) return false;
   last_turn_ = steady_clock::now();
   handleClock(content.clock);
+  tellOfBuilding();
   for (Command& command : content.commands)
     if (!command.is_stamped) command.stamp = stampOfArrival(command.stamp, timeStep());
   commands_.append(std::move(content.commands));
@@ -126,17 +127,20 @@ void Stepper::handleClock(const ClockNews& clock) {
 }
 
 void Stepper::restart(std::int64_t now) {
-  is_held_ = is_held_valid_ = false;
   simulation_->reset();
+  beginAnew(schedule_.zero());
+  schedule_.skipTo(now, 0);
+  updateGravity();
+}
+
+// The surface is at rest, and nothing is left of what came before; time 0 is at zero of the clock.
+void Stepper::beginAnew(std::int64_t zero) {
+  is_held_ = is_held_valid_ = false;
+  is_failed_ = is_frame_due_ = is_gravity_known_ = false;
+  last_frame_ = 0;
   ready_.clear();
   commands_.forget();
-  is_failed_ = false;
-  last_frame_ = 0;
-  is_frame_due_ = false;
-  schedule_.start(schedule_.zero());
-  schedule_.skipTo(now, 0);
-  is_gravity_known_ = false;
-  updateGravity();
+  schedule_.start(zero);
 }
 
 void Stepper::letGoOfLag(double call_seconds) {
@@ -144,6 +148,10 @@ void Stepper::letGoOfLag(double call_seconds) {
   const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
   if (!(lag > kMaxLag)) return;
   schedule_.skip(lag);
+  if (simulation_->stepCount() == 0) {
+    counts_.time_in_builds += toSeconds(lag);  // which the line about the surface has told
+    return;
+  }
   if (2.0 * call_seconds > toSeconds(lag)) {
     counts_.time_in_calls += toSeconds(lag);
     complaints_.report(Complaint::kBehind, "services took " + formatShort(call_seconds) + " s, in which no step was taken; " +
@@ -151,20 +159,18 @@ void Stepper::letGoOfLag(double call_seconds) {
     return;
   }
   counts_.time_let_go += toSeconds(lag);
-  if (simulation_->stepCount() > 0) {
-    const bool is_slow = step_seconds_ > params_.integrator.time_step;
-    complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time" : "the process did not get to run for a while") +
-                                               std::string(": the last step took ") + formatShort(step_seconds_) + " s for " +
-                                               formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
-                                               " s are not caught up");
-  }
+  const bool is_slow = step_seconds_ > params_.integrator.time_step;
+  complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time" : "the process did not get to run for a while") +
+                                             std::string(": the last step took ") + formatShort(step_seconds_) + " s for " +
+                                             formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
+                                             " s are not caught up");
 }
 
 // ---- Steps ----
 
 std::string Stepper::obstacle() {
   if (!simulation_)
-    return std::string("there is no surface yet; ") + (worker_.isBusy() ? "one is being built" : "publish a cloud on ~cloud_in first");
+    return std::string("there is no surface yet; ") + (isBuilding() ? "one is being built" : "publish a cloud on ~cloud_in first");
   if (!is_gravity_known_ && !updateGravity()) return "the transform of gravity_frame is not known yet";
   return "";
 }
@@ -258,7 +264,8 @@ std::uint32_t Stepper::takeSteps(std::uint32_t count) {
 
 bool Stepper::takeStep() {
   const Timer timer;
-  commands_.apply(schedule_.begin(simulation_->stepCount()), *simulation_, frame_);
+  const std::uint64_t step = simulation_->stepCount();
+  commands_.apply(schedule_.begin(step), schedule_.begin(step + 1), *simulation_, frame_);
   updateGravity();
   time_input_ = timer.seconds();
 
@@ -285,11 +292,23 @@ std::int64_t Stepper::countFrames() const {
   return static_cast<std::int64_t>(std::floor(simulation_->time() * params_.output.publish_rate + 1e-6));
 }
 
+// That of the step's beginning. The first may be younger, since no step is taken, and no time passes, before there is one.
+Eigen::Isometry3d Stepper::findGravityTransform() const {
+  const auto find = [&](const ros::Time& stamp) {
+    return findTransformUntil("gravity_frame", params_.gravity_frame, frame_, stamp, transforms_).transform;
+  };
+  try {
+    return find(ros::Time().fromNSec(static_cast<std::uint64_t>(schedule_.begin(simulation_->stepCount()))));
+  } catch (const FrameError&) {
+    if (is_gravity_known_) throw;
+    return find(ros::Time());
+  }
+}
+
 bool Stepper::updateGravity() {
   if (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_) return is_gravity_known_ = true;
   try {
-    const Eigen::Isometry3d transform = findTransform("gravity_frame", params_.gravity_frame, frame_, ros::Time(), transforms_);
-    simulation_->setGravity(transform.linear() * params_.gravity);
+    simulation_->setGravity(findGravityTransform().linear() * params_.gravity);
     // The time spent waiting is not caught up.
     if (!is_gravity_known_) schedule_.skipTo(now_, simulation_->stepCount());
     return is_gravity_known_ = true;
@@ -359,9 +378,10 @@ StepperStatus Stepper::status() const {
     status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
   } else if (simulation_) {
     status.state = "running";
-  } else if (worker_.isBusy()) {
+  } else if (isBuilding()) {
     status.state = "building a surface";
   }
+  if (simulation_ && isBuilding()) status.state += ", while another surface is built";
   return status;
 }
 

@@ -21,6 +21,7 @@
 #include <deque>
 #include <functional>
 #include <memory>
+#include <optional>
 #include <string>
 
 namespace deformable_surface::node {
@@ -40,6 +41,7 @@ struct StepperStatus {
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;  // the same, since a call of a service did
+  double time_in_builds = 0.0;  // between the stamps of clouds and the first steps of the surfaces made of them
   std::string accuracy;      // what was chosen from the accuracy asked for, and why; empty if nothing was
 };
 
@@ -86,6 +88,8 @@ class Stepper {
   void requireFree() const;
   /// The reason why no step can be taken now; empty if there is none.
   std::string obstacle();
+  /// Whether a surface is being made of a cloud that came.
+  bool isBuilding() const { return building_.has_value(); }
 
   StepperStatus status() const;
 
@@ -97,6 +101,8 @@ class Stepper {
   void takeResult(CloudResult&& result);
   void observeReady();
   void begin(CloudResult&& result);
+  void beginAnew(std::int64_t zero);
+  void tellOfBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
   bool isAgain(const CloudWork& work) const;
@@ -111,6 +117,7 @@ class Stepper {
   bool canRest() const;
   bool takeStep();
   std::int64_t countFrames() const;
+  Eigen::Isometry3d findGravityTransform() const;
   bool updateGravity();
   void letGoOfLag(double call_seconds);
   Moment makeMoment();
@@ -144,6 +151,12 @@ class Stepper {
     std::unique_ptr<simulation::ObservedCloud> cloud;
   };
   std::deque<ReadyCloud> ready_;  // to be tracked from the step at their stamp on
+  struct Building {
+    Inbox::SteadyTime begin;
+    Index points = 0;
+    bool is_told = false;
+  };
+  std::optional<Building> building_;
   std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and when a surface was last begun to be built with them
   PendingCommands commands_;
   SnapshotShelf snapshots_;  // of this surface

@@ -23,6 +23,10 @@ constexpr std::int64_t kOldCloud = 1'000'000'000;
 // Clouds that were made ready before their step: as many as may wait undone.
 constexpr std::size_t kMostReady = 64;
 constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
+constexpr double kLongBuild = 2.0;  // s: who waits longer wonders
+constexpr double kToldLag = 0.25;   // s: what is caught up with need not be told
+
+double secondsSince(Inbox::SteadyTime then) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count(); }
 
 }  // namespace
 
@@ -60,6 +64,7 @@ void Stepper::handleClouds() {
     built_revision_ = params_revision_;
     commands_.keepSince(work.stamp);
     if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, {}, {}, {}, {}});
+    building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
   worker_.begin(std::move(work));
 }
@@ -90,6 +95,7 @@ WaitingClouds::Answer Stepper::prepare(const IncomingCloud& incoming, bool is_pa
 
 void Stepper::takeResult(CloudResult&& result) {
   if (!result.refusal.empty()) {
+    building_.reset();
     commands_.forgetKept();
     complaints_.report(Complaint::kCloudRefused, "cloud refused: " + result.refusal);
   } else if (result.simulation) {
@@ -103,6 +109,15 @@ void Stepper::takeResult(CloudResult&& result) {
       ready_.pop_front();
     }
   }
+}
+
+// Once, so that nobody takes the node for dead.
+void Stepper::tellOfBuilding() {
+  if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
+  building_->is_told = true;
+  ROS_INFO_STREAM(complaints_.name() << ": a surface of " << building_->points << " points has been under construction for "
+                                     << formatShort(secondsSince(building_->begin)) << " s"
+                                     << (simulation_ ? "; the one before goes on meanwhile" : ""));
 }
 
 // A cloud shows the surface at its stamp, and draws it from there on.
@@ -149,28 +164,25 @@ void Stepper::begin(CloudResult&& result) {
     simulation_ = std::move(result.simulation);
   }
   is_as_built_ = true;
-  is_held_ = is_held_valid_ = false;
   frame_ = result.frame;
-  commands_.forget();
   snapshots_.clear();
-  ready_.clear();
-  is_failed_ = is_frame_due_ = false;
-  last_frame_ = 0;
-  schedule_.start(result.stamp);
+  beginAnew(result.stamp);
   if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) schedule_.skipTo(delayed(result.arrival), 0);
-  is_gravity_known_ = false;
   updateGravity();
   ++counts_.clouds_accepted;
   counts_.clouds_again += is_again;
   worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
 
-  if (is_again) {
-    ROS_INFO_STREAM(complaints_.name() << ": the cloud came again: the surface that was made of it begins anew");
-  } else {
+  std::string news = ": the cloud came again: the surface that was made of it begins anew";
+  if (!is_again) {
     std::string notes;
     for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
-    ROS_INFO_STREAM(complaints_.name() << ": surface built: " << notes);
+    news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
   }
+  const double behind = is_clock_simulated_ ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
+  if (behind > kToldLag) news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, which are not caught up";
+  ROS_INFO_STREAM(complaints_.name() << news);
+  building_.reset();
   Moment moment = makeMoment();
   moment.viewer = std::move(result.viewer);
   moment.params = simulation_->params();

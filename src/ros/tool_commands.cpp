@@ -214,6 +214,8 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
     const double longest = std::max(kLongestMove, step);
     const double way = last == courses_.end() ? longest : std::min(std::max(now - last->second.given, step), longest);
     course.arrives = now + way;
+    if (last != courses_.end() && last->second.follows_frame && last->second.frame == course.frame)
+      course.frame_stamp = last->second.frame_stamp;
     tool.path = {makeWaypoint(now, tool::interpolate(before->path, now)),
                  makeWaypoint(course.arrives, course.predict(course.arrives))};
   } else {
@@ -223,6 +225,19 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
   }
   simulation.setTool(tool);
   courses_[command.id] = course;
+}
+
+void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, double now, double step, const std::string& surface_frame,
+                               Course& course) const {
+  const LatestTransform seen = findTransformUntil(what, course.frame, surface_frame, stamp, transforms_);
+  const double since = course.frame_stamp.isZero() ? 0.0 : (seen.stamp - course.frame_stamp).toSec();
+  if (seen.stamp != course.frame_stamp) {
+    const bool is_of_then = seen.stamp == stamp;
+    const double way = is_of_then ? step : std::min(std::max(since, step), std::max(kLongestMove, step));
+    course.arrives = std::max(course.arrives, now + way);
+  }
+  course.T_surface_frame = seen.transform;
+  course.frame_stamp = seen.stamp;
 }
 
 bool ToolCommands::isMoving() const {
@@ -236,7 +251,7 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
   for (Tool& tool : standing_) {
     if (stand_.count(tool.id) > 0) continue;
     try {
-      tool.header.stamp = stamp;
+      tool.header.stamp = findTransformUntil("header.frame_id", tool.header.frame_id, surface_frame, stamp, transforms_).stamp;
       apply(tool, simulation, surface_frame);
       stand_.insert(tool.id);
     } catch (const InputError& error) {
@@ -248,8 +263,7 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
     if (!course.isMoving()) continue;
     if (!course.follows_frame && now < course.arrives - kRounding * step) continue;
     try {
-      if (course.follows_frame)
-        course.T_surface_frame = findTransform("tool " + quote(id), course.frame, surface_frame, stamp, transforms_);
+      if (course.follows_frame) lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);
       const ToolParams& tool = *findTool(simulation, id);
       // A velocity lasts beyond the step, so that friction at its end still counts it.
       const double end = std::max(course.arrives, now + (course.follows_frame ? 1.0 : 2.0) * step);

@@ -35,10 +35,11 @@ class ToolCommands {
   /// What a tool's last message says of its motion, in the frame of its header.
   struct Course {
     double given = 0.0;         // s of simulation time: when the message took effect, and the tool was, or was to be, at its pose
-    double arrives = 0.0;       // s: when it is where the message has it
+    double arrives = 0.0;       // s: when it is where the message has it, or where its frame was last seen
     std::string frame;
     bool follows_frame = false;
     Eigen::Isometry3d T_surface_frame = Eigen::Isometry3d::Identity();
+    ros::Time frame_stamp;      // of that, while it follows the frame; 0 = not looked up yet, or it never changes
     tool::Pose pose;
     Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s of the tool's origin, rad/s
 
@@ -55,8 +56,10 @@ class ToolCommands {
   /// kLongestMove or a step. Throws InputError, and changes nothing, for values, frames and ids that are not accepted, and for what is not built.
   void apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame);
 
-  /// To be called before each step: gives tools that follow a frame, or have a velocity, their way through it. Frames are looked
-  /// up at the stamp, 0 = the latest; a tool whose frame is not known then stays where it is. Returns a sentence for each of those.
+  /// To be called before each step: gives tools that follow a frame, or have a velocity, their way through it. stamp: of the end of the
+  /// step, when a tool is where tf has its frame then. A frame that tf does not know as late is approached where it was last seen, within
+  /// the time between that and the time it was seen before, but at least a step and at most kLongestMove or a step. A tool whose frame
+  /// is not known stays where it is. Returns a sentence for each of those.
   std::vector<std::string> move(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame);
 
   /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget(); one that is
@@ -87,6 +90,9 @@ class ToolCommands {
   static constexpr double kLongestMove = 0.1;  // s
 
  private:
+  void lookAtFrame(const std::string& what, const ros::Time& stamp, double now, double step, const std::string& surface_frame,
+                   Course& course) const;
+
   const tf2::BufferCore& transforms_;
   std::map<std::string, Course> courses_;  // by id
   std::vector<Tool> standing_;

@@ -171,7 +171,7 @@ ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const 
   state.traits = trial.traits;
   changes.born = static_cast<Index>(state.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
-                                      "until growth.max_particles was reached"};
+                                      "until another pass would have gone beyond growth.max_particles"};
   changes.notice = "fit: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) + " in " +
                    std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
   return changes;

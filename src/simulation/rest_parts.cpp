@@ -85,6 +85,8 @@ void applyPins(const SceneParams& params, RestSurface& s) {
       throw InputError("pins[" + std::to_string(p) + "]: the points it holds belong to no surface (they are too far from all others); "
                        "accepted: a shape that holds a point of the surface");
   }
+  if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
+    s.notes.push_back("pins hold every simulation point: nothing can move");
   s.model->setHeld(s.pinned);
 }
 

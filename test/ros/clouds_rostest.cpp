@@ -93,6 +93,17 @@ TEST(Clouds, OneThatComesAgainBeginsItsSurfaceAnewWithoutBuildingIt) {
   EXPECT_EQ(client.diagnostic("clouds that came again"), 1.0);
 }
 
+TEST(Clouds, ASignalEndsTheNodeWhileALargeOneIsBuilt) {
+  NodeProcess process("/interrupted", "{model: mass_spring}");
+  NodeClient client("/interrupted");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  client.publish(makeStamped(1500, 1000, ros::Time::now()));
+  ASSERT_TRUE(waitUntil([&] { return client.diagnosticText("state") == "building a surface"; })) << process.output();
+  process.send(SIGINT);
+  EXPECT_EQ(process.waitForExit(), std::optional<int>(0)) << process.output();
+  EXPECT_EQ(process.output().find("surface built"), std::string::npos) << process.output();
+}
+
 TEST(Clouds, OneToBeTrackedThatComesAfterTheStepAtItsStampIsCounted) {
   NodeProcess process("/late", "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, input: {policy: track}}");
   NodeClient client("/late");

@@ -1,6 +1,10 @@
 // Oriented particles over services: single ones are edited, and surfaces grow through them while the node goes on answering.
 #include "surface_node_fixture.h"
 
+#include "deformable_surface/List.h"
+
+#include <thread>
+
 namespace deformable_surface::node::test {
 namespace {
 
@@ -49,6 +53,65 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
   const FitSurfaceResponse refused = client_->fit(FitSurfaceRequest());
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("accepted: oriented_particles"), std::string::npos) << refused.message;
+}
+
+// A sheet that would grow by a hundred rows all around.
+class GrowingTest : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    ASSERT_TRUE(client_.waitForNode()) << process_.output();
+    cloud_ = makeSheet(20, 20);
+    cloud_.header.stamp = ros::Time::now();
+    ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
+    caller_ = std::thread([this] {
+      FitSurface exchange;
+      exchange.request.edge_rows = 100;
+      exchange.request.max_particles = 60000;
+      is_answered_ = ros::service::call("/growing/fit", exchange);
+      answer_ = exchange.response;
+    });
+    ASSERT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "growing a surface"; })) << process_.output();
+  }
+  void TearDown() override {
+    process_.send(SIGTERM);
+    EXPECT_EQ(process_.waitForExit(), std::optional<int>(0)) << process_.output();
+    caller_.join();
+  }
+
+  NodeProcess process_{"/growing",
+                       "{model: oriented_particles, gravity: [0, 0, 0], simplification: {method: none}, "
+                       "oriented_particles: {growth: {max_passes: 10000}}}"};
+  NodeClient client_{"/growing"};
+  PointCloud2 cloud_;
+  std::thread caller_;
+  bool is_answered_ = false;
+  FitSurfaceResponse answer_;
+};
+
+TEST_F(GrowingTest, AnswersMeanwhileAndRefusesWhatWouldChangeTheSurface) {
+  SelectRegionRequest everything;
+  everything.header.frame_id = cloud_.header.frame_id;
+  everything.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+  everything.primitive.dimensions = {10.0};
+  const SelectRegionResponse pinned = client_.select("pin", everything);
+  EXPECT_FALSE(pinned.success);
+  EXPECT_NE(pinned.message.find("being grown"), std::string::npos) << pinned.message;
+  const FitSurfaceResponse second = client_.fit(FitSurfaceRequest());
+  EXPECT_FALSE(second.success);
+  EXPECT_NE(second.message.find("being grown"), std::string::npos) << second.message;
+  List list;
+  ASSERT_TRUE(ros::service::call("/growing/list", list));
+  EXPECT_TRUE(list.response.success) << list.response.message;
+  EXPECT_EQ(client_.diagnosticText("state"), "growing a surface");
+}
+
+TEST_F(GrowingTest, AResetGoesFirst) {
+  std_srvs::Trigger reset;
+  ASSERT_TRUE(ros::service::call("/growing/reset", reset));
+  EXPECT_TRUE(reset.response.success) << reset.response.message;
+  EXPECT_TRUE(client_.pause(true).success);
+  const StepResponse stepped = client_.step(2);
+  EXPECT_TRUE(stepped.success) << stepped.message;
 }
 
 }  // namespace

@@ -42,6 +42,22 @@ void writeBag(const std::string& file) {
     force.header.frame_id = "hand";
     force.header.stamp = stamp + ros::Duration(0.004);
     if (k > 0 && k < 50) bag.write("/played/force", force.header.stamp + ros::Duration(0.1), force);
+    if (k == 1) {
+      ToolArray fingers;
+      fingers.tools.resize(1);
+      Tool& finger = fingers.tools[0];
+      finger.header.frame_id = "hand";
+      finger.header.stamp = stamp;
+      finger.id = "finger";
+      finger.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+      finger.primitive.dimensions = {0.01};
+      finger.pose.position.x = 0.08;
+      finger.pose.position.y = 0.02;
+      finger.pose.position.z = -0.013;
+      finger.follow_frame = true;
+      finger.friction = 0.3;
+      bag.write("/played/tools", stamp + ros::Duration(0.05), fingers);
+    }
     if (k % 10 != 5) continue;
     ToolArray tools;
     tools.tools.resize(1);
@@ -102,7 +118,7 @@ TEST(RosbagPlay, GivesTheHashesOfSimulateStepByStepIfNothingWasLost) {
   for (const char* loss : {"commands late", "commands dropped", "commands refused", "clouds replaced before they were built",
                            "time not caught up (s)", "clock jumps back"})
     EXPECT_EQ(client.diagnostic(loss), 0.0) << loss << process.output();
-  EXPECT_EQ(client.diagnostic("commands applied"), 49 + 6);
+  EXPECT_EQ(client.diagnostic("commands applied"), 49 + 7);
   std::size_t compared = 0;
   for (const auto& [step, hash] : expected) {
     const auto same = found.find(step);

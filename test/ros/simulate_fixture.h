@@ -108,7 +108,7 @@ class Simulate : public testing::Test {
     return force;
   }
 
-  volatile std::sig_atomic_t stop_ = 0;
+  StopSignal stop_;
   fs::path folder_;
   std::string out_, err_;
 };

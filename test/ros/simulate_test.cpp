@@ -9,7 +9,10 @@
 #include <rosbag/view.h>
 #include <sys/resource.h>
 
+#include <atomic>
+#include <chrono>
 #include <map>
+#include <thread>
 
 namespace deformable_surface::node::test {
 namespace {
@@ -114,13 +117,25 @@ TEST_F(Simulate, StopsWithStatusThreeAndTheLastGoodState) {
 }
 
 TEST_F(Simulate, LeavesNothingBehindWhenItIsInterrupted) {
-  stop_ = SIGTERM;
+  stop_.number = SIGTERM;
+  stop_.has_come = true;
   EXPECT_EQ(run({"--final", path("out.ply"), "--statistics", path("out.csv"), "--bag_out", path("out.bag")}), 128 + SIGTERM);
   EXPECT_EQ(countFiles(".ply") + countFiles(".csv") + countFiles(".bag") + countFiles(".partial"), 0);
-  EXPECT_EQ(err_, "simulate: interrupted at t = 0.0 s; nothing is written\n");
-  EXPECT_EQ(run({"--frames", path("frames")}), 128 + SIGTERM);
+  EXPECT_EQ(err_, "simulate: interrupted while a surface was built; nothing is written\n");
+}
+
+TEST_F(Simulate, KeepsTheFramesUntilItIsInterrupted) {
+  stop_.number = SIGTERM;
+  std::atomic<bool> has_ended{false};
+  std::thread signal([&] {
+    while (!fs::exists(path("frames/frame_000000.ply")) && !has_ended) std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    stop_.has_come = true;
+  });
+  EXPECT_EQ(run({"--frames", path("frames"), "--final", path("out.ply"), "--duration", "100000"}), 128 + SIGTERM);
+  has_ended = true;
+  signal.join();
   EXPECT_NE(err_.find("but the frames until then"), std::string::npos) << err_;
-  EXPECT_EQ(countFiles("frame_000000.ply"), 1);
+  EXPECT_EQ(countFiles("out.ply"), 0);
 }
 
 TEST_F(Simulate, RefusesToOverwriteWhatItReads) {

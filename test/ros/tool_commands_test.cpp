@@ -273,35 +273,71 @@ TEST_F(ToolCommandsTest, AreInTheFrameOfTheirHeader) {
   EXPECT_NEAR((pose().position - Vec3(1.0, 1.1, 0.0)).norm(), 0.0, 1e-12);
 }
 
-TEST_F(ToolCommandsTest, FollowAFrameAStepBehindAndStayWhereItIsLost) {
-  const auto place = [&](double x, double stamp) {
-    geometry_msgs::TransformStamped transform = makeTransform("hand", Vec3(x, 0.0, 0.0));
-    transform.header.stamp = ros::Time(stamp);
-    transforms_.setTransform(transform, "test");
-  };
-  place(1.0, 1.0);
-  Tool tool = makeBall("ball", Vec3(0.0, 0.0, 5.0));
-  tool.header.frame_id = "hand";
-  tool.follow_frame = true;
-  apply(tool);
-  EXPECT_NEAR((pose().position - Vec3(1.0, 0.0, 5.0)).norm(), 0.0, 1e-12);
-  place(1.5, 2.0);
-  step();
-  EXPECT_NEAR((pose().position - Vec3(1.5, 0.0, 5.0)).norm(), 0.0, 1e-12);
-  place(2.5, 3.0);
-  EXPECT_NEAR(pose().position.x(), 1.5, 1e-12);
-  step();
-  EXPECT_NEAR(pose().position.x(), 2.5, 1e-12);
-  EXPECT_TRUE(problems_.empty());
+// A ball above a frame that moves along x.
+class FollowingTool : public ToolCommandsTest {
+ protected:
+  static constexpr double kBegin = 100.0;  // s of the clock at time 0
 
+  void SetUp() override {
+    ball_ = makeBall("ball", Vec3(0.0, 0.0, 5.0));
+    ball_.header.frame_id = "hand";
+    ball_.follow_frame = true;
+  }
+  void place(double x, double time) {
+    geometry_msgs::TransformStamped transform = makeTransform("hand", Vec3(x, 0.0, 0.0));
+    transform.header.stamp = ros::Time(kBegin + time);
+    transforms_.setTransform(transform, "test");
+  }
+  void stepOnTheClock() {
+    const ros::Time end(kBegin + simulation_.time() + simulation_.params().integrator.time_step);
+    for (const std::string& problem : commands_.move(end, simulation_, "map")) problems_.push_back(problem);
+    ASSERT_TRUE(simulation_.step().ok);
+  }
+
+  Tool ball_;
+};
+
+TEST_F(FollowingTool, IsWhereTfHasItsFrameAtTheEndOfEachStep) {
+  place(1.0, 0.0);
+  place(2.0, 0.1);
+  ball_.header.stamp = ros::Time(kBegin);
+  apply(ball_);
+  for (int k = 1; k <= 10; ++k) {
+    stepOnTheClock();
+    EXPECT_NEAR((pose().position - Vec3(1.0 + 0.1 * k, 0.0, 5.0)).norm(), 0.0, 1e-7) << k;  // stamps are rounded to nanoseconds
+  }
+  EXPECT_TRUE(problems_.empty());
+}
+
+// Transforms that come after their time and at every third step only: no jumps, and no standing between them.
+TEST_F(FollowingTool, MovesEvenlyTowardsWhereItsFrameWasLastSeen) {
+  place(0.0, -0.03);
+  apply(ball_);
+  std::vector<double> x;
+  for (int k = 0; k < 30; ++k) {
+    if (k % 3 == 0) place(0.01 * (k + 3), 0.01 * k);
+    stepOnTheClock();
+    x.push_back(pose().position.x());
+  }
+  for (std::size_t k = 4; k < x.size(); ++k) EXPECT_NEAR(x[k] - x[k - 1], 0.01, 1e-9) << k;
+  EXPECT_NEAR(x.back(), 0.30, 1e-9);
+  stepOnTheClock();
+  EXPECT_NEAR(pose().position.x(), x.back(), 1e-12);  // nothing new: it is there
+}
+
+TEST_F(FollowingTool, StaysWhereItIsWhileItsFrameIsLost) {
+  place(1.0, 0.0);
+  apply(ball_);
+  stepOnTheClock();
   transforms_.clear();
-  step(2);
-  EXPECT_NEAR(pose().position.x(), 2.5, 1e-12);
+  stepOnTheClock();
+  stepOnTheClock();
+  EXPECT_NEAR(pose().position.x(), 1.0, 1e-12);
   ASSERT_EQ(problems_.size(), 2u);
   EXPECT_NE(problems_[0].find("tool 'ball'"), std::string::npos) << problems_[0];
   EXPECT_NE(problems_[0].find("stays where it is"), std::string::npos) << problems_[0];
-  place(4.0, 5.0);
-  step();
+  place(4.0, 0.03);
+  for (int k = 0; k < 3; ++k) stepOnTheClock();
   EXPECT_NEAR(pose().position.x(), 4.0, 1e-12);
 }
 

@@ -1,10 +1,12 @@
 #include "deformable_surface/simulation/simulation.h"
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -142,6 +144,18 @@ TEST(Simulation, PinsTakeHoldWherePointsAreAndUnpinLetsGo) {
   EXPECT_NE(s.state().positions, held);
 }
 
+TEST(Simulation, PinsThatHoldEverythingAreSaid) {
+  SceneParams params = hangingSheet();
+  const auto says = [](const std::string& note) { return note.find("nothing can move") != std::string::npos; };
+  const std::vector<std::string> some = Simulation(params, sheetCloud()).buildNotes();
+  EXPECT_TRUE(std::none_of(some.begin(), some.end(), says));
+  params.pins.resize(1);
+  params.pins[0].region.kind = geometry::Region::Kind::kSphere;
+  params.pins[0].region.radius = 100.0;
+  const std::vector<std::string> all = Simulation(params, sheetCloud()).buildNotes();
+  EXPECT_EQ(std::count_if(all.begin(), all.end(), says), 1);
+}
+
 TEST(Simulation, APinThatHoldsNoPointIsNamed) {
   SceneParams p = hangingSheet();
   p.pins[0].region.max.x() = p.pins[0].region.min.x() = -5.0;
@@ -159,6 +173,19 @@ TEST(Simulation, CloudsThatAreNoSurfaceAreRefused) {
   const Points nowhere(10, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   for (const Points& points : {Points{}, Points{Vec3::Zero()}, Points(50, Vec3::Ones()), line, nowhere})
     EXPECT_THROW(Simulation(SceneParams(), asCloud(points)), InputError) << points.size();
+}
+
+TEST(Simulation, IsNotBuiltToTheEndWhenThatIsInterrupted) {
+  cloud::PointCloud cloud;
+  for (int row = 0; row < 100; ++row)
+    for (int column = 0; column < 100; ++column) cloud.positions.emplace_back(0.01 * column, 0.01 * row, 0.0);
+  for (const auto kind : {simulation::ModelKind::kMassSpring, simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
+    SceneParams params;
+    params.model = kind;
+    std::atomic<bool> flag{true};
+    const InterruptScope scope(flag);
+    EXPECT_THROW(Simulation(params, cloud), Interrupted);
+  }
 }
 
 TEST(Simulation, CommandsThatAreNotFiniteAreRefusedAndChangeNothing) {

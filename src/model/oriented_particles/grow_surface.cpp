@@ -1,6 +1,7 @@
 // The loop over passes; the rules are in growth.cpp.
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
@@ -59,6 +60,7 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
   };
 
   for (;;) {
+    endIfInterrupted();
     std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
     leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     if (found.empty()) {
