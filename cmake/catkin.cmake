@@ -6,7 +6,7 @@ find_package(PCL REQUIRED COMPONENTS common io)
 find_path(ASSIMP_INCLUDE_DIR assimp/Importer.hpp)
 find_library(ASSIMP_LIBRARY assimp)
 
-add_message_files(FILES PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg ToolWrench.msg ToolWrenchArray.msg)
+add_message_files(FILES DeformedUpdate.msg PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg ToolWrench.msg ToolWrenchArray.msg)
 add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
                   Snapshot.srv Step.srv)
 add_action_files(FILES Rollout.action)

@@ -1,5 +1,6 @@
 #include "interface_page.h"
 
+#include "deformable_surface/DeformedUpdate.h"
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/FitSurface.h"
 #include "deformable_surface/List.h"
@@ -72,6 +73,8 @@ std::vector<InterfaceEntry> makeTable() {
        "latched; every input point in its order: x y z, normal_x normal_y normal_z, displacement (m), then the input's other "
        "fields; what is gone is NaN, what was born comes behind; sent when it has changed, and for who comes new",
        ""},
+      {Kind::kPublished, "deformed_update", "deformable_surface/DeformedUpdate",
+       "the same in less: only the rows that have changed; sent when any has, whole for who comes new", define<DeformedUpdate>()},
       {Kind::kPublished, "simulation_points", "sensor_msgs/PointCloud2",
        "the points that move by physics: x y z, normal, mass (kg), strain, awake, pinned, and of particles temperature (K above "
        "ambient) and id; sent when anything has changed, and for who comes new",

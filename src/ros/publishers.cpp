@@ -1,5 +1,6 @@
 #include "publishers.h"
 
+#include "deformable_surface/DeformedUpdate.h"
 #include "deformable_surface/Statistics.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/ros/surface_output.h"
@@ -18,6 +19,10 @@ constexpr std::uint32_t kStatisticsQueue = 100;
 // Who switches a namespace on in RViz sees it after this, though nothing changes.
 constexpr std::chrono::seconds kFullPeriod(1);
 
+// An update that was lost is made good after this. A message that is lost is so seldom that the whole cloud need not come more often.
+constexpr std::chrono::seconds kWholeUpdatePeriod(5);
+constexpr std::uint32_t kUpdatesQueue = 10;
+
 // Arrows of the surface before would stay in RViz for ever.
 visualization_msgs::Marker makeDeleteAll(const std_msgs::Header& header) {
   visualization_msgs::Marker marker;
@@ -34,6 +39,11 @@ Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_su
   // One message waits for a slow listener; it is replaced by the next. Latched for the second listener of a process, whom roscpp gives
   // what the first one got, without asking here.
   deformed_ = node.advertise<sensor_msgs::PointCloud2>("deformed", 1, connected, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  const ros::SubscriberStatusCallback followed = [this, on_subscriber](const ros::SingleSubscriberPublisher&) {
+    is_update_wanted_whole_ = true;
+    on_subscriber();
+  };
+  updates_ = node.advertise<DeformedUpdate>("deformed_update", kUpdatesQueue, followed);
   simulation_points_ = node.advertise<sensor_msgs::PointCloud2>("simulation_points", 1, connected);
   // Queued, since each says only what has changed.
   const ros::SubscriberStatusCallback shown = [this, on_subscriber](const ros::SingleSubscriberPublisher&) {
@@ -53,7 +63,8 @@ std_msgs::Header Publishers::makeHeader(std::int64_t stamp) const {
 
 // Markers are made anew from time to time in any case.
 bool Publishers::isWanted(bool has_changed, bool has_moved) const {
-  return isStatisticsHeard() || markers_.getNumSubscribers() > 0 || (has_moved && deformed_.getNumSubscribers() > 0) ||
+  const bool is_surface_heard = deformed_.getNumSubscribers() > 0 || updates_.getNumSubscribers() > 0;
+  return isStatisticsHeard() || markers_.getNumSubscribers() > 0 || (has_moved && is_surface_heard) ||
          (has_changed && simulation_points_.getNumSubscribers() > 0);
 }
 
@@ -75,11 +86,14 @@ void Publishers::publish(Moment& moment) {
     return std::exchange(published, revision) != revision || all;
   };
   // The first is kept for those who come later.
-  if (is_new_ || (deformed_.getNumSubscribers() > 0 && isNews(moment.surface_revision, surface_revision_))) {
+  const bool is_seen = deformed_.getNumSubscribers() > 0, is_followed = updates_.getNumSubscribers() > 0;
+  if (!is_followed) changes_.forget();
+  if (is_new_ || ((is_seen || is_followed) && isNews(moment.surface_revision, surface_revision_))) {
     const auto message = clouds_.take();
     message->header = header;
     encoder_->encode(viewer_->surface(true), *message);
-    deformed_.publish(message);
+    if (is_new_ || is_seen) deformed_.publish(message);
+    if (is_followed) publishUpdate(message);
   }
   if (simulation_points_.getNumSubscribers() > 0 && isNews(moment.revision, points_revision_)) {
     const auto message = boost::make_shared<sensor_msgs::PointCloud2>();
@@ -99,6 +113,14 @@ void Publishers::publish(Moment& moment) {
   }
   is_new_ = false;
   time_publish_ = timer.seconds();
+}
+
+void Publishers::publishUpdate(const sensor_msgs::PointCloud2ConstPtr& cloud) {
+  const auto now = std::chrono::steady_clock::now();
+  const bool whole = is_update_wanted_whole_.exchange(false) || is_new_ || now >= next_whole_update_;
+  if (whole) next_whole_update_ = now + kWholeUpdatePeriod;
+  const auto message = boost::make_shared<DeformedUpdate>();
+  if (changes_.make(cloud, whole, *message)) updates_.publish(message);
 }
 
 void Publishers::publishMarkers(const std_msgs::Header& header) {

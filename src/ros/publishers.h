@@ -4,6 +4,7 @@
 
 #include "moment.h"
 
+#include "deformable_surface/ros/cloud_updates.h"
 #include "deformable_surface/ros/encode.h"
 #include "deformable_surface/ros/markers.h"
 #include "deformable_surface/ros/message_pool.h"
@@ -35,13 +36,17 @@ class Publishers {
 
  private:
   std_msgs::Header makeHeader(std::int64_t stamp) const;
+  void publishUpdate(const sensor_msgs::PointCloud2ConstPtr& cloud);
   void publishMarkers(const std_msgs::Header& header);
 
-  ros::Publisher deformed_, simulation_points_, markers_, statistics_;
+  ros::Publisher deformed_, updates_, simulation_points_, markers_, statistics_;
   std::unique_ptr<simulation::Simulation> viewer_;  // of the surface now; null: there is none yet
   std::string frame_;
   std::optional<SurfaceEncoder> encoder_;
   MessagePool<sensor_msgs::PointCloud2> clouds_;
+  CloudUpdates changes_;
+  std::atomic<bool> is_update_wanted_whole_{false};         // somebody who listens to the updates has nothing yet
+  std::chrono::steady_clock::time_point next_whole_update_;
   std::optional<SimulationMarkers> marker_maker_;
   MarkerNews marker_news_;
   std::atomic<bool> is_viewer_new_{false};           // somebody who looks at the markers has nothing yet

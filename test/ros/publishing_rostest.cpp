@@ -2,12 +2,14 @@
 #include "bad_clouds.h"
 #include "node_client.h"
 
+#include "deformable_surface/DeformedUpdate.h"
 #include "deformable_surface/ros/surface_node.h"
 
 #include <geometry_msgs/WrenchStamped.h>
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <set>
 
 namespace deformable_surface::node::test {
@@ -72,6 +74,41 @@ TEST(Publishing, SendsACloudThatHasNotChangedToWhoIsNewOnly) {
   const std::size_t at_rest = client.frames.size();
   client.publish(makeForce("pull", Vec3(0.1, 0.05, 0.0), Vec3(0.0, 0.0, 1e-3)));
   ASSERT_TRUE(waitUntil([&] { return client.frames.size() > at_rest + 5; })) << process.output();
+}
+
+TEST(Publishing, UpdatesPutTogetherAreTheSurface) {
+  NodeProcess process("/followed", "{model: mass_spring, gravity: [0, 0, -1]}");
+  NodeClient client("/followed");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.pause(true).success);
+  ASSERT_TRUE(client.exchange(makeStampedSheet())) << process.output();
+  std::map<ros::Time, std::vector<std::uint8_t>> surfaces;
+  PointCloud2 surface;
+  std::vector<std::uint32_t> sequence;
+  const ros::Subscriber updates = client.handle().subscribe<DeformedUpdate>("deformed_update", 100, [&](const DeformedUpdateConstPtr& m) {
+    sequence.push_back(m->sequence);
+    if (m->whole) surface = m->points;
+    for (std::size_t k = 0; k < m->indices.size(); ++k)
+      std::copy_n(m->points.data.begin() + k * surface.point_step, surface.point_step,
+                  surface.data.begin() + std::size_t{m->indices[k]} * surface.point_step);
+    surfaces[m->header.stamp] = surface.data;
+  });
+  ASSERT_TRUE(waitUntil([&] { return !surfaces.empty(); })) << process.output();  // whole, though nothing moves
+  ASSERT_TRUE(client.pause(false).success);
+  ASSERT_TRUE(waitUntil([&] { return surfaces.size() > 20; })) << process.output();
+  ASSERT_TRUE(client.pause(true).success);
+  std::size_t compared = 0;
+  const auto isComplete = [&] {
+    compared = 0;
+    for (const sensor_msgs::PointCloud2ConstPtr& frame : client.frames) compared += surfaces.count(frame->header.stamp);
+    return compared >= 20 && surfaces.count(client.frames.back()->header.stamp) > 0;
+  };
+  ASSERT_TRUE(waitUntil(isComplete)) << process.output();
+  for (const sensor_msgs::PointCloud2ConstPtr& frame : client.frames) {
+    const auto same = surfaces.find(frame->header.stamp);
+    if (same != surfaces.end()) EXPECT_EQ(same->second, frame->data);
+  }
+  for (std::size_t k = 1; k < sequence.size(); ++k) EXPECT_EQ(sequence[k], sequence[k - 1] + 1);
 }
 
 TEST(Publishing, TellsWhatAToolFeelsAfterEveryStep) {
