@@ -17,6 +17,7 @@ using tool::Mode;
 using tool::ToolParams;
 
 constexpr Index kSweeps = 20;               // between two passes of growth: near equilibrium is enough
+constexpr Index kSmoothings = 4;            // of rest curvatures where samples are noisy: as far as samples are apart
 constexpr double kDensity = 0.95;           // of the spacing: what the rules leave is looser than a lattice, and would contract when let go
 constexpr Index kLastIterations = 40;       // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;     // of its first force
@@ -24,6 +25,21 @@ constexpr double kLastTolerance = 1e-4;     // of its first force
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
   return tool::findSignedDistance(tool.shape, pose, point).distance;
+}
+
+// What growth leaves is looser here and denser there, and does not have the area of as many particles of a lattice: at the stated spacing
+// all of it would pull, and what is closed contract by a share of its size. Particles slide until they are even, and the lattice takes the
+// spacing with which they do not pull as a whole.
+void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& particles, State& state) {
+  cloud::CleanCloud surface;
+  surface.positions = state.positions;
+  for (const Quaternion& q : state.orientations) surface.normals.push_back(q * Vec3::UnitZ());
+  model::OrientedParticles attraction = particles;
+  const double even = attraction.measureSpacing(state);
+  if (even > 0.0) attraction.setSpacing(even);
+  attraction.leaveOnlyAttraction();
+  slideParticles(surface, attraction, fixed, fixed, state);
+  particles.setSpacing(particles.findSpacingWithoutTension(state));
 }
 
 }  // namespace
@@ -138,7 +154,7 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
 }
 
 ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
-                                        State& state) const {
+                                        State& state) {
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
   const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;
@@ -162,7 +178,12 @@ ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const 
   model::OrientedParticles particles = model_;
   particles.adopt(state);
   State trial = state;
+  if (keeps_shape && is_start) {
+    takeSpacingOf(fixed, particles, trial);
+    model_.setSpacing(particles.lattice().spacing);
+  }
   if (keeps_shape) particles.keepShape(trial);
+  if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
   // What was there keeps its motion, and from the start on its rest shape: how it is bent now may be of a load.
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
   relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);

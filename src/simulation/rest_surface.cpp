@@ -189,11 +189,10 @@ void buildModel(const SceneParams& params, RestSurface& s) {
 }
 
 // Brings the particles to rest where the cloud is, and takes that for the rest shape. What is at rest stays to the bit.
-void takeCloudAsRest(const SceneParams& params, const Lists& apart, model::OrientedParticles& model, RestSurface& s) {
-  model::OrientedParticlesParams alone = params.oriented_particles;
-  alone.co_planarity = alone.co_normality = alone.co_circularity = alone.yield_curvature = 0.0;
+void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   const double spacing = model.lattice().spacing;
-  const model::OrientedParticles attraction(s.points, s.normals, spacing, params.material, alone, apart);
+  model::OrientedParticles attraction = model;
+  attraction.leaveOnlyAttraction();
   model::State state;
   state.positions = s.points;
   model.beginAtRest(state);
@@ -243,7 +242,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   model::OrientedParticles& model = *particles;
   s.model = std::move(particles);
   applyPins(params, s);
-  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.fit) takeCloudAsRest(params, apart, model, s);
+  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.fit) takeCloudAsRest(model, s);
 }
 
 // Coarser copies may lose a region, which their error then shows.

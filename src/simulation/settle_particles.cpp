@@ -49,9 +49,23 @@ Place findSurface(const cloud::CleanCloud& dense, const cloud::KdTree& tree, con
   return {at - normal * normal.dot(at - point), normal};
 }
 
-// Returns whether anything moved.
-bool slide(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
-           const std::vector<char>& held_turns, model::State& state) {
+// What is not a number counts as far.
+Settled measureMoves(const Points& from, const Points& to) {
+  Settled moves;
+  double squares = 0.0;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    const double squared = (to[i] - from[i]).squaredNorm();
+    squares += squared;
+    moves.largest = std::max(moves.largest, std::sqrt(squared));
+  }
+  moves.root_mean_square = std::sqrt(squares / static_cast<double>(from.size()));
+  return moves;
+}
+
+}  // namespace
+
+bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
+                    const std::vector<char>& held_turns, model::State& state) {
   const model::Lattice& lattice = attraction.lattice();
   // A particle between neighbours all around: each ordered pair counts, and directions in the plane by half.
   const double stiffness = 6.0 * model::findLennardJonesCurvature(lattice.pair, lattice.pair.distance);
@@ -90,21 +104,6 @@ bool slide(const cloud::CleanCloud& dense, const model::OrientedParticles& attra
   return is_moved;
 }
 
-// What is not a number counts as far.
-Settled measureMoves(const Points& from, const Points& to) {
-  Settled moves;
-  double squares = 0.0;
-  for (std::size_t i = 0; i < from.size(); ++i) {
-    const double squared = (to[i] - from[i]).squaredNorm();
-    squares += squared;
-    moves.largest = std::max(moves.largest, std::sqrt(squared));
-  }
-  moves.root_mean_square = std::sqrt(squares / static_cast<double>(from.size()));
-  return moves;
-}
-
-}  // namespace
-
 void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                     Index max_iterations, double tolerance, model::State& state) {
   model.adopt(state);
@@ -121,7 +120,7 @@ void relaxParticles(model::OrientedParticles& model, const std::vector<char>& he
 Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
                         const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state) {
   const Points before = state.positions;
-  const bool has_slid = slide(dense, attraction, held, held_turns, state);
+  const bool has_slid = slideParticles(dense, attraction, held, held_turns, state);
   model.keepShape(state);
   const double flat = kFlat / model.lattice().spacing;
   const bool is_bent = std::any_of(state.traits.begin(), state.traits.end(), [flat](const model::ParticleTraits& traits) {

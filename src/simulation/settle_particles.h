@@ -11,6 +11,12 @@ namespace deformable_surface::simulation {
 void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                     Index max_iterations, double tolerance, model::State& state);
 
+/// Particles slide by attraction and repulsion alone over the surface of the dense points, which have normals, without leaving it, until
+/// they are even. attraction: a model of the same particles without forces of orientation. held, held_turns (n) as above. Returns whether
+/// any moved: what is at rest stays to the bit.
+bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
+                    const std::vector<char>& held_turns, model::State& state);
+
 /// How far particles moved until they were at rest, m.
 struct Settled {
   double root_mean_square = 0.0, largest = 0.0;

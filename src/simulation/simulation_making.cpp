@@ -121,6 +121,7 @@ void Simulation::Impl::reset() {
   placeAnchors();
   if (particles) {
     life = std::make_unique<ParticleLife>(*particles);
+    particles->setSpacing(particles->statedSpacing());  // what an earlier fit made of it is gone
     for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !rest.creased[i];
     if (params.oriented_particles.fit) {
       const std::string news = fit(params.oriented_particles.growth).notice;

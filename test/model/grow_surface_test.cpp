@@ -182,6 +182,25 @@ TEST(GrowSurface, SamplesStayFixedUntilTheyAreReleased) {
   EXPECT_EQ(std::count(num_fixed.begin(), num_fixed.end(), 0), static_cast<std::ptrdiff_t>(num_fixed.size()));
 }
 
+// Each relaxation raises samples by a tenth of what they are said to be off.
+TEST(GrowSurface, NoisySamplesAreRelaxedUntilTheyHaveMovedAsFarAsTheirNoise) {
+  const TestSurface samples = cloud::makeSphere(40);
+  constexpr double kSpacing = 0.2;
+  Index releases = 0;
+  const Relaxation raise = [&](Points& positions, Orientations& orientations, const std::vector<char>& fixed) {
+    if (std::count(fixed.begin(), fixed.end(), 1) > 0) return;
+    ++releases;
+    for (std::size_t i = 0; i < positions.size(); ++i) positions[i] += 0.1 * kSpacing * (orientations[i] * Vec3::UnitZ());
+  };
+  for (const auto& [noise, expected] : {std::pair(0.0, 1), std::pair(0.05, 1), std::pair(0.25, 3), std::pair(1.0, 6)}) {
+    GrowthParams params = upTo(4.0);
+    params.noise = noise;
+    releases = 0;
+    growFrom(samples, kSpacing, params, raise);
+    EXPECT_EQ(releases, expected) << noise;
+  }
+}
+
 TEST(GrowSurface, MaximaEndGrowthAndAreReported) {
   GrowthParams params;
   params.edge_rows = 50;

@@ -63,6 +63,38 @@ TEST(OrientedParticlesMaterial, AFlatEndlessSheetIsAtRestAtTheSpacing) {
   }
 }
 
+// A flat patch of another spacing than the model's: it names that spacing, and taking it leaves no force inside or at the edges.
+TEST(OrientedParticlesMaterial, ALatticeTakesTheSpacingWithWhichWhatThereIsHasNoTension) {
+  State s = hexagonalPatch(12, 12);
+  for (Vec3& p : s.positions) p *= 1.03;
+  OrientedParticles m = makeModel(s.size(), allTerms());
+  m.adopt(s);
+  EXPECT_NEAR(m.findSpacingWithoutTension(s), 1.03 * kSpacing, 1e-6 * kSpacing);
+  EXPECT_NEAR(m.measureSpacing(s), 1.03 * kSpacing, 1e-6 * kSpacing);
+  const double mass = m.masses()[0];
+  m.setSpacing(m.findSpacingWithoutTension(s));
+  m.adopt(s);
+  EXPECT_EQ(m.statedSpacing(), kSpacing);
+  EXPECT_NEAR(m.masses()[0], 1.03 * 1.03 * mass, 1e-6 * mass);
+  Points forces(s.positions.size(), Vec3::Zero());
+  m.addForces(s, forces);
+  for (const Vec3& f : forces) EXPECT_LT(f.norm(), 1e-6 * m.lattice().pair.depth / kSpacing);
+}
+
+// Curvatures of one size in all of a rolled-up sheet stay; what one particle has alone is shared with those around it.
+TEST(OrientedParticlesMaterial, SmoothedCurvaturesKeepThoseOfASphereAndShareWhatOneHasAlone) {
+  State s = hexagonalPatch(12, 12);
+  OrientedParticles m = makeModel(s.size(), allTerms());
+  m.adopt(s);
+  for (auto& traits : s.traits) traits.rest_curvature = Vec3(2.0, 2.0, 0.0);
+  m.smoothShape(3, s);
+  for (const auto& traits : s.traits) EXPECT_LT((traits.rest_curvature - Vec3(2.0, 2.0, 0.0)).norm(), 1e-12);
+  const Index middle = 6 * 12 + 6;
+  s.traits[middle].rest_curvature = Vec3(9.0, 2.0, 0.0);
+  m.smoothShape(1, s);
+  EXPECT_NEAR(s.traits[middle].rest_curvature[0], 3.0, 1e-12);  // the mean of seven
+}
+
 TEST(OrientedParticlesMaterial, TheSpacingOfTheLatticeIsThatOfItsSums) {
   // Spacing over r0 with first neighbours alone, and with those within three r0, whose switch weakens the outer ones a little.
   OrientedParticlesParams p;

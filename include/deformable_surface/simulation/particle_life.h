@@ -23,7 +23,7 @@ void keepThose(const std::vector<Index>& new_index, std::vector<T>& items) {
 class ParticleLife {
  public:
   /// Kept by reference.
-  explicit ParticleLife(const model::OrientedParticles& model) : model_(model) {}
+  explicit ParticleLife(model::OrientedParticles& model) : model_(model) {}
 
   struct Changes {
     std::vector<Index> new_index;  // of the particles before; -1 = gone; empty if none went
@@ -38,9 +38,9 @@ class ParticleLife {
   Changes update(double time, double step, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state) const;
 
   /// Grows a surface through the particles there are (sec. 7 of [Szeliski 1991]), with relaxation in between; held (n, 1 = fixed in
-  /// place) stay in any case. is_start: all take the shape that is found for their rest shape, else the new ones alone. Returns what it
-  /// did as one sentence, and the changes.
-  Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start, model::State& state) const;
+  /// place) stay in any case. is_start: all take the shape that is found for their rest shape, and the model the spacing with which it has no
+  /// tension; else the new ones alone take theirs. Returns what it did as one sentence, and the changes.
+  Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start, model::State& state);
 
   /// Does the edit wholly, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and
   /// orientation held.
@@ -54,7 +54,7 @@ class ParticleLife {
   void append(const model::NewParticle& particle, model::State& state) const;
   model::GrowthParams growthParams() const;
 
-  const model::OrientedParticles& model_;
+  model::OrientedParticles& model_;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 

@@ -12,6 +12,7 @@ namespace {
 
 constexpr Index kNearest = 4;          // whose distance tells how densely there are samples: all around, and not by one close pair
 constexpr double kLeastReach = 2.5;    // spacings: what is published
+constexpr Index kMostReleases = 6;     // of noisy samples: what more of them take is less than what the defects of a lattice add at rest
 
 // The widest gaps, m, that samples close; none if that is the same for all.
 std::vector<double> findReaches(const Points& samples, double spacing, const GrowthParams& params) {
@@ -25,6 +26,16 @@ std::vector<double> findReaches(const Points& samples, double spacing, const Gro
     reaches.push_back(std::max(kLeastReach * spacing, params.sample_gap * distance));
   }
   return reaches;
+}
+
+// Root mean square, m, of the way along their normals from where samples were.
+double measureRise(const Points& samples, const Points& positions, const Orientations& orientations) {
+  double squares = 0.0;
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    const double rise = (positions[i] - samples[i]).dot(orientations[i] * Vec3::UnitZ());
+    squares += rise * rise;
+  }
+  return std::sqrt(squares / static_cast<double>(samples.size()));
 }
 
 }  // namespace
@@ -82,7 +93,10 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
   }
 
   if (params.fix_samples && params.release_samples) {
-    relax(surface.positions, surface.orientations, std::vector<char>(surface.positions.size(), 0));
+    const std::vector<char> none(surface.positions.size(), 0);
+    Index releases = 0;
+    do relax(surface.positions, surface.orientations, none);
+    while (++releases < kMostReleases && measureRise(positions, surface.positions, surface.orientations) < params.noise * spacing);
   }
   return surface;
 }

@@ -39,7 +39,9 @@ double OrientedParticles::findSpacing(double area, Index n) { return std::sqrt(2
 OrientedParticles::OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,
                                      const OrientedParticlesParams& params, Lists apart)
     : params_(params),
-      lattice_(calibrateLattice(params.spacing.valueOr(spacing), material, params)),
+      material_(material),
+      stated_spacing_(params.spacing.valueOr(spacing)),
+      lattice_(calibrateLattice(stated_spacing_, material, params)),
       mass_(material.arealDensity() * lattice_.area_per_particle),
       normals_(normals),
       is_bent_(params.yield_curvature > 0.0),
@@ -202,6 +204,81 @@ void OrientedParticles::keepShape(State& state) const {
       state.traits[i].rest_curvature = *curvature / std::max(1.0, most);
     }
   });
+}
+
+void OrientedParticles::smoothShape(Index times, State& state) const {
+  if (!prepare(state)) return;
+  std::vector<Mat3> curvatures(state.positions.size());
+  for (; times > 0; --times) {
+    for (Index i = 0; i < state.size(); ++i)
+      curvatures[i] = turnCurvatureToWorld(state.orientations[i], state.traits[i].rest_curvature);
+    parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) {
+        if (!state.traits[i].is_smooth) continue;
+        const Vec3 normal = normalOf(state.orientations[i]);
+        Mat3 sum = curvatures[i];
+        double count = 1.0;
+        forEachNear(i, lattice_.pair.cutoff, [&](Index j, double) {
+          const Vec3 other = normalOf(state.orientations[j]);
+          if (!state.traits[j].is_smooth || !(other.dot(normal) > 0.0)) return;
+          const Mat3 along = Quaternion::FromTwoVectors(other, normal).toRotationMatrix();
+          sum += along * curvatures[j] * along.transpose();
+          count += 1.0;
+        });
+        state.traits[i].rest_curvature = turnCurvatureToFrame(state.orientations[i], sum / count);
+      }
+    });
+  }
+}
+
+double OrientedParticles::findSpacingWithoutTension(const State& state) const {
+  constexpr int kHalvings = 30;  // to a billionth
+  lists_.forget();  // they then hold all within the cutoff and the skin
+  if (!prepare(state)) return lattice_.spacing;
+  // In a lattice larger by a factor pairs feel each other as they do here at distances so many times smaller.
+  const auto pulls = [&](double factor) {
+    return parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
+      double sum = 0.0;
+      for (Index i = begin; i < end; ++i)
+        forEachNear(i, factor * lattice_.pair.cutoff, [&](Index, double distance) {
+          const double d = distance / factor;
+          if (!(d > 0.0)) return;
+          double on, on_slope, value, slope;
+          switchOff(lattice_.pair, d, on, on_slope);
+          evaluateLennardJones(lattice_.pair, d, 1.0 / d, on, on_slope, value, slope);
+          sum += d * slope;
+        });
+      return sum;
+    }) > 0.0;
+  };
+  double high = 1.0 + kSkin * lattice_.pair.distance / lattice_.pair.cutoff, low = 1.0 / high;
+  if (!pulls(low) || pulls(high)) return lattice_.spacing;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (pulls(middle) ? low : high) = middle;
+  }
+  return 0.5 * (low + high) * lattice_.spacing;
+}
+
+double OrientedParticles::measureSpacing(const State& state) const {
+  refreshDisplay(state);
+  double area = 0.0, count = 0.0;
+  for (const WeightedTriangle& t : triangles_) {
+    const Vec3 &a = state.positions[t.corner[0]], &b = state.positions[t.corner[1]], &c = state.positions[t.corner[2]];
+    area += 0.5 * t.weight * (b - a).cross(c - a).norm();
+    count += t.weight;
+  }
+  return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
+}
+
+void OrientedParticles::leaveOnlyAttraction() {
+  lattice_.pair.co_planarity = lattice_.pair.co_normality = lattice_.pair.co_circularity = 0.0;
+}
+
+void OrientedParticles::setSpacing(double spacing) {
+  lattice_ = calibrateLattice(spacing, material_, params_);
+  mass_ = material_.arealDensity() * lattice_.area_per_particle;
+  lists_.setRadius(lattice_.pair.cutoff, kSkin * lattice_.pair.distance);
 }
 
 bool OrientedParticles::flow(State& state) const {

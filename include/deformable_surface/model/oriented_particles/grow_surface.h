@@ -27,7 +27,9 @@ struct GrownSurface {
 /// after its parent's, one between two in the larger of theirs. Rows below params.edge_rows grow into the open; particles fill
 /// gaps up to half of max_gap and one row beyond, which is as far as a gap's sides are from its middle. So growth ends: what is
 /// added is near the samples, keeps its distance, and a closed surface has no gaps; else it ends at the stated maxima, and says
-/// so. Given particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow. Deterministic
+/// so. Samples that are let go (fix_samples and release_samples) are relaxed once, and, if that is not where their stated noise
+/// is gone, again until they have moved that far along their normals (Morozov's discrepancy principle), at most six times. Given
+/// particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow. Deterministic
 /// if relax is. Throws InputError.
 GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
                          const Relaxation& relax);

@@ -20,6 +20,7 @@ struct GrowthParams {
   Index max_particles = 20000;
   bool fix_samples = true;      // the given particles stay where they are while the surface grows
   bool release_samples = true;  // they move in a last relaxation
+  double noise = 0.0;           // spacings, >= 0: root mean square by which samples are off the surface; the last relaxation takes that
   bool witnessed = false;       // the surroundings must agree to what is born (growth.h); growSurface() asks for it, no field
   bool chain = false;           // particles of a curve in the plane y = 0; follows from the model's mode, no field
 };
@@ -44,7 +45,13 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.integer("max_passes", p.max_passes, "", between(1, 10000), "growth ends after so many passes at the latest");
   fields.integer("max_particles", p.max_particles, "", between(1, kMaxPoints), "growth ends at so many particles at the latest");
   fields.flag("fix_samples", p.fix_samples, "the given particles keep their places while others grow");
-  fields.flag("release_samples", p.release_samples, "the given particles move in a last relaxation, which takes their noise");
+  fields.flag("release_samples", p.release_samples, "the given particles move in a last relaxation");
+  fields.number("noise", p.noise, "spacings", between(0.0, 1.0),
+                "of `fit`: how far samples are off the surface (root mean square): let go, it is smoothed until they have moved that far "
+                "along their normals, or no more, and curvatures at rest are means over a few spacings; 0 = as little as makes the surface "
+                "even, for noise cannot be told from features as small as the distance of samples");
+  fields.require(!(p.noise > 0.0) || p.release_samples, "noise",
+                 "found " + formatReal(p.noise) + " with release_samples: false; accepted: 0, or samples that are let go");
 }
 
 }  // namespace deformable_surface::model

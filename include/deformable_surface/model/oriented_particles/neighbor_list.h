@@ -26,6 +26,12 @@ class NeighborList {
   /// then not to be used. Parallel; allocates only where there is more to list than before. O(n).
   /// traits: (n), read only if some particles are apart.
   bool update(const Points& positions, const std::vector<ParticleTraits>& traits = {});
+  /// Other lengths, m, > 0, for the same particles.
+  void setRadius(double radius, double skin) {
+    radius_ = radius;
+    skin_ = skin;
+    forget();
+  }
   /// The next update makes the lists anew: the particles are others.
   void forget() { is_valid_ = false; }
 

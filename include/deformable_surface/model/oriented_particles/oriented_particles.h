@@ -37,6 +37,20 @@ class OrientedParticles : public DeformableModel {
   void setRest(const State& state);
   /// Every smooth particle is at rest as it is now bent, as its neighbours tell, up to a radian from neighbour to neighbour.
   void keepShape(State& state) const;
+  /// Rest curvatures become the means of those of each particle and its neighbours who face the same way, moved along the surface; so many
+  /// times. What noise, and the places where a lattice cannot be regular, make of them goes; those of spheres and cylinders stay.
+  void smoothShape(Index times, State& state) const;
+  /// The spacing, m, with which the surface would have no tension as it is: sum of d phi'(d) over all pairs = 0, which is what gives a
+  /// flat lattice its own. That of lattice() if there is none as near as the lists reach beyond the cutoff.
+  double findSpacingWithoutTension(const State& state) const;
+  /// From now on the lattice has this spacing, m. The state is to be adopted.
+  void setSpacing(double spacing);
+  /// The edge, m, of the equilateral triangle that has the area of the mean triangle between the particles; 0 if they span none.
+  double measureSpacing(const State& state) const;
+  /// From now on no force depends on orientations, until the spacing is set.
+  void leaveOnlyAttraction();
+  /// That of the parameters, or of the cloud.
+  double statedSpacing() const { return stated_spacing_; }
   void adopt(const State& state) override;
   void refreshDisplay(const State& state) const override;
   /// From Gershgorin's bound of the stiffness at the state, that of orientations included. Of the state alone.
@@ -83,8 +97,10 @@ class OrientedParticles : public DeformableModel {
   void forEachNear(Index i, double distance, const Take& take) const;
 
   const OrientedParticlesParams params_;
-  const Lattice lattice_;
-  const double mass_;  // kg, of every particle
+  const MaterialParams material_;
+  const double stated_spacing_;  // m
+  Lattice lattice_;
+  double mass_;  // kg, of every particle
   Points normals_, rest_curvatures_;
   bool is_bent_;          // some particle is bent at rest, or may come to be
   std::vector<double> masses_, inertias_;
