@@ -16,6 +16,10 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
+// Widest angle (rad) of a triangle away from boundaries. The circle around a wider one is more than four times as wide as its
+// longest side, and so empty beside a gap only: there points in line would span a triangle of next to no area, which is as stiff
+// as it is thin.
+constexpr double kInnerGap = 3.02;
 
 // The star of every point, in the place of its neighbour list: star i has count[i] entries from neighbors.offsets[i] on.
 struct Stars {
@@ -41,7 +45,7 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         linked.push_back(*j);
         projected.push_back(plane.project(positions[*j]));
       }
-      visit(i, linked, builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : geometry::kStarMaxGap));
+      visit(i, linked, builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap));
     }
   });
 }

@@ -176,6 +176,29 @@ TEST(Rings, NeighborAlongTheNormalDoesNotSpoilTheRing) {
   EXPECT_NEAR(sumAreas(rings), 1.0, 0.03);
 }
 
+// Beside a gap a point is listed neighbours on one side only, though it is on no boundary: three points in line, as far as the
+// digits of a file tell, are no triangle there.
+TEST(Rings, PointsInLineBesideAGapSpanNoSliver) {
+  constexpr Index kSide = 11, kRow = 5;
+  TestSurface surface = makeSheet(kSide);
+  const Index end = kRow * kSide + 3, beyond = end + 2;
+  const double below = surface.positions[end].x(), spacing = (surface.positions[1] - surface.positions[0]).norm();
+  surface.positions[beyond].x() -= 1e-4 * spacing;
+  const Lists listed = nearestNeighbors(surface.positions, 2 * kNeighbors);
+  Lists cut;
+  for (Index i = 0; i < listed.size(); ++i) {
+    for (const Index* j = listed.begin(i); j != listed.end(i); ++j)
+      if (i != end || surface.positions[*j].x() > below - 0.5 * spacing) cut.items.push_back(*j);
+    cut.offsets.push_back(static_cast<Index>(cut.items.size()));
+  }
+  const Rings rings = buildRings(surface.positions, surface.normals, cut);
+  expectSound(surface, rings);
+  for (const Triangle& t : rings.triangles) {
+    const Vec3 &a = surface.positions[t.corner[0]], &b = surface.positions[t.corner[1]], &c = surface.positions[t.corner[2]];
+    EXPECT_GT((b - a).cross(c - a).norm(), 0.1 * spacing * spacing) << t.corner[0] << ' ' << t.corner[1] << ' ' << t.corner[2];
+  }
+}
+
 TEST(Rings, CloudsWithoutASurfaceGiveNoTrianglesOrAreSound) {
   TestSurface line, pair, one, none, copies_apart;
   for (int i = 0; i < 50; ++i) line.add(Vec3(0.1 * i, 0.0, 0.0), Vec3::UnitZ());
