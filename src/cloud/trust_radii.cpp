@@ -26,6 +26,10 @@ constexpr double kOppositeScale = 0.05;
 // Cosine of 60 degrees. Steeper bends from point to point do not tell which way unoriented normals belong together.
 constexpr double kBendCosine = 0.5;
 
+// Cosine of 107 degrees. Points whose oriented normals turn towards each other by more lie on both sides of a gap, as legs do
+// beside where they are nearest; concave edges of bodies turn by less.
+constexpr double kFacingCosine = -0.3;
+
 // Of the lengths around a point: the tenth above may be the few bridges between parts.
 constexpr double kTreeQuantile = 0.9;
 // The trust radius over that length. With less, jittered samplings lose links that are theirs; with more, narrower gaps are
@@ -138,7 +142,9 @@ double measureSquaredLength(const Points& positions, const SurfaceSides& sides, 
   const auto measureSame = [&] { return square(along_i + along_j) / (2.0 + 2.0 * cosine); };
   const auto measureOpposite = [&] { return square(along_i - along_j) / (2.0 - 2.0 * cosine); };
   double off_plane, scale = kOffPlaneScale;
-  if (cosine >= kBendCosine || (sides.oriented && cosine > -kBendCosine)) {
+  if (sides.oriented && cosine < kFacingCosine && cosine > -kBendCosine && along_i > along_j) {
+    off_plane = measureOpposite();
+  } else if (cosine >= kBendCosine || (sides.oriented && cosine > -kBendCosine)) {
     off_plane = measureSame();
   } else if (cosine <= -kBendCosine) {
     off_plane = measureOpposite();

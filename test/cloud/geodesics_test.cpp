@@ -27,6 +27,7 @@ namespace {
 using test::Coupling;
 using test::Gapped;
 using test::makeFold;
+using test::makeLegs;
 using test::makeStack;
 using test::makeTwoBars;
 using test::measureCoupling;
@@ -117,6 +118,18 @@ TEST(Geodesics, SidesOfAThinBodyAreToldApartByOrientedNormalsAtATenthOfTheSpacin
   EXPECT_GE(coupling.within, kLeastWithin);
   EXPECT_LE(coupling.across, kMostAcross);
   EXPECT_GT(couple(body, links, {body.normals, false}).across, 0.5);
+}
+
+// Where legs are nearest their normals oppose each other; beside it they turn towards each other by less, and the gap is still no
+// wider than the spacing along the legs, which by itself costs true links a little. A link there has no part along the mean normal.
+TEST(Geodesics, RoundLegsAreToldApartBesideWhereTheyAreNearestToo) {
+  constexpr double kRadius = 5.0, kAlong = 3.0, kLeastAlongSparse = 0.92;
+  for (const double gap : {0.5, 0.75, 1.0, 1.5}) {
+    const Gapped legs = makeLegs(kRadius, kAlong, gap, 0.2);
+    const Coupling coupling = couple(legs, nearestNeighbors(legs.positions, kListed), {legs.normals, true});
+    EXPECT_GE(coupling.within, kLeastAlongSparse) << "gap " << gap;
+    EXPECT_LE(coupling.across, kMostAcross) << "gap " << gap;
+  }
 }
 
 TEST(Geodesics, NormalsFlippedAtRandomDoNoHarm) {
@@ -576,8 +589,8 @@ TEST(GeodesicsOfGarments, LegsOfTrousersAreToldApart) {
   if (!trousers) GTEST_SKIP() << "DEFORMABLE_SURFACE_DATA names no folder that holds the trousers";
   const Coupling given = measureKept(*trousers, true);
   EXPECT_GE(given.within, kLeastWithin);
-  EXPECT_LE(given.across, 0.03);
-  // The gap is one to three local spacings wide, and normals estimated across it tell less.
+  EXPECT_LE(given.across, kMostAcross);
+  // The gap is a half to three local spacings wide, and normals estimated across it tell less.
   const Coupling estimated = measureKept(*trousers, false);
   EXPECT_GE(estimated.within, kLeastWithin);
   EXPECT_LE(estimated.across, 0.2);

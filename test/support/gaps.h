@@ -101,6 +101,26 @@ inline Gapped makeFold(double gap, double share, unsigned seed = 1) {
   return fold;
 }
 
+/// Two legs of a pair of trousers, upright and round: points spaced 1 around them and `along` upwards. Normals point outward.
+inline Gapped makeLegs(double radius, double along, double gap, double share, unsigned seed = 1) {
+  constexpr int kRows = 16, kFarFromEnd = 4;
+  Gapped legs;
+  Jitter jitter(share, seed);
+  const double turn = 2.0 * std::acos(-1.0);
+  const int around = static_cast<int>(std::lround(turn * radius));
+  for (int leg = 0; leg < 2; ++leg) {
+    for (int row = 0; row < kRows; ++row) {
+      for (int k = 0; k < around; ++k) {
+        const double angle = turn * (k + 0.5 * (row % 2) + jitter.draw()) / around;
+        const Vec3 outward(std::cos(angle), std::sin(angle), 0.0), beside(radius + 0.5 * gap, 0.0, 0.0);
+        legs.add((leg == 0 ? -1.0 : 1.0) * beside + radius * outward + Vec3(0.0, 0.0, along * (row + jitter.draw())), outward, leg,
+                 std::min(row, kRows - 1 - row) >= kFarFromEnd);
+      }
+    }
+  }
+  return legs;
+}
+
 /// Without a share of the points, at random: a sampling with holes, whose density changes from spot to spot.
 inline Gapped dropPoints(const Gapped& cloud, double share, unsigned seed = 1) {
   Gapped left;
