@@ -14,10 +14,12 @@ using solve::IntegratorType;
 
 // The copies have one point for so many of the simulation's: doubled spacing, an eighth of the cost of explicit steps.
 constexpr Index kRatio = 4;
+// Of a solid: doubled spacing in space, a sixteenth of the cost. Fewer points than the other carry no shape of a body.
+constexpr Index kSolidRatio = 8, kFewestOfSolid = 100;
 constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws by other seeds; see docs/accuracy_control.md.
-constexpr double kSpaceFactor = 1.6;  // also of what transfer loses
+constexpr double kSpaceFactor = 1.6;  // also of what transfer loses, and of solids
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
 // The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
@@ -25,8 +27,9 @@ constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
 // The twin's distance, over the spacing, that ends the estimate. Smooth motions let the larger disturbance grow by a few times.
 constexpr double kChaoticDistance = 0.05;
-// And of a twin that takes halved steps of a method that damps, and is apart by what these change as well.
-constexpr double kChaoticDistanceHalved = 0.5;
+// And of a twin that is apart by other things as well: by what halved steps of a method that damps change, or, in a body, by waves shorter
+// than a few sub-steps that a sudden force sends through it.
+constexpr double kChaoticDistanceOfOthers = 0.5;
 // The copies' sub-steps are never too many for Verlet where those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
 
@@ -57,21 +60,12 @@ Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& u
 
 }  // namespace
 
-ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
-                               const model::DeformableModel& model)
-    : damping_(params.material.damping), step_(params.integrator.time_step) {
+// The copies' surface, whose points are some of the level's, and how the others follow them.
+RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level) {
   const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(full.dense.positions.size());
   is_simplified_ = n < num_full;
   unresolved_ = 1.0 - static_cast<double>(n) / num_full;
-
-  SceneParams coarse = params;
-  coarse.accuracy = AccuracyParams{};
-  coarse.accuracy.estimate = false;
-  coarse.output.resample = false;
-  const Index points = std::max(kCoarsestPoints, n / kRatio);
-  const RestSurface surface = buildCoarser(coarse, full, points);
-  spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
-  disturbance_ = (is_simplified_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
+  RestSurface surface = buildCoarser(coarse, full, std::max(kCoarsestPoints, n / kRatio));
   // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
   std::vector<char> usable;
   for (Index i : surface.dense_index) {
@@ -81,9 +75,39 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
     usable.push_back(exists ? 1 : 0);
   }
   Lists followed;
-  if (!params.neighbors.areEuclidean()) followed = findFollowed(surface.cells, usable, level, params.transfer.k);
-  refine_ = transfer::Transfer(level.points, level.normals, surface.points, usable, params.transfer,
-                               params.neighbors.areEuclidean() ? nullptr : &followed);
+  if (!coarse.neighbors.areEuclidean()) followed = findFollowed(surface.cells, usable, level, coarse.transfer.k);
+  refine_ = transfer::Transfer(level.points, level.normals, surface.points, usable, coarse.transfer,
+                               coarse.neighbors.areEuclidean() ? nullptr : &followed);
+  return surface;
+}
+
+// The error of a solid is that against its body: its own points are an arbitrary few of it.
+RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid) {
+  const Index n = static_cast<Index>(level.points.size());
+  const Index points = std::max(n / (solid.isPlanar() ? kRatio : kSolidRatio), std::min(kFewestOfSolid, n / kRatio));
+  if (points < kCoarsestPoints)
+    throw InputError("found " + std::to_string(n) + " simulation points; accepted: at least " + std::to_string(kRatio * kCoarsestPoints));
+  is_solid_ = true;
+  is_simplified_ = !level.solid_transfer.isEmpty();
+  unresolved_ = 1.0 - static_cast<double>(level.dense_index.size()) / static_cast<double>(level.dense.positions.size());
+  RestSurface surface = buildCoarserSolid(coarse, level, solid.across(), points);
+  common_ = surface.dense_index;
+  refine_solid_ = std::move(surface.solid_transfer);
+  return surface;
+}
+
+ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
+                               const model::DeformableModel& model)
+    : damping_(params.material.damping), step_(params.integrator.time_step) {
+  const Index num_full = static_cast<Index>(full.dense.positions.size());
+  SceneParams coarse = params;
+  coarse.accuracy = AccuracyParams{};
+  coarse.accuracy.estimate = false;
+  coarse.output.resample = false;
+  const auto* solid = dynamic_cast<const model::ElasticSolid*>(&model);
+  const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, full, level);
+  spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
+  disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
@@ -97,13 +121,14 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
     coarse.integrator.max_substeps = max_substeps;
     verlet_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
   }
-  if (params.mass_spring.bending == model::Bending::kCurvature)
+  if (!is_solid_ && params.mass_spring.bending == model::Bending::kCurvature)
     dents_ = DentWatch(params.material, level.points, model.triangles(), level.area, num_full);
   reset();
 }
 
 ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
-    : is_simplified_(other.is_simplified_),
+    : is_solid_(other.is_solid_),
+      is_simplified_(other.is_simplified_),
       unresolved_(other.unresolved_),
       damping_(other.damping_),
       step_(other.step_),
@@ -111,6 +136,7 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       spacing_(other.spacing_),
       common_(other.common_),
       refine_(other.refine_),
+      refine_solid_(other.refine_solid_),
       shadow_(std::make_unique<Simulation>(other.shadow_->fork())),
       twin_(std::make_unique<Simulation>(other.twin_->fork())),
       verlet_(other.verlet_ ? std::make_unique<Simulation>(other.verlet_->fork()) : nullptr),
@@ -228,26 +254,31 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   // How far the simulation is from its shadow at the points of both, and what is lost where the others follow these.
   const Points& shadow = shadow_->state().positions;
   double apart = 0.0, lost = 0.0;
-  if (is_simplified_) {
+  if (is_simplified_ || is_solid_) {
     for (std::size_t i = 0; i < shadow.size(); ++i) {
       if (common_[i] < 0) continue;
       coarse_now_[i] = positions[common_[i]];
       apart = std::max(apart, (coarse_now_[i] - shadow[i]).norm());
     }
-    refine_.apply(coarse_now_, refined_);
+    if (is_solid_) {
+      refine_solid_.apply(coarse_now_, refined_, nullptr);
+    } else {
+      refine_.apply(coarse_now_, refined_);
+    }
     lost = findLargestDistance(refined_, positions);
   }
 
   // An oscillating difference passes through zero, the error need not: the largest so far counts while damping lets it last.
   const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * damping_ * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
-  hold(seen_.space, kSpaceFactor * unresolved_ * apart);
+  hold(seen_.space, kSpaceFactor * (is_solid_ ? 1.0 : unresolved_) * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
   hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;
-  seen_.is_chaotic = seen_.twin_distance > (seen_.is_halved ? kChaoticDistanceHalved : kChaoticDistance) * spacing_;
+  const double far = seen_.is_halved || is_solid_ ? kChaoticDistanceOfOthers : kChaoticDistance;
+  seen_.is_chaotic = seen_.twin_distance > far * spacing_;
   if (!seen_.has_dented && isDenting(positions, type)) {
     seen_.has_dented = true;
     return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
@@ -255,9 +286,9 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   }
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
     return "the error of the time steps is estimated from halved ones: Verlet's, which show what the integrator damps, do not "
-           "fit max_substeps on a quarter of the points either";
+           "fit max_substeps on fewer points either";
   if (!seen_.is_chaotic || was_chaotic) return "";
-  return "the error cannot be estimated: two runs on a quarter of the points that began " + std::to_string(1e3 * disturbance_) +
+  return "the error cannot be estimated: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }
 

@@ -2,6 +2,7 @@
 // how far it may be from the full surface. A file of its own, because it drives simulations and is driven by one.
 #pragma once
 
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
 #include "deformable_surface/solve/integrator_params.h"
@@ -71,6 +72,9 @@ class ErrorEstimator {
   double total() const;
 
  private:
+  RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level);
+  RestSurface takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid);
+
   // What has been seen since the last reset.
   struct Seen {
     double space = 0.0, transfer = 0.0, time = 0.0;  // m
@@ -90,6 +94,7 @@ class ErrorEstimator {
   bool isDenting(const Points& positions, solve::IntegratorType type);
 
   // Constants.
+  bool is_solid_ = false;
   bool is_simplified_ = false;         // the level has fewer points than the surface
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
@@ -97,6 +102,7 @@ class ErrorEstimator {
   double spacing_ = 0.0;               // m, of the copies
   std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
   transfer::Transfer refine_;          // from the copies' points to the level's
+  transfer::SolidTransfer refine_solid_;  // in its place, of a solid
 
   // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
   // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.

@@ -105,6 +105,25 @@ std::vector<Index> choosePoints(const SceneParams& params, RestSurface& s) {
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 
+// The simulation points that each dense point follows.
+Lists findFollowed(const SceneParams& params, const cloud::GeodesicCells& cells, const Points& dense, const Points& simulation) {
+  if (!params.neighbors.areEuclidean()) return cloud::findChosenNear(cells, dense, 2 * params.transfer.k);
+  Lists followed;
+  const cloud::KdTree tree(simulation);
+  std::vector<cloud::Neighbor> near;
+  for (const Vec3& x : dense) {
+    tree.nearest(x, 2 * params.transfer.k, near);
+    for (const cloud::Neighbor& other : near) followed.items.push_back(other.index);
+    followed.offsets.push_back(static_cast<Index>(followed.items.size()));
+  }
+  return followed;
+}
+
+// In space there are more directions to look in.
+Index countNeighbors(const SceneParams& params, const Vec3& across) {
+  return across.isZero(0.0) ? 2 * params.neighbors.k : params.neighbors.k;
+}
+
 void noteLoadsAcross(const SceneParams& params, const Vec3& across, RestSurface& s) {
   constexpr double kRounding = 1e-9;
   const auto leaves = [&](const Vec3& v) { return std::abs(across.dot(v)) > kRounding * v.norm(); };
@@ -137,6 +156,7 @@ void finishSolid(const SceneParams& params, const Lists& neighbors, const std::v
     s.notes.push_back(count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
   const double volume = std::accumulate(solid->volumes().begin(), solid->volumes().end(), 0.0);
   s.model = std::move(solid);
+  s.solid_neighbors = neighbors;
   applyPins(params, s);
   const bool is_planar = !across.isZero(0.0);
   if (is_planar) noteLoadsAcross(params, across, s);
@@ -164,7 +184,7 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
   }
 
   const bool is_euclidean = params.neighbors.areEuclidean();
-  const Index k = is_planar ? params.neighbors.k : 2 * params.neighbors.k;
+  const Index k = countNeighbors(params, across);
   cloud::GeodesicCells cells;
   Lists neighbors;
   if (m < n || is_planar) {
@@ -174,21 +194,24 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
   }
   finishSolid(params, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across, s);
 
-  if (m < n) {
-    Lists followed;
-    if (is_euclidean) {
-      const cloud::KdTree tree(s.points);
-      std::vector<cloud::Neighbor> near;
-      for (const Vec3& x : s.dense.positions) {
-        tree.nearest(x, 2 * params.transfer.k, near);
-        for (const cloud::Neighbor& other : near) followed.items.push_back(other.index);
-        followed.offsets.push_back(static_cast<Index>(followed.items.size()));
-      }
-    } else {
-      followed = cloud::findChosenNear(cells, s.dense.positions, 2 * params.transfer.k);
-    }
-    s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
+  if (m < n)
+    s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points,
+                                               findFollowed(params, cells, s.dense.positions, s.points));
+}
+
+RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, const Vec3& across, Index target) {
+  RestSurface s;
+  s.dense_index = cloud::orderByDistance(of.points, of.solid_neighbors, target, choosePinPoints(params, of.points)).keepCount(target);
+  for (const Index i : s.dense_index) {
+    s.points.push_back(of.points[i]);
+    s.normals.push_back(of.normals[i]);
   }
+  const Index k = countNeighbors(params, across);
+  cloud::GeodesicCells cells;
+  if (!params.neighbors.areEuclidean()) cells = cloud::findGeodesicCells(of.points, of.solid_neighbors, s.dense_index, k);
+  finishSolid(params, params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors, {}, across, s);
+  s.solid_transfer = transfer::SolidTransfer(of.points, of.normals, s.points, findFollowed(params, cells, of.points, s.points));
+  return s;
 }
 
 }  // namespace deformable_surface::simulation

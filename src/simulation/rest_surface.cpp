@@ -326,7 +326,12 @@ RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) {
   s.normals = of.normals;
   s.dense_index = of.dense_index;
   s.rings = of.rings;
-  buildModel(params, s);
+  if (params.model == ModelKind::kElasticSolid) {
+    s.model = of.model->clone();
+    applyPins(params, s);
+  } else {
+    buildModel(params, s);
+  }
   return s;
 }
 

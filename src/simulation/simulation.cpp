@@ -9,7 +9,7 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   RestSurface rest = buildChosen(params, input, choice);
   impl_ = Impl::make(params, std::move(input), std::move(rest));
   impl_->choice = std::move(choice);
-  const bool has_estimate = params.accuracy.estimate && !impl_->particles && !impl_->solid;
+  const bool has_estimate = params.accuracy.estimate && !impl_->particles;
   try {
     if (has_estimate) estimateError(impl_->rest);
   } catch (const InputError& problem) {

@@ -33,6 +33,7 @@ struct RestSurface {
   std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out
   transfer::Transfer transfer;
   transfer::SolidTransfer solid_transfer;  // in its place, of a solid; empty where every point is simulated
+  Lists solid_neighbors;           // (m) of the simulation points of a solid, over its body, nearest first; else empty
   std::vector<char> pinned;        // (m) by the scene's pins
   std::vector<char> pinned_turns;  // (m) those whose orientation is held too
   std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another
@@ -51,7 +52,11 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
 /// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
 RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);
 
-/// A coarser surface once more, for another simulation: the same points and rings with a model of its own, at a fraction of the cost.
+/// The same of an elastic solid, on the farthest of its simulation points; across: of its model. Its dense points are those of `of`:
+/// dense_index and solid_transfer are of them. Masses are those of the hull of so few points. Throws InputError.
+RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, const Vec3& across, Index target);
+
+/// A coarser surface or solid once more, for another simulation: the same points with a model of its own, at a fraction of the cost.
 RestSurface copyCoarser(const SceneParams& params, const RestSurface& of);
 
 }  // namespace deformable_surface::simulation
