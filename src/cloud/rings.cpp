@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <tuple>
 #include <utility>
@@ -20,13 +21,30 @@ constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
 // longest side, and so empty beside a gap only: there points in line would span a triangle of next to no area, which is as stiff
 // as it is thin.
 constexpr double kInnerGap = 3.02;
+// Neighbours that nearly every star has its members among.
+constexpr Index kFirst = 16;
+// Of a circle's diameter: so far from a point on it, what is farther is outside by more than the tie that the star allows.
+constexpr double kMargin = 1.1;
 
 // The star of every point, in the place of its neighbour list: star i has count[i] entries from neighbors.offsets[i] on.
 struct Stars {
   std::vector<Index> member, cell_size, count;
 };
 
-// Calls visit(i, linked, star) for every point, in parallel: its linked neighbours, of which the star names some.
+// The squared distance (m^2) beyond which no other point can change the star: its circles, which pass through the origin, end before. Infinite
+// if it is open.
+double findSquaredReach(const std::vector<Vec2>& points, const geometry::DelaunayStar& star) {
+  if (star.open) return std::numeric_limits<double>::infinity();
+  double largest = 0.0;  // squared diameter
+  for (std::size_t r = 0; r < star.ring.size(); ++r) {
+    const Vec2 &a = points[star.ring[r]], &b = points[star.ring[r + 1 < star.ring.size() ? r + 1 : 0]];
+    const double across = a.x() * b.y() - a.y() * b.x();
+    largest = std::max(largest, a.squaredNorm() * b.squaredNorm() * (b - a).squaredNorm() / (across * across));
+  }
+  return kMargin * kMargin * largest;
+}
+
+// Calls visit(i, linked, star) for every point, in parallel: linked neighbours, of which the star names some.
 template <class Visit>
 void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary,
                 const Visit& visit) {
@@ -40,12 +58,25 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
       const TangentPlane plane(positions[i], normals[i]);
       linked.clear();
       projected.clear();
-      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-        if (!rule.accepts(i, *j)) continue;
-        linked.push_back(*j);
-        projected.push_back(plane.project(positions[*j]));
-      }
-      visit(i, linked, builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap));
+      const auto add = [&](const Index* begin, const Index* end) {
+        for (const Index* j = begin; j != end; ++j) {
+          if (!rule.accepts(i, *j)) continue;
+          linked.push_back(*j);
+          projected.push_back(plane.project(positions[*j]));
+        }
+        return &builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap);
+      };
+      // The others are asked for where one of them may belong to the star of the first.
+      const Index* const first = neighbors.begin(i) + std::min(kFirst, neighbors.count(i));
+      const geometry::DelaunayStar* star = add(neighbors.begin(i), first);
+      const double reach = findSquaredReach(projected, *star);
+      const auto isBeyond = [&](Index j) {
+        const Vec3 link = positions[j] - positions[i];
+        const double height = link.dot(normals[i]);
+        return link.squaredNorm() - height * height > reach;
+      };
+      if (!std::all_of(first, neighbors.end(i), isBeyond)) star = add(first, neighbors.end(i));
+      visit(i, linked, *star);
     }
   });
 }

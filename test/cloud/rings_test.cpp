@@ -9,6 +9,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <cmath>
 #include <numeric>
 #include <tuple>
 
@@ -62,6 +63,30 @@ void expectSound(const TestSurface& surface, const Rings& rings) {
     const auto& [a0, b0, c0] = rings.triangles[t - 1].corner;
     EXPECT_LT(std::tie(a0, b0, c0), std::tie(a, b, c));
   }
+}
+
+// A fan of near neighbours in one direction, two far ones, and one between them that is the farthest of all, but within the circle through them.
+TEST(Rings, HaveTheirMembersAmongFartherNeighboursToo) {
+  TestSurface surface;
+  const auto add = [&](double degrees, double distance) {
+    const double angle = degrees / 180.0 * 3.14159265358979323846;
+    surface.positions.emplace_back(distance * std::cos(angle), distance * std::sin(angle), 0.0);
+    surface.normals.push_back(Vec3::UnitZ());
+  };
+  add(0.0, 0.0);
+  for (int k = 0; k < 14; ++k) add(-7.0 + k, 1.0 + 0.04 * ((5 * k) % 14));
+  add(120.0, 3.0);
+  add(240.0, 3.0);
+  add(180.0, 3.2);
+  const Index farthest = surface.size() - 1;
+  const Lists neighbors = nearestNeighbors(surface.positions, farthest);
+  ASSERT_EQ(neighbors.end(0)[-1], farthest);
+  const Rings rings = buildRings(surface.positions, surface.normals, neighbors);
+  EXPECT_TRUE(hasLink(rings, 0, farthest));
+  const auto passesOver = [&](const Triangle& t) {
+    return t.corner[0] == 0 && std::min(t.corner[1], t.corner[2]) == farthest - 2 && std::max(t.corner[1], t.corner[2]) == farthest - 1;
+  };
+  EXPECT_TRUE(std::none_of(rings.triangles.begin(), rings.triangles.end(), passesOver));
 }
 
 TEST(Rings, GridHasBothDiagonalsEverywhereHoweverItIsTurned) {
