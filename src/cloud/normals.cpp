@@ -3,14 +3,15 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "signed_sets.h"
 #include "spanning_forest.h"
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <tuple>
 
 namespace deformable_surface::cloud {
@@ -29,48 +30,69 @@ void checkSizes(const char* function, const Points& positions, const Lists& neig
                    std::to_string(positions.size()) + " points; there must be one for each");
 }
 
-// Disjoint sets whose members know their sign relative to the set's root.
-class SignedSets {
- public:
-  explicit SignedSets(Index n) : parent_(n), sign_(n, 1) { std::iota(parent_.begin(), parent_.end(), 0); }
-
-  // The root of i; afterwards sign(i) is relative to it.
-  Index find(Index i) {
-    Index root = i;
-    signed char sign = 1;
-    while (parent_[root] != root) {
-      sign = static_cast<signed char>(sign * sign_[root]);
-      root = parent_[root];
-    }
-    // Hang the whole path below the root.
-    while (parent_[i] != root && i != root) {
-      const Index next = parent_[i];
-      const signed char next_sign = static_cast<signed char>(sign * sign_[i]);
-      parent_[i] = root;
-      sign_[i] = sign;
-      i = next;
-      sign = next_sign;
-    }
-    return root;
-  }
-
-  signed char sign(Index i) const { return sign_[i]; }
-
-  // Joins the sets of i and j such that their relative sign becomes the given one; no effect within a set. The smaller index is
-  // the root, which makes the roots of the final sets independent of the order of the joins.
-  void join(Index i, Index j, signed char relative) {
-    Index root_i = find(i), root_j = find(j);
-    if (root_i == root_j) return;
-    const signed char sign = static_cast<signed char>(relative * (i == root_i ? 1 : sign_[i]) * (j == root_j ? 1 : sign_[j]));
-    if (root_j < root_i) std::swap(root_i, root_j);
-    parent_[root_j] = root_i;
-    sign_[root_j] = sign;
-  }
-
- private:
-  std::vector<Index> parent_;
-  std::vector<signed char> sign_;
+struct Link {
+  float weight;
+  Index i, j;
+  bool are_opposite;  // the normals point to different sides
+  bool operator<(const Link& other) const { return std::tie(weight, i, j) < std::tie(other.weight, other.i, other.j); }
 };
+
+Link makeLink(const Points& normals, Index i, Index j) {
+  const double cosine = normals[i].dot(normals[j]);
+  const float weight = static_cast<float>(1.0 - std::abs(cosine));
+  return {std::max(weight, 0.0f), std::min(i, j), std::max(i, j), cosine < 0.0};
+}
+
+// Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among what is joined agree, and
+// then the flattest spanning forest joins it to the same sides; are_all: no link leads out of what is joined.
+bool joinFlat(const Lists& neighbors, const Points& normals, SignedSets& sets, bool& are_all) {
+  constexpr float kFlatWeight = 0.1f;  // 26 degrees: sides are beyond doubt in most clouds
+  constexpr Index kFew = 6;            // of them join nearly everything
+  const Index n = neighbors.size();
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      const Index* last = neighbors.begin(i) + std::min(kFew, neighbors.count(i));
+      for (const Index* j = neighbors.begin(i); j != last; ++j) {
+        const Link link = makeLink(normals, i, *j);
+        if (link.weight <= kFlatWeight) sets.join(i, *j, link.are_opposite);
+      }
+    }
+  });
+  std::atomic<bool> agree{true}, leads_out{false};
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end && agree.load(std::memory_order_relaxed); ++i) {
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        const Link link = makeLink(normals, i, *j);
+        if (sets.find(i) != sets.find(*j)) {
+          leads_out.store(true, std::memory_order_relaxed);
+        } else if (link.weight <= kFlatWeight && sets.areOpposite(i, *j) != link.are_opposite) {
+          agree.store(false, std::memory_order_relaxed);
+        }
+      }
+    }
+  });
+  are_all = !leads_out;
+  return agree;
+}
+
+// Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat ones agree it does not matter which of them do.
+void joinSides(const Lists& neighbors, const Points& normals, SignedSets& sets) {
+  bool are_all = false;
+  const auto forLinks = [&](Index i, const auto& visit) {
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) visit(makeLink(normals, i, *j));
+  };
+  const auto joinRest = [&] {
+    visitSpanningForest<Link>(neighbors.size(), forLinks, [&](Index i) { return sets.find(i); },
+                              [&](const Link& link) { sets.join(link.i, link.j, link.are_opposite); });
+  };
+  if (joinFlat(neighbors, normals, sets, are_all)) {
+    if (are_all) return;
+    joinRest();
+    if (joinFlat(neighbors, normals, sets, are_all)) return;
+  }
+  sets.reset();
+  joinRest();
+}
 
 // What the sides of one component are decided by.
 struct Component {
@@ -145,30 +167,15 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
                      " reference normals; there must be one of each for every point, or no reference normals at all");
   }
 
-  // Minimum spanning forest (Kruskal): the flattest links decide first.
-  struct Link {
-    float weight;
-    Index i, j;
-    signed char relative;  // sign of one normal seen from the other
-    bool operator<(const Link& other) const { return std::tie(weight, i, j) < std::tie(other.weight, other.i, other.j); }
-  };
-  const auto forLinks = [&](Index i, const auto& visit) {
-    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-      const double cosine = normals[i].dot(normals[*j]);
-      const float weight = static_cast<float>(1.0 - std::abs(cosine));
-      visit(Link{std::max(weight, 0.0f), std::min(i, *j), std::max(i, *j), static_cast<signed char>(cosine < 0.0 ? -1 : 1)});
-    }
-  };
   SignedSets sets(n);
-  visitSpanningForest<Link>(n, forLinks, [&](Index i) { return sets.find(i); },
-                            [&](const Link& link) { sets.join(link.i, link.j, link.relative); });
+  joinSides(neighbors, normals, sets);
   // The root of a component is its smallest index.
   std::vector<Index> root(n), component(n);
   Index num_components = 0;
   for (Index i = 0; i < n; ++i) {
     root[i] = sets.find(i);
     component[i] = root[i] == i ? num_components++ : component[root[i]];
-    if (root[i] != i && sets.sign(i) < 0) normals[i] = -normals[i];
+    if (sets.areOpposite(i, root[i])) normals[i] = -normals[i];
   }
 
   // Areas up to a common factor: the squared distance of the farthest listed neighbour.

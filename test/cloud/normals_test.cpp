@@ -227,6 +227,37 @@ TEST(OrientNormals, DoNotDependOnTheNumberOfThreads) {
   EXPECT_EQ(one, three);
 }
 
+// No sides agree along all links of a strip with half a turn, so that the flattest decide, in the order of their flatness.
+TEST(OrientNormals, DoNotDependOnTheNumberOfThreadsWhereNoSidesAgree) {
+  Points positions;
+  std::mt19937 random(1);
+  std::uniform_real_distribution<double> jitter(-0.2, 0.2);
+  constexpr Index kAlong = 1500, kAcross = 12;
+  for (Index i = 0; i < kAlong; ++i) {
+    for (Index j = 0; j < kAcross; ++j) {
+      const double turn = 2.0 * kPi * (i + jitter(random)) / kAlong, across = (j + jitter(random)) / kAlong * 6.0 - 0.02;
+      const double radius = 1.0 + across * std::cos(0.5 * turn);
+      positions.emplace_back(radius * std::cos(turn), radius * std::sin(turn), across * std::sin(0.5 * turn));
+    }
+  }
+  const Lists neighbors = nearestNeighbors(positions, 16);
+  const Points estimated = estimateNormals(positions, neighbors);
+  const std::vector<char> is_boundary(positions.size(), 0);
+  std::vector<Points> found;
+  for (const int threads : {1, 2, 5}) {
+    setNumThreads(threads);
+    found.push_back(estimated);
+    orientNormals(positions, neighbors, is_boundary, {}, std::nullopt, found.back());
+  }
+  setNumThreads(0);
+  EXPECT_EQ(found[0], found[1]);
+  EXPECT_EQ(found[0], found[2]);
+  Index opposed = 0;
+  for (Index i = 0; i < neighbors.size(); ++i)
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) opposed += found[0][i].dot(found[0][*j]) < -0.5;
+  EXPECT_GT(opposed, 0);
+}
+
 TEST(Normals, RefuseArraysOfDifferentSizes) {
   Shape sheet;
   addSheet(sheet, 5, Mat3::Identity(), Vec3::Zero());
