@@ -3,6 +3,7 @@
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/rings.h"
+#include "wide_gaps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -44,10 +45,8 @@ class BoundaryFinder {
     std::vector<char> has_gap(n);
     Boundary boundary{std::vector<char>(n), std::vector<char>(n)};
     parallelFor(n, kBlock, [&](Index begin, Index end) {
-      std::vector<double> angles;
-      for (Index i = begin; i < end; ++i) {
-        has_gap[i] = findGap(i, k_, angles).width > kBoundaryGap && findGap(i, 2 * k_, angles).width > kBoundaryGap;
-      }
+      WideGaps gaps(kBoundaryGap);
+      for (Index i = begin; i < end; ++i) has_gap[i] = hasGap(i, gaps);
     });
     // A lone point with a gap is an uneven spot inside; a boundary goes on at both sides.
     for (Index i = 0; i < n; ++i) {
@@ -69,6 +68,16 @@ class BoundaryFinder {
     for (const Index* j = neighbors_.begin(i); j != end; ++j) {
       if (rule_.accepts(i, *j)) visit(*j);
     }
+  }
+
+  // Whether the 2k nearest neighbours, and so the k nearest too, leave a wide gap.
+  bool hasGap(Index i, WideGaps& gaps) const {
+    const TangentPlane plane(positions_[i], normals_[i]);
+    const Index* end = neighbors_.begin(i) + std::min(2 * k_, neighbors_.count(i));
+    gaps.clear();
+    for (const Index* j = neighbors_.begin(i); j != end && !gaps.isEmpty(); ++j)
+      if (rule_.accepts(i, *j)) gaps.add(plane.project(positions_[*j]));
+    return !gaps.isEmpty();
   }
 
   Gap findGap(Index i, Index count, std::vector<double>& angles) const {

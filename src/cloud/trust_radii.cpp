@@ -4,6 +4,7 @@
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/links.h"
 #include "spanning_forest.h"
+#include "wide_gaps.h"
 
 #include <algorithm>
 #include <cmath>
@@ -63,7 +64,8 @@ struct Link {
   }
 };
 
-std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
+// squared_own (n): the squared length of the last of a point's own links, m^2.
+std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, std::vector<float>& squared_own) {
   const Index n = neighbors.size();
   std::vector<std::size_t> first(n + 1, 0);
   for (Index i = 0; i < n; ++i) first[i + 1] = first[i] + std::min(kTreeLinks, neighbors.count(i));
@@ -71,13 +73,19 @@ std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& 
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<Link> own;
     for (Index i = begin; i < end; ++i) {
+      // The shortest, sorted; none is shorter than in space, so that the farther ones need not be asked.
       own.clear();
+      const std::size_t wanted = first[i + 1] - first[i];
       for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-        own.push_back({static_cast<float>(measureSquaredLength(positions, sides, i, *j)), std::min(i, *j), std::max(i, *j)});
+        const bool is_full = own.size() == wanted;
+        if (is_full && static_cast<float>((positions[*j] - positions[i]).squaredNorm()) > own.back().squared_length) break;
+        const Link link{static_cast<float>(measureSquaredLength(positions, sides, i, *j)), std::min(i, *j), std::max(i, *j)};
+        if (is_full && !(link < own.back())) continue;
+        if (is_full) own.pop_back();
+        own.insert(std::upper_bound(own.begin(), own.end(), link), link);
       }
-      const auto last = own.begin() + (first[i + 1] - first[i]);
-      if (last != own.end()) std::nth_element(own.begin(), last, own.end());
-      std::copy(own.begin(), last, links.begin() + first[i]);
+      std::copy(own.begin(), own.end(), links.begin() + first[i]);
+      if (wanted > 0) squared_own[i] = own[std::min(kOwnLinks, wanted) - 1].squared_length;
     }
   });
 
@@ -101,23 +109,16 @@ std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& 
 }
 
 // Squared length at which neighbours, taken nearest first, leave no wide angle; infinite if they always do.
-// angles: scratch.
-float findSquaredCover(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, Index i,
-                       std::vector<double>& angles) {
-  constexpr double kFullTurn = 6.28318530717958648;
+float findSquaredCover(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, Index i, WideGaps& gaps) {
   const TangentPlane plane(positions[i], sides.normals[i]);
   double longest = 0.0;
-  angles.clear();
+  gaps.clear();
   for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
     const double squared = measureSquaredLength(positions, sides, i, *j);
     if (squared > kMaxCoverStretch * (positions[*j] - positions[i]).squaredNorm()) continue;
     longest = std::max(longest, squared);
-    const Vec2 q = plane.project(positions[*j]);
-    const double angle = std::atan2(q.y(), q.x());
-    angles.insert(std::lower_bound(angles.begin(), angles.end(), angle), angle);
-    double widest = angles.front() + kFullTurn - angles.back();
-    for (std::size_t a = 1; a < angles.size(); ++a) widest = std::max(widest, angles[a] - angles[a - 1]);
-    if (widest <= kCoverGap) return static_cast<float>(longest);
+    gaps.add(plane.project(positions[*j]));
+    if (gaps.isEmpty()) return static_cast<float>(longest);
   }
   return std::numeric_limits<float>::infinity();
 }
@@ -158,7 +159,8 @@ double measureSquaredLength(const Points& positions, const SurfaceSides& sides, 
 
 std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
   const Index n = neighbors.size();
-  const std::vector<Link> tree = findSpanningTree(positions, sides, neighbors);
+  std::vector<float> squared_own(n);
+  const std::vector<Link> tree = findSpanningTree(positions, sides, neighbors, squared_own);
 
   // The tree's links at each point.
   std::vector<Index> offset(n + 1, 0);
@@ -173,8 +175,8 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
 
   std::vector<float> squared_cover(sides.normals.empty() ? 0 : n);
   parallelFor(static_cast<Index>(squared_cover.size()), kBlock, [&](Index begin, Index end) {
-    std::vector<double> angles;
-    for (Index i = begin; i < end; ++i) squared_cover[i] = findSquaredCover(positions, sides, neighbors, i, angles);
+    WideGaps gaps(kCoverGap);
+    for (Index i = begin; i < end; ++i) squared_cover[i] = findSquaredCover(positions, sides, neighbors, i, gaps);
   });
 
   std::vector<double> radius(n, 0.0);
@@ -187,14 +189,7 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
         around.insert(around.end(), squared.begin() + offset[*j], squared.begin() + offset[*j + 1]);
       }
       if (around.empty()) continue;
-      double from_tree = kTreeFactor * std::sqrt(findQuantile(around, kTreeQuantile));
-      around.clear();
-      for (const Index* j = neighbors.begin(i); j != last; ++j) {
-        around.push_back(static_cast<float>(measureSquaredLength(positions, sides, i, *j)));
-      }
-      const auto own = around.begin() + std::min(kOwnLinks, around.size()) - 1;
-      std::nth_element(around.begin(), own, around.end());
-      from_tree = std::max(from_tree, kOwnFactor * std::sqrt(*own));
+      const double from_tree = std::max(kTreeFactor * std::sqrt(findQuantile(around, kTreeQuantile)), kOwnFactor * std::sqrt(squared_own[i]));
       radius[i] = from_tree;
       if (squared_cover.empty()) continue;
       around.assign(1, squared_cover[i]);

@@ -2,6 +2,8 @@
 // all other images lie on the origin's side of that line: hull edges of the images are the Delaunay triangles at the origin.
 #include "deformable_surface/geometry/delaunay_star.h"
 
+#include "deformable_surface/geometry/direction.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -12,16 +14,6 @@ namespace {
 // Directions closer than this are one: far above rounding, so that the hull never has to decide between points in line with the
 // origin, and far below the angle between true neighbours.
 constexpr double kSameDirection = 1e-12;
-
-double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
-
-// Grows with the angle of v from 0 to 4 over a full turn, and by 2 over every half turn; needs no trigonometry, and selects
-// rather than branches, because the quadrants of neighbours are beyond prediction.
-double directionOf(const Vec2& v) {
-  const double x = std::abs(v.x()), y = std::abs(v.y());
-  const bool left = v.x() < 0.0, below = v.y() < 0.0;
-  return (below ? (left ? 2.0 : 3.0) : (left ? 1.0 : 0.0)) + (left == below ? y : x) / (x + y);
-}
 
 // True if the angles at a and c of the quadrilateral a b c d (counter-clockwise) sum to at least a straight angle less tie: the
 // corners lie on one circle, or miss it by that. Sine and cosine of the sum are those of a product of complex numbers.
