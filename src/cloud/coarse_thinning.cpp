@@ -2,8 +2,10 @@
 
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/parallel_sort.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
+#include "point_map.h"
 
 #include <algorithm>
 #include <cmath>
@@ -27,14 +29,18 @@ constexpr Index kSpacingNeighbor = 6;  // that completes a hexagon
 constexpr int kPasses = 2;             // over those found, nearest first: the second finds ways that lead back
 
 // The median distance of the nearest and of the farthest that are listed, m.
-std::pair<double, double> measureLists(const ThinnedCloud& cloud) {
-  std::vector<double> nearest, farthest;
-  for (Index i = 0; i < cloud.neighbors.size(); ++i) {
-    if (cloud.neighbors.count(i) == 0) continue;
-    const auto distance = [&](Index j) { return (cloud.positions[j] - cloud.positions[i]).norm(); };
-    nearest.push_back(distance(*cloud.neighbors.begin(i)));
-    farthest.push_back(distance(cloud.neighbors.end(i)[-1]));
-  }
+std::pair<double, double> measureLists(const Points& positions, const Lists& neighbors) {
+  const Index n = neighbors.size();
+  std::vector<double> nearest(n), farthest(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      if (neighbors.count(i) == 0) continue;
+      nearest[i] = (positions[*neighbors.begin(i)] - positions[i]).norm();
+      farthest[i] = (positions[neighbors.end(i)[-1]] - positions[i]).norm();
+    }
+  });
+  // Points do not coincide: zero stands for no list.
+  for (std::vector<double>* distances : {&nearest, &farthest}) distances->erase(std::remove(distances->begin(), distances->end(), 0.0), distances->end());
   if (nearest.empty()) return {0.0, 0.0};
   return {findMedian(std::move(nearest)), findMedian(std::move(farthest))};
 }
@@ -51,29 +57,31 @@ struct Removal {
 };
 
 // Of the points that are left those that are nearer than the least distance to one that stays; whole parts stay if few would be left.
-std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const std::vector<char>& is_left, double least, Index num_parts) {
+std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbors, const std::vector<char>& is_left, double least,
+                                 Index num_parts) {
   const Index n = static_cast<Index>(cloud.positions.size());
   std::vector<double> nearest(n, std::numeric_limits<double>::infinity());  // that stays and came before
   std::vector<Index> num_kept(num_parts, 0);
   std::vector<char> is_kept(n, 0);
+  const auto forNear = [&](Index i, const auto& visit) {
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+      const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
+      if (!(distance < least)) break;
+      if (cloud.part[*j] == cloud.part[i]) visit(*j, distance);
+    }
+  };
   const auto keep = [&](Index i) {
     is_kept[i] = 1;
     ++num_kept[cloud.part[i]];
-    for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j) {
-      const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
-      if (!(distance < least)) break;
-      nearest[*j] = std::min(nearest[*j], distance);
-    }
+    forNear(i, [&](Index j, double distance) { nearest[j] = std::min(nearest[j], distance); });
   };
   for (Index i = 0; i < n; ++i)
     if (cloud.stays[i]) keep(i);
   // Lists are not mutual: where sampling changes one of two near points may not list the other.
   const auto lookBack = [&](Index i) {
-    for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j) {
-      const double distance = (cloud.positions[*j] - cloud.positions[i]).norm();
-      if (!(distance < least)) break;
-      if (is_kept[*j]) nearest[i] = std::min(nearest[i], distance);
-    }
+    forNear(i, [&](Index j, double distance) {
+      if (is_kept[j]) nearest[i] = std::min(nearest[i], distance);
+    });
   };
   for (Index i = 0; i < n; ++i) {
     if (!is_left[i] || cloud.stays[i]) continue;
@@ -83,12 +91,12 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const std::vector<ch
   std::vector<Removal> removals;
   for (Index i = 0; i < n; ++i)
     if (is_left[i] && !is_kept[i] && nearest[i] < least && num_kept[cloud.part[i]] >= kFewestOfPart) removals.push_back({nearest[i], i});
-  std::sort(removals.begin(), removals.end());
+  parallelSort(removals);
   return removals;
 }
 
-// The points that are left and what was listed of them.
-ThinnedCloud takeLeft(ThinnedCloud& cloud, const std::vector<char>& is_left) {
+// The points that are left and what was listed of them in their part.
+ThinnedCloud takeLeft(ThinnedCloud& cloud, const Lists& neighbors, const std::vector<char>& is_left) {
   ThinnedCloud left;
   left.removed = std::move(cloud.removed);
   left.diameter = std::move(cloud.diameter);
@@ -104,8 +112,8 @@ ThinnedCloud takeLeft(ThinnedCloud& cloud, const std::vector<char>& is_left) {
   }
   for (Index i = 0; i < n; ++i) {
     if (!is_left[i]) continue;
-    for (const Index* j = cloud.neighbors.begin(i); j != cloud.neighbors.end(i); ++j)
-      if (is_left[*j]) left.neighbors.items.push_back(new_index[*j]);
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
+      if (is_left[*j] && cloud.part[*j] == cloud.part[i]) left.neighbors.items.push_back(new_index[*j]);
     left.neighbors.offsets.push_back(static_cast<Index>(left.neighbors.items.size()));
   }
   return left;
@@ -119,9 +127,8 @@ class WayCheck {
   void keepReached(Index i, std::vector<Neighbor>& found) {
     const std::size_t count = found.size();
     const double squared_spacing = count > 0 ? found[std::min<std::size_t>(kSpacingNeighbor, count) - 1].squared_distance : 0.0;
-    by_index_.clear();
-    for (std::size_t f = 0; f < count; ++f) by_index_.push_back({found[f].index, static_cast<Index>(f)});
-    std::sort(by_index_.begin(), by_index_.end());
+    place_.clear();
+    for (const Neighbor& neighbor : found) place_.add(neighbor.index);
     bound_.assign(count, std::numeric_limits<double>::infinity());
     most_.clear();
     for (const Neighbor& neighbor : found) most_.push_back(kKeptWay * std::sqrt(std::max(neighbor.squared_distance, squared_spacing)));
@@ -141,20 +148,20 @@ class WayCheck {
  private:
   void relax(Index from, double to_from) {
     for (const Index* j = cloud_.neighbors.begin(from); j != cloud_.neighbors.end(from); ++j) {
-      const auto at = std::lower_bound(by_index_.begin(), by_index_.end(), std::make_pair(*j, Index{0}));
-      if (at == by_index_.end() || at->first != *j) continue;
+      const Index at = place_.find(*j);
+      if (at < 0) continue;
       const double bound = to_from + (cloud_.positions[*j] - cloud_.positions[from]).norm();
-      double& least = bound_[at->second];
+      double& least = bound_[at];
       if (!(bound < least)) continue;
-      num_missing_ -= !(least <= most_[at->second]) && bound <= most_[at->second];
+      num_missing_ -= !(least <= most_[at]) && bound <= most_[at];
       least = bound;
     }
   }
 
   const ThinnedCloud& cloud_;
-  std::vector<std::pair<Index, Index>> by_index_;  // point, its place among those found
-  std::vector<double> bound_, most_;               // m, of those found: what leads there, and what is no detour
-  std::size_t num_missing_ = 0;                    // whose bound is above
+  PointMap place_;                   // among those found
+  std::vector<double> bound_, most_;  // m, of those found: what leads there, and what is no detour
+  std::size_t num_missing_ = 0;       // whose bound is above
 };
 
 // Neighbours of all points that are left, by ways over those that were listed before.
@@ -189,17 +196,22 @@ Lists findNeighbors(const ThinnedCloud& cloud, Index wanted, bool over_surface) 
 
 }  // namespace
 
-void thinCoarsely(Index stop, Index wanted, bool over_surface, ThinnedCloud& cloud) {
+void thinCoarsely(const Lists& neighbors, Index stop, Index wanted, bool over_surface, ThinnedCloud& cloud) {
+  const Lists* lists = &neighbors;
   Index num_left = static_cast<Index>(cloud.positions.size());
   const Index num_parts = cloud.part.empty() ? 0 : *std::max_element(cloud.part.begin(), cloud.part.end()) + 1;
   double diameter = 0.0;
   for (;;) {
-    const auto [nearest, farthest] = measureLists(cloud);
+    const auto [nearest, farthest] = measureLists(cloud.positions, *lists);
+    const double largest = kListReach * farthest;
     std::vector<char> is_left(cloud.positions.size(), 1);
     const Index before = num_left;
     bool is_done = false;
-    for (double least = nearest; nearest > 0.0 && least <= kListReach * farthest && !is_done; least *= kLevelFactor) {
-      const std::vector<Removal> removals = findTooNear(cloud, is_left, least, num_parts);
+    // All at once as long as enough stay, then level by level.
+    std::vector<Removal> removals = findTooNear(cloud, *lists, is_left, largest, num_parts);
+    const bool is_last = num_left - static_cast<Index>(removals.size()) < stop;
+    for (double least = is_last ? nearest : largest; least > 0.0 && least <= largest && !is_done; least *= kLevelFactor) {
+      if (is_last) removals = findTooNear(cloud, *lists, is_left, least, num_parts);
       is_done = num_left - static_cast<Index>(removals.size()) < stop;
       for (const Removal& removal : removals) {
         if (is_done) break;
@@ -210,10 +222,12 @@ void thinCoarsely(Index stop, Index wanted, bool over_surface, ThinnedCloud& clo
       }
       if (!is_done) num_left -= static_cast<Index>(removals.size());
     }
-    if (num_left == before) return;
-    cloud = takeLeft(cloud, is_left);
+    const bool are_all = num_left == before;
+    if (!are_all || lists == &neighbors) cloud = takeLeft(cloud, *lists, is_left);
+    if (are_all) return;
     cloud.neighbors = findNeighbors(cloud, wanted, over_surface);
     if (is_done) return;
+    lists = &cloud.neighbors;
   }
 }
 

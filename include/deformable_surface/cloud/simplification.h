@@ -25,12 +25,12 @@ struct Simplification {
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points);
 
-/// The same for those who have found the neighbours (2k of every point, nearest first; used up) and the corners already.
+/// The same for those who have found the neighbours (2k of every point, nearest first) and the corners already.
 /// over_surface: the neighbours are those over the surface (keepGeodesicNeighbors), and stars never look across a gap that they
 /// tell, however far apart the points left are. target: how many points will be asked for (0: min_points): of a large cloud rings
 /// decide from a few times as many on. The order depends on it, and on min_points in nothing but where it ends.
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
-                        const std::vector<Index>& protected_points, Lists neighbors, const std::vector<char>& is_corner,
+                        const std::vector<Index>& protected_points, const Lists& neighbors, const std::vector<char>& is_corner,
                         bool over_surface, Index target = 0);
 
 }  // namespace deformable_surface::cloud
