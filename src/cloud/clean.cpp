@@ -2,6 +2,7 @@
 #include "deformable_surface/cloud/clean.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel_sort.h"
 
 #include <algorithm>
 #include <cmath>
@@ -51,7 +52,7 @@ CleanCloud clean(const PointCloud& input, double max_coordinate) {
       ++result.num_not_finite;
     }
   }
-  std::sort(sorted.begin(), sorted.end());
+  parallelSort(sorted);
   std::vector<Index> first_of_input(n, -1);
   for (std::size_t s = 0; s < sorted.size(); ++s) {
     const bool repeats = s > 0 && sorted[s].coincides(sorted[s - 1]);

@@ -139,9 +139,14 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
   collectLinks(
       neighbors,
       [&](Index i, Index j, double& cost) {
-        const double squared = measureSquaredLength(positions, sides, i, j), trust = std::max(radius[i], radius[j]);
-        cost = std::sqrt(squared) * (1.0 + kCostSlope * std::max(0.0, squared / (trust * trust) - 1.0));
-        return cost <= kLongestDetour * std::max(reach[i], reach[j]);
+        const double trust = std::max(radius[i], radius[j]), most = kLongestDetour * std::max(reach[i], reach[j]);
+        const auto measureCost = [&](double squared) {
+          return std::sqrt(squared) * (1.0 + kCostSlope * std::max(0.0, squared / (trust * trust) - 1.0));
+        };
+        // No link is shorter than in space, where most are too dear already.
+        if (!(measureCost((positions[j] - positions[i]).squaredNorm()) <= most)) return false;
+        cost = measureCost(measureSquaredLength(positions, sides, i, j));
+        return cost <= most;
       },
       graph);
   return graph;

@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace deformable_surface::cloud {
 namespace {
@@ -22,6 +23,18 @@ constexpr Index kRemoved = -1;
 constexpr int kMaxDepth = 40;
 // Queries per block of a parallel loop: about a millisecond of work.
 constexpr Index kBlock = 1024;
+
+// A tree is built in so many branches at a time, unless they are small.
+constexpr std::size_t kMaxBranches = 64;
+constexpr Index kSmallBranch = 4096;
+
+// Nodes of the trees of n and of n + 1 points: halves of both have one of two sizes.
+std::pair<Index, Index> countNodes(Index n) {
+  if (n + 1 <= kLeafSize) return {1, 1};
+  const auto [half, half_and_one] = countNodes(n / 2);
+  const Index even = 2 * half + 1, odd = half + half_and_one + 1, next = 2 * half_and_one + 1;
+  return {n <= kLeafSize ? 1 : (n % 2 == 0 ? even : odd), n % 2 == 0 ? odd : next};
+}
 
 // The k smallest neighbours seen so far, sorted. Insertion beats a heap at the few dozen neighbours that are asked for.
 class KNearest {
@@ -89,19 +102,38 @@ KdTree::KdTree(const Points& points) {
   for (Index s = 0; s < n; ++s) order_[s] = slots_[s].point;
 }
 
+// Level by level on all cores, as long as there is more than a task for each, then branch by branch.
 void KdTree::rebuild() {
   num_alive_ = static_cast<Index>(slots_.size());
   nodes_.clear();
-  nodes_.reserve(static_cast<std::size_t>(4 * (num_alive_ / kLeafSize) + 1));
-  if (num_alive_ > 0) build(0, num_alive_);
+  if (num_alive_ > 0) {
+    nodes_.resize(countNodes(num_alive_).first);
+    struct Branch {
+      Index node, begin, end;
+    };
+    std::vector<Branch> branches{{0, 0, num_alive_}}, halves;
+    while (branches.size() < kMaxBranches && branches.front().end - branches.front().begin > kSmallBranch) {
+      halves.resize(2 * branches.size());
+      parallelFor(static_cast<Index>(branches.size()), 1, [&](Index b, Index) {
+        const Branch& of = branches[b];
+        const Index middle = makeNode(of.node, of.begin, of.end), right = of.node + 1 + countNodes(middle - of.begin).first;
+        nodes_[of.node].right = right;
+        halves[2 * b] = {of.node + 1, of.begin, middle};
+        halves[2 * b + 1] = {right, middle, of.end};
+      });
+      branches.swap(halves);
+    }
+    parallelFor(static_cast<Index>(branches.size()), 1, [&](Index b, Index) { build(branches[b].node, branches[b].begin, branches[b].end); });
+  }
   for (Index s = 0; s < num_alive_; ++s) slot_of_[slots_[s].point] = s;
 }
 
-Index KdTree::build(Index begin, Index end) {
-  const Index self = static_cast<Index>(nodes_.size());
-  Node node{};
+// One node, of which the slots are halved. Returns where the second half begins, or the end of a leaf.
+Index KdTree::makeNode(Index self, Index begin, Index end) {
+  Node& node = nodes_[self];
   node.begin = begin;
   node.end = end;
+  node.right = 0;
 
   // The tight box.
   const double* first = &slots_[begin].x;
@@ -114,28 +146,32 @@ Index KdTree::build(Index begin, Index end) {
       node.hi[axis] = std::max(node.hi[axis], c[axis]);
     }
   }
-  nodes_.push_back(node);
-  if (end - begin <= kLeafSize) return self;
+  if (end - begin <= kLeafSize) return end;
 
   // Halve by number along the widest axis, so that coincident points cannot recurse for ever.
   int widest = 0;
   for (int axis = 1; axis < 3; ++axis) {
     if (node.hi[axis] - node.lo[axis] > node.hi[widest] - node.lo[widest]) widest = axis;
   }
+  const Index middle = begin + (end - begin) / 2;
   const auto split = [&](auto coordinate) {
-    std::nth_element(slots_.begin() + begin, slots_.begin() + begin + (end - begin) / 2, slots_.begin() + end,
-                     [coordinate](const Slot& a, const Slot& b) {
-                       return a.*coordinate != b.*coordinate ? a.*coordinate < b.*coordinate : a.point < b.point;
-                     });
+    std::nth_element(slots_.begin() + begin, slots_.begin() + middle, slots_.begin() + end, [coordinate](const Slot& a, const Slot& b) {
+      return a.*coordinate != b.*coordinate ? a.*coordinate < b.*coordinate : a.point < b.point;
+    });
   };
   if (widest == 0) split(&Slot::x);
   if (widest == 1) split(&Slot::y);
   if (widest == 2) split(&Slot::z);
-  const Index middle = begin + (end - begin) / 2;
-  build(begin, middle);
-  const Index right = build(middle, end);
-  nodes_[self].right = right;
-  return self;
+  return middle;
+}
+
+// A node and all below it, depth first. Returns the node after them.
+Index KdTree::build(Index node, Index begin, Index end) {
+  const Index middle = makeNode(node, begin, end);
+  if (middle == end) return node + 1;
+  const Index right = build(node + 1, begin, middle);
+  nodes_[node].right = right;
+  return build(right, middle, end);
 }
 
 // Offers the results every alive point that is not provably farther than their bound; nearer boxes first.

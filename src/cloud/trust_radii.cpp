@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 #include <numeric>
 #include <tuple>
@@ -125,9 +126,14 @@ float findSquaredCover(const Points& positions, const SurfaceSides& sides, const
 
 // The value below which the share of values lies. values is reordered and not empty.
 float findQuantile(std::vector<float>& values, double share) {
-  const auto at = values.begin() + static_cast<std::ptrdiff_t>(share * (values.size() - 1));
-  std::nth_element(values.begin(), at, values.end());
-  return *at;
+  // From the nearer end: shares are near one of them, and few are kept in order.
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(values.size()), at = static_cast<std::ptrdiff_t>(share * (values.size() - 1));
+  if (2 * at < count) {
+    std::partial_sort(values.begin(), values.begin() + at + 1, values.end());
+  } else {
+    std::partial_sort(values.rbegin(), values.rbegin() + (count - at), values.rend(), std::greater<float>());
+  }
+  return values[at];
 }
 
 }  // namespace

@@ -122,6 +122,25 @@ TEST(KdTree, OrderNamesEveryPointOnceAndKeepsNearPointsTogether) {
   for (Index i = 0; i < 4000; ++i) ASSERT_EQ(i, sorted[i]);
 }
 
+// Of sizes at which branches built side by side have equal and different numbers of nodes.
+TEST(KdTree, BuiltInBranchesAgreesWithFullSearch) {
+  for (const Index n : {4096, 4097, 20001, 69999, 131072}) {
+    const Points points = makeRandomPoints(n, 1.0, 3);
+    setNumThreads(3);
+    const KdTree tree(points);
+    setNumThreads(1);
+    const KdTree alone(points);
+    setNumThreads(0);
+    EXPECT_EQ(tree.order(), alone.order());
+    std::vector<Neighbor> found;
+    for (Index i = 0; i < n; i += n / 7) {
+      tree.nearest(points[i], 20, found);
+      const std::vector<Neighbor> all = searchAll(points, std::vector<char>(n, 1), points[i]);
+      for (std::size_t k = 0; k < found.size(); ++k) ASSERT_EQ(found[k].index, all[k].index) << n << ", " << i;
+    }
+  }
+}
+
 TEST(KdTree, RefusesWhatItCannotAnswer) {
   EXPECT_THROW(KdTree(Points(1, Vec3(0.0, std::nan(""), 0.0))), InputError);
   EXPECT_THROW(KdTree(Points(1, Vec3(INFINITY, 0.0, 0.0))), InputError);

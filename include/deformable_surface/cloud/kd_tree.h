@@ -49,7 +49,8 @@ class KdTree {
   };
 
   void rebuild();
-  Index build(Index begin, Index end);
+  Index makeNode(Index node, Index begin, Index end);
+  Index build(Index node, Index begin, Index end);
   template <class Results>
   void search(const Vec3& query, Results& results) const;
 
