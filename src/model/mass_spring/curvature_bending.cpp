@@ -309,6 +309,7 @@ void CurvatureBending::prepareForceLoop() {
   along_.resize(kSlots * padded);
   normals_.resize(4 * padded);
   std::vector<std::pair<Index, Index>> uses;
+  uses.reserve(2 * neighbors_.items.size());
   for (Index i = 0; i < n; ++i) {
     const Index group = i / 4, lane = i % 4;
     const double constants[4] = {weight_[i], rest_curvature_[i][0], rest_curvature_[i][1], rest_curvature_[i][2]};

@@ -63,14 +63,18 @@ CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
   CurvatureBending bending;
   if (neighbors_.size() == 0) return bending;
   const std::vector<Index> fits = findElements(part.wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
+  std::size_t num_rows = 0;
+  for (const Index fit : fits) num_rows += neighbors_.count(fit);
+  bending.neighbors_.items.reserve(num_rows);
+  bending.rows_.reserve(num_rows);
   bending.rest_curvature_.assign(part.points.size(), Vec3::Zero());
   bending.weight_.assign(part.points.size(), 0.0);
-  auto fit = fits.begin();
+  auto next = fits.begin();
   for (Index k = 0; k < part.size(); ++k) {
     const Index i = part.points[k];
-    const bool has_fit = fit != fits.end() && *fit == i;
+    const bool has_fit = next != fits.end() && *next == i;
     if (has_fit) {
-      ++fit;
+      ++next;
       bending.rest_curvature_[k] = rest_curvature_[i];
       bending.weight_[k] = weight_[i];
     }

@@ -199,20 +199,22 @@ TriangleMembrane::TriangleMembrane(const std::vector<WeightedTriangle>& triangle
 
 void TriangleMembrane::prepareForceLoop(Index num_points) {
   std::vector<std::pair<Index, Index>> corners;
+  corners.reserve(3 * elements_.size());
   for (std::size_t t = 0; t < elements_.size(); ++t)
     for (int c = 0; c < 3; ++c) corners.emplace_back(elements_[t].corner[c], static_cast<Index>(t / 4 * 12 + 4 * c + t % 4));
   incidence_ = groupByPoint(num_points, corners);
-  // The same constants once more for the force loop.
+  // The same constants once more for the force loop, the last group filled up with the last element.
   const std::size_t groups = (elements_.size() + 3) / 4;
   corner_force_.resize(48 * groups);
-  for (std::size_t k = 0; k < 12 * groups; ++k)
-    group_corners_.push_back(elements_[std::min(k / 12 * 4 + k % 4, elements_.size() - 1)].corner[k / 4 % 3]);
-  for (std::size_t k = 0; k < 24 * groups; ++k) {
-    const Element& e = elements_[std::min(k / 24 * 4 + k % 4, elements_.size() - 1)];
+  group_corners_.resize(12 * groups);
+  group_constants_.resize(24 * groups);
+  for (std::size_t t = 0; t < 4 * groups; ++t) {
+    const Element& e = elements_[std::min(t, elements_.size() - 1)];
     const Mat2 G = e.inverse * e.inverse.transpose();
     const double det = e.inverse.determinant();
     const double constants[6] = {G(0, 0), G(0, 1), G(1, 1), det, e.area, e.area * det};
-    group_constants_.push_back(constants[k / 4 % 6]);
+    for (std::size_t c = 0; c < 3; ++c) group_corners_[t / 4 * 12 + 4 * c + t % 4] = e.corner[c];
+    for (std::size_t c = 0; c < 6; ++c) group_constants_[t / 4 * 24 + 4 * c + t % 4] = constants[c];
   }
 }
 

@@ -4,6 +4,7 @@
 #include "deformable_surface/base/types.h"
 
 #include <algorithm>
+#include <limits>
 
 namespace deformable_surface::model {
 
@@ -19,11 +20,26 @@ struct PartIndex {
 /// stride: items of an element and point.
 template <class Find>
 std::vector<Index> findElements(const std::vector<Index>& points, const Lists& items, Index stride, Find&& find) {
+  // Marks, which are in order by themselves. Kept by the thread, and clear between calls.
+  static thread_local std::vector<char> is_found;
+  Index first = std::numeric_limits<Index>::max(), last = -1, count = 0;
+  for (const Index i : points) {
+    for (Index k = items.offsets[i]; k < items.offsets[i + 1]; k += stride) {
+      const Index element = find(k);
+      if (static_cast<std::size_t>(element) >= is_found.size()) is_found.resize(2 * static_cast<std::size_t>(element) + 1);
+      count += !is_found[element];
+      is_found[element] = 1;
+      first = std::min(first, element);
+      last = std::max(last, element);
+    }
+  }
   std::vector<Index> elements;
-  for (const Index i : points)
-    for (Index k = items.offsets[i]; k < items.offsets[i + 1]; k += stride) elements.push_back(find(k));
-  std::sort(elements.begin(), elements.end());
-  elements.erase(std::unique(elements.begin(), elements.end()), elements.end());
+  elements.reserve(count);
+  for (Index element = first; element <= last; ++element) {
+    if (!is_found[element]) continue;
+    elements.push_back(element);
+    is_found[element] = 0;
+  }
   return elements;
 }
 
