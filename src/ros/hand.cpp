@@ -2,24 +2,15 @@
 
 #include "frames.h"
 
-#include "deformable_surface/EditParticles.h"
-#include "deformable_surface/FitSurface.h"
-#include "deformable_surface/SelectRegion.h"
-#include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
-#include <std_srvs/SetBool.h>
-#include <std_srvs/Trigger.h>
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <random>
-#include <tuple>
 
 namespace deformable_surface::node {
 namespace {
@@ -27,8 +18,6 @@ namespace {
 using shape_msgs::SolidPrimitive;
 using visualization_msgs::InteractiveMarkerFeedback;
 
-// The tool by which the surface is gripped; those that are added have a number.
-constexpr char kGripId[] = "hand";
 // RViz says that it is still there four times a second; without it the person or the network is gone.
 constexpr double kGripPatience = 2.0;  // s
 // A tool that the surface lost (a reset, another cloud) is sent again, one that it refuses is not for ever.
@@ -38,25 +27,12 @@ constexpr int kMaxRepeats = 3;
 constexpr double kNewShare = 1.2;
 // Handles follow what has moved by this share of the spacing; less is not seen.
 constexpr double kSeenShare = 0.05;
-// Sizes as shares of the surface's extent.
-constexpr double kToolShare = 0.1, kBladeShare = 0.02, kPanelShare = 0.04;
+// Of the surface's extent.
+constexpr double kPanelShare = 0.04;
 // Balls that overlap, so that one of them is before every place of the surface as it is drawn, and a spot that stands out of them.
 constexpr double kBallShare = 2.0, kSpotShare = 2.2;
-constexpr double kLarger = 1.25;
-// A handful, in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push each other
-// away.
-constexpr int kSprayTries = 100;
-constexpr double kSprayShare = 2.5, kSprayApart = 0.8;  // spacings
-constexpr double kSprayHeight = 1.5;                    // in that reach
 
 Vec3 toVec3(const geometry_msgs::Point& p) { return {p.x, p.y, p.z}; }
-
-SolidPrimitive makePrimitive(std::uint8_t type, std::initializer_list<double> sizes) {
-  SolidPrimitive primitive;
-  primitive.type = type;
-  primitive.dimensions.assign(sizes.begin(), sizes.end());
-  return primitive;
-}
 
 bool hasField(const sensor_msgs::PointCloud2& message, const std::string& name) {
   return std::any_of(message.fields.begin(), message.fields.end(), [&](const auto& field) { return field.name == name; });
@@ -264,157 +240,6 @@ void Hand::onTool(const Feedback& feedback) {
   send(found->second.tool, Tool::ADD);
 }
 
-// ---- Menus ----
-
-void Hand::makeMenus() {
-  has_menus_ = true;
-  const auto add = [](interactive_markers::MenuHandler& menu, const char* title, auto work) {
-    menu.insert(title, [work](const Feedback&) { work(); });
-  };
-  add(spot_menu_, "Pin here", [this] { pin("pin"); });
-  add(spot_menu_, "Unpin here", [this] { pin("unpin"); });
-  if (isOfParticles()) {
-    add(spot_menu_, "Spray points here", [this] { spray(); });
-    add(spot_menu_, "Take away here", [this] { edit(EditParticlesRequest::DELETE, radius()); });
-    add(spot_menu_, "Crease here", [this] { edit(EditParticlesRequest::CREASE, radius()); });
-  }
-
-  struct Mode {
-    const char* name;
-    std::uint8_t mode;
-  };
-  std::vector<Mode> modes = {{"Solid", Tool::SOLID}, {"Attract", Tool::ATTRACT}, {"Move", Tool::MOVE}};
-  if (isOfParticles()) modes.insert(modes.end(), {{"Erase", Tool::ERASE}, {"Cut", Tool::CUT}, {"Heat", Tool::HEAT}});
-  const auto mode_menu = tool_menu_.insert("Mode");
-  for (const Mode& mode : modes) {
-    tool_menu_.insert(mode_menu, mode.name, [this, mode = mode.mode](const Feedback& feedback) {
-      HandTool& tool = held_.at(feedback->marker_name).tool;
-      tool.mode = mode;
-      showTool(tool);
-    });
-  }
-  const auto scale = [this](const Feedback& feedback, double factor) {
-    HandTool& tool = held_.at(feedback->marker_name).tool;
-    for (double& size : tool.primitive.dimensions) size *= factor;
-    showTool(tool);
-  };
-  tool_menu_.insert("Larger", [scale](const Feedback& feedback) { scale(feedback, kLarger); });
-  tool_menu_.insert("Smaller", [scale](const Feedback& feedback) { scale(feedback, 1.0 / kLarger); });
-  tool_menu_.insert("Delete", [this](const Feedback& feedback) { removeTool(feedback->marker_name); });
-
-  const double size = kToolShare * extent_, blade = kBladeShare * extent_;
-  std::vector<std::tuple<const char*, std::uint8_t, SolidPrimitive>> kinds = {
-      {"Ball", Tool::SOLID, makePrimitive(SolidPrimitive::SPHERE, {size})},
-      {"Box", Tool::SOLID, makePrimitive(SolidPrimitive::BOX, {2.0 * size, 2.0 * size, 2.0 * size})},
-      {"Rod", Tool::SOLID, makePrimitive(SolidPrimitive::CYLINDER, {4.0 * size, 0.5 * size})},
-      {"Attractor", Tool::ATTRACT, makePrimitive(SolidPrimitive::SPHERE, {size})}};
-  if (isOfParticles()) {
-    kinds.emplace_back("Knife", Tool::CUT, makePrimitive(SolidPrimitive::BOX, {3.0 * size, blade, 3.0 * size}));
-    kinds.emplace_back("Heater", Tool::HEAT, makePrimitive(SolidPrimitive::SPHERE, {size}));
-    kinds.emplace_back("Eraser", Tool::ERASE, makePrimitive(SolidPrimitive::SPHERE, {size}));
-  }
-  const auto tools_menu = spot_menu_.insert("Add a tool");
-  for (const auto& [name, mode, primitive] : kinds) {
-    spot_menu_.insert(tools_menu, name,
-                      [this, mode = mode, primitive = primitive](const Feedback&) { addTool(mode, primitive); });
-  }
-
-  add(panel_menu_, "Pause", [this] { pause(true); });
-  add(panel_menu_, "Go on", [this] { pause(false); });
-  add(panel_menu_, "One step", [this] { takeSteps(1); });
-  add(panel_menu_, "Ten steps", [this] { takeSteps(10); });
-  add(panel_menu_, "Reset", [this] {
-    std_srvs::Trigger service;
-    call("reset", service);
-  });
-  if (!isOfParticles()) return;
-  constexpr double kEverywhere = std::numeric_limits<double>::infinity();
-  add(panel_menu_, "Freeze", [this] { edit(EditParticlesRequest::FIX, kEverywhere); });
-  add(panel_menu_, "Melt", [this] { edit(EditParticlesRequest::FREE, kEverywhere); });
-  add(panel_menu_, "Grow a surface", [this] {
-    FitSurface service;
-    call("fit", service);
-  });
-}
-
-/// Beside the spot and not in it, where a solid tool would throw the surface away.
-void Hand::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
-  const std::size_t spot = findSpot();
-  HandTool tool;
-  tool.id = std::string(kGripId) + "_" + std::to_string(++num_made_);
-  tool.mode = mode;
-  tool.primitive = primitive;
-  tool.pose = makePose(points_[spot] + (0.5 * findExtent(primitive) + spacing_) * normalAt(spot));
-  held_[tool.id].tool = tool;
-  showTool(tool);
-}
-
-void Hand::removeTool(const std::string& id) {
-  const auto found = held_.find(id);
-  send(found->second.tool, Tool::DELETE);
-  held_.erase(found);
-  server_.erase(id);
-}
-
-void Hand::pin(const char* service) {
-  SelectRegion select;
-  select.request.header.frame_id = header_.frame_id;
-  select.request.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
-  select.request.pose = makePose(points_[findSpot()]);
-  call(service, select);
-}
-
-/// At random in a ball above the spot, none too near to another.
-void Hand::spray() {
-  const std::size_t spot = findSpot();
-  const Vec3 normal = normalAt(spot);
-  const double reach = kSprayShare * spacing_;
-  const Vec3 center = points_[spot] + kSprayHeight * reach * normal;
-  const Eigen::Quaterniond turn = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitZ(), normal);
-  std::mt19937 random(static_cast<std::uint32_t>(++num_made_));
-  const auto draw = [&random] { return 2.0 * random() / static_cast<double>(std::mt19937::max()) - 1.0; };
-  Points taken = points_;
-  EditParticles service;
-  service.request.action = EditParticlesRequest::ADD;
-  service.request.header.frame_id = header_.frame_id;
-  for (int tries = 0; tries < kSprayTries; ++tries) {
-    const Vec3 offset(draw(), draw(), draw());
-    const Vec3 point = center + reach * offset;
-    const auto isNear = [&](const Vec3& other) { return (other - point).norm() < kSprayApart * spacing_; };
-    if (offset.norm() > 1.0 || std::any_of(taken.begin(), taken.end(), isNear)) continue;
-    taken.push_back(point);
-    geometry_msgs::Pose pose = makePose(point);
-    pose.orientation.w = turn.w();
-    pose.orientation.x = turn.x();
-    pose.orientation.y = turn.y();
-    pose.orientation.z = turn.z();
-    service.request.poses.push_back(pose);
-  }
-  call("edit", service);
-}
-
-/// What lies within reach (m) of the spot.
-void Hand::edit(std::uint8_t action, double reach) {
-  const Vec3 center = points_[findSpot()];
-  EditParticles service;
-  service.request.action = action;
-  for (std::size_t i = 0; i < points_.size(); ++i)
-    if ((points_[i] - center).norm() <= reach) service.request.ids.push_back(ids_[i]);
-  call("edit", service);
-}
-
-void Hand::pause(bool paused) {
-  std_srvs::SetBool service;
-  service.request.data = paused;
-  call("pause", service);
-}
-
-void Hand::takeSteps(std::uint32_t count) {
-  Step service;
-  service.request.count = count;
-  call("step", service);
-}
-
 // ---- Showing and sending ----
 
 void Hand::showTool(const HandTool& tool) {
@@ -444,13 +269,6 @@ void Hand::send(const HandTool& tool, std::uint8_t action) {
   if (tool.mode == Tool::HEAT) message.strength = params_.heat;
   if (tool.mode == Tool::ATTRACT) message.strength = params_.attraction;
   tools_.publish(array);
-}
-
-template <class Service>
-void Hand::call(const char* name, Service& service) {
-  const std::string full = surface_ + "/" + name;
-  if (!ros::service::call(full, service)) return tell("no answer from " + full, false);
-  tell(service.response.message, service.response.success);
 }
 
 void Hand::tell(const std::string& sentence, bool is_good) {

@@ -68,7 +68,6 @@ class Hand {
   void showTool(const HandTool& tool);
   void showPanel();
   void send(const HandTool& tool, std::uint8_t action);
-  /// Calls a service of the surface and tells how it went.
   template <class Service>
   void call(const char* name, Service& service);
   void tell(const std::string& sentence, bool is_good);
@@ -76,6 +75,8 @@ class Hand {
   bool isOfParticles() const { return !ids_.empty(); }
   double radius() const { return params_.radius.valueOr(kRadiusShare * spacing_); }
 
+  // The tool by which the surface is gripped; those that are added have a number.
+  static constexpr char kGripId[] = "hand";
   // Holds the nearest points and not only one.
   static constexpr double kRadiusShare = 1.5;
 

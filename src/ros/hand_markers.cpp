@@ -122,6 +122,13 @@ geometry_msgs::Pose makePose(const Vec3& position) {
   return pose;
 }
 
+shape_msgs::SolidPrimitive makePrimitive(std::uint8_t type, std::initializer_list<double> sizes) {
+  shape_msgs::SolidPrimitive primitive;
+  primitive.type = type;
+  primitive.dimensions.assign(sizes.begin(), sizes.end());
+  return primitive;
+}
+
 double findExtent(const SolidPrimitive& primitive) {
   const auto& d = primitive.dimensions;
   if (primitive.type == SolidPrimitive::BOX) return *std::max_element(d.begin(), d.end());

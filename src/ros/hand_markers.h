@@ -9,6 +9,8 @@
 #include <std_msgs/Header.h>
 #include <visualization_msgs/InteractiveMarker.h>
 
+#include <cstdint>
+#include <initializer_list>
 #include <string>
 #include <vector>
 
@@ -42,6 +44,8 @@ visualization_msgs::InteractiveMarker makePanelHandle(const std_msgs::Header& he
                                                       const std::string& text);
 
 geometry_msgs::Pose makePose(const Vec3& position);
+/// type and sizes: as of shape_msgs/SolidPrimitive.
+shape_msgs::SolidPrimitive makePrimitive(std::uint8_t type, std::initializer_list<double> sizes);
 
 /// The largest extent of a box, sphere, cylinder or cone, m.
 double findExtent(const shape_msgs::SolidPrimitive& primitive);

@@ -2,8 +2,10 @@
 
 #include "frames.h"
 #include "mesh_files.h"
+#include "progress_bar.h"
 #include "robot_tools.h"
 #include "simulate_bag.h"
+#include "simulate_files.h"
 #include "simulate_options.h"
 #include "simulate_outputs.h"
 #include "tool_commands.h"
@@ -12,7 +14,6 @@
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
-#include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
@@ -21,18 +22,14 @@
 #include "deformable_surface/simulation/expectations.h"
 #include "deformable_surface/simulation/loads.h"
 
-#include <unistd.h>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <filesystem>
 #include <optional>
 
 namespace deformable_surface::node {
 namespace {
 
-namespace fs = std::filesystem;
 using simulation::SceneParams;
 using simulation::Simulation;
 
@@ -57,93 +54,11 @@ cloud::PointCloud loadCloud(const SceneParams& params) {
   return io::readPointFile(params.cloud.file, params.cloud.scale, params.input.max_points, findPackage);
 }
 
-fs::path folderOf(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
-
-// What is written at the end of a long run is looked at before it.
-void checkFinalFile(const std::string& file) {
-  io::checkPointFileName(file);
-  const fs::path target = io::followLinks(file);
-  std::error_code error;
-  if (access(folderOf(target).c_str(), W_OK) != 0 || fs::is_directory(target, error)) {
-    throw InputError("--final: found " + quote(file) +
-                     ", which cannot be written; accepted: a file in a folder that can be written");
-  }
-}
-
-// Where cloud.file is; empty if it cannot be told, which readPointFile() refuses in its own words.
-std::string findCloudFile(const std::string& file) {
-  try {
-    return io::findPointFile(file, findPackage);
-  } catch (const InputError&) {
-    return "";
-  }
-}
-
-// One file on the disk, also through links, or one name of a file that is not there yet.
-bool areSame(const fs::path& a, const fs::path& b) {
-  std::error_code error;
-  return fs::equivalent(a, b, error) || (a.filename() == b.filename() && fs::equivalent(folderOf(a), folderOf(b), error));
-}
-
-// A run must not destroy what it is made from, nor one output another.
-void checkFilesDiffer(const SimulateOptions& options, const SceneParams& params) {
-  std::vector<std::pair<std::string, std::string>> others{
-      {"the scene", options.scene}, {"--bag_in", options.bag_in}, {"cloud.file", findCloudFile(params.cloud.file)}};
-  std::vector<std::string> problems;
-  const std::pair<const char*, std::string> outputs[] = {
-      {"--final", options.final_file}, {"--statistics", options.statistics_file}, {"--bag_out", options.bag_out}};
-  for (const auto& [option, output] : outputs) {
-    if (output.empty()) continue;
-    const auto refuse = [&, name = option, found = output](const std::string& why) {
-      problems.push_back(std::string(name) + ": found " + quote(found) + ", which " + why + "; accepted: another file");
-    };
-    const std::string file = io::followLinks(output);
-    for (const auto& [name, other] : others) {
-      // It is written under the name of a partial file first.
-      if (!other.empty() && (areSame(file, other) || areSame(file + ".partial", other)))
-        refuse("would overwrite " + name + ", " + quote(other));
-    }
-    const fs::path frame = fs::path(options.frames_directory) / fs::path(file).filename();
-    if (!options.frames_directory.empty() && isFrameName(frame.filename().string()) && areSame(frame, file))
-      refuse("has the name of a frame in " + quote(options.frames_directory));
-    others.emplace_back(option, file);
-  }
-  if (!problems.empty()) throw InputError(std::move(problems));
-}
-
-/// A bar that is drawn anew a few times a second.
-class Progress {
- public:
-  explicit Progress(const Terminal& terminal, bool show) : err_(terminal.err), show_(show && terminal.show_progress) {}
-  ~Progress() { clear(); }
-
-  void update(double time, double duration) {
-    constexpr double kPeriod = 0.1;  // s: smooth to the eye and nothing to the processor
-    if (!show_ || timer_.seconds() < drawn_ + kPeriod) return;
-    drawn_ = timer_.seconds();
-    const int percent = static_cast<int>(100.0 * time / duration);
-    char line[100];
-    std::snprintf(line, sizeof line, "\r[%-40.*s] %3d %%  %.2f / %.2f s  %.2f x real time ", percent * 40 / 100,
-                  "########################################", percent, time, duration, time / drawn_);
-    err_ << line << std::flush;
-  }
-  void clear() {
-    if (show_ && drawn_ > 0.0) err_ << "\r\033[K" << std::flush;
-    drawn_ = 0.0;
-  }
-
- private:
-  std::ostream& err_;
-  bool show_;
-  Timer timer_;
-  double drawn_ = 0.0;  // s
-};
-
 /// One run: surfaces from the scene or the bag, one after the other, and the outputs.
 class Run {
  public:
   Run(const SimulateOptions& options, const Terminal& terminal)
-      : options_(options), terminal_(terminal), params_(loadScene(options)), progress_(terminal, !options.quiet) {
+      : options_(options), terminal_(terminal), params_(loadScene(options)), progress_(terminal.err, terminal.show_progress && !options.quiet) {
     setNumThreads(params_.threads);
     const double dt = params_.integrator.time_step;
     if (options.frame_rate * dt > 1.0 + kRounding) {
@@ -428,7 +343,7 @@ class Run {
   const SimulateOptions& options_;
   const Terminal& terminal_;
   SceneParams params_;
-  Progress progress_;
+  ProgressBar progress_;
   std::optional<StatisticsFile> statistics_;
   std::optional<FrameFiles> frames_;
   std::optional<OutputBag> output_bag_;
