@@ -37,15 +37,32 @@ struct Link {
   bool operator<(const Link& other) const { return std::tie(weight, i, j) < std::tie(other.weight, other.i, other.j); }
 };
 
-Link makeLink(const Points& normals, Index i, Index j) {
+// Which way given normals say that one points: 1, -1, or 0 where it lies in the surface; empty if none are given.
+std::vector<signed char> findGivenSides(const Points& given, const Points& normals) {
+  std::vector<signed char> sides(given.size());
+  for (std::size_t i = 0; i < sides.size(); ++i) {
+    const double cosine = given[i].dot(normals[i]);
+    sides[i] = static_cast<signed char>((cosine > 0.0) - (cosine < 0.0));
+  }
+  return sides;
+}
+
+// The flatter, the less it weighs; where normals are given those links weigh least of which both given normals say the same as the surface
+// does. Over a thin body, where flat links join its two sides, nothing contradicts the given ones along each side; one wrong normal
+// contradicts all of its neighbours, so that it is joined last, as the surface says.
+Link makeLink(const Points& normals, const std::vector<signed char>& given_sides, Index i, Index j) {
+  constexpr float kDoubt = 1.0f;  // more than any link weighs without it
   const double cosine = normals[i].dot(normals[j]);
-  const float weight = static_cast<float>(1.0 - std::abs(cosine));
-  return {std::max(weight, 0.0f), std::min(i, j), std::max(i, j), cosine < 0.0};
+  const bool are_opposite = cosine < 0.0;
+  const bool is_doubtful = !given_sides.empty() && given_sides[i] * given_sides[j] * (are_opposite ? -1 : 1) <= 0;
+  const float weight = std::max(static_cast<float>(1.0 - std::abs(cosine)), 0.0f);
+  return {weight + (is_doubtful ? kDoubt : 0.0f), std::min(i, j), std::max(i, j), are_opposite};
 }
 
 // Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among what is joined agree, and
 // then the flattest spanning forest joins it to the same sides; are_all: no link leads out of what is joined.
-bool joinFlat(const Lists& neighbors, const Points& normals, SignedSets& sets, bool& are_all) {
+bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets,
+              bool& are_all) {
   constexpr float kFlatWeight = 0.1f;  // 26 degrees: sides are beyond doubt in most clouds
   constexpr Index kFew = 6;            // of them join nearly everything
   const Index n = neighbors.size();
@@ -53,7 +70,7 @@ bool joinFlat(const Lists& neighbors, const Points& normals, SignedSets& sets, b
     for (Index i = begin; i < end; ++i) {
       const Index* last = neighbors.begin(i) + std::min(kFew, neighbors.count(i));
       for (const Index* j = neighbors.begin(i); j != last; ++j) {
-        const Link link = makeLink(normals, i, *j);
+        const Link link = makeLink(normals, given_sides, i, *j);
         if (link.weight <= kFlatWeight) sets.join(i, *j, link.are_opposite);
       }
     }
@@ -62,7 +79,7 @@ bool joinFlat(const Lists& neighbors, const Points& normals, SignedSets& sets, b
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end && agree.load(std::memory_order_relaxed); ++i) {
       for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-        const Link link = makeLink(normals, i, *j);
+        const Link link = makeLink(normals, given_sides, i, *j);
         if (sets.find(i) != sets.find(*j)) {
           leads_out.store(true, std::memory_order_relaxed);
         } else if (link.weight <= kFlatWeight && sets.areOpposite(i, *j) != link.are_opposite) {
@@ -76,19 +93,19 @@ bool joinFlat(const Lists& neighbors, const Points& normals, SignedSets& sets, b
 }
 
 // Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat ones agree it does not matter which of them do.
-void joinSides(const Lists& neighbors, const Points& normals, SignedSets& sets) {
+void joinSides(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets) {
   bool are_all = false;
   const auto forLinks = [&](Index i, const auto& visit) {
-    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) visit(makeLink(normals, i, *j));
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) visit(makeLink(normals, given_sides, i, *j));
   };
   const auto joinRest = [&] {
     visitSpanningForest<Link>(neighbors.size(), forLinks, [&](Index i) { return sets.find(i); },
                               [&](const Link& link) { sets.join(link.i, link.j, link.are_opposite); });
   };
-  if (joinFlat(neighbors, normals, sets, are_all)) {
+  if (joinFlat(neighbors, normals, given_sides, sets, are_all)) {
     if (are_all) return;
     joinRest();
-    if (joinFlat(neighbors, normals, sets, are_all)) return;
+    if (joinFlat(neighbors, normals, given_sides, sets, are_all)) return;
   }
   sets.reset();
   joinRest();
@@ -168,7 +185,7 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
   }
 
   SignedSets sets(n);
-  joinSides(neighbors, normals, sets);
+  joinSides(neighbors, normals, findGivenSides(reference_normals, normals), sets);
   // The root of a component is its smallest index.
   std::vector<Index> root(n), component(n);
   Index num_components = 0;

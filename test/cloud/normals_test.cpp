@@ -217,6 +217,24 @@ TEST(OrientNormals, DecideEachComponentForItself) {
   EXPECT_EQ(OrientationRule::kOutward, result.rule);
 }
 
+// A lens whose sides are less than a spacing apart: in space most neighbours are on the other side.
+TEST(OrientNormals, GivenNormalsTellTheSidesOfAThinBodyAndAWrongOneIsTurned) {
+  Shape lens;
+  addSphere(lens, 600, Vec3::Zero(), 1.0);
+  constexpr double kFlatness = 0.04;
+  for (std::size_t i = 0; i < lens.positions.size(); ++i) {
+    lens.positions[i].z() *= kFlatness;
+    lens.normals[i].z() /= kFlatness;
+    lens.normals[i].normalize();
+  }
+  const Lists neighbors = nearestNeighbors(lens.positions, 16);
+  Points given = lens.normals, normals = lens.normals;
+  given[300] = -given[300];
+  for (std::size_t i = 0; i < normals.size(); i += 3) normals[i] = -normals[i];  // as an estimate leaves them
+  orientNormals(lens.positions, neighbors, std::vector<char>(600, 0), given, {}, normals);
+  for (std::size_t i = 0; i < normals.size(); ++i) EXPECT_GT(normals[i].dot(lens.normals[i]), 0.0) << i;
+}
+
 TEST(OrientNormals, DoNotDependOnTheNumberOfThreads) {
   const Shape torus = makeTorus(90, 40);
   setNumThreads(1);

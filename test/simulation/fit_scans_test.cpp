@@ -147,6 +147,19 @@ TEST(FitScans, AnUnevenlySampledHeadIsOnePieceNearItsScan) {
   EXPECT_LT(measureDistance(s, scan.positions, scan.normals, kSpacing), 0.3);
 }
 
+// A ring of legs and tail a few spacings thick, whose sides neighbours in space confuse and given normals tell.
+TEST(FitScans, AScannedCatWithNormalsClosesWithItsGenus) {
+  const TestSurface scan = model::readRealData("cgal_points/kitten.xyz");
+  if (scan.size() == 0) GTEST_SKIP() << kNoData;
+  constexpr double kSpacing = 0.0285;
+  Simulation s = growThrough(chooseApart(scan, 0.06), kSpacing, {5.0, 1.7, 0.3, true});
+  EXPECT_EQ(count("components", s), 1.0);
+  EXPECT_EQ(count("boundary_loops", s), 0.0);
+  EXPECT_EQ(count("euler_characteristic", s), 0.0);
+  EXPECT_EQ(count("isolated", s), 0.0);
+  EXPECT_LT(measureDistance(s, scan.positions, scan.normals, kSpacing), 0.22);
+}
+
 // A range view: one side, with gaps where it saw nothing. The whole bunny tells where the surface is.
 TEST(FitScans, ARangeViewIsFilledUpToTheLimitAndStaysOpenBeyond) {
   const TestSurface view = model::readRealData("pcl_scans/bun0.pcd");
