@@ -41,6 +41,7 @@ struct Snapshot::Contents {
   std::vector<tool::ToolParams> tools;
   std::vector<PointValues> values;
   double membrane_share, softening;
+  double spacing;       // m, of particles, which a fit may have found; else 0
   RunTimePhysics physics;
   double damping;       // 1/s
   double contact_rate;  // 1/s

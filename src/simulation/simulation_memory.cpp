@@ -32,7 +32,8 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) 
   Statistics now = statistics;
   readEstimate(now);
   return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening, findPhysics(params),
+      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening,
+      particles ? particles->lattice().spacing : 0.0, findPhysics(params),
       system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
       surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), activity.memory(),
       tool_watch.memory(), surface.saveInserted(), estimator && !is_sight ? estimator->memory() : nullptr, std::move(now), is_sight,
@@ -42,6 +43,7 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   if (cutting) cutting->setCuts(saved.cuts);
   state = saved.state;
+  if (particles && particles->lattice().spacing != saved.spacing) particles->setSpacing(saved.spacing);
   model->adopt(state);
   placeAnchors();
   steps = saved.steps;

@@ -141,6 +141,27 @@ TEST(Population, WhatLiesBelowTheFlatLatticesEnergyIsNotTakenForABlowUp) {
   EXPECT_LT(s.statistics().elastic_energy, 0.0);
 }
 
+TEST(Population, TheSpacingThatAFitFindsGoesWithSnapshotsForksAndResets) {
+  Simulation s(scene(), patch());
+  simulation::ParticleEdit edit;  // what is grown into the hole is not quite the lattice that was there
+  edit.action = simulation::ParticleAction::kDelete;
+  for (Index id = 90; id < 94; ++id) edit.ids.push_back(id);
+  s.editParticles(edit);
+  const simulation::Snapshot before = s.snapshot();
+  const double stated = s.particles()->lattice().spacing;
+  s.fit(s.params().oriented_particles.growth);
+  const double fitted = s.particles()->lattice().spacing;
+  ASSERT_NE(fitted, stated);
+  const simulation::Snapshot after = s.snapshot();
+  EXPECT_EQ(s.fork().particles()->lattice().spacing, fitted);
+  s.restore(before);
+  EXPECT_EQ(s.particles()->lattice().spacing, stated);
+  s.restore(after);
+  EXPECT_EQ(s.particles()->lattice().spacing, fitted);
+  s.reset();
+  EXPECT_EQ(s.particles()->lattice().spacing, stated);
+}
+
 TEST(Population, HeatIsCarriedByToolsAndCoolsExponentially) {
   SceneParams p = scene();
   p.oriented_particles.cooling = 4.0;
