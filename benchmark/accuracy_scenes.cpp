@@ -107,22 +107,44 @@ AccuracyScene makeDrape(Index points) {
   return scene;
 }
 
-// A bar of soft rubber, clamped at one end, that falls under its weight until it hangs.
-AccuracyScene makeSolidBar(Index points) {
-  AccuracyScene scene{"solid_bar", {}, {}, 0.4, {}};
+// Soft rubber without damping; size along x, y, z, m. Its middle plane is z = 0, and it begins at x = 0.
+AccuracyScene makeSolid(const std::string& name, const Vec3& size, Index points) {
+  AccuracyScene scene{name, {}, {}, 0.4, {}};
   simulation::CloudParams shape;
   shape.shape = simulation::CloudParams::Shape::kBar;
   shape.points = points;
-  shape.size = Vec2(1.0, 0.1);
-  shape.height = 0.1;
+  shape.size = size.head<2>();
+  shape.height = size.z();
   shape.jitter = 0.2;
   scene.cloud = io::makeShape(shape);
   scene.params.model = simulation::ModelKind::kElasticSolid;
   scene.params.material.young_modulus = 1e5;
   scene.params.material.poisson_ratio = 0.3;
   scene.params.material.density = 1000.0;
-  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1e-6, 1.0, 1.0))};
   scene.levels = halve(scene.cloud.size());
+  return scene;
+}
+
+// Clamped at one end: it falls under its weight until it hangs, or is stretched by its weight along it.
+AccuracyScene makeSolidBar(const std::string& name, const Vec3& gravity, Index points) {
+  AccuracyScene scene = makeSolid(name, Vec3(1.0, 0.1, 0.1), points);
+  scene.params.gravity = gravity;
+  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1e-6, 1.0, 1.0))};
+  return scene;
+}
+
+// A block that is held from below, into which a ball is pressed.
+AccuracyScene makeSolidIndentation(Index points) {
+  AccuracyScene scene = makeSolid("solid_indentation", Vec3(0.3, 0.3, 0.1), points);
+  scene.params.gravity.setZero();
+  scene.params.material.damping = 2.0;
+  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(1.0, 1.0, -0.05 + 1e-6))};
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.1;
+  const Vec4 upright(0.0, 0.0, 0.0, 1.0);
+  ball.path = {{0.0, Vec3(0.15, 0.0, 0.15), upright}, {0.2, Vec3(0.15, 0.0, 0.13), upright}};
+  scene.params.tools = {ball};
   return scene;
 }
 
@@ -145,7 +167,10 @@ std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
   std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points),
                                    makeSag(points)};
-  scenes.push_back(makeSolidBar(large ? 5000 : 1200));
+  const Index body = large ? 5000 : 1200;
+  scenes.push_back(makeSolidBar("solid_bar", Vec3(0.0, 0.0, -9.81), body));
+  scenes.push_back(makeSolidBar("solid_stretch", Vec3(9.81, 0.0, 0.0), body));
+  scenes.push_back(makeSolidIndentation(body));
   AccuracyScene poke = makePoke(points);
   if (!poke.cloud.positions.empty()) scenes.push_back(std::move(poke));
   return scenes;

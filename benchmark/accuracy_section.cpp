@@ -165,7 +165,7 @@ void runAccuracySection(const Options& options, Report& report) {
   setNumThreads(1);
   std::vector<std::string> notes;
   for (const AccuracyScene& scene : makeAccuracyScenes(options.large)) {
-    if (!options.scene.empty() && options.scene != scene.name) continue;
+    if (scene.name.compare(0, options.scene.size(), options.scene) != 0) continue;
     std::vector<Row> rows;
     Reference truth;
     for (Index level : scene.levels) {

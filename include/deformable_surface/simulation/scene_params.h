@@ -371,7 +371,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
   fields.section("activity", p.activity, "Leaves out of the steps what is at rest (docs/activity.md).");
   fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
-                 "found a wish, but only mass_spring has an error estimate; accepted: 0");
+                 "found a wish, but only mass_spring has its points chosen by the error; accepted: 0");
   fields.require(!is_solid || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
                  "found a wish, which is not built for elastic_solid; accepted: 0");
   const cloud::SimplificationParams& how = p.simplification;
