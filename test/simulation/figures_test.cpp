@@ -19,6 +19,7 @@ constexpr double kFar = 100.0;  // m, beyond every cloud
 
 Simulation runFigure(SceneParams scene, const OrAuto<double>& geodesicness) {
   scene.neighbors.geodesicness = geodesicness;
+  scene.accuracy.estimate = false;
   Simulation s = makeSimulation(scene);
   runScene(s);
   return s;
@@ -90,6 +91,7 @@ cloud::PointCloud asCloud(const Points& points) {
 const char* const kFlat = R"(
 model: elastic_solid
 material: {young_modulus: 1.0e5, poisson_ratio: 0.3, thickness: 0.01, density: 300.0, damping: 10.0}
+accuracy: {estimate: false}
 gravity: [0, 0, 0]
 duration: 1.0
 )";
