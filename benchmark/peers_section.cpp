@@ -1,10 +1,9 @@
-// Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies, neighbours with
-// nanoflann. Only what is installed when the benchmark is configured takes part; nothing of it is linked into the package.
+// Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies, and what
+// peers_clouds.cpp compares. Only what is installed when the benchmark is configured takes part; nothing of it is linked into the package.
 #include "deformable_surface/base/parallel.h"
-#include "deformable_surface/cloud/kd_tree.h"
+#include "peers_clouds.h"
 #include "sections.h"
 #include "swinging_sheet.h"
-#include "wavy_sheet.h"
 
 #include <algorithm>
 #include <cmath>
@@ -18,9 +17,6 @@
 #include <BulletSoftBody/btSoftBodyHelpers.h>
 #include <BulletSoftBody/btSoftBodyRigidBodyCollisionConfiguration.h>
 #include <btBulletCollisionCommon.h>
-#endif
-#ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN
-#include <nanoflann.hpp>
 #endif
 
 namespace deformable_surface::benchmark {
@@ -147,58 +143,6 @@ void addBullet(Report& report) {
 #endif
 }
 
-#ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN
-struct Adaptor {
-  const Points& points;
-  std::size_t kdtree_get_point_count() const { return points.size(); }
-  double kdtree_get_pt(std::size_t i, std::size_t axis) const { return points[i][static_cast<Eigen::Index>(axis)]; }
-  template <class Box>
-  bool kdtree_get_bbox(Box&) const {
-    return false;
-  }
-};
-
-Lists findByNanoflann(const Points& points, Index k) {
-  const Adaptor adaptor{points};
-  using Tree = nanoflann::KDTreeSingleIndexAdaptor<nanoflann::L2_Simple_Adaptor<double, Adaptor>, Adaptor, 3, Index>;
-  Tree tree(3, adaptor, nanoflann::KDTreeSingleIndexAdaptorParams(10));
-  tree.buildIndex();
-  Lists lists;
-  std::vector<Index> found(k + 1);
-  std::vector<double> squared(k + 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    const std::size_t count = tree.knnSearch(points[i].data(), k + 1, found.data(), squared.data());
-    for (std::size_t m = 0; m < count; ++m)
-      if (found[m] != static_cast<Index>(i)) lists.items.push_back(found[m]);
-    lists.offsets.push_back(static_cast<Index>(lists.items.size()));
-  }
-  return lists;
-}
-#endif
-
-void compareNeighbors(const Options& options, Report& report) {
-  constexpr Index kListed = 32;
-  report.begin("peers_neighbors", "14b. The " + std::to_string(kListed) + " nearest neighbours of every point, one thread",
-               {"program", "points", "cpu_ms", "ns_per_point", "lists_that_differ_from_ours"});
-  for (const Index n : {10000, 100000}) {
-    const Points points = makeWavySheet(n, PointOrder::kScan).positions;
-    const double count = static_cast<double>(points.size());
-    Lists ours;
-    const Timing timing = measure([&] { ours = cloud::nearestNeighbors(points, kListed); }, options.budget);
-    report.add({"deformable_surface", std::to_string(points.size()), showMilliseconds(timing.cpu), show(1e9 * timing.cpu / count), "0"});
-#ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN
-    Lists theirs;
-    const Timing other = measure([&] { theirs = findByNanoflann(points, kListed); }, options.budget);
-    Index differ = 0;
-    for (Index i = 0; i < ours.size(); ++i) differ += !std::equal(ours.begin(i), ours.end(i), theirs.begin(i), theirs.end(i));
-    report.add({"nanoflann", std::to_string(points.size()), showMilliseconds(other.cpu), show(1e9 * other.cpu / count), std::to_string(differ)});
-#else
-    report.add({"nanoflann", "-", "-", "-", "not installed (libnanoflann-dev)"});
-#endif
-  }
-  report.end();
-}
-
 }  // namespace
 
 void runPeersSection(const Options& options, Report& report) {
@@ -214,6 +158,7 @@ void runPeersSection(const Options& options, Report& report) {
   report.note("error: rms against the same program's own finer runs, since the networks are not the same: of this one the finest, in 16 times as "
               "many sub-steps, uncertain by its distance from that in 8 times as many; of Bullet Richardson's extrapolation");
   compareNeighbors(options, report);
+  compareNormals(options, report);
   setNumThreads(0);
 }
 

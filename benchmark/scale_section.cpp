@@ -6,6 +6,7 @@
 #include "heap_counter.h"
 #include "machine_limits.h"
 #include "scale_models.h"
+#include "scale_scans.h"
 #include "sections.h"
 #include "wavy_sheet.h"
 
@@ -180,6 +181,7 @@ void runScaleSection(const Options& options, Report& report) {
   std::vector<Index> sizes{1000, 10000, 100000, 1000000};
   if (options.large) sizes.push_back(10000000);
   std::vector<CountedStage> counted = Scaling(options, report).run(sizes);
+  measureScans(options, report);
   measureModels(options, report, counted);
   reportRoofline(counted, limits, report);
   setNumThreads(0);
