@@ -78,7 +78,10 @@ Lists findByFlann(const Points& points, Index k) {
 // In float, as PCL has them; one thread.
 Points estimateByPcl(const Points& points) {
   auto cloud = std::make_shared<pcl::PointCloud<pcl::PointXYZ>>();
-  for (const Vec3& p : points) cloud->push_back({static_cast<float>(p.x()), static_cast<float>(p.y()), static_cast<float>(p.z())});
+  for (const Vec3& p : points) {
+    const Eigen::Vector3f q = p.cast<float>();
+    cloud->push_back({q.x(), q.y(), q.z()});
+  }
   pcl::NormalEstimation<pcl::PointXYZ, pcl::Normal> estimation;
   estimation.setInputCloud(cloud);
   estimation.setSearchMethod(std::make_shared<pcl::search::KdTree<pcl::PointXYZ>>());
@@ -115,7 +118,8 @@ void compareNeighbors(const Options& options, Report& report) {
       if (ours.items.empty()) ours = found;
       Index differ = 0;
       for (Index i = 0; i < ours.size(); ++i) differ += !std::equal(ours.begin(i), ours.end(i), found.begin(i), found.end(i));
-      report.add({name, std::to_string(points.size()), showMilliseconds(timing.cpu), show(1e9 * timing.cpu / points.size()), std::to_string(differ)});
+      report.add({name, std::to_string(points.size()), showMilliseconds(timing.cpu), show(1e9 * timing.cpu / points.size()),
+                  std::to_string(differ)});
     };
     add("deformable_surface", cloud::nearestNeighbors);
 #ifdef DEFORMABLE_SURFACE_WITH_NANOFLANN

@@ -40,7 +40,8 @@ std::pair<double, double> measureLists(const Points& positions, const Lists& nei
     }
   });
   // Points do not coincide: zero stands for no list.
-  for (std::vector<double>* distances : {&nearest, &farthest}) distances->erase(std::remove(distances->begin(), distances->end(), 0.0), distances->end());
+  for (std::vector<double>* distances : {&nearest, &farthest})
+    distances->erase(std::remove(distances->begin(), distances->end(), 0.0), distances->end());
   if (nearest.empty()) return {0.0, 0.0};
   return {findMedian(std::move(nearest)), findMedian(std::move(farthest))};
 }
@@ -56,9 +57,10 @@ struct Removal {
   }
 };
 
-// Of the points that are left those that are nearer than the least distance to one that stays; whole parts stay if few would be left.
-std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbors, const std::vector<char>& is_left, double least,
-                                 Index num_parts) {
+// Of the points that are left those that are nearer than the least distance to one that stays; whole parts stay if few would be
+// left.
+std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbors, const std::vector<char>& is_left,
+                                 double least, Index num_parts) {
   const Index n = static_cast<Index>(cloud.positions.size());
   std::vector<double> nearest(n, std::numeric_limits<double>::infinity());  // that stays and came before
   std::vector<Index> num_kept(num_parts, 0);

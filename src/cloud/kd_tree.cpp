@@ -123,7 +123,8 @@ void KdTree::rebuild() {
       });
       branches.swap(halves);
     }
-    parallelFor(static_cast<Index>(branches.size()), 1, [&](Index b, Index) { build(branches[b].node, branches[b].begin, branches[b].end); });
+    parallelFor(static_cast<Index>(branches.size()), 1,
+                [&](Index b, Index) { build(branches[b].node, branches[b].begin, branches[b].end); });
   }
   for (Index s = 0; s < num_alive_; ++s) slot_of_[slots_[s].point] = s;
 }
@@ -155,9 +156,10 @@ Index KdTree::makeNode(Index self, Index begin, Index end) {
   }
   const Index middle = begin + (end - begin) / 2;
   const auto split = [&](auto coordinate) {
-    std::nth_element(slots_.begin() + begin, slots_.begin() + middle, slots_.begin() + end, [coordinate](const Slot& a, const Slot& b) {
-      return a.*coordinate != b.*coordinate ? a.*coordinate < b.*coordinate : a.point < b.point;
-    });
+    std::nth_element(slots_.begin() + begin, slots_.begin() + middle, slots_.begin() + end,
+                     [coordinate](const Slot& a, const Slot& b) {
+                       return a.*coordinate != b.*coordinate ? a.*coordinate < b.*coordinate : a.point < b.point;
+                     });
   };
   if (widest == 0) split(&Slot::x);
   if (widest == 1) split(&Slot::y);

@@ -1,5 +1,5 @@
-// Numbers for the few points that one search meets. A file of its own, because several searches need them, and a table for all points of a
-// cloud would be cleared for each.
+// Numbers for the few points that one search meets. A file of its own, because several searches need them, and a table for all
+// points of a cloud would be cleared for each.
 #pragma once
 
 #include "deformable_surface/base/types.h"

@@ -31,8 +31,8 @@ struct Stars {
   std::vector<Index> member, cell_size, count;
 };
 
-// The squared distance (m^2) beyond which no other point can change the star: its circles, which pass through the origin, end before. Infinite
-// if it is open.
+// The squared distance (m^2) beyond which no other point can change the star: its circles, which pass through the origin, end
+// before. Infinite if it is open.
 double findSquaredReach(const std::vector<Vec2>& points, const geometry::DelaunayStar& star) {
   if (star.open) return std::numeric_limits<double>::infinity();
   double largest = 0.0;  // squared diameter

@@ -1,5 +1,5 @@
-// Disjoint sets whose members know on which side of each other they are, joined by several threads at once. A file of its own, because how
-// threads join sets is a matter apart from normals.
+// Disjoint sets whose members know on which side of each other they are, joined by several threads at once. A file of its own,
+// because how threads join sets is a matter apart from normals.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -18,7 +18,8 @@ class SignedSets {
 
   /// Every point on its own.
   void reset() {
-    for (std::size_t i = 0; i < parent_.size(); ++i) parent_[i].store(pack(static_cast<Index>(i), false), std::memory_order_relaxed);
+    Index i = 0;
+    for (std::atomic<std::uint32_t>& parent : parent_) parent.store(pack(i++, false), std::memory_order_relaxed);
   }
 
   /// The root of i.
@@ -43,7 +44,8 @@ class SignedSets {
   static Index indexOf(std::uint32_t packed) { return static_cast<Index>(packed >> 1); }
   static bool isOpposite(std::uint32_t packed) { return (packed & 1u) != 0; }
 
-  // The root of i, and whether i is on the opposite side of it. Ways are shortened to whatever is farther up: any of that is true.
+  // The root of i, and whether i is on the opposite side of it. Ways are shortened to whatever is farther up: any of that is
+  // true.
   std::uint32_t locate(Index i) {
     std::uint32_t side = 0;
     for (;;) {

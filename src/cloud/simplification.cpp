@@ -1,5 +1,5 @@
-// Greedy thinning with lazily kept keys: the point with the smallest ring goes, until few are left. Of large clouds a coarser pass takes most
-// points first (coarse_thinning.h).
+// Greedy thinning with lazily kept keys: the point with the smallest ring goes, until few are left. Of large clouds a coarser
+// pass takes most points first (coarse_thinning.h).
 #include "deformable_surface/cloud/simplification.h"
 
 #include "deformable_surface/base/error.h"
@@ -31,13 +31,14 @@ constexpr Index kMaxAsked = 4;
 // The spacing is the distance of the neighbour that completes a hexagon.
 constexpr Index kSpacingNeighbor = 6;
 
-// So many points are thinned one by one in less than a second, and of clouds that are some times as large the surplus goes by distances
-// alone, as long as some times the points wanted are left.
+// So many points are thinned one by one in less than a second, and of clouds that are some times as large the surplus goes by
+// distances alone, as long as some times the points wanted are left.
 constexpr Index kOneByOne = 25000;
 constexpr Index kLarge = 6;
 constexpr Index kLeftForRings = 4;
 
-// Which part of the surface each point belongs to: connected by links among its k nearest. Parts are numbered in the order of their smallest index.
+// Which part of the surface each point belongs to: connected by links among its k nearest. Parts are numbered in the order of
+// their smallest index.
 std::vector<Index> labelParts(const Points& positions, const Points& normals, const Lists& neighbors, Index k, Index& num_parts) {
   const LinkRule rule(positions, normals, neighbors);
   const Index n = neighbors.size();
@@ -220,8 +221,8 @@ class Thinning {
 
   // Erases what no short way over stored links leads to. All of these were reached so before, the first ones over the surface
   // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first,
-  // and only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than the
-  // spacing is as long as the points left allow, so the spacing is what it is compared to: it is such points that must go.
+  // and only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than
+  // the spacing is as long as the points left allow, so the spacing is what it is compared to: it is such points that must go.
   void eraseUnreached(Index i, std::vector<Neighbor>& found) {
     const Index num_found = static_cast<Index>(found.size());
     for (Index f = 0; f < num_found; ++f) place_[found[f].index] = f;

@@ -42,8 +42,8 @@ constexpr double kTreeFactor = 1.16;
 constexpr std::size_t kOwnLinks = 2;
 // The trust radius over the longer of them: less than above, for that one is no typical length.
 constexpr double kOwnFactor = 1.08;
-// Widest angle (rad) without neighbours around a point that is surrounded: less than at a straight edge, and no less than a jittered
-// sampling leaves at its nearest neighbours.
+// Widest angle (rad) without neighbours around a point that is surrounded: less than at a straight edge, and no less than a
+// jittered sampling leaves at its nearest neighbours.
 constexpr double kCoverGap = 2.8;
 // Of the lengths around a point: points at a gap or an edge are surrounded only from across it, if at all, so that all but the
 // shortest may be too long. A sampling that is denser in one direction has none that are short.
@@ -66,7 +66,8 @@ struct Link {
 };
 
 // squared_own (n): the squared length of the last of a point's own links, m^2.
-std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& sides, const Lists& neighbors, std::vector<float>& squared_own) {
+std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
+                                   std::vector<float>& squared_own) {
   const Index n = neighbors.size();
   std::vector<std::size_t> first(n + 1, 0);
   for (Index i = 0; i < n; ++i) first[i + 1] = first[i] + std::min(kTreeLinks, neighbors.count(i));
@@ -127,7 +128,8 @@ float findSquaredCover(const Points& positions, const SurfaceSides& sides, const
 // The value below which the share of values lies. values is reordered and not empty.
 float findQuantile(std::vector<float>& values, double share) {
   // From the nearer end: shares are near one of them, and few are kept in order.
-  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(values.size()), at = static_cast<std::ptrdiff_t>(share * (values.size() - 1));
+  const std::ptrdiff_t count = static_cast<std::ptrdiff_t>(values.size());
+  const std::ptrdiff_t at = static_cast<std::ptrdiff_t>(share * (values.size() - 1));
   if (2 * at < count) {
     std::partial_sort(values.begin(), values.begin() + at + 1, values.end());
   } else {
@@ -195,7 +197,8 @@ std::vector<double> findTrustRadii(const Points& positions, const SurfaceSides& 
         around.insert(around.end(), squared.begin() + offset[*j], squared.begin() + offset[*j + 1]);
       }
       if (around.empty()) continue;
-      const double from_tree = std::max(kTreeFactor * std::sqrt(findQuantile(around, kTreeQuantile)), kOwnFactor * std::sqrt(squared_own[i]));
+      const double typical = std::sqrt(findQuantile(around, kTreeQuantile));
+      const double from_tree = std::max(kTreeFactor * typical, kOwnFactor * std::sqrt(squared_own[i]));
       radius[i] = from_tree;
       if (squared_cover.empty()) continue;
       around.assign(1, squared_cover[i]);

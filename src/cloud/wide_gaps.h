@@ -1,5 +1,5 @@
-// Angles without neighbours around a point, as far as they are wide. A file of its own, because boundaries and geodesics ask for them alike:
-// nearest neighbours first, and no more than it takes to leave none.
+// Angles without neighbours around a point, as far as they are wide. A file of its own, because boundaries and geodesics ask for
+// them alike: nearest neighbours first, and no more than it takes to leave none.
 #pragma once
 
 #include "deformable_surface/geometry/direction.h"
@@ -8,7 +8,8 @@
 
 namespace deformable_surface::cloud {
 
-/// The gaps between directions in a plane that are wider than an angle (rad, from a third of a turn to half a turn: there are two of them at most).
+/// The gaps between directions in a plane that are wider than an angle (rad, from a third of a turn to half a turn: there are two
+/// of them at most).
 class WideGaps {
  public:
   explicit WideGaps(double angle) : cosine_(std::cos(angle)) {}

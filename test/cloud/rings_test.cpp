@@ -65,7 +65,8 @@ void expectSound(const TestSurface& surface, const Rings& rings) {
   }
 }
 
-// A fan of near neighbours in one direction, two far ones, and one between them that is the farthest of all, but within the circle through them.
+// A fan of near neighbours in one direction, two far ones, and one between them that is the farthest of all, but within the
+// circle through them.
 TEST(Rings, HaveTheirMembersAmongFartherNeighboursToo) {
   TestSurface surface;
   const auto add = [&](double degrees, double distance) {
@@ -84,7 +85,8 @@ TEST(Rings, HaveTheirMembersAmongFartherNeighboursToo) {
   const Rings rings = buildRings(surface.positions, surface.normals, neighbors);
   EXPECT_TRUE(hasLink(rings, 0, farthest));
   const auto passesOver = [&](const Triangle& t) {
-    return t.corner[0] == 0 && std::min(t.corner[1], t.corner[2]) == farthest - 2 && std::max(t.corner[1], t.corner[2]) == farthest - 1;
+    const auto [low, high] = std::minmax(t.corner[1], t.corner[2]);
+    return t.corner[0] == 0 && low == farthest - 2 && high == farthest - 1;
   };
   EXPECT_TRUE(std::none_of(rings.triangles.begin(), rings.triangles.end(), passesOver));
 }
