@@ -122,7 +122,7 @@ class DeformableModel {
     std::vector<Index> points;               // ascending: which of the whole each of its points is
   };
   /// The elements that touch a wanted point, wanted (n), with all points of theirs. On wanted points its forces are those of the whole
-  /// model, bit for bit (but where links have no length at all); it is open, and its points are held as they are now for good.
+  /// model, bit for bit (to rounding, of solids and of links without length); it is open, and its points are held as now for good.
   virtual Part makePart(const std::vector<char>& /*wanted*/) const { return {}; }
 
   /// The largest step, s, with which explicit integrators are stable at this state; 0: to be measured from the stiffness.

@@ -47,6 +47,10 @@ class ElasticSolid : public DeformableModel {
   const std::vector<Coupling>& couplings() const override { return couplings_; }
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 
+  /// None of a solid that may flow. Forces in a part are those of the whole to rounding.
+  bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
+  Part makePart(const std::vector<char>& wanted) const override;
+
   /// A body has no sides to which pressure or drag could be applied: area vectors are zero, no volume is enclosed.
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
   bool isClosed() const override { return false; }
@@ -72,14 +76,15 @@ class ElasticSolid : public DeformableModel {
   Index numDeficient() const { return num_deficient_; }
 
  private:
+  explicit ElasticSolid(SolidRest rest);  // the rest is to be filled in
   void findRowBounds();
   void findCouplings();
   double stretchOf(std::size_t link, const State& state) const;
   void findStableStep();
   void addPassForces(StressLaw law, const double* positions, Points& forces) const;
 
-  StressLaw law_;
-  bool is_plate_;  // no stress across the plane
+  StressLaw law_ = StressLaw::kCorotated;
+  bool is_plate_ = false;  // no stress across the plane
   mutable SolidPasses passes_;  // with scratch of its own
   std::optional<PlasticFlow> plasticity_;
   std::vector<double> masses_, row_bounds_;
