@@ -41,12 +41,18 @@ ActivePart::ActivePart(Made made, const SceneParams& params, const Loads& loads)
       contact_(model_->masses()),
       friction_(contact_),
       held_(points_.size(), 1),
+      held_turns_(points_.size(), 1),
       fixed_(points_.size(), 0),
-      system_(*model_, loads_, held_, params.material.damping),
+      system_(*model_, loads_, held_, params.material.damping, &held_turns_),
       march_(system_, *model_, params.integrator) {
   for (std::size_t k = 0; k < points_.size(); ++k) new_index_[points_[k]] = static_cast<Index>(k);
   state_.positions.resize(points_.size());
   state_.velocities.resize(points_.size());
+  if (model_->isOriented()) {
+    state_.orientations.resize(points_.size());
+    state_.spins.resize(points_.size());
+    state_.traits.resize(points_.size());
+  }
   setLoads(loads);
 }
 
@@ -80,7 +86,8 @@ void ActivePart::setLoads(const Loads& loads) {
   march_.loadsChanged();
 }
 
-solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, const std::vector<char>& held) {
+solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, const std::vector<char>& held,
+                                           const std::vector<char>& held_turns) {
   for (std::size_t k = 0; k < points_.size(); ++k) {
     const Index i = points_[k];
     const bool moves = isMoving(static_cast<Index>(k));
@@ -88,6 +95,11 @@ solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, cons
     state_.velocities[k] = moves ? state.velocities[i] : Vec3::Zero();
     fixed_[k] = held[i];
     held_[k] = !moves || held[i];
+    if (!model_->isOriented()) continue;
+    state_.orientations[k] = state.orientations[i];
+    state_.spins[k] = moves ? state.spins[i] : Vec3::Zero();
+    state_.traits[k] = state.traits[i];
+    held_turns_[k] = !moves || held_turns[i];
   }
   return march_.step(time, state_);
 }
@@ -97,23 +109,42 @@ void ActivePart::put(State& state) const {
     if (!isMoving(static_cast<Index>(k))) continue;
     state.positions[points_[k]] = state_.positions[k];
     state.velocities[points_[k]] = state_.velocities[k];
+    if (!model_->isOriented()) continue;
+    state.orientations[points_[k]] = state_.orientations[k];
+    state.spins[points_[k]] = state_.spins[k];
   }
 }
 
-double ActivePart::findHits(double time, double acceleration, double speed, std::vector<Index>& hits) {
+bool ActivePart::hasMoved(const Points& since, double distance) const {
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    if (isMoving(static_cast<Index>(k)) && !((state_.positions[k] - since[points_[k]]).squaredNorm() <= distance * distance)) return true;
+  return false;
+}
+
+double ActivePart::findHits(double time, double acceleration, double speed, double spacing, std::vector<Index>& hits) {
   hits.clear();
-  system_.computeForcesOnAll(time, state_, forces_on_all_);
+  const bool is_oriented = model_->isOriented();
+  if (is_oriented) {
+    system_.computeForcesAndTorquesOnAll(time, state_, forces_on_all_, torques_on_all_);
+  } else {
+    system_.computeForcesOnAll(time, state_, forces_on_all_);
+  }
+  const auto isFast = [&](std::size_t k) {
+    if (!(state_.velocities[k].squaredNorm() <= speed * speed)) return true;
+    return is_oriented && !(spacing * spacing * state_.spins[k].squaredNorm() <= speed * speed);
+  };
   double largest = 0.0;
   for (std::size_t k = 0; k < points_.size(); ++k) {
     if (fixed_[k]) continue;
     if (kind_[k] == Kind::kWall) {
-      const double pushed = forces_on_all_[k].norm() / model_->masses()[k];
+      double pushed = forces_on_all_[k].norm() / model_->masses()[k];
+      if (is_oriented) pushed = std::max(pushed, spacing * torques_on_all_[k].norm() / model_->inertias()[k]);
       if (!(pushed <= acceleration)) {
         hits.push_back(points_[k]);
       } else {
         largest = std::max(largest, pushed);
       }
-    } else if (kind_[k] == Kind::kRim && !(state_.velocities[k].squaredNorm() <= speed * speed)) {
+    } else if (kind_[k] == Kind::kRim && isFast(k)) {
       hits.push_back(points_[k]);
     }
   }

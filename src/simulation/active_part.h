@@ -30,15 +30,17 @@ class ActivePart {
   /// Loads or tools have changed.
   void setLoads(const Loads& loads);
 
-  /// Advances a copy of the moving points by a step from the surface's state; held (n): as the surface has it.
-  solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held);
+  /// Advances a copy of the moving points by a step from the surface's state; held, held_turns (n): as the surface has it.
+  solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held, const std::vector<char>& held_turns);
   /// The copy into the surface's state.
   void put(State& state) const;
 
   /// The points of the surface at which the copy disturbs the wall: those of the wall that are not in balance at a time (s) within the
-  /// acceleration (m/s^2), and moving ones beside it that are faster than the speed (m/s). Overwritten. Returns the largest
-  /// acceleration of the wall.
-  double findHits(double time, double acceleration, double speed, std::vector<Index>& hits);
+  /// acceleration (m/s^2), and moving ones beside it that are faster than the speed (m/s). Turns count by what they move at the
+  /// spacing (m). Overwritten. Returns the largest acceleration of the wall.
+  double findHits(double time, double acceleration, double speed, double spacing, std::vector<Index>& hits);
+  /// Whether a moving point of the copy is farther than a distance, m, from where it was, since (n x 3 of the surface).
+  bool hasMoved(const Points& since, double distance) const;
 
   /// (n) As it was made for.
   const std::vector<char>& moving() const { return moving_; }
@@ -74,11 +76,11 @@ class ActivePart {
   ContactLoad contact_;
   FrictionLoad friction_;
   std::vector<const solve::ExternalLoad*> loads_;
-  std::vector<char> held_, fixed_;  // fixed: held by the surface itself
+  std::vector<char> held_, held_turns_, fixed_;  // fixed: held by the surface itself
   solve::System system_;
   solve::TimeMarch march_;
   State state_;
-  Points forces_on_all_;  // scratch
+  Points forces_on_all_, torques_on_all_;  // scratch
 };
 
 }  // namespace deformable_surface::simulation

@@ -52,11 +52,20 @@ Activity::Activity(const ActivityParams& params, const Points& points, double sp
     std::vector<Index> all(points.size());
     std::iota(all.begin(), all.end(), 0);
     split(points, all.begin(), all.end(), tiles_);
-    tile_of_.resize(points.size());
+    first_tile_of_.resize(points.size());
     for (Index t = 0; t < tiles_.size(); ++t)
-      for (const Index* i = tiles_.begin(t); i != tiles_.end(t); ++i) tile_of_[*i] = t;
+      for (const Index* i = tiles_.begin(t); i != tiles_.end(t); ++i) first_tile_of_[*i] = t;
   }
-  const Index num_tiles = std::max<Index>(1, tiles_.size());
+  reset();
+}
+
+void Activity::setParts(bool in_parts) {
+  if (in_parts && !first_tile_of_.empty()) {
+    tile_of_ = first_tile_of_;
+  } else {
+    tile_of_.clear();
+  }
+  const Index num_tiles = tile_of_.empty() ? 1 : tiles_.size();
   memory_.quiet.resize(num_tiles);
   memory_.moves.resize(num_tiles);
   boxes_.resize(num_tiles);
@@ -65,7 +74,11 @@ Activity::Activity(const ActivityParams& params, const Points& points, double sp
   moving_points_.resize(tile_of_.size());
   marked_.resize(tile_of_.size());
   needed_points_.reserve(tile_of_.size());
-  reset();
+}
+
+void Activity::leaveParts() {
+  setParts(false);
+  wakeAll();
 }
 
 double Activity::acceleration() const { return 2.0 / kCaution * tolerance_ / (quiet_time_ * quiet_time_); }
@@ -83,6 +96,7 @@ void Activity::forEachPoint(Index tile, const State& state, Visit&& visit) const
 }
 
 void Activity::reset() {
+  setParts(true);
   std::fill(memory_.quiet.begin(), memory_.quiet.end(), 0);
   std::fill(memory_.moves.begin(), memory_.moves.end(), 1);
   memory_.lost = memory_.wall = 0.0;
@@ -92,6 +106,7 @@ void Activity::reset() {
 }
 
 void Activity::setMemory(const Memory& memory, const State& state) {
+  setParts(memory.moves.size() == static_cast<std::size_t>(tiles_.size()));
   memory_ = memory;
   for (Index t = 0; t < numTiles(); ++t) {
     boxes_[t].setEmpty();

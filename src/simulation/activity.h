@@ -57,6 +57,10 @@ class Activity {
   /// The largest motion lost so far, and what those that sleep beside those that move would go in a quiet time, m.
   double lost() const { return memory_.lost + memory_.wall * quiet_time_ * quiet_time_; }
   void leaveAtWall(double acceleration) { memory_.wall = acceleration; }
+  /// From now on all of it is one tile, until a memory of more or a reset: its points change in number. Everything moves.
+  void leaveParts();
+  bool isInParts() const { return !tile_of_.empty(); }
+  double spacing() const { return spacing_; }  // m
   /// From now on nothing sleeps unless everything does.
   void setOnlyWholly(bool only_wholly) { only_wholly_ = only_wholly; }
   bool isFresh() const { return memory_.is_fresh; }
@@ -76,6 +80,7 @@ class Activity {
   void sleepWholly(State& whole);
 
  private:
+  void setParts(bool in_parts);
   Index numTiles() const { return static_cast<Index>(memory_.moves.size()); }
   Index tileOf(Index point) const { return tile_of_.empty() ? 0 : tile_of_[point]; }
   bool isQuiet(Index tile) const { return memory_.quiet[tile] >= quiet_steps_; }
@@ -95,6 +100,8 @@ class Activity {
   double tolerance_, quiet_time_, spacing_;
   std::int32_t quiet_steps_, look_steps_;
   Lists tiles_;                 // their points, ascending; empty if there is but one tile
+  std::vector<Index> first_tile_of_;  // (n) at first; empty if there was but one
+
   std::vector<Index> tile_of_;  // (n); empty if there is but one
 
   Memory memory_;

@@ -7,8 +7,13 @@ namespace deformable_surface::simulation {
 
 using solve::IntegratorType;
 
-// An equilibrium couples everything; particles have no elements.
-bool Simulation::Impl::canBeInParts() const { return params.integrator.type != IntegratorType::kStatic && !particles; }
+// An equilibrium couples everything. Of particles only what moves is in parts, not what they live through.
+bool Simulation::Impl::canBeInParts() const {
+  if (params.integrator.type == IntegratorType::kStatic) return false;
+  if (!particles) return true;
+  const model::OrientedParticlesParams& p = params.oriented_particles;
+  return !(p.yield_curvature > 0.0) && !(p.hold_below > 0.0);
+}
 
 bool Simulation::Impl::maySleep() const {
   if (params.activity.sleep == Sleep::kNever) return false;
@@ -51,6 +56,15 @@ void Simulation::Impl::setParts() {
   if (only_wholly && !activity.isWhole() && !activity.isAsleep()) wakeAll();
 }
 
+// Elements that come and go are those at these positions.
+void Simulation::Impl::followPartners(const Points& positions) {
+  if (!activity.isInParts() || !particles) return;
+  State there;
+  there.positions = positions;
+  there.traits = state.traits;
+  if (model->followPartners(there)) followed = positions;
+}
+
 void Simulation::Impl::makePart() {
   part = std::make_unique<ActivePart>(*model, activity.movingPoints(), params, partLoads());
   part->march().setMemory(part_march);
@@ -81,19 +95,27 @@ solve::TimeMarch::Outcome Simulation::Impl::advanceWhole(double now) {
 
 // A step of what is awake. Where it reaches a wall within the step, the step is taken again with more of the surface.
 solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
+  if (!activity.isWhole() && !maySleep()) wakeAll();
   if (activity.isWhole()) return advanceWhole(now);
   const double end = now + params.integrator.time_step;
-  for (;;) {
+  for (bool is_new = false;;) {
     if (!part || part->moving() != activity.movingPoints()) {
       if (part) part_march = part->march().memory();
       part_march.energy = {};
+      followPartners(state.positions);
       makePart();
+      is_new = true;
     }
     part_march = part->march().memory();
-    solve::TimeMarch::Outcome taken = part->step(now, state, held);
+    solve::TimeMarch::Outcome taken = part->step(now, state, held, held_turns);
     if (!taken.ok && interrupt && *interrupt) return taken;
     if (!taken.ok) break;
-    const double at_wall = part->findHits(end, activity.acceleration(), activity.speed(), hits);
+    if (!followed.empty() && part->hasMoved(followed, model->maxPartMotion())) {
+      if (is_new) break;  // too far in one step
+      part.reset();
+      continue;
+    }
+    const double at_wall = part->findHits(end, activity.acceleration(), activity.speed(), activity.spacing(), hits);
     if (hits.empty()) {
       activity.leaveAtWall(at_wall);
       part->put(state);
@@ -112,7 +134,9 @@ solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
 // In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep. The step that wakes it is the one
 // that somebody waits for, so that what can be known before is found out now.
 void Simulation::Impl::beginAsleep(double now) {
-  if (!activity.isFresh() || !maySleep() || !activity.beginAsleep(system, now, state)) return;
+  if (!activity.isFresh() || !maySleep()) return;
+  followPartners(state.positions);
+  if (!activity.beginAsleep(system, now, state)) return;
   march.prepare(now, state);
   part_march = march.memory();
   for (const Eigen::AlignedBox3d& box : tool_watch.changed()) activity.wakeIn(box);
@@ -130,7 +154,10 @@ void Simulation::Impl::considerSleep(const solve::SolveReport& report) {
   activity.observe(state);
   const bool dissipates = system.dissipates() || lastMarch().lastType() == IntegratorType::kImplicit;
   if (!activity.isLookDue() || !dissipates) return;
-  if (activity.isWhole()) part_march = march.memory();
+  if (activity.isWhole()) {
+    part_march = march.memory();
+    followPartners(state.positions);
+  }
   if (part) {
     activity.fallAsleep(part->system(), time(), part->state(), &part->points(), state);
   } else {

@@ -52,6 +52,7 @@ struct Snapshot::Contents {
   std::vector<TrackLoad::Seen> seen;
   solve::TimeMarch::Memory march, part_march;
   bool has_part;
+  Points followed;
   Activity::Memory activity;
   std::vector<ToolWatch::Seen> watched;
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
@@ -113,6 +114,7 @@ struct Simulation::Impl {
   ToolWatch tool_watch;
   std::unique_ptr<ActivePart> part;     // null: to be made when it is needed
   solve::TimeMarch::Memory part_march;  // that a part which is made goes on from
+  Points followed;                      // m, where all were when the model was told by which elements it is taken in parts; or empty
   std::vector<Index> hits;              // scratch
   bool is_hot = false;                  // some particles are above the ambient temperature
   bool is_measured = false;             // the statistics are those of the state
@@ -176,6 +178,7 @@ struct Simulation::Impl {
   ActivePart::Loads partLoads() const { return {gravity, anchors, forces, contact, contact_rate, system.damping()}; }
   solve::TimeMarch& lastMarch() { return part ? part->march() : march; }
   void setParts();
+  void followPartners(const Points& positions);
   void makePart();
   void wakeAll();
   void wakeForStep(const NamedForces::Update& update);

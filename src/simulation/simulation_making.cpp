@@ -142,6 +142,7 @@ void Simulation::Impl::reset() {
   grips.reset();
   contact.reset();
   part.reset();
+  followed.clear();
   part_march = {};
   contact.setTools({});  // by which the rate of contact must not be measured
   chooseLoads();

@@ -35,7 +35,7 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) 
       scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening,
       particles ? particles->lattice().spacing : 0.0, findPhysics(params),
       system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
-      surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), activity.memory(),
+      surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), followed, activity.memory(),
       tool_watch.memory(), surface.saveInserted(), estimator && !is_sight ? estimator->memory() : nullptr, std::move(now), is_sight,
       estimator != nullptr, surface.revision()});
 }
@@ -69,6 +69,8 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   march.setMemory(saved.march);
   part_march = saved.part_march;
   activity.setMemory(saved.activity, state);
+  followed.clear();
+  if (!saved.followed.empty() && activity.isInParts()) followPartners(saved.followed);
   if (saved.has_part && !is_viewer) makePart();
   tool_watch.setMemory(saved.watched);
   changed();
@@ -131,7 +133,7 @@ std::size_t Snapshot::bytes() const {
   const Contents& c = *contents_;
   std::size_t sum = sizeof(Contents) + bytesOf(c.state.positions) + bytesOf(c.state.velocities) + bytesOf(c.state.orientations) +
                     bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.state.plastic) + bytesOf(c.pinned) + bytesOf(c.pinned_turns) +
-                    bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.cuts) + bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
+                    bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.followed) + bytesOf(c.cuts) + bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
   if (c.severed) sum += bytesOf(*c.severed);
   for (const ContactLoad::Body& body : c.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
   for (const ToolWatch::Seen& seen : c.watched) sum += sizeof seen;

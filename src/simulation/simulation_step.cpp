@@ -159,6 +159,8 @@ void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
   chooseLoads();
   march.restart();
   wakeAll();
+  activity.leaveParts();
+  followed.clear();
   surface.invalidate();
 }
 

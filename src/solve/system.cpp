@@ -37,6 +37,14 @@ void System::computeForcesAndTorques(double time, const State& state, Points& fo
     if (isTurnHeld(i)) torques[i].setZero();
 }
 
+void System::computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const {
+  forces.assign(state.positions.size(), Vec3::Zero());
+  torques.assign(state.positions.size(), Vec3::Zero());
+  model_.addForcesAndTorques(state, forces, torques);
+  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
+  model_.confine(forces);
+}
+
 void System::computeFastForces(const State& state, Points& forces) const {
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addFastForces(state, forces);

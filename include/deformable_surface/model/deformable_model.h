@@ -6,6 +6,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
 
+#include <limits>
 #include <memory>
 #include <utility>
 #include <vector>
@@ -113,6 +114,11 @@ class DeformableModel {
   /// Makes links and triangles those of this state, where they change.
   virtual void refreshDisplay(const State& /*state*/) const {}
 
+  /// Of a model whose elements are those that its state makes: from now on it is taken in parts as this state has them, and these hold
+  /// while no point moves farther than maxPartMotion(). Returns whether it is such a model.
+  virtual bool followPartners(const State& /*state*/) { return false; }
+  /// m; infinite of other models.
+  virtual double maxPartMotion() const { return std::numeric_limits<double>::infinity(); }
   /// Marks (n, 1) all points that share an element with one of these: those whose positions the forces on them depend on. False: the
   /// model cannot be taken in parts, and nothing is marked.
   virtual bool markPartners(const std::vector<Index>& /*points*/, std::vector<char>& /*marked*/) const { return false; }

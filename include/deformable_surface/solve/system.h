@@ -37,6 +37,8 @@ class System {
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
   /// The same as the first, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
+  /// The same on held points too, and on those that do not turn.
+  void computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const;
   /// Forces in parts: the fast and the slow ones of the model alone (see DeformableModel), on held points too, overwritten; and the
   /// loads added, zero on held points.
   bool hasSlowForces() const { return model_.hasSlowForces(); }

@@ -47,7 +47,8 @@ OrientedParticles::OrientedParticles(const Points& rest, const Points& normals, 
       is_bent_(params.yield_curvature > 0.0),
       masses_(rest.size(), mass_),
       inertias_(rest.size(), lattice_.inertia_by_mass * mass_),
-      lists_(lattice_.pair.cutoff, kSkin * lattice_.pair.distance, std::move(apart)) {}
+      lists_(lattice_.pair.cutoff, kSkin * lattice_.pair.distance, std::move(apart)),
+      partners_(lists_) {}
 
 void OrientedParticles::beginAtRest(State& state) {
   const std::size_t n = state.positions.size();
@@ -278,7 +279,7 @@ void OrientedParticles::leaveOnlyAttraction() {
 void OrientedParticles::setSpacing(double spacing) {
   lattice_ = calibrateLattice(spacing, material_, params_);
   mass_ = material_.arealDensity() * lattice_.area_per_particle;
-  lists_.setRadius(lattice_.pair.cutoff, kSkin * lattice_.pair.distance);
+  for (NeighborList* lists : {&lists_, &partners_}) lists->setRadius(lattice_.pair.cutoff, kSkin * lattice_.pair.distance);
 }
 
 bool OrientedParticles::flow(State& state) const {
@@ -395,7 +396,7 @@ void OrientedParticles::computePointStrain(const State& state, std::vector<doubl
 std::size_t OrientedParticles::bytes() const {
   std::size_t numbers = packed_.places.capacity() + packed_.normals.capacity() + masses_.capacity() + inertias_.capacity();
   numbers += strain_.capacity() + 3 * (torques_.capacity() + normals_.capacity());
-  return lists_.bytes() + numbers * sizeof(double);
+  return lists_.bytes() + partners_.bytes() + numbers * sizeof(double);
 }
 
 }  // namespace deformable_surface::model

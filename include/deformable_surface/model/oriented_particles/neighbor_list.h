@@ -32,6 +32,10 @@ class NeighborList {
     skin_ = skin;
     forget();
   }
+  /// One of nothing yet, for particles of the same descent.
+  NeighborList alike() const { return {radius_, skin_, apart_}; }
+  /// m, what a particle may move before lists are made anew.
+  double margin() const { return 0.5 * skin_; }
   /// The next update makes the lists anew: the particles are others.
   void forget() { is_valid_ = false; }
 

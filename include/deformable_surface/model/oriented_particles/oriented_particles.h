@@ -53,6 +53,12 @@ class OrientedParticles : public DeformableModel {
   double statedSpacing() const { return stated_spacing_; }
   void adopt(const State& state) override;
   void refreshDisplay(const State& state) const override;
+  /// Elements are pairs within the reach of the lists where the state was followed.
+  bool followPartners(const State& state) override;
+  double maxPartMotion() const override;
+  bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
+  /// Of the particles that are there when all of them are told apart by their ids: it takes no births, and begins no state.
+  Part makePart(const std::vector<char>& wanted) const override;
   /// From Gershgorin's bound of the stiffness at the state, that of orientations included. Of the state alone.
   double findStableStep(const State& state) const override;
   /// Above that of as many particles in a flat sheet without edges: an edge costs the bonds that it lacks.
@@ -91,6 +97,7 @@ class OrientedParticles : public DeformableModel {
   std::size_t bytes() const;
 
  private:
+  OrientedParticles(const OrientedParticles& whole, std::size_t count);  // a part of so many
   bool prepare(const State& state) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
@@ -110,6 +117,8 @@ class OrientedParticles : public DeformableModel {
   mutable std::vector<WeightedTriangle> triangles_;
   // Scratch.
   mutable NeighborList lists_;
+  NeighborList partners_;  // by which it is taken in parts
+  bool has_partners_ = true;  // false: they cannot be told, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;
   mutable std::vector<double> strain_, row_maxima_;

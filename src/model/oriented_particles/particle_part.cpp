@@ -1,0 +1,52 @@
+// Parts of a surface of oriented particles: fewer of them, with the same potentials, so that a step costs what is in the part. A file of
+// its own, because only sleeping needs it.
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+
+#include <algorithm>
+
+namespace deformable_surface::model {
+
+bool OrientedParticles::followPartners(const State& state) {
+  partners_.forget();
+  has_partners_ = partners_.update(state.positions, state.traits);
+  return true;
+}
+
+double OrientedParticles::maxPartMotion() const { return lists_.margin(); }
+
+bool OrientedParticles::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
+  if (!has_partners_) std::fill(marked.begin(), marked.end(), 1);
+  for (const Index i : points) {
+    marked[i] = 1;
+    if (!has_partners_) continue;
+    for (const Index* j = partners_.begin(i); j != partners_.end(i); ++j) marked[*j] = 1;
+  }
+  return true;
+}
+
+OrientedParticles::OrientedParticles(const OrientedParticles& whole, std::size_t count)
+    : params_(whole.params_),
+      material_(whole.material_),
+      stated_spacing_(whole.stated_spacing_),
+      lattice_(whole.lattice_),
+      mass_(whole.mass_),
+      is_bent_(whole.is_bent_),
+      masses_(count, mass_),
+      inertias_(count, lattice_.inertia_by_mass * mass_),
+      lists_(whole.lists_.alike()),
+      partners_(lists_) {}
+
+DeformableModel::Part OrientedParticles::makePart(const std::vector<char>& wanted) const {
+  std::vector<Index> wanted_points;
+  for (Index i = 0; i < static_cast<Index>(wanted.size()); ++i)
+    if (wanted[i]) wanted_points.push_back(i);
+  std::vector<char> present = wanted;
+  markPartners(wanted_points, present);
+  Part part;
+  for (Index i = 0; i < static_cast<Index>(present.size()); ++i)
+    if (present[i]) part.points.push_back(i);
+  part.model.reset(new OrientedParticles(*this, part.points.size()));
+  return part;
+}
+
+}  // namespace deformable_surface::model
