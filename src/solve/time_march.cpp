@@ -287,19 +287,26 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   // A step that went wrong is taken again with finer sub-steps or parts, and by auto implicitly in the end.
   std::string retries;
   const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
-  for (double share = 0.5; !sound && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare; share *= 0.5) {
+  // Where sub-steps became too many the step was implicit already, and would be again.
+  bool was_implicit = is_too_stiff_;
+  for (double share = 0.5; !sound && !was_implicit && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare;
+       share *= 0.5) {
     const std::string failure = describeFailure(report, state);
     goBack(time, state);
     report = advance(time, share, state);
     sound = isSound(time, report, state);
     retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+    was_implicit = is_too_stiff_;
   }
   const bool may_change = params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
-  for (Index parts = 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
+  for (Index parts = was_implicit ? 2 : 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
+    // What the implicit method carries away is carried away: it does not overshoot.
+    if (was_implicit && !isInSpace(state)) break;
     retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
     goBack(time, state);
     report = advanceImplicitly(time, parts, state);
     sound = isSound(time, report, state);
+    was_implicit = true;
   }
   appendNotice(outcome.notice, retries);
   if (isInterrupted()) {
