@@ -14,7 +14,7 @@ import numpy as np
 matplotlib.use("Agg")
 from matplotlib import pyplot  # noqa: E402
 
-from draw_particles import read_vertices  # noqa: E402
+import point_files  # noqa: E402
 
 SCENES = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "scenes")
 FIGURES = [("two_bars_solid", "Fig. 8: two bars", (0, 2)), ("trousers", "Fig. 9: trousers", (0, 1)),
@@ -34,8 +34,8 @@ def run(simulate, scene, assignments):
         for assignment in assignments:
             command += ["--set", assignment]
         subprocess.run(command, check=True, stdout=subprocess.DEVNULL)
-        positions, _, displacements = read_vertices(final)
-        return positions, displacements
+        positions, _, columns = point_files.read_rows(final)
+        return positions, columns["displacement"]
 
 
 def draw(axis, positions, displacements, axes, largest, title):

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads the points of a .ply, .pcd, .off or .xyz file into an array. It is a file of its own because the demo and the pictures
+"""Reads the points of a .ply, .pcd, .off or .xyz file into arrays. It is a file of its own because the demo and the pictures
 need it and neither should depend on the other; the node and `simulate` have their own reader in C++."""
 import re
 
@@ -14,6 +14,15 @@ PLY_FORMATS = {"ascii": None, "binary_little_endian": "<", "binary_big_endian": 
 def read_points(path):
     """The coordinates of the points as an array (n x 3) of doubles, without those that are not finite. Raises ValueError with a
     sentence if the file is not one of the kinds accepted or does not hold what its header says."""
+    points = read_rows(path)[0]
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) == 0:
+        raise ValueError("%s: no finite point in it" % path)
+    return points
+
+
+def read_rows(path):
+    """Coordinates (n x 3), normals (n x 3, or None where the file has none) and all columns by their names, of every point."""
     readers = {".ply": read_ply, ".pcd": read_pcd, ".off": read_off, ".xyz": read_xyz}
     suffix = path[path.rfind("."):].lower() if "." in path else ""
     if suffix not in readers:
@@ -21,13 +30,12 @@ def read_points(path):
     with open(path, "rb") as stream:
         data = stream.read()
     try:
-        points = readers[suffix](data)
+        columns = readers[suffix](data)
+        triples = [np.stack([columns[name] for name in names], axis=1).astype(float)
+                   for names in ("xyz", ("nx", "ny", "nz"), ("normal_x", "normal_y", "normal_z")) if names == "xyz" or names[0] in columns]
     except (KeyError, IndexError, ValueError) as error:
         raise ValueError("%s: %s" % (path, error if isinstance(error, ValueError) else "broken header near %s" % error))
-    points = points[np.isfinite(points).all(axis=1)]
-    if len(points) == 0:
-        raise ValueError("%s: no finite point in it" % path)
-    return points
+    return triples[0], triples[1] if len(triples) > 1 else None, columns
 
 
 def read_ply(data):
@@ -55,7 +63,7 @@ def read_ply(data):
     if form not in PLY_FORMATS:
         raise ValueError("format '%s'; accepted: %s" % (form, ", ".join(PLY_FORMATS)))
     if PLY_FORMATS[form] is None:
-        return read_table(data[end.end():].splitlines()[:count], count, [names.index(axis) for axis in "xyz"])
+        return read_table(data[end.end():].splitlines()[:count], count, names)
     record = np.dtype([(name, PLY_FORMATS[form] + kind) for name, kind in zip(names, types)])
     return read_records(data[end.end():], record, count)
 
@@ -74,11 +82,11 @@ def read_pcd(data):
     kinds = [{"I": "i", "U": "u", "F": "f"}[kind] + size for kind, size in zip(header["TYPE"], header["SIZE"])]
     body, form = data[mark.end():], mark.group(1).decode()
     # Names of padding fields repeat, hence the number in front.
-    keys = [name if name in "xyz" else "%d_%s" % (i, name) for i, name in enumerate(names)]
+    keys = [name if names.index(name) == i else "%d_%s" % (i, name) for i, name in enumerate(names)]
     fields = [(key, "<" + kind, (n,)) if n > 1 else (key, "<" + kind) for key, kind, n in zip(keys, kinds, repeats)]
     if form == "ascii":
-        starts = np.concatenate([[0], np.cumsum(repeats)])
-        return read_table(body.splitlines()[:count], count, [starts[names.index(axis)] for axis in "xyz"])
+        each = [key if k == 0 else "%s_%d" % (key, k) for key, n in zip(keys, repeats) for k in range(n)]
+        return read_table(body.splitlines()[:count], count, each)
     if form == "binary":
         return read_records(body, np.dtype(fields), count)
     if form == "binary_compressed":
@@ -88,7 +96,7 @@ def read_pcd(data):
             kind = np.dtype([field])
             columns[field[0]] = np.frombuffer(body, kind, count, start)[field[0]]
             start += kind.itemsize * count
-        return np.stack([columns[axis] for axis in "xyz"], axis=1).astype(float)
+        return columns
     raise ValueError("DATA %s; accepted: ascii, binary, binary_compressed" % form)
 
 
@@ -99,25 +107,30 @@ def read_off(data):
     first = lines[0].split()[1:]
     rest = lines[1:] if first else lines[2:]
     count = int((first or lines[1].split())[0])
-    return read_table(rest[:count], count, [0, 1, 2])
+    return read_table(rest[:count], count, ["x", "y", "z"])
 
 
 def read_xyz(data):
     lines = [line for line in data.splitlines() if line.strip() and not line.lstrip().startswith(b"#")]
-    return read_table(lines, len(lines), [0, 1, 2])
+    has_normals = bool(lines) and len(lines[0].split()) >= 6
+    return read_table(lines, len(lines), ["x", "y", "z"] + (["nx", "ny", "nz"] if has_normals else []))
 
 
-def read_table(lines, count, columns):
+def read_table(lines, count, names):
     if len(lines) < count:
         raise ValueError("%d points promised, %d lines found" % (count, len(lines)))
-    return np.array([[float(word[c]) for c in columns] for word in (line.split() for line in lines)]).reshape(-1, 3)
+    rows = [line.split()[:len(names)] for line in lines]
+    if any(len(row) < len(names) for row in rows):
+        raise ValueError("a line of fewer numbers than its %d columns" % len(names))
+    table = np.array([[float(word) for word in row] for row in rows]).reshape(-1, len(names))
+    return dict(zip(names, table.T))
 
 
 def read_records(data, record, count):
     if len(data) < record.itemsize * count:
         raise ValueError("%d points of %d bytes promised, %d bytes found" % (count, record.itemsize, len(data)))
     table = np.frombuffer(data, record, count)
-    return np.stack([table[axis] for axis in "xyz"], axis=1).astype(float)
+    return {name: table[name] for name in record.names}
 
 
 def decompress_lzf(data, size):
