@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/geometry/fitted_shape.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
@@ -107,6 +108,49 @@ std::optional<double> findDistanceQuantity(const std::string& name, const Simula
   return name.compare(name.size() - 3, 3, "max") == 0 ? largest : std::sqrt(squares / static_cast<double>(points.size()));
 }
 
+// Of the sphere or the torus that is nearest to the simulation points.
+std::optional<double> findFittedQuantity(const std::string& name, const Simulation& simulation) {
+  using geometry::FittedShape;
+  struct Quantity {
+    const char* name;
+    FittedShape (*fit)(const Points&);
+    double FittedShape::*value;
+  };
+  static const Quantity kQuantities[] = {{"distance_to_sphere_max", geometry::fitSphere, &FittedShape::largest},
+                                         {"distance_to_sphere_rms", geometry::fitSphere, &FittedShape::root_mean_square},
+                                         {"sphere_radius", geometry::fitSphere, &FittedShape::radius},
+                                         {"distance_to_torus_max", geometry::fitTorus, &FittedShape::largest},
+                                         {"distance_to_torus_rms", geometry::fitTorus, &FittedShape::root_mean_square},
+                                         {"torus_radius", geometry::fitTorus, &FittedShape::radius},
+                                         {"torus_tube_radius", geometry::fitTorus, &FittedShape::tube_radius}};
+  for (const Quantity& quantity : kQuantities)
+    if (name == quantity.name) return quantity.fit(simulation.state().positions).*quantity.value;
+  return std::nullopt;
+}
+
+// Where the simulation points are beside the solid tools that there are now: the least signed distance, m, or how many lie on one,
+// by the share of a spacing up to which contact gives way.
+std::optional<double> findContactQuantity(const std::string& name, const Simulation& simulation) {
+  constexpr double kOnIt = 0.05;
+  if (name != "distance_to_tools_min" && name != "touching") return std::nullopt;
+  const model::OrientedParticles* particles = simulation.particles();
+  if (name == "touching" && !particles)
+    throw InputError("touching: found a model without particles; accepted: model: oriented_particles");
+  std::vector<double> nearest(simulation.state().positions.size(), std::numeric_limits<double>::infinity());
+  bool has_tool = false;
+  for (const tool::ToolParams& tool : simulation.tools()) {
+    if (tool.mode != tool::Mode::kSolid || !tool::isActive(tool, simulation.time())) continue;
+    has_tool = true;
+    const tool::Pose pose = tool::interpolate(tool.path, simulation.time());
+    for (std::size_t i = 0; i < nearest.size(); ++i)
+      nearest[i] = std::min(nearest[i], tool::findSignedDistance(tool.shape, pose, simulation.state().positions[i]).distance);
+  }
+  if (!has_tool) throw InputError(name + ": found no solid tool at the end; accepted: one at least");
+  if (name == "distance_to_tools_min") return *std::min_element(nearest.begin(), nearest.end());
+  const double on_it = kOnIt * particles->lattice().spacing;
+  return static_cast<double>(std::count_if(nearest.begin(), nearest.end(), [&](double d) { return std::abs(d) < on_it; }));
+}
+
 // What oriented particles make: kind of surface, distances to the nearest other particle, who came and went.
 std::optional<double> findParticleQuantity(const std::string& name, const Simulation& simulation) {
   static const char* const kNames[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "spacing_mean",
@@ -153,6 +197,8 @@ double computeQuantity(const std::string& name, Simulation& simulation) {
   if (name == "plastic_dissipation") return simulation.state().dissipated;
 
   if (const std::optional<double> distance = findDistanceQuantity(name, simulation)) return *distance;
+  if (const std::optional<double> fitted = findFittedQuantity(name, simulation)) return *fitted;
+  if (const std::optional<double> contact = findContactQuantity(name, simulation)) return *contact;
   if (const std::optional<double> particles = findParticleQuantity(name, simulation)) return *particles;
 
   const Surface& surface = simulation.surface(false);

@@ -28,6 +28,17 @@ Simulation runSteps(const SceneParams& params, int steps) {
   return simulation;
 }
 
+// Of radius 0.3 m, so high above the origin.
+tool::ToolParams makeBall(double height) {
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.kind = geometry::Solid::Kind::kSphere;
+  ball.shape.radius = 0.3;
+  ball.path.resize(1);
+  ball.path[0].position = Vec3(0.0, 0.0, height);
+  return ball;
+}
+
 TEST(Expectations, ComputeDisplacementsAndBoundsOfAFreeFall) {
   Simulation simulation = runSteps(makeFallingSheet(), 10);
   // Displacements are float.
@@ -54,6 +65,7 @@ TEST(Expectations, KnowEveryNameThatTheSchemaKnows) {
   params.cloud.shape = CloudParams::Shape::kSphere;
   Simulation simulation = runSteps(params, 1);
   params.model = ModelKind::kOrientedParticles;
+  params.tools.push_back(makeBall(10.0));
   Simulation particles = runSteps(params, 1);
   for (const std::string& name : expectQuantities()) {
     // Each is one of the sphere or of its particles.
@@ -107,6 +119,51 @@ TEST(Expectations, MeasureDistancesToTheShapeAndToTheInput) {
   params.cloud.shape = CloudParams::Shape::kSine;
   Simulation sine = runSteps(params, 1);
   EXPECT_THROW(computeQuantity("distance_to_shape_max", sine), InputError);
+}
+
+TEST(Expectations, MeasureDistancesToTheNearestSphereAndTorus) {
+  SceneParams params = makeFallingSheet();
+  params.accuracy.estimate = false;
+  params.cloud.shape = CloudParams::Shape::kSphere;
+  params.cloud.points = 2000;
+  params.cloud.radius = 0.3;
+  params.simplification.target_points = 500;
+  // It falls as a whole: away from where it was made, and as round as it was.
+  Simulation sphere = runSteps(params, 10);
+  EXPECT_NEAR(computeQuantity("sphere_radius", sphere), 0.3, 1e-9);
+  EXPECT_LT(computeQuantity("distance_to_sphere_max", sphere), 1e-9);
+  EXPECT_LT(computeQuantity("distance_to_sphere_rms", sphere), computeQuantity("distance_to_shape_rms", sphere));
+  EXPECT_GE(computeQuantity("distance_to_torus_max", sphere), computeQuantity("distance_to_torus_rms", sphere));
+  EXPECT_THROW(computeQuantity("sphere_colour", sphere), InputError);
+}
+
+TEST(Expectations, MeasureWhatLiesOnASolidTool) {
+  SceneParams params;
+  params.model = ModelKind::kOrientedParticles;
+  params.cloud.shape = CloudParams::Shape::kLattice;
+  params.cloud.points = 300;
+  params.simplification.method = cloud::SimplificationMethod::kNone;
+  params.gravity.setZero();
+  Simulation bare = runSteps(params, 1);
+  EXPECT_THROW(computeQuantity("distance_to_tools_min", bare), InputError);
+  EXPECT_THROW(computeQuantity("touching", bare), InputError);
+  const double spacing = bare.particles()->lattice().spacing;
+  // The middle of the sheet is under the ball; a tool that only carries is none to lie on.
+  params.tools = {makeBall(0.3 + 0.2 * spacing), makeBall(0.0)};
+  params.tools[1].id = "hand";
+  params.tools[1].mode = tool::Mode::kMove;
+  Simulation below = runSteps(params, 1);
+  EXPECT_GT(computeQuantity("distance_to_tools_min", below), 0.2 * spacing - 1e-9);
+  EXPECT_LT(computeQuantity("distance_to_tools_min", below), 0.5 * spacing);
+  EXPECT_EQ(computeQuantity("touching", below), 0.0);
+  // The whole sheet lies on a table.
+  params.tools[0].shape = {};
+  params.tools[0].shape.kind = geometry::Solid::Kind::kBox;
+  params.tools[0].shape.size = Vec3(10.0, 10.0, 1.0);
+  params.tools[0].path[0].position = Vec3(0.0, 0.0, -0.5);
+  Simulation table = runSteps(params, 1);
+  EXPECT_NEAR(computeQuantity("distance_to_tools_min", table), 0.0, 1e-9);
+  EXPECT_EQ(computeQuantity("touching", table), static_cast<double>(table.state().size()));
 }
 
 TEST(Expectations, MeasureHowFarAxesAreFromThePrincipalDirections) {

@@ -174,7 +174,9 @@ inline std::vector<std::string> expectQuantities() {
                            "min_z", "max_z", "volume_ratio", "components", "boundary_loops", "euler_characteristic", "isolated",
                            "plastic_dissipation",
                            "spacing_mean", "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean",
-                           "distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms"}) {
+                           "distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms",
+                           "distance_to_sphere_max", "distance_to_sphere_rms", "sphere_radius", "distance_to_torus_max",
+                           "distance_to_torus_rms", "torus_radius", "torus_tube_radius", "distance_to_tools_min", "touching"}) {
     names.emplace_back(name);
   }
   return names;
