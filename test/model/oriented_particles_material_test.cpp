@@ -95,14 +95,26 @@ TEST(OrientedParticlesMaterial, SmoothedCurvaturesKeepThoseOfASphereAndShareWhat
   EXPECT_NEAR(s.traits[middle].rest_curvature[0], 3.0, 1e-12);  // the mean of seven
 }
 
+// Spacing over r0 with first neighbours alone and with those within a cutoff. `sharp` is the sum over all within it, `switched` the one with
+// the switch, which weakens the outer rings: both written out by another program. The slower the attraction falls, the more that takes.
 TEST(OrientedParticlesMaterial, TheSpacingOfTheLatticeIsThatOfItsSums) {
-  // Spacing over r0 with first neighbours alone, and with those within three r0, whose switch weakens the outer ones a little.
-  OrientedParticlesParams p;
-  EXPECT_NEAR(kSpacing / makeModel(1, p).lattice().pair.distance, 1.0, 1e-9);
-  p.exponents = Vec2(12.0, 6.0);
-  EXPECT_NEAR(kSpacing / makeModel(1, p).lattice().pair.distance, 1.0, 1e-9);
-  p.cutoff = 3.0;
-  EXPECT_NEAR(kSpacing / makeModel(1, p).lattice().pair.distance, 0.990626, 1e-3);
+  struct Row {
+    double repulsion, attraction, cutoff, sharp, switched, apart;
+  };
+  const std::vector<Row> rows{{12, 6, 1.3, 1.0, 1.0, 1e-9},
+                              {8, 4, 1.6, 1.0, 1.0, 1e-9},
+                              {12, 6, 3.0, 0.990626, 0.990831, 1e-3},
+                              {12, 6, 2.5, 0.991750, 0.990712, 2e-3},
+                              {8, 4, 3.0, 0.954255, 0.950648, 4e-3},
+                              {6, 3, 3.0, 0.898229, 0.874918, 3e-2}};
+  for (const Row& row : rows) {
+    OrientedParticlesParams p;
+    p.exponents = Vec2(row.repulsion, row.attraction);
+    p.cutoff = row.cutoff;
+    const double found = kSpacing / makeModel(1, p).lattice().pair.distance;
+    EXPECT_NEAR(found, row.switched, 1e-6) << row.repulsion << ' ' << row.cutoff;
+    EXPECT_NEAR(found, row.sharp, row.apart) << row.repulsion << ' ' << row.cutoff;
+  }
 }
 
 TEST(OrientedParticlesMaterial, ItHasTheYoungsModulusOfTheMaterialAndPoissonsRatioOfAThirdInAllDirections) {
