@@ -103,6 +103,21 @@ Off measureOff(const Points& positions, double spacing) {
   return off;
 }
 
+// How far particles stand off the mean distance of those around them (rms), in spacings: what is left of short waves of the noise.
+double measureRoughness(const Points& positions, double spacing) {
+  constexpr double kAround = 1.5;  // spacings
+  const cloud::KdTree tree(positions);
+  std::vector<cloud::Neighbor> near;
+  double squares = 0.0;
+  for (const Vec3& p : positions) {
+    tree.withinRadius(p, kAround * spacing, near);
+    double mean = 0.0;
+    for (const cloud::Neighbor& q : near) mean += positions[q.index].norm() / static_cast<double>(near.size());
+    squares += (p.norm() - mean) * (p.norm() - mean);
+  }
+  return std::sqrt(squares / static_cast<double>(positions.size())) / spacing;
+}
+
 // A unit sphere's samples, moved by up to a fifth of a spacing along their normals: 0.11 (rms).
 TEST(FitScans, LettingANoisySphereGoClosesItKeepsItsRadiusAndTakesPartOfTheNoise) {
   TestSurface samples = chooseApart(model::readRealData("cgal_points/sphere_1k.xyz"), 0.3);
@@ -123,6 +138,7 @@ TEST(FitScans, LettingANoisySphereGoClosesItKeepsItsRadiusAndTakesPartOfTheNoise
             let_go = measureOff(s.state().positions, kSpacing);
   EXPECT_LT(held.root_mean_square, 0.8 * sampled.root_mean_square);
   EXPECT_LT(let_go.root_mean_square, held.root_mean_square);
+  EXPECT_LT(measureRoughness(s.state().positions, kSpacing), 0.3 * measureRoughness(fixed.state().positions, kSpacing));
   // At the stated spacing there would be too few particles for the sphere, which then was 0.05 smaller than its samples.
   EXPECT_LT(std::abs(let_go.mean - sampled.mean), 0.03);
   // It is at rest.
