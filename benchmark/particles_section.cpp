@@ -129,7 +129,7 @@ void runParticlesSection(const Options& options, Report& report) {
   };
   std::vector<Row> rows;
   for (Index n : sizes) rows.push_back({n, false, model::ParticleWeighting::kIsotropic});
-  for (Index n : {sizes[1], sizes.back()}) rows.push_back({n, false, model::ParticleWeighting::kAnisotropic});
+  for (Index n : {sizes[0], sizes[2], sizes.back()}) rows.push_back({n, false, model::ParticleWeighting::kAnisotropic});
   rows.push_back({sizes.back(), true, model::ParticleWeighting::kIsotropic});
   for (const Row& row : rows) {
     const State s = makeWavyPatch(row.n, row.is_shuffled);
