@@ -25,7 +25,8 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
   if (n < 3)
     throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
   if (cloud::orderInSpace(s.dense)) s.notes.push_back("the cloud's order jumps about in space: inside, its points lie in another (outputs are in the input's)");
-  if (s.dense.num_not_finite > 0) s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite and stay NaN"));
+  if (s.dense.num_not_finite > 0)
+    s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
   if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
   return s;
 }
