@@ -5,6 +5,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -103,6 +104,11 @@ TEST(OddParticleClouds, WithHolesAndDoublesAreASheetLikeAnyOther) {
   expectSound(Fitting::kNone, sheet, 63);
   expectSound(Fitting::kAtStart, sheet, 64);
   expectSound(Fitting::kLater, sheet, 64);
+  sheet[3].x() = 2e6;  // its double is still there
+  expectSound(Fitting::kNone, sheet, 63);
+  const Simulation s = make(makeParams(Fitting::kNone), sheet);
+  const auto tells = [](const std::string& note) { return note.find("3 input points are not finite, or beyond 1e6 m") == 0; };
+  EXPECT_TRUE(std::any_of(s.buildNotes().begin(), s.buildNotes().end(), tells));
 }
 
 TEST(OddParticleClouds, OfWhichOneParticleIsLeftGoOnAndCanBeFitted) {
