@@ -205,7 +205,7 @@ void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
                     formatShort(settled.largest / spacing) + ") before time 0 until they were " +
                     (settled.is_near ? "at rest as the cloud's shape" : "even; they are not at rest, for the only rest that was found is a "
-                                       "crumpled one: material.bending_rigidity is too small") +
+                                       "crumpled one: material.bending_rigidity is too small, or particles lie on others") +
                     "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are)");
 }
 
