@@ -1,5 +1,5 @@
-// The transfer operator: fitted once per rest state, applied in every frame. Applying it is one pass that moves as few bytes as
-// possible, because memory and not arithmetic limits it.
+// The transfer operator: fitted once per rest state, applied in every frame. Applying it is one pass (transfer_pass.h) that moves as few
+// bytes as possible, because memory and not arithmetic limits it.
 #include "deformable_surface/transfer/transfer.h"
 
 #include "deformable_surface/base/error.h"
@@ -11,9 +11,8 @@
 #include <cmath>
 #include <cstring>
 #include <limits>
-#ifdef __SSE__
-#include <xmmintrin.h>
-#endif
+
+#include "transfer_pass.h"
 
 namespace deformable_surface::transfer {
 namespace {
@@ -26,96 +25,19 @@ constexpr double kKernelReach = 1.1;
 // A slope along a direction is fitted if it multiplies errors of the displacements by no more than this, per distance of the
 // farthest neighbour: their spread must be about a hundredth of that distance.
 constexpr double kMaxAmplification = 100.0;
-// Least squared area between the tangents now, in units of their squared lengths, that is more than float rounding: below it they
-// are parallel or have vanished.
-constexpr float kMinSquaredArea = 1e-10f;
-// The row length that gets a loop of its own, unrolled.
-constexpr Index kUsualNeighbors = 8;
 // Points per block of a parallel loop: a few milliseconds of work.
 constexpr Index kFitBlock = 1024;
 constexpr double kMostUnits = 9007199254740992.0;  // 2^53: beyond it a double is a whole number of units already
-
-// Four floats that every processor of the supported compilers' targets adds and multiplies at once: one quantity of four dense
-// points that lie behind each other.
-constexpr Index kLanes = 4;
-using Float4 = float __attribute__((vector_size(kLanes * sizeof(float))));
-
-inline Float4 load(const float* from) {
-  Float4 v;
-  std::memcpy(&v, from, sizeof v);
-  return v;
-}
-
-inline void store(const Float4& v, float* to) { std::memcpy(to, &v, sizeof v); }
-
-template <int A, int B, int C, int D>
-inline Float4 shuffle(const Float4& a, const Float4& b) {
-#ifdef __clang__
-  return __builtin_shufflevector(a, b, A, B, C, D);
-#else
-  using Int4 = int __attribute__((vector_size(kLanes * sizeof(int))));
-  return __builtin_shuffle(a, b, Int4{A, B, C, D});
-#endif
-}
-
-// Vectors of four points.
-struct Vec3x4 {
-  Float4 x, y, z;
-};
-
-inline Float4 dot(const Vec3x4& a, const Vec3x4& b) { return a.x * b.x + a.y * b.y + a.z * b.z; }
-
-inline Vec3x4 cross(const Vec3x4& a, const Vec3x4& b) {
-  return {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
-}
-
-inline Float4 squareRoot(const Float4& v) {
-#ifdef __SSE__
-  return _mm_sqrt_ps(v);  // the same bits, without four checks for errno
-#else
-  return Float4{std::sqrt(v[0]), std::sqrt(v[1]), std::sqrt(v[2]), std::sqrt(v[3])};
-#endif
-}
-
-inline Vec3x4 load3(const float* from) { return {load(from), load(from + kLanes), load(from + 2 * kLanes)}; }
-
-inline void addScaled(const Float4& scale, const Vec3x4& v, Vec3x4& sum) {
-  sum.x += scale * v.x;
-  sum.y += scale * v.y;
-  sum.z += scale * v.z;
-}
-
-// Four vectors x y z 0 in memory, one for each point.
-inline Vec3x4 gather(const float* vectors, const Index* index) {
-  const auto at = [&](int lane) { return load(vectors + 4 * static_cast<std::size_t>(index[lane])); };
-  const Float4 a = at(0), b = at(1), c = at(2), d = at(3);
-  const Float4 ab = shuffle<0, 4, 1, 5>(a, b), cd = shuffle<0, 4, 1, 5>(c, d);
-  return {shuffle<0, 1, 4, 5>(ab, cd), shuffle<2, 3, 6, 7>(ab, cd),
-          shuffle<0, 1, 4, 5>(shuffle<2, 6, 2, 6>(a, b), shuffle<2, 6, 2, 6>(c, d))};
-}
-
-// Per point at rest: the fitted tangents T = t + s n (t and n are the surface's own frame, s the slope of the fitted plane
-// against it), these slopes, the normal, and the height over the fitted plane.
-enum FrameRow { kTangentX = 0, kTangentY = 3, kNormal = 6, kSlopeX = 9, kSlopeY = 10, kHeight = 11, kFrameRows = 12 };
-
-// Unit normals from the tangents now: at rest and after every rotation, n is along T_x x T_y + s_x T_x + s_y T_y.
-inline Vec3x4 findNormals(const Vec3x4& tangent_x, const Vec3x4& tangent_y, const float* frame) {
-  const Vec3x4 across = cross(tangent_x, tangent_y), rest = load3(frame + kNormal * kLanes);
-  const Float4 slope_x = load(frame + kSlopeX * kLanes), slope_y = load(frame + kSlopeY * kLanes);
-  const Vec3x4 n = {across.x + slope_x * tangent_x.x + slope_y * tangent_y.x,
-                    across.y + slope_x * tangent_x.y + slope_y * tangent_y.y,
-                    across.z + slope_x * tangent_x.z + slope_y * tangent_y.z};
-  // One is about the tangents' squared length at rest, hence their rounding.
-  const Float4 size = dot(tangent_x, tangent_x) + dot(tangent_y, tangent_y), squared_length = dot(n, n);
-  const auto sound = (dot(across, across) > kMinSquaredArea * size * (size + 1.0f)) & (squared_length > 0.0f);
-  const Float4 scale = 1.0f / squareRoot(squared_length);
-  return {sound ? scale * n.x : rest.x, sound ? scale * n.y : rest.y, sound ? scale * n.z : rest.z};
-}
 
 // (1 - s)^4 (4 s + 1), s = r / h: the C2 kernel of compact support in three dimensions [Wendland 1995].
 inline double evaluateWendland(double s) {
   const double t = std::max(1.0 - s, 0.0);
   return t * t * t * t * (4.0 * s + 1.0);
+}
+
+template <class Vector>
+auto* numbersOf(std::vector<Vector>& vectors) {
+  return reinterpret_cast<typename Vector::Scalar*>(vectors.data());
 }
 
 // One number per neighbour, without allocating.
@@ -210,7 +132,7 @@ Transfer::Transfer(const Points& dense, const Points& normals, const Points& sim
     return static_cast<double>(degenerate);
   }));
 
-  for (std::size_t g = 0; g < num_groups; ++g) settleNormals(g);
+  for (std::size_t g = 0; g < num_groups; ++g) settleNormals(frame_.data() + g * kFrameRows * kLanes);
   tile_sources_.resize((dense.size() + kTilePoints - 1) / kTilePoints);
   parallelFor(numTiles(), 1, [&](Index begin, Index end) {
     for (Index tile = begin; tile < end; ++tile) findTileSources(tile);
@@ -231,14 +153,6 @@ void Transfer::findTileSources(Index tile) {
   for (Index j : sources) is_listed[j] = 0;
 }
 
-void Transfer::settleNormals(std::size_t group) {
-  float* const frame = frame_.data() + group * kFrameRows * kLanes;
-  const Vec3x4 n = findNormals(load3(frame + kTangentX * kLanes), load3(frame + kTangentY * kLanes), frame);
-  store(n.x, frame + kNormal * kLanes);
-  store(n.y, frame + (kNormal + 1) * kLanes);
-  store(n.z, frame + (kNormal + 2) * kLanes);
-}
-
 std::vector<Index> Transfer::sourcesOf(Index dense) const {
   const Index* const index = index_.data() + dense / kLanes * k_ * kLanes + dense % kLanes;
   std::vector<Index> sources{index[0]};
@@ -256,7 +170,7 @@ void Transfer::refit(const std::vector<Index>& dense, const Lists& followed, con
     found.assign(followed.begin(static_cast<Index>(p)), followed.end(static_cast<Index>(p)));
     fitRow(dense[p], normals[dense[p]], simulation_rest_, found, params);
   }
-  for (Index d : dense) settleNormals(d / kLanes);
+  for (Index d : dense) settleNormals(frame_.data() + static_cast<std::size_t>(d / kLanes) * kFrameRows * kLanes);
   Index last = -1;
   for (Index d : dense) {
     if (d / kTilePoints == last) continue;
@@ -406,51 +320,13 @@ void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, 
   }
 }
 
-template <int K>
-void Transfer::runGroups(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const {
-  const Index k = K > 0 ? K : k_, n = numDense();
-  const Index* index = index_.data() + static_cast<std::size_t>(begin) * k * kLanes;
-  const float* weight = weight_.data() + static_cast<std::size_t>(begin) * k * 3 * kLanes;
-  const float* frame = frame_.data() + static_cast<std::size_t>(begin) * kFrameRows * kLanes;
-  for (Index g = begin; g < end; ++g, frame += kFrameRows * kLanes) {
-    // Displacement, and the fitted tangents now.
-    const Vec3x4 rest_x = load3(frame + kTangentX * kLanes), rest_y = load3(frame + kTangentY * kLanes);
-    Vec3x4 u{}, tangent_x = rest_x, tangent_y = rest_y;
-    for (Index j = 0; j < k; ++j, index += kLanes, weight += 3 * kLanes) {
-      const Vec3x4 u_j = gather(displacements, index);
-      addScaled(load(weight), u_j, u);
-      addScaled(load(weight + kLanes), u_j, tangent_x);
-      addScaled(load(weight + 2 * kLanes), u_j, tangent_y);
-    }
-    const Index first = g * kLanes, count = std::min(kLanes, n - first);
-    if (output.ratio) {
-      const Vec3x4 now = cross(tangent_x, tangent_y), rest = cross(rest_x, rest_y);
-      const Float4 share = squareRoot(dot(now, now)) / squareRoot(dot(rest, rest));
-      std::memcpy(output.ratio + first, &share, count * sizeof(float));
-      continue;
-    }
-    // The height over the fitted plane turns with the normal.
-    const Vec3x4 normal = findNormals(tangent_x, tangent_y, frame), rest_normal = load3(frame + kNormal * kLanes);
-    const Float4 height = load(frame + kHeight * kLanes);
-    addScaled(height, {normal.x - rest_normal.x, normal.y - rest_normal.y, normal.z - rest_normal.z}, u);
-    for (Index lane = 0; lane < count; ++lane) {
-      const Vec3& p = rest_[first + lane];
-      output.dense_now[first + lane] =
-          Vec3(p[0] + (reference[0] + u.x[lane]), p[1] + (reference[1] + u.y[lane]), p[2] + (reference[2] + u.z[lane]));
-      if (output.normals_now) output.normals_now[first + lane] = Eigen::Vector3f(normal.x[lane], normal.y[lane], normal.z[lane]);
-    }
-  }
+void Transfer::run(Index begin, Index end, const float* displacements, const Vec3& reference, const PassOutput& output) const {
+  const PassRows rows{numDense(), k_, index_.data(), weight_.data(), frame_.data(),
+                      reinterpret_cast<const double*>(rest_.data())};
+  runGroups(begin, end, rows, {displacements, {reference.x(), reference.y(), reference.z()}}, output);
 }
 
-void Transfer::run(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const {
-  if (k_ == kUsualNeighbors) {
-    runGroups<kUsualNeighbors>(begin, end, displacements, reference, output);
-  } else {
-    runGroups<0>(begin, end, displacements, reference, output);
-  }
-}
-
-void Transfer::runAll(const Points& simulation_now, const Output& output) const {
+void Transfer::runAll(const Points& simulation_now, const PassOutput& output) const {
   // Kept by the thread, so that nothing is allocated in later calls and several threads may share one operator.
   static thread_local std::vector<float> displacements;
   Vec3 reference;
@@ -462,13 +338,13 @@ void Transfer::runAll(const Points& simulation_now, const Output& output) const 
 
 void Transfer::apply(const Points& simulation_now, Points& dense_now) const {
   dense_now.resize(rest_.size());
-  runAll(simulation_now, {dense_now.data(), nullptr, nullptr});
+  runAll(simulation_now, {numbersOf(dense_now), nullptr, nullptr});
 }
 
 void Transfer::apply(const Points& simulation_now, Points& dense_now, std::vector<Eigen::Vector3f>& normals_now) const {
   dense_now.resize(rest_.size());
   normals_now.resize(rest_.size());
-  runAll(simulation_now, {dense_now.data(), normals_now.data(), nullptr});
+  runAll(simulation_now, {numbersOf(dense_now), numbersOf(normals_now), nullptr});
 }
 
 void Transfer::areaRatio(const Points& simulation_now, std::vector<float>& ratio) const {
@@ -494,7 +370,7 @@ Index Transfer::update(const Points& simulation_now, Frame& frame, Points& dense
   }
   dense_now.resize(rest_.size());
   if (normals_now) normals_now->resize(rest_.size());
-  const Output output{dense_now.data(), normals_now ? normals_now->data() : nullptr, nullptr};
+  const PassOutput output{numbersOf(dense_now), normals_now ? numbersOf(*normals_now) : nullptr, nullptr};
   const float* const displacements = frame.next_displacements_.data();
   const Index num_groups = (numDense() + kLanes - 1) / kLanes, groups = kTilePoints / kLanes;
   parallelFor(static_cast<Index>(frame.stale_.size()), 1, [&](Index begin, Index end) {

@@ -7,6 +7,8 @@
 
 namespace deformable_surface::transfer {
 
+struct PassOutput;
+
 /// Least-squares plane through the displacements of the k nearest simulation points, on the tangent plane of each dense point
 /// [Su 2007, eq. 7-8], kept as the rows of value and gradient: u = sum_j w_j u_j, du/dx = sum_j gx_j u_j, du/dy = sum_j gy_j u_j.
 /// Departure from the paper: the height of a dense point over the plane fitted to its simulation points turns with the surface
@@ -73,32 +75,20 @@ class Transfer {
   // Fills row i of the operator from the neighbours of dense point i; true if they span its plane.
   bool fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found, const TransferParams& params);
 
-  // The normals of a group of four as apply() will find them at rest, so that their change at rest is exactly zero.
-  void settleNormals(std::size_t group);
-
   // Displacements (max(m, 1) x 4) less a reference near their mean, which small motions of few points leave as it is.
   void findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const;
   void findTileSources(Index tile);
 
-  // What a pass over rows writes; null is left out.
-  struct Output {
-    Vec3* dense_now;
-    Eigen::Vector3f* normals_now;
-    float* ratio;
-  };
-  // A pass over groups of rows. K is the row length, 0 if not known to the compiler.
-  template <int K>
-  void runGroups(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const;
-  void run(Index begin, Index end, const float* displacements, const Vec3& reference, const Output& output) const;
-  void runAll(const Points& simulation_now, const Output& output) const;
+  void run(Index begin, Index end, const float* displacements, const Vec3& reference, const PassOutput& output) const;
+  void runAll(const Points& simulation_now, const PassOutput& output) const;
 
   // All arrays are in the user's order of the dense points, so that everything streams but the displacements, which are few;
-  // within a group of four points each quantity of the four lies side by side (the last group is filled up with zeros).
+  // within a group of points each quantity of theirs lies side by side (the last group is filled up with zeros).
   Index k_ = 0;                   // row length
   Index num_degenerate_ = 0;
-  std::vector<Index> index_;      // (n / 4 x k x 4) simulation points; rows with fewer are filled up with weight zero
-  std::vector<float> weight_;     // (n / 4 x k x 3 x 4) weight in the value row and in the two gradient rows (1/m)
-  std::vector<float> frame_;      // (n / 4 x 12 x 4) fitted tangents, normal, slopes and height over the fitted plane
+  std::vector<Index> index_;      // (groups x k x lanes) simulation points; rows with fewer are filled up with weight zero
+  std::vector<float> weight_;     // (groups x k x 3 x lanes) weight in the value row and in the two gradient rows (1/m)
+  std::vector<float> frame_;      // (groups x 12 x lanes) fitted tangents, normal, slopes and height over the fitted plane
   Points rest_;                   // (n x 3) m
   Points simulation_rest_;        // (m x 3) m
   std::vector<char> usable_;      // (m)
