@@ -127,7 +127,7 @@ double ActivePart::findHits(double time, double acceleration, double speed, doub
   if (is_oriented) {
     system_.computeForcesAndTorquesOnAll(time, state_, forces_on_all_, torques_on_all_);
   } else {
-    system_.computeForcesOnAll(time, state_, forces_on_all_);
+    march_.computeForcesOnAll(time, state_, forces_on_all_);
   }
   const auto isFast = [&](std::size_t k) {
     if (!(state_.velocities[k].squaredNorm() <= speed * speed)) return true;

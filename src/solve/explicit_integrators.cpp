@@ -137,6 +137,13 @@ bool isSame(const Points& a, const Points& b) {
 
 }  // namespace
 
+bool VelocityVerlet::takeLastForces(const System& system, const State& state, Points& forces) const {
+  if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions)) return false;
+  forces = fast_forces_;
+  for (std::size_t i = 0; system.hasSlowForces() && i < forces.size(); ++i) forces[i] += slow_forces_[i];
+  return true;
+}
+
 SolveReport VelocityVerlet::advance(const System& system, double time, double step, double max_substep, State& state) {
   const bool has_slow = system.hasSlowForces();
   const Substeps cut = chooseSubsteps(step, max_substep, max_slow_step_, has_slow ? most_inner_ : 1);

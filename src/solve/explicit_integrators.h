@@ -39,6 +39,7 @@ class VelocityVerlet : public Integrator {
     most_inner_ = most_inner;
   }
   void forgetForces() override { last_positions_.clear(); }
+  bool takeLastForces(const System& system, const State& state, Points& forces) const override;
 
  private:
   double max_slow_step_ = 0.0;

@@ -24,8 +24,7 @@ void System::computeForces(double time, const State& state, Points& forces) cons
 void System::computeForcesOnAll(double time, const State& state, Points& forces) const {
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(state, forces);
-  for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
-  model_.confine(forces);
+  addLoadsOnAll(time, state, forces);
 }
 
 void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
@@ -55,9 +54,13 @@ void System::computeSlowForces(const State& state, Points& forces) const {
   model_.addSlowForces(state, forces);
 }
 
-void System::addLoads(double time, const State& state, Points& forces) const {
+void System::addLoadsOnAll(double time, const State& state, Points& forces) const {
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
   model_.confine(forces);
+}
+
+void System::addLoads(double time, const State& state, Points& forces) const {
+  addLoadsOnAll(time, state, forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i]) forces[i].setZero();
 }

@@ -103,6 +103,15 @@ std::string TimeMarch::chooseIntegrator() {
   return notice;
 }
 
+void TimeMarch::computeForcesOnAll(double time, const State& state, Points& forces) const {
+  const auto last = integrators_.find(memory_.type);
+  if (last != integrators_.end() && last->second->takeLastForces(system_, state, forces)) {
+    system_.addLoadsOnAll(time, state, forces);
+  } else {
+    system_.computeForcesOnAll(time, state, forces);
+  }
+}
+
 Integrator& TimeMarch::integrator(IntegratorType type) {
   std::unique_ptr<Integrator>& kept = integrators_[type];
   if (!kept) kept = makeIntegrator(type, params_, system_.isOriented());

@@ -193,5 +193,35 @@ TEST(TimeMarch, AnInterruptedSolutionEndsBetweenTwoIterationsAndKeepsTheState) {
   }
 }
 
+TEST(TimeMarch, KnowsTheForcesOfTheStateThatItsStepEndedWithToTheBit) {
+  March m(1.0);
+  m.held[0] = 0;
+  Points known, found;
+  for (int k = 0; k < 3; ++k) {
+    m.countSubsteps();
+    const int evaluations = m.model.evaluations;
+    m.march.computeForcesOnAll(0.0, m.state, known);
+    EXPECT_EQ(m.model.evaluations, evaluations);
+    m.system.computeForcesOnAll(0.0, m.state, found);
+    EXPECT_GT(found[0].norm(), 0.0);
+    EXPECT_EQ(known, found);
+  }
+  // Another state's it does not know.
+  m.state.positions[0].x() += 0.5;
+  m.march.computeForcesOnAll(0.0, m.state, known);
+  m.system.computeForcesOnAll(0.0, m.state, found);
+  EXPECT_EQ(known, found);
+  // Nor those that read velocities.
+  SlowerOscillators viscous({1.0}, 1e-3, 1.0, 0.5);
+  const solve::System system(viscous, m.loads, m.held, 0.0);
+  solve::TimeMarch march(system, viscous, m.params);
+  State state{{Vec3(1.0, 0.0, 0.0)}, {Vec3::Zero()}};
+  ASSERT_TRUE(march.step(0.0, state).ok);
+  state.velocities[0].x() += 1.0;
+  march.computeForcesOnAll(0.0, state, known);
+  system.computeForcesOnAll(0.0, state, found);
+  EXPECT_EQ(known, found);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

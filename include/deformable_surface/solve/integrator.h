@@ -33,6 +33,8 @@ class Integrator {
   virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
   /// The model's forces are not those that the last step ended with, though the positions may be.
   virtual void forgetForces() {}
+  /// Overwrites forces (n x 3) with those of the model, on held points too, if the last step ended at this state and knows them.
+  virtual bool takeLastForces(const System& /*system*/, const State& /*state*/, Points& /*forces*/) const { return false; }
 
   /// Solutions of the implicit and the static methods end between two iterations once this is true, and leave a state that is no
   /// step's; null = never.

@@ -45,6 +45,7 @@ class System {
   void computeFastForces(const State& state, Points& forces) const;
   void computeSlowForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
+  void addLoadsOnAll(double time, const State& state, Points& forces) const;  // the same on held points too
   double boundSlowRate(const State& state) const { return model_.boundSlowRate(state); }
   /// False: the model's forces are a function of the positions alone.
   bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }

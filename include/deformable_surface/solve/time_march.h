@@ -60,6 +60,9 @@ class TimeMarch {
   /// Advances the state from time (s) by params.time_step.
   Outcome step(double time, State& state);
 
+  /// System::computeForcesOnAll(), to the bit, of the state that the last step ended with: what the integrator knows of it is not evaluated again.
+  void computeForcesOnAll(double time, const State& state, Points& forces) const;
+
   /// Takes every step in so many times as many sub-steps, n >= 1.
   void setFineness(Index n) { fineness_ = n; }
   /// A step ends between two of its parts, portions of sub-steps or iterations, as one that failed, once this is true; null = never.
