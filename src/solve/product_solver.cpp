@@ -23,13 +23,13 @@ void ProductSolver::prepare(const System& system, double time, const State& stat
   system.addStiffness(time, state, step, hessian, loads_);
   loads_.finish();
   has_load_stiffness_ = std::any_of(loads_.values().begin(), loads_.values().end(), [](const Mat3& block) { return !block.isZero(0.0); });
-  if (factored_weight_.empty()) {
+  if (known_weight_.empty()) {
     std::vector<std::pair<Index, Index>> pairs;
     for (const auto& coupling : system.couplings()) pairs.emplace_back(coupling.i, coupling.j);
-    factor_.analyze(n, pairs);
+    springs_.analyze(n, pairs);
     diagonal_.resize(n);
     off_diagonal_.resize(pairs.size());
-    factored_held_.resize(n);
+    known_held_.resize(n);
   }
   diagonal_.assign(n, 0.0);
   for (const auto& coupling : system.couplings()) {
@@ -39,24 +39,24 @@ void ProductSolver::prepare(const System& system, double time, const State& stat
   const double regular = kRegularization * *std::max_element(diagonal_.begin(), diagonal_.end());
   weight_.resize(n);
   for (Index i = 0; i < n; ++i) weight_[i] = weight[i] + regular;
-  factorize(system);
+  setSprings(system);
 }
 
-// Held points become identity rows. Where nothing has changed the factor stays.
-void ProductSolver::factorize(const System& system) {
+// Held points become identity rows. Where nothing has changed the springs stay.
+void ProductSolver::setSprings(const System& system) {
   const Index n = system.size();
-  bool is_same = factored_weight_ == weight_;
-  for (Index i = 0; i < n && is_same; ++i) is_same = system.isHeld(i) == (factored_held_[i] != 0);
+  bool is_same = known_weight_ == weight_;
+  for (Index i = 0; i < n && is_same; ++i) is_same = system.isHeld(i) == (known_held_[i] != 0);
   if (is_same) return;
-  factored_weight_ = weight_;
+  known_weight_ = weight_;
   for (Index i = 0; i < n; ++i) {
-    factored_held_[i] = system.isHeld(i);
+    known_held_[i] = system.isHeld(i);
     diagonal_[i] = system.isHeld(i) ? 1.0 : diagonal_[i] + weight_[i];
   }
   std::size_t k = 0;
   for (const auto& coupling : system.couplings())
     off_diagonal_[k++] = system.isHeld(coupling.i) || system.isHeld(coupling.j) ? 0.0 : -coupling.stiffness;
-  factor_.factorize(diagonal_, off_diagonal_);  // diagonally dominant: it cannot fail
+  springs_.setValues(diagonal_, off_diagonal_);
 }
 
 void ProductSolver::multiply(const System& system, const Points& v, Points& product) {
@@ -79,7 +79,7 @@ bool ProductSolver::solve(const System& system, const Points& gradient, double t
   residual_.resize(n);
   direction.assign(n, Vec3::Zero());
   for (Index i = 0; i < n; ++i) residual_[i] = system.isHeld(i) ? Vec3::Zero().eval() : (-gradient[i]).eval();
-  factor_.solve(residual_, preconditioned_);
+  springs_.apply(residual_, preconditioned_);
   along_ = preconditioned_;
   double size = flatten(residual_).dot(flatten(preconditioned_));
   const double enough = tolerance * tolerance * size;
@@ -93,7 +93,7 @@ bool ProductSolver::solve(const System& system, const Points& gradient, double t
     const double step = size / resistance;
     flatten(direction) += step * flatten(along_);
     flatten(residual_) -= step * flatten(product_);
-    factor_.solve(residual_, preconditioned_);
+    springs_.apply(residual_, preconditioned_);
     const double next = flatten(residual_).dot(flatten(preconditioned_));
     flatten(along_) = flatten(preconditioned_) + next / size * flatten(along_);
     size = next;

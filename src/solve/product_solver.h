@@ -1,7 +1,7 @@
 // Newton's direction where the stiffness is known by its products alone. Apart from newton.h, which looks for the length of the step.
 #pragma once
 
-#include "deformable_surface/base/scalar_cholesky.h"
+#include "deformable_surface/base/multigrid.h"
 #include "deformable_surface/solve/system.h"
 
 #include <atomic>
@@ -9,9 +9,9 @@
 namespace deformable_surface::solve {
 
 /// Solves (K + W) d = -g on the free points by conjugate gradients [Hestenes and Stiefel 1952], K the stiffness of the model and the
-/// loads, W weights by point. Preconditioned by the springs that the model tells of (DeformableModel::couplings()) and W, factorised:
-/// these know no direction, so that no rotation of the body makes them worse, and what they differ by bounds the number of
-/// products however long the step and however stiff the body.
+/// loads, W weights by point. Preconditioned by the springs that the model tells of (DeformableModel::couplings()) and W, as far as a
+/// cycle over coarser springs inverts them: these know no direction, so that no rotation of the body makes them worse, and what they
+/// differ by bounds the number of products however long the step and however stiff the body.
 class ProductSolver {
  public:
   /// Takes the matrix at a state; step: as in System::addStiffness(). Allocates nothing after the first time.
@@ -24,15 +24,15 @@ class ProductSolver {
   bool solve(const System& system, const Points& gradient, double tolerance, const std::atomic<bool>* interrupt, Points& direction);
 
  private:
-  void factorize(const System& system);
+  void setSprings(const System& system);
   void multiply(const System& system, const Points& v, Points& product);
 
   std::vector<double> weight_;    // (n) N/m, and what keeps the matrix regular
   BlockSparse loads_;             // their stiffness
   bool has_load_stiffness_ = false;
-  ScalarCholesky factor_;
-  std::vector<double> factored_weight_;  // (n) with which factor_ was made; 1 on held points
-  std::vector<char> factored_held_;
+  Multigrid springs_;
+  std::vector<double> known_weight_;  // (n) with which springs_ were made
+  std::vector<char> known_held_;
   // Scratch.
   std::vector<double> diagonal_, off_diagonal_;
   Points residual_, preconditioned_, along_, product_;
