@@ -26,14 +26,16 @@ Gradients makeGradients(double jitter) {
   return g;
 }
 
-Eigen::Map<const Vec3> rowAt(const std::vector<double>& rows, Index k) { return Eigen::Map<const Vec3>(rows.data() + 4 * k); }
+Eigen::Map<const Vec3> rowAt(const std::vector<double>& rows, Index k, Index width = 3) {
+  return Eigen::Map<const Vec3>(rows.data() + width * k);
+}
 
 // sum_i V_i g_i(j): the integral of the gradient of j's shape function.
 Points integrate(const Gradients& g, bool is_corrected) {
   Points integral(g.points.size(), Vec3::Zero());
   for (Index i = 0; i < g.fit.size(); ++i)
     for (Index k = g.fit.pairs.offsets[i]; k < g.fit.pairs.offsets[i + 1]; ++k) {
-      const Vec3 row = is_corrected ? Vec3(rowAt(g.corrected.row, k)) : Vec3(g.fit.inverseAt(i) * rowAt(g.fit.m, k));
+      const Vec3 row = is_corrected ? Vec3(rowAt(g.corrected.row, k)) : Vec3(g.fit.inverseAt(i) * rowAt(g.fit.m, k, 4));
       integral[g.fit.pairs.items[k]] += g.cells.volume[i] * row;
       integral[i] -= g.cells.volume[i] * row;
     }

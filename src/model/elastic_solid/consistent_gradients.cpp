@@ -93,8 +93,8 @@ void balance(const Points& points, const Points& outside, Points& r) {
 ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, const PointCells& cells) {
   const Index n = fit.size();
   ConsistentGradients result;
-  result.row.assign(fit.m.size(), 0.0);
-  result.column.assign(fit.m.size(), 0.0);
+  result.row.assign(3 * fit.pairs.items.size(), 0.0);
+  result.column.assign(3 * fit.pairs.items.size(), 0.0);
   result.own.assign(n, Vec3::Zero());
   const auto fittedAt = [&](Index i, Index k) { return Vec3(fit.inverseAt(i) * Map3(pairAt(fit, k))); };
 
@@ -138,10 +138,10 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
       const double* m = pairAt(fit, k);
       const Vec3 rest = m[3] * (l[j] - l[i]) - gradient[i] * Map3(m);
       const Vec3 g = inverse * Map3(m) + span * rest / cells.volume[i];
-      Eigen::Map<Vec3>(result.row.data() + 4 * static_cast<std::size_t>(k)) = g;
+      Eigen::Map<Vec3>(result.row.data() + 3 * static_cast<std::size_t>(k)) = g;
       result.own[i] += g;
       const Index* back = std::lower_bound(fit.pairs.begin(j), fit.pairs.end(j), i);
-      Eigen::Map<Vec3>(result.column.data() + 4 * (back - fit.pairs.items.data())) = g;
+      Eigen::Map<Vec3>(result.column.data() + 3 * (back - fit.pairs.items.data())) = g;
     }
   }
   return result;

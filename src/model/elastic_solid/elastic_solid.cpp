@@ -108,7 +108,7 @@ void ElasticSolid::findRowBounds() {
   row_bounds_.assign(n, 0.0);
   for (Index i = 0; i < n; ++i) {
     double sum = rest.gradients.own[i].norm(), near_sum = 0.0, weights = 0.0;
-    const auto gradientAt = [&](Index k) { return Eigen::Map<const Vec3>(rest.gradients.row.data() + 4 * static_cast<std::size_t>(k)).norm(); };
+    const auto gradientAt = [&](Index k) { return Eigen::Map<const Vec3>(rest.gradients.row.data() + 3 * static_cast<std::size_t>(k)).norm(); };
     const auto near = [&](Index k) { return rest.near.m.data() + 4 * static_cast<std::size_t>(k); };
     const Mat3 inverse = rest.near.inverseAt(i);
     for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) sum += gradientAt(k);

@@ -25,15 +25,15 @@ struct Four {
   Double4 at[3][3];
 };
 
-// Sums over the neighbours j of (x_j - x_i) row_j[c] for c < kCount, x y z 0 each.
-template <int kCount>
+// Sums over the neighbours j of (x_j - x_i) row_j[c] for c < kCount, x y z 0 each; rows of kWidth numbers.
+template <int kCount, int kWidth>
 DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* items, const double* rows, const double* positions,
                                            Index i, Double4* columns) {
   Double4 here, a[kCount]{}, b[kCount]{};
   load(positions + 4 * static_cast<std::ptrdiff_t>(i), here);
   Index k = begin;
   for (; k + 1 < end; k += 2) {
-    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
     Double4 d, e;
     load(positions + 4 * static_cast<std::ptrdiff_t>(items[k]), d);
     load(positions + 4 * static_cast<std::ptrdiff_t>(items[k + 1]), e);
@@ -41,11 +41,11 @@ DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* 
     e -= here;
     for (int c = 0; c < kCount; ++c) {
       a[c] += d * u[c];
-      b[c] += e * u[4 + c];
+      b[c] += e * u[kWidth + c];
     }
   }
   if (k < end) {
-    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
     Double4 d;
     load(positions + 4 * static_cast<std::ptrdiff_t>(items[k]), d);
     d -= here;
@@ -55,13 +55,13 @@ DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* 
 }
 
 // The same of four points in a row, side by side; sums are those with the fourth number of a row.
-template <int kCount>
+template <int kCount, int kWidth>
 DEFORMABLE_SURFACE_INLINE void gatherFour(Index first, Index n, const Index* offsets, const Index* items, const double* rows,
                                           const double* positions, Four& A, Double4* sums) {
   Double4 columns[4][kCount];
   for (Index lane = 0; lane < 4; ++lane) {
     const Index i = first + lane < n ? first + lane : n - 1;  // the last group is filled up
-    gatherPairs<kCount>(offsets[i], offsets[i + 1], items, rows, positions, i, columns[lane]);
+    gatherPairs<kCount, kWidth>(offsets[i], offsets[i + 1], items, rows, positions, i, columns[lane]);
   }
   for (int c = 0; c < kCount; ++c) {
     transpose(columns[0][c], columns[1][c], columns[2][c], columns[3][c]);
@@ -180,7 +180,7 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
   for (Index i = begin; i < end; i += 4) {
     Four F, R, Q, A, N;
     Double4 sums[3];
-    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    gatherFour<3, 3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
     if (law == StressLaw::kCorotated || law == StressLaw::kLinear) addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
     if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
@@ -192,7 +192,7 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
     const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
     Double4 volume, g[3], m[3];
     load(constants, volume);
-    gatherFour<4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
+    gatherFour<4, 4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
     multiplyByInverse(A, constants + 16, N);
     for (int c = 0; c < 3; ++c) {
       load(constants + 4 * (1 + c), g[c]);
@@ -223,23 +223,24 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
 }
 
 // Adds sum_j M_j rows_j of one point, M_j the matrices (columns x y z 0) that stand at from, 24 numbers a point.
+template <int kWidth>
 DEFORMABLE_SURFACE_INLINE void addProducts(Index begin, Index end, const Index* items, const double* rows, const double* from,
                                            Double4& sum) {
   Double4 f[3]{}, g[3]{};
   Index k = begin;
   for (; k + 1 < end; k += 2) {
-    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
     const double *p = from + 24 * static_cast<std::ptrdiff_t>(items[k]), *q = from + 24 * static_cast<std::ptrdiff_t>(items[k + 1]);
     for (int c = 0; c < 3; ++c) {
       Double4 at, next;
       load(p + 4 * c, at);
       load(q + 4 * c, next);
       f[c] += at * u[c];
-      g[c] += next * u[4 + c];
+      g[c] += next * u[kWidth + c];
     }
   }
   if (k < end) {
-    const double* u = rows + 4 * static_cast<std::ptrdiff_t>(k);
+    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
     const double* p = from + 24 * static_cast<std::ptrdiff_t>(items[k]);
     for (int c = 0; c < 3; ++c) {
       Double4 at;
@@ -255,8 +256,8 @@ DEFORMABLE_SURFACE_WIDE void gather(Index begin, Index end, const PassArrays& a,
   for (Index i = begin; i < end; ++i) {
     Double4 sum, stress{};
     load(own + 4 * static_cast<std::ptrdiff_t>(i), sum);
-    addProducts(a.offsets[i], a.offsets[i + 1], a.items, a.column, spread_from, stress);
-    addProducts(a.near_offsets[i], a.near_offsets[i + 1], a.near_items, a.m, spread_from + 12, sum);
+    addProducts<3>(a.offsets[i], a.offsets[i + 1], a.items, a.column, spread_from, stress);
+    addProducts<4>(a.near_offsets[i], a.near_offsets[i + 1], a.near_items, a.m, spread_from + 12, sum);
     sum -= stress;
     for (int c = 0; c < 3; ++c) forces[3 * static_cast<std::ptrdiff_t>(i) + c] += sum[c];
   }
@@ -269,8 +270,8 @@ DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end,
     Four A, F, R, N;
     Double4 sums[3];
     const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
-    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
-    gatherFour<3>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
+    gatherFour<3, 3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    gatherFour<3, 4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
     multiplyByInverse(A, constants + 16, N);
     addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
@@ -315,7 +316,7 @@ DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index
   for (Index i = begin; i < end; i += 4) {
     Four F, R, S, H;
     Double4 sums[3];
-    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    gatherFour<3, 3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
     addAcross(a, F);
     bool* sound = is_sound + (i - begin);
     findRotations(F, R, sound);
@@ -356,18 +357,25 @@ PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, co
           s.mu, s.lambda, s.stabilization, {s.across.x(), s.across.y(), s.across.z()}};
 }
 
-// Sum over the neighbours of (x_j - x_i) row_j^T, and of (x_j - x_i) times the fourth number.
-Mat3 sumPairs(const Lists& pairs, const std::vector<double>& rows, Index i, const double* positions, Vec3& sum) {
+// Sum over the neighbours of (x_j - x_i) row_j^T; rows of so many numbers.
+Mat3 sumPairs(const Lists& pairs, const std::vector<double>& rows, int width, Index i, const double* positions) {
   Mat3 A = Mat3::Zero();
-  sum.setZero();
   const Eigen::Map<const Vec3> here(positions + 4 * static_cast<std::ptrdiff_t>(i));
   for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k) {
-    const double* row = rows.data() + 4 * static_cast<std::size_t>(k);
     const Vec3 d = Eigen::Map<const Vec3>(positions + 4 * static_cast<std::ptrdiff_t>(pairs.items[k])) - here;
-    A += d * Eigen::Map<const Vec3>(row).transpose();
-    sum += row[3] * d;
+    A += d * Eigen::Map<const Vec3>(rows.data() + width * static_cast<std::size_t>(k)).transpose();
   }
   return A;
+}
+
+// Sum over the neighbours of w'_ij (x_j - x_i).
+Vec3 sumWeighted(const PairFit& near, Index i, const double* positions) {
+  Vec3 sum = Vec3::Zero();
+  const Eigen::Map<const Vec3> here(positions + 4 * static_cast<std::ptrdiff_t>(i));
+  for (Index k = near.pairs.offsets[i]; k < near.pairs.offsets[i + 1]; ++k)
+    sum += near.m[4 * static_cast<std::size_t>(k) + 3] *
+           (Eigen::Map<const Vec3>(positions + 4 * static_cast<std::ptrdiff_t>(near.pairs.items[k])) - here);
+  return sum;
 }
 
 Vec3 sumMoments(const PairFit& fit, Index i) {
@@ -433,10 +441,9 @@ void SolidPasses::spreadStress(StressLaw law, Index begin, Index end, const doub
 }
 
 void SolidPasses::repair(StressLaw law, Index i, const double* positions) {
-  Vec3 sum;
-  const Mat3 N = -rest.stabilization * sumPairs(rest.near.pairs, rest.near.m, i, positions, sum) * rest.near.inverseAt(i);
+  const Mat3 N = -rest.stabilization * sumPairs(rest.near.pairs, rest.near.m, 4, i, positions) * rest.near.inverseAt(i);
   const Mat3 Q = rest.fit.rank[i] > 0 ? Mat3(rest.volumes[i] * findStress(law, fitGradient(i, positions))) : Mat3(Mat3::Zero());
-  const Vec3 own = Q * rest.gradients.own[i] + N * sumMoments(rest.near, i) + 2.0 * rest.stabilization * sum;
+  const Vec3 own = Q * rest.gradients.own[i] + N * sumMoments(rest.near, i) + 2.0 * rest.stabilization * sumWeighted(rest.near, i, positions);
   double* to = spread_.data() + 24 * static_cast<std::size_t>(i);
   for (int c = 0; c < 3; ++c) {
     Eigen::Map<Vec3>(to + 4 * c) = Q.col(c);
@@ -487,8 +494,7 @@ void SolidPasses::gatherForces(Index begin, Index end, double* forces) const {
 }
 
 Mat3 SolidPasses::fitGradient(Index i, const double* positions) const {
-  Vec3 sum;
-  const Mat3 F = sumPairs(rest.fit.pairs, rest.gradients.row, i, positions, sum);
+  const Mat3 F = sumPairs(rest.fit.pairs, rest.gradients.row, 3, i, positions);
   const bool is_planar = !rest.across.isZero(0.0);
   if (is_planar && rest.fit.rank[i] == 2) return F + rest.across * rest.across.transpose();
   return rest.fit.rank[i] == 3 ? F : complete(F, rest.fit.inverseAt(i), rest.fit.rank[i]);
@@ -513,7 +519,7 @@ double SolidPasses::findDensity(StressLaw law, const Mat3& F) const {
 }
 
 void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse, const Mat3& inverse) {
-  const auto at = [](auto& rows, Index k) { return rows.data() + 4 * static_cast<std::size_t>(k); };
+  const auto at = [](auto& rows, Index k) { return rows.data() + 3 * static_cast<std::size_t>(k); };
   for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) {
     const Vec3 row = inverse.transpose() * Eigen::Map<const Vec3>(at(at_rest.row, k));
     Eigen::Map<Vec3>(at(rest.gradients.row, k)) = Eigen::Map<Vec3>(at(rest.gradients.column, reverse[k])) = row;
@@ -526,8 +532,7 @@ void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const 
 
 double SolidPasses::findEnergy(StressLaw law, Index i, const double* positions) const {
   const double density = rest.fit.rank[i] > 0 ? findDensity(law, fitGradient(i, positions)) : 0.0;
-  Vec3 unused;
-  const Mat3 N = sumPairs(rest.near.pairs, rest.near.m, i, positions, unused) * rest.near.inverseAt(i);
+  const Mat3 N = sumPairs(rest.near.pairs, rest.near.m, 4, i, positions) * rest.near.inverseAt(i);
   double sum = 0.0;
   const Eigen::Map<const Vec3> here(positions + 4 * static_cast<std::ptrdiff_t>(i));
   for (Index k = rest.near.pairs.offsets[i]; k < rest.near.pairs.offsets[i + 1]; ++k) {
