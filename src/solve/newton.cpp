@@ -12,9 +12,9 @@ constexpr int kPatience = 2;           // projected matrices in a row after whic
 constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
 constexpr double kRaise = 10.0;        // of a shift that was not enough
 constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
-constexpr double kLoosest = 0.05;      // error of a direction by products: the next iteration has to find the rest anyway
-constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, for the next direction's error
-constexpr double kOversolved = 0.3;    // of what is still to be gained: a direction that leaves no more is good for nothing else
+constexpr double kLoosest = 0.05;      // of the gradient, left by a direction by products: the next iteration has to find the rest anyway
+constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, left by the next direction
+constexpr double kOversolved = 0.3;    // of what ends the search: a direction that leaves no more is good for nothing else
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
 }  // namespace
@@ -120,10 +120,10 @@ void NewtonDescent::solveFactored(const Problem& problem, const State& state) {
 
 void NewtonDescent::solveByProducts(const Problem& problem, const State& state) {
   const double fall = last_residual_ > 0.0 ? residual_ / last_residual_ : 1.0;
-  const double tolerance = std::min(kLoosest, std::max(kForcing * fall * fall, kOversolved * problem.enough / residual_));
+  const double enough = std::max(std::min(kLoosest, kForcing * fall * fall) * residual_, kOversolved * problem.enough);
   const auto solve = [&](model::Hessian hessian) {
     products_.prepare(problem.system, problem.time, state, problem.step, hessian, problem.weight);
-    return products_.solve(problem.system, gradient_, tolerance, interrupt_, found_);
+    return products_.solve(problem.system, gradient_, enough, interrupt_, found_);
   };
   if (!is_indefinite_) is_indefinite_ = !solve(model::Hessian::kExact);
   if (is_indefinite_) solve(model::Hessian::kPositive);

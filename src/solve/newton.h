@@ -66,7 +66,7 @@ class NewtonDescent {
   /// Solves with the factor; direction_ stays the steepest where the result is not finite.
   void solveFactored(const Problem& problem, const State& state);
   /// The direction of a model whose stiffness is known by products; as accurate as the gradient has fallen since the last one
-  /// [Eisenstat and Walker 1996].
+  /// [Eisenstat and Walker 1996], and as ends the search if one direction can.
   void solveByProducts(const Problem& problem, const State& state);
 
   bool is_potential_known_ = false;  // since begin()

@@ -13,6 +13,12 @@ Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
   return {points.data()->data(), 3 * static_cast<Eigen::Index>(points.size())};
 }
 
+double findLargest(const Points& vectors) {
+  double squared = 0.0;
+  for (const Vec3& v : vectors) squared = std::max(squared, v.squaredNorm());
+  return std::sqrt(squared);
+}
+
 }  // namespace
 
 void ProductSolver::prepare(const System& system, double time, const State& state, double step, model::Hessian hessian,
@@ -73,7 +79,7 @@ void ProductSolver::multiply(const System& system, const Points& v, Points& prod
     if (!system.isHeld(i)) product[i] += weight_[i] * v[i];
 }
 
-bool ProductSolver::solve(const System& system, const Points& gradient, double tolerance, const std::atomic<bool>* interrupt,
+bool ProductSolver::solve(const System& system, const Points& gradient, double enough, const std::atomic<bool>* interrupt,
                           Points& direction) {
   const Index n = system.size();
   residual_.resize(n);
@@ -82,8 +88,7 @@ bool ProductSolver::solve(const System& system, const Points& gradient, double t
   springs_.apply(residual_, preconditioned_);
   along_ = preconditioned_;
   double size = flatten(residual_).dot(flatten(preconditioned_));
-  const double enough = tolerance * tolerance * size;
-  for (int k = 0; k < kMostProducts && size > enough && !(interrupt && *interrupt); ++k) {
+  for (int k = 0; k < kMostProducts && size > 0.0 && findLargest(residual_) > enough && !(interrupt && *interrupt); ++k) {
     multiply(system, along_, product_);
     const double resistance = flatten(along_).dot(flatten(product_));
     if (!(resistance > 0.0)) {

@@ -18,10 +18,10 @@ class ProductSolver {
   void prepare(const System& system, double time, const State& state, double step, model::Hessian hessian,
                const std::vector<double>& weight);
 
-  /// direction (n x 3), zero on held points, with an error below tolerance of that of zero, both measured by what the preconditioner
-  /// makes of the residual. False: a motion was met along which the matrix is not positive; direction is then what was found before
-  /// it, at least the preconditioner's answer. Ends early once interrupt is true.
-  bool solve(const System& system, const Points& gradient, double tolerance, const std::atomic<bool>* interrupt, Points& direction);
+  /// direction (n x 3), zero on held points, that leaves no more than `enough` (N) on any point. False: a motion was met along which
+  /// the matrix is not positive; direction is then what was found before it, at least the preconditioner's answer. Ends early once
+  /// interrupt is true.
+  bool solve(const System& system, const Points& gradient, double enough, const std::atomic<bool>* interrupt, Points& direction);
 
  private:
   void setSprings(const System& system);

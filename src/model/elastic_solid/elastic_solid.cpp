@@ -90,11 +90,13 @@ void ElasticSolid::beginAtRest(State& state) {
 }
 
 void ElasticSolid::adopt(const State& state) {
+  energy_at_.clear();
   if (plasticity_) plasticity_->apply(state.plastic, passes_);
 }
 
 bool ElasticSolid::flow(double dt, State& state) {
   if (!plasticity_) return false;
+  energy_at_.clear();
   positions_.assign(state.positions);
   return plasticity_->flow(dt, positions_.data(), passes_, state);
 }
@@ -204,8 +206,10 @@ void ElasticSolid::addStiffnessProduct(const Points& v, Points& product) const {
 }
 
 double ElasticSolid::elasticEnergy(const State& state) const {
+  if (energy_at_ == state.positions) return energy_;
+  energy_at_ = state.positions;
   positions_.assign(state.positions);
-  return parallelSum(passes_.size(), kBlock, [&](Index begin, Index end) {
+  return energy_ = parallelSum(passes_.size(), kBlock, [&](Index begin, Index end) {
     return passes_.sumEnergy(law_, begin, end, positions_.data());
   });
 }

@@ -97,6 +97,9 @@ class ElasticSolid : public DeformableModel {
   // Scratch.
   mutable PaddedPoints positions_;
   mutable Points product_;
+  // An implicit step asks for the energy of where it was and ends more than once.
+  mutable Points energy_at_;
+  mutable double energy_ = 0.0;
 };
 
 }  // namespace deformable_surface::model
