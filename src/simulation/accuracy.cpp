@@ -2,7 +2,9 @@
 
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/simulation/simulation.h"
+#include "accuracy_probe.h"
 #include "error_estimator.h"
+#include "integrator_choice.h"
 
 #include <algorithm>
 #include <array>
@@ -20,62 +22,14 @@ constexpr Index kFewest = 8 * kCoarsestPoints;
 // The membranes that are tried: each has this share of the stiffness of the one before, so that its steps take half as many sub-steps.
 constexpr double kSofter = 0.25;
 constexpr double kWorthwhile = 0.9;  // of the work: what a softer membrane must save, else bending or loads ask for the sub-steps
-constexpr double kMostKept = 2e6;    // points whose positions are kept of a probe: some fifty megabytes
 // Points times sub-steps of a probe, about ten seconds of one core: a finer one is not begun if it would take more.
 constexpr double kMostWork = 1e8;
-// What a Newton iteration costs over a force pass, roughly.
-constexpr double kNewtonCost = 30.0;
 // Cost of an explicit step by the number of points: the sub-steps grow with its root.
 constexpr double kCostExponent = 1.5;
 constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only ever makes them slower
 constexpr int kSettled = 25;    // steps of a probe that fits: the last ones see a surface in motion, whose sub-steps are finer
 
 std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
-
-// A probe: the scene itself on fewer points, with the error estimate that will be published.
-struct Probe {
-  Candidate candidate;
-  double work = 0.0;   // points times sub-steps of the whole duration
-  bool failed = false;
-  std::vector<Points> looks;      // positions at every so many steps
-  std::vector<double> softening;  // m, after each step the largest distance so far from those of the probe beside it
-};
-
-// beside: a probe of as many points with all of the stated stiffness, for one with a share of it.
-Probe probeError(const SceneParams& params, const RestSurface& full, Index points, double membrane_share, const Probe* beside) {
-  Probe probe;
-  probe.candidate.points = points;
-  probe.candidate.membrane_share = membrane_share;
-  SceneParams quiet = params;
-  quiet.accuracy = AccuracyParams{};
-  Simulation simulation(quiet, buildCoarser(quiet, full, points));
-  simulation.estimateError(full);
-  if (beside) simulation.softenMembrane(membrane_share);
-  const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
-  const Index between = static_cast<Index>(static_cast<double>(points) * steps / kMostKept) + 1;
-  double apart = 0.0;
-  for (Index k = 1; k <= steps; ++k) {
-    const StepOutcome outcome = simulation.step();
-    const Statistics now = simulation.statistics();
-    const Points& positions = simulation.state().positions;
-    if (k % between == 0 && beside) {
-      const Points& stated = beside->looks[k / between - 1];
-      for (std::size_t i = 0; i < stated.size(); ++i) apart = std::max(apart, (positions[i] - stated[i]).norm());
-    } else if (k % between == 0) {
-      probe.looks.push_back(positions);
-    }
-    if (beside) probe.softening.push_back(apart);
-    const double error = outcome.ok ? now.error_estimate + apart : std::numeric_limits<double>::infinity();
-    probe.candidate.error = std::max(probe.candidate.error, error);
-    probe.work += static_cast<double>(points) * (now.solver_iterations > 0 ? kNewtonCost * now.solver_iterations : now.substeps);
-    if (probe.candidate.error <= params.accuracy.position_error) continue;
-    // It has failed; what all of it would have cost is still of interest.
-    probe.work *= static_cast<double>(steps) / k;
-    probe.failed = true;
-    return probe;
-  }
-  return probe;
-}
 
 // What meets tools, and what tears, must be as stiff as stated; an equilibrium costs the same for any stiffness.
 bool maySoften(const SceneParams& params) {
@@ -85,15 +39,15 @@ bool maySoften(const SceneParams& params) {
 
 // The softest membrane whose estimate stays below the wish, and how far the probe with it is from the one with the stated stiffness.
 void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, AccuracyChoice& choice) {
-  double work = stated.work;
   const auto isBetter = [&](double share) {
-    Probe probe = probeError(params, full, choice.points, share, &stated);
+    Candidate tried = stated.candidate;
+    tried.error = tried.work = 0.0;
+    tried.membrane_share = share;
+    Probe probe = probeError(params, full, tried, params.accuracy.position_error, &stated);
     choice.candidates.push_back(probe.candidate);
-    if (probe.failed || !(probe.work < kWorthwhile * work)) return false;
-    choice.membrane_share = share;
+    if (probe.failed || !(probe.candidate.work < kWorthwhile * choice.work)) return false;
+    choice.take(probe.candidate);
     choice.softening = std::move(probe.softening);
-    choice.error = probe.candidate.error;
-    work = probe.work;
     return true;
   };
   double share = kSofter;
@@ -107,12 +61,16 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
   const double wish = params.accuracy.position_error;
   const std::string asked = "accuracy.position_error " + formatReal(wish) + " m: ";
   for (Index points = std::min(kFewest, n);; points = std::min(2 * points, n)) {
-    const Probe probe = probeError(params, full, points, 1.0, nullptr);
+    Candidate tried;
+    tried.points = points;
+    tried.integrator = params.integrator.type;
+    Probe probe = probeError(params, full, tried, wish);
     choice.candidates.push_back(probe.candidate);
-    choice.points = points;
+    if (probe.failed && mayChooseIntegrator(params)) tryVerlet(params, full, probe, choice);
+    choice.take(probe.candidate);
     choice.is_met = !probe.failed;
-    choice.error = probe.candidate.error;
     if (choice.is_met && maySoften(params)) chooseMembrane(params, full, probe, choice);
+    if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe.is_implicit, choice);
     const std::string estimate = formatReal(choice.error) + " m";
     if (choice.is_met) {
       choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +
@@ -120,6 +78,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       if (choice.membrane_share < 1.0)
         choice.sentence += ", with " + formatReal(choice.membrane_share) +
                            " of the stated membrane stiffness, the least tried for which that holds (sub-steps are fewer)";
+      if (!choice.why_integrator.empty()) choice.sentence += "; " + choice.why_integrator;
       break;
     }
     const std::string reached = "; its estimated error has reached " + estimate;
@@ -127,7 +86,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       choice.sentence = asked + "cannot be met even with every point simulated, which is chosen" + reached;
       break;
     }
-    const double next_work = probe.work * std::pow(static_cast<double>(std::min(2 * points, n)) / points, kCostExponent);
+    const double next_work = probe.candidate.work * std::pow(static_cast<double>(std::min(2 * points, n)) / points, kCostExponent);
     if (next_work > kMostWork) {
       choice.sentence = asked + "not met by " + sayPoints(points, n) + ", the most whose trial is affordable, which are chosen" +
                         reached;
@@ -137,9 +96,10 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
   return choice.points;
 }
 
-// What the step of a probe costs, s.
-double timeProbe(const SceneParams& params, const RestSurface& full, Index points) {
+// What the step of a probe costs, s; taken: by which integrator.
+double timeProbe(const SceneParams& params, const RestSurface& full, Index points, IntegratorType type, IntegratorType& taken) {
   SceneParams quiet = params;
+  quiet.integrator.type = type;
   quiet.accuracy = AccuracyParams{};
   quiet.activity.sleep = Sleep::kNever;  // what is timed is a surface in motion
   Simulation simulation(quiet, buildCoarser(quiet, full, points));
@@ -147,7 +107,26 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   const auto step = [&] {
     return simulation.step().ok ? simulation.statistics().time_total : std::numeric_limits<double>::infinity();
   };
-  return timeSteps(step, params.accuracy.step_budget);
+  const double seconds = timeSteps(step, params.accuracy.step_budget);
+  taken = simulation.lastIntegrator();
+  return seconds;
+}
+
+// The most points whose step fits, by auto's integrator or, where that leads to a smaller estimate, by the other one.
+Index chooseByBudget(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
+  const Index n = static_cast<Index>(full.dense.positions.size());
+  IntegratorType taken = IntegratorType::kVerlet;
+  const auto time_with = [&](IntegratorType type) {
+    return [&, type](Index points) { return timeProbe(params, full, points, type, taken); };
+  };
+  chooseByTime(n, params.accuracy.step_budget, time_with(params.integrator.type), choice);
+  const bool has_all = choice.is_met && choice.points == n && taken == IntegratorType::kVerlet;
+  if (has_all || !mayChooseIntegrator(params)) return choice.points;
+  const IntegratorType other = taken == IntegratorType::kVerlet ? IntegratorType::kImplicit : IntegratorType::kVerlet;
+  AccuracyChoice with_other;
+  chooseByTime(n, params.accuracy.step_budget, time_with(other), with_other);
+  compareIntegrators(params, full, other, with_other, choice);
+  return choice.points;
 }
 
 }  // namespace
@@ -205,8 +184,7 @@ RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& inpu
   if (!choice.is_asked) return buildRestSurface(params, input, coarsest);
   RestSurface rest = buildRestSurface(params, input, coarsest, [&](const RestSurface& full) {
     if (wish.position_error > 0.0) return chooseByError(params, full, choice);
-    const auto time_step = [&](Index points) { return timeProbe(params, full, points); };
-    return chooseByTime(static_cast<Index>(full.dense.positions.size()), wish.step_budget, time_step, choice);
+    return chooseByBudget(params, full, choice);
   });
   rest.notes.push_back(choice.sentence);
   return rest;

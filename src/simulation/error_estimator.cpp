@@ -163,16 +163,13 @@ void ErrorEstimator::stiffenMembrane() {
 }
 
 std::shared_ptr<const ErrorEstimator::Memory> ErrorEstimator::memory() const {
-  return std::make_shared<const Memory>(Memory{seen_, dents_.growth(), shadow_->params().integrator.type,
-                                               twin_->params().integrator.type, shadow_->snapshot(), twin_->snapshot(),
+  return std::make_shared<const Memory>(Memory{seen_, dents_.growth(), shadow_->snapshot(), twin_->snapshot(),
                                                verlet_ ? verlet_->snapshot() : Snapshot()});
 }
 
 void ErrorEstimator::setMemory(const Memory& saved) {
   seen_ = saved.seen;
   dents_.setGrowth(saved.dents);
-  shadow_->setIntegrator(saved.shadow_type);
-  twin_->setIntegrator(saved.twin_type);
   shadow_->restore(saved.shadow);
   twin_->restore(saved.twin);
   if (verlet_) verlet_->restore(saved.verlet);
@@ -216,7 +213,7 @@ void ErrorEstimator::followVerlet(IntegratorType type) {
 
 // False if one of them took no sound step.
 bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
-  if (seen_.steps++ == 0) seen_.follows_verlet = isDamping(type);
+  if (seen_.steps++ == 0) seen_.follows_verlet = verlet_ && isDamping(type);
   if (seen_.follows_verlet) followVerlet(type);
   // Where Verlet's steps go wrong, auto rescues them.
   const bool is_verlet = type == IntegratorType::kVerlet;

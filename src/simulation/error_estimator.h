@@ -117,7 +117,6 @@ class ErrorEstimator {
 struct ErrorEstimator::Memory {
   Seen seen;
   std::vector<double> dents;
-  solve::IntegratorType shadow_type, twin_type;  // that the copies were told to take
   Snapshot shadow, twin, verlet;
 };
 

@@ -9,6 +9,8 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   RestSurface rest = buildChosen(params, input, choice);
   impl_ = Impl::make(params, std::move(input), std::move(rest));
   impl_->choice = std::move(choice);
+  if (params.integrator.type == solve::IntegratorType::kAuto && impl_->choice.integrator != solve::IntegratorType::kAuto)
+    impl_->params.integrator.type = impl_->chosen_integrator = impl_->choice.integrator;
   const bool has_estimate = params.accuracy.estimate && !impl_->particles;
   try {
     if (has_estimate) estimateError(impl_->rest);

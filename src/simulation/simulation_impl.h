@@ -41,6 +41,7 @@ struct Snapshot::Contents {
   std::vector<tool::ToolParams> tools;
   std::vector<PointValues> values;
   double membrane_share, softening;
+  solve::IntegratorType integrator;
   double spacing;       // m, of particles, which a fit may have found; else 0
   RunTimePhysics physics;
   double damping;       // 1/s
@@ -103,6 +104,7 @@ struct Simulation::Impl {
   double chosen_membrane_share = 1.0;  // from each reset on
   double softening = 0.0;              // m, what that has changed so far, in the trial
   std::string share_notice;            // for the next step, that it has ended
+  solve::IntegratorType chosen_integrator = solve::IntegratorType::kAuto;  // another: in the place of auto, from each reset on
 
   double contact_rate = 0.0;  // 1/s; 0: not found yet
   solve::TimeMarch march;
@@ -144,6 +146,7 @@ struct Simulation::Impl {
   void reset();
   void applyMaterial();
   void stiffenMembrane(const std::string& why);
+  void leaveIntegrator(const std::string& why);
   void leaveTrial(const char* how);
   void setDamping(double damping);
   void takePhysics();

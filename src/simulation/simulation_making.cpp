@@ -3,6 +3,7 @@
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -133,7 +134,6 @@ void Simulation::Impl::reset() {
   values = rest.values;
   membrane_share = chosen_membrane_share;
   softening = 0.0;
-  share_notice.clear();
   applyMaterial();
   setDamping(params.material.damping);
   gravity.gravity = params.gravity;
@@ -148,6 +148,8 @@ void Simulation::Impl::reset() {
   chooseLoads();
   contact_rate = 0.0;
   setTools(params.tools);
+  if (chosen_integrator != solve::IntegratorType::kAuto) params.integrator.type = chosen_integrator;
+  share_notice.clear();
   activity.reset();
   tool_watch.reset();
   march.restart();
@@ -188,9 +190,20 @@ void Simulation::Impl::stiffenMembrane(const std::string& why) {
   if (estimator) estimator->stiffenMembrane();
 }
 
+// Back to what auto takes by itself, until the next reset.
+void Simulation::Impl::leaveIntegrator(const std::string& why) {
+  if (chosen_integrator == solve::IntegratorType::kAuto || params.integrator.type != chosen_integrator) return;
+  params.integrator.type = solve::IntegratorType::kAuto;
+  wakeAll();
+  appendNotice(share_notice, "integrator.type is auto again: " + why);
+}
+
 // What happens from now on has not been tried.
 void Simulation::Impl::leaveTrial(const char* how) {
-  if (params.accuracy.position_error > 0.0) stiffenMembrane(std::string(how) + ", which was not tried");
+  if (!(params.accuracy.position_error > 0.0)) return;
+  const std::string why = std::string(how) + ", which was not tried";
+  stiffenMembrane(why);
+  leaveIntegrator(why);
 }
 
 void Simulation::Impl::setDamping(double damping) {

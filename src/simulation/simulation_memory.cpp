@@ -32,7 +32,7 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) 
   Statistics now = statistics;
   readEstimate(now);
   return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening,
+      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening, params.integrator.type,
       particles ? particles->lattice().spacing : 0.0, findPhysics(params),
       system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
       surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), followed, activity.memory(),
@@ -53,7 +53,6 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   values = saved.values;
   membrane_share = saved.membrane_share;
   softening = saved.softening;
-  share_notice.clear();
   setPhysics(saved.physics, params);
   takePhysics();
   contact_rate = saved.contact_rate;
@@ -64,6 +63,8 @@ void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   track.restore(saved.seen);
   part.reset();
   setTools(saved.tools);
+  params.integrator.type = saved.integrator;
+  share_notice.clear();
   grips.restore(saved.grips);
   contact.restore(saved.bodies);
   march.setMemory(saved.march);
@@ -96,6 +97,7 @@ std::unique_ptr<Simulation::Impl> Simulation::Impl::fork(bool to_view) const {
   fork->shares = shares;
   fork->made = made;
   fork->chosen_membrane_share = chosen_membrane_share;
+  fork->chosen_integrator = chosen_integrator;
   fork->scene_hash = scene_hash;
   fork->is_viewer = to_view;
   if (estimator && !to_view) fork->estimator = std::make_unique<ErrorEstimator>(*estimator);

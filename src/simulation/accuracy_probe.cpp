@@ -1,0 +1,62 @@
+#include "accuracy_probe.h"
+
+#include "deformable_surface/simulation/simulation.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kMostKept = 2e6;  // points whose positions are kept of a probe: some fifty megabytes
+
+// A Newton iteration over a sub-step of Verlet's, from 128 to 2048 points: between what was measured of sheets, whose factors are sparser, and
+// of spheres (docs/decisions/0006).
+constexpr double kNewtonFactor = 3.8, kNewtonExponent = 0.8;
+
+}  // namespace
+
+double newtonWork(Index points) { return kNewtonFactor * std::pow(points, kNewtonExponent); }
+
+Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double wish,
+                 const Probe* beside, double most_work) {
+  Probe probe;
+  probe.candidate = tried;
+  SceneParams quiet = params;
+  quiet.accuracy = AccuracyParams{};
+  quiet.integrator.type = tried.integrator;
+  Simulation simulation(quiet, buildCoarser(quiet, full, tried.points));
+  simulation.estimateError(full);
+  if (beside) simulation.softenMembrane(tried.membrane_share);
+  const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
+  const Index between = static_cast<Index>(static_cast<double>(tried.points) * steps / kMostKept) + 1;
+  double apart = 0.0;
+  Index implicit_steps = 0;
+  for (Index k = 1; k <= steps; ++k) {
+    const StepOutcome outcome = simulation.step();
+    const Statistics now = simulation.statistics();
+    const Points& positions = simulation.state().positions;
+    if (k % between == 0 && beside) {
+      const Points& stated = beside->looks[k / between - 1];
+      for (std::size_t i = 0; i < stated.size(); ++i) apart = std::max(apart, (positions[i] - stated[i]).norm());
+    } else if (k % between == 0) {
+      probe.looks.push_back(positions);
+    }
+    if (beside) probe.softening.push_back(apart);
+    const double error = outcome.ok ? now.error_estimate + apart : std::numeric_limits<double>::infinity();
+    if (error > probe.candidate.error) probe.time_error = now.error_time;
+    probe.candidate.error = std::max(probe.candidate.error, error);
+    const double substeps = now.solver_iterations > 0 ? newtonWork(tried.points) * now.solver_iterations : now.substeps;
+    probe.candidate.work += static_cast<double>(tried.points) * substeps;
+    if (now.solver_iterations > 0) ++implicit_steps;
+    probe.is_implicit = 2 * implicit_steps > k;
+    if (probe.candidate.error <= wish && probe.candidate.work <= most_work) continue;
+    // What all of it would have cost is still of interest.
+    probe.candidate.work *= static_cast<double>(steps) / k;
+    probe.failed = true;
+    return probe;
+  }
+  return probe;
+}
+
+}  // namespace deformable_surface::simulation

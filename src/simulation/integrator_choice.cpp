@@ -1,0 +1,95 @@
+#include "integrator_choice.h"
+
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using Candidate = AccuracyChoice::Candidate;
+using solve::IntegratorType;
+
+constexpr double kWorthwhile = 0.9;     // of the work: what another integrator must save
+constexpr double kLeastIterations = 2;  // of an implicit step: one for each of its stages
+constexpr double kMostWork = 1e8;       // points times sub-steps of a trial that takes the place of a failed one: ten seconds of one core
+
+constexpr double kComparedSteps = 200;  // a trial of two budgets' steps: a second at a budget of two milliseconds
+
+const char* nameOf(IntegratorType type) { return type == IntegratorType::kImplicit ? "implicit" : "verlet"; }
+
+}  // namespace
+
+bool mayChooseIntegrator(const SceneParams& params) {
+  return params.integrator.type == IntegratorType::kAuto && params.model == ModelKind::kMassSpring;
+}
+
+void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice) {
+  const double wish = params.accuracy.position_error;
+  if (!failed.is_implicit || !(failed.candidate.error - failed.time_error <= wish)) return;
+  Candidate tried;
+  tried.points = failed.candidate.points;
+  tried.integrator = IntegratorType::kVerlet;
+  Probe probe = probeError(params, full, tried, wish, nullptr, kMostWork);
+  choice.candidates.push_back(probe.candidate);
+  if (probe.failed) return;
+  choice.why_integrator = "with verlet's sub-steps, though they are more than integrator.max_substeps " +
+                          std::to_string(params.integrator.max_substeps) + ": implicit steps damp by more than the wish";
+  failed = std::move(probe);
+}
+
+void chooseIntegrator(const SceneParams& params, const RestSurface& full, bool is_implicit, AccuracyChoice& choice) {
+  if (choice.integrator != IntegratorType::kAuto) return;
+  const bool was_softened = choice.membrane_share < 1.0;
+  Candidate tried;
+  tried.points = choice.points;
+  tried.integrator = is_implicit && !was_softened ? IntegratorType::kVerlet : IntegratorType::kImplicit;
+  const double steps = std::round(params.duration / params.integrator.time_step), worthwhile = kWorthwhile * choice.work;
+  if (tried.integrator == IntegratorType::kImplicit && steps * kLeastIterations * tried.points * newtonWork(tried.points) > worthwhile) return;
+  const Probe probe = probeError(params, full, tried, params.accuracy.position_error, nullptr, worthwhile);
+  choice.candidates.push_back(probe.candidate);
+  if (probe.failed) return;
+  choice.why_integrator = std::string("integrator ") + nameOf(tried.integrator) + ", whose trial took " +
+                          formatShort(probe.candidate.work / choice.work) + " of the work of " +
+                          (was_softened ? "verlet's with a softer membrane" : is_implicit ? "implicit steps" : "verlet's sub-steps");
+  choice.take(probe.candidate);
+  choice.softening.clear();
+}
+
+void compareIntegrators(const SceneParams& params, const RestSurface& full, IntegratorType other, AccuracyChoice& with_other,
+                        AccuracyChoice& choice) {
+  for (Candidate& candidate : with_other.candidates) {
+    candidate.integrator = other;
+    choice.candidates.push_back(candidate);
+  }
+  // As few points in steps that damp are no better.
+  if (!with_other.is_met) return;
+  if (choice.is_met && other == IntegratorType::kImplicit && with_other.points <= choice.points) return;
+  with_other.why_integrator = std::string("integrator ") + nameOf(other);
+  if (choice.is_met) {
+    SceneParams beginning = params;
+    beginning.duration = std::min(params.duration, kComparedSteps * params.integrator.time_step);
+    const auto estimate = [&](Index points, IntegratorType type) {
+      Candidate tried;
+      tried.points = points;
+      tried.integrator = type;
+      choice.candidates.push_back(probeError(beginning, full, tried, std::numeric_limits<double>::infinity()).candidate);
+      return choice.candidates.back().error;
+    };
+    const double error = estimate(choice.points, IntegratorType::kAuto), error_of_other = estimate(with_other.points, other);
+    if (!(error_of_other < error)) return;
+    with_other.why_integrator += ", whose estimated error over " + formatReal(beginning.duration) + " s is " +
+                                 formatReal(error_of_other) + " m; with what auto takes and " + std::to_string(choice.points) +
+                                 " points it is " + formatReal(error) + " m";
+  } else {
+    with_other.why_integrator += ", as what auto takes does not fit";
+  }
+  with_other.integrator = other;
+  with_other.is_asked = choice.is_asked;
+  with_other.candidates = std::move(choice.candidates);
+  with_other.sentence += "; " + with_other.why_integrator;
+  choice = std::move(with_other);
+}
+
+}  // namespace deformable_surface::simulation
