@@ -20,8 +20,8 @@ constexpr int kDirections = 8;  // along which waves are looked at, over half a 
 constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times; the full cloud's forces peak higher
 constexpr double kGrownFold = 10.0;  // the same of folds: those of one triangle that grow less come to nothing
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
+constexpr double kPushed = 0.4;      // of the classical buckling pressure under a force: spheres that are not perfect give way at a part of it
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
-
 // Along and across a wave, in the tangent plane.
 struct Direction {
   Vec2 along, across;
@@ -59,12 +59,23 @@ DentWatch::DentWatch(const model::MaterialParams& material, const Points& points
   normals_.resize(points.size());
   findNormals(points);
   double curvature = 0.0;  // the mean of the mean curvature's size
-  for (const Triangle& t : triangles_) curvature += 0.5 * std::abs(measure(t, points).curvature.trace());
-  curvature /= static_cast<double>(triangles_.size());
-  const double spacing = std::sqrt(area / static_cast<double>(points.size())), full_spacing = std::sqrt(area / num_full);
-  has_short_dents_ = std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing;
+  curvature_.assign(points.size(), 0.0);
+  std::vector<double> count(points.size(), 0.0);
+  for (const Triangle& t : triangles_) {
+    const double here = 0.5 * std::abs(measure(t, points).curvature.trace());
+    curvature += here / static_cast<double>(triangles_.size());
+    for (Index i : t.corner) {
+      curvature_[i] += here;
+      count[i] += 1.0;
+    }
+  }
+  for (std::size_t i = 0; i < points.size(); ++i) curvature_[i] /= std::max(1.0, count[i]);
+  spacing_ = std::sqrt(area / static_cast<double>(points.size()));
+  full_spacing_ = std::sqrt(area / num_full);
+  has_short_dents_ = hasShortDents(curvature);
   if (!has_short_dents_ && static_cast<Index>(points.size()) >= num_full) triangles_.clear();
-  const double least = 2.0 * kPi / ((has_short_dents_ ? kLongest : kLongestFold) * spacing), largest = 2.0 * kPi / (kShortest * full_spacing);
+  const double least = 2.0 * kPi / ((has_short_dents_ ? kLongest : kLongestFold) * spacing_);
+  const double largest = 2.0 * kPi / (kShortest * full_spacing_);
   least_ = least * least;
   largest_ = largest * largest;
   reset();
@@ -124,6 +135,18 @@ double DentWatch::findLoad(const Local& local) const {
     largest = std::max(largest, -force * k2 / (rigidity_ * k2 * k2 + stretching_ * b * b));
   }
   return largest;
+}
+
+bool DentWatch::hasShortDents(double curvature) const {
+  return std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing_;
+}
+
+bool DentWatch::isPushed(const std::vector<Index>& loaded, double force, double radius) const {
+  if (!has_short_dents_) return false;
+  double curvature = 0.0;
+  for (Index i : loaded) curvature += curvature_[i] / static_cast<double>(loaded.size());
+  const double patch = std::max(kPi * radius * radius, full_spacing_ * full_spacing_);
+  return hasShortDents(curvature) && force > kPushed * 4.0 * std::sqrt(stretching_ * rigidity_) * curvature * curvature * patch;
 }
 
 bool DentWatch::followStep(const Points& positions, double step) {

@@ -34,6 +34,11 @@ class DentWatch {
   /// Of an equilibrium of a surface with short dents: whether it is compressed well beyond the load at which they begin.
   bool isOverloaded(const Points& positions);
 
+  /// Whether a force (N) on these simulation points, spread over a patch of this radius (m), presses a surface with short dents by so much
+  /// that it may give way there, which the membrane forces between few points do not tell: a share of the classical buckling pressure of
+  /// a sphere of its curvature, 4 sqrt(S D) b^2.
+  bool isPushed(const std::vector<Index>& loaded, double force, double radius) const;
+
   /// What a snapshot must hold: of each triangle the logarithm of the growth so far.
   const std::vector<double>& growth() const { return growth_; }
   void setGrowth(const std::vector<double>& growth) { growth_ = growth; }
@@ -52,12 +57,15 @@ class DentWatch {
   Local measure(const Triangle& t, const Points& positions) const;
   double findAcceleration(const Local& local) const;
   double findLoad(const Local& local) const;
+  bool hasShortDents(double curvature) const;
 
   // Constants.
   std::vector<Triangle> triangles_;  // empty: nothing is watched
   bool has_short_dents_ = false;
   double stretching_ = 0.0, stated_stretching_ = 0.0, rigidity_ = 0.0, poisson_ = 0.0, mass_ = 0.0, damping_ = 0.0;
   double least_ = 0.0, largest_ = 0.0;  // k^2, 1/m^2
+  double spacing_ = 0.0, full_spacing_ = 0.0;  // m, of the simulation points and of the full cloud
+  std::vector<double> curvature_;              // 1/m, the mean curvature's size at the points at rest
   // What has been seen.
   std::vector<double> growth_;
   // Scratch.

@@ -235,12 +235,15 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   return shadow.ok && twin.ok;
 }
 
-// Steps watch for dents as they grow, equilibria for what is past them.
-bool ErrorEstimator::isDenting(const Points& positions, IntegratorType type) {
+// Steps watch for dents as they grow, equilibria for what is past them, and both for what forces press in.
+bool ErrorEstimator::isDenting(const Points& positions, IntegratorType type, const std::vector<NamedForces::Named>& forces) {
+  for (const NamedForces::Named& force : forces)
+    if (force.started && dents_.isPushed(force.points, force.params.force.norm(), force.params.radius)) return true;
   return type == IntegratorType::kStatic ? dents_.isOverloaded(positions) : dents_.followStep(positions, step_);
 }
 
-std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps) {
+std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps,
+                                   const std::vector<NamedForces::Named>& forces) {
   if (seen_.is_lost) return "";
   const bool was_halved = seen_.is_halved;
   if (!stepCopies(type, substeps)) {
@@ -276,7 +279,7 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   const bool was_chaotic = seen_.is_chaotic;
   const double far = seen_.is_halved || is_solid_ ? kChaoticDistanceOfOthers : kChaoticDistance;
   seen_.is_chaotic = seen_.twin_distance > far * spacing_;
-  if (!seen_.has_dented && isDenting(positions, type)) {
+  if (!seen_.has_dented && isDenting(positions, type, forces)) {
     seen_.has_dented = true;
     return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
            "short for its points to show";

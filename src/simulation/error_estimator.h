@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
+#include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
 #include "deformable_surface/solve/integrator_params.h"
@@ -61,9 +62,9 @@ class ErrorEstimator {
   /// The simulation has left for a moment that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
-  /// Follows a step that the simulation has taken: positions after it, the integrator (not auto) and the sub-steps. Allocates
+  /// Follows a step that the simulation has taken: positions after it, the integrator (not auto), the sub-steps, and its forces. Allocates
   /// nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing.
-  std::string follow(const Points& positions, solve::IntegratorType type, Index substeps);
+  std::string follow(const Points& positions, solve::IntegratorType type, Index substeps, const std::vector<NamedForces::Named>& forces);
 
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
@@ -91,7 +92,7 @@ class ErrorEstimator {
   // What the twin takes the same steps as: what a method damps cannot tell of chaos.
   const Simulation& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
-  bool isDenting(const Points& positions, solve::IntegratorType type);
+  bool isDenting(const Points& positions, solve::IntegratorType type, const std::vector<NamedForces::Named>& forces);
 
   // Constants.
   bool is_solid_ = false;

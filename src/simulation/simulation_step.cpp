@@ -167,7 +167,7 @@ void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
 // The copies take the same step.
 void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& outcome) {
   const Timer timer;
-  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps));
+  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all()));
   // Asked for, kept in the trial, but not kept now; said once.
   const double wish = params.accuracy.position_error, error = estimator->total() + softening;
   if (wish > 0.0 && choice.is_met && error > wish && std::isfinite(error) && !is_wish_missed) {

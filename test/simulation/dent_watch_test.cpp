@@ -129,5 +129,21 @@ TEST(DentWatch, SeesFoldsOfAFlatSheetThatGrowFarUnlessTheyAreAllPoints) {
   EXPECT_EQ(findGrowth(1600), 0.0);
 }
 
+TEST(DentWatch, SeesAForceThatPressesAPatchInAsPressureWould) {
+  const Sphere sphere;
+  const double classical = 4.0 * kStretching * kThinness, radius = 0.2;  // N/m^2; m
+  const double force = classical * 3.14159 * radius * radius;
+  const std::vector<Index> loaded{0, 1, 2};
+  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.2 * force, radius));
+  EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.8 * force, radius));
+  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.8 * force, 3.0 * radius));
+  EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.2 * force, 0.0));  // on a point, whose part of the full cloud is small
+}
+
+TEST(DentWatch, LeavesForcesOnAThickSphereToThePointsWhichShowItsDents) {
+  const Sphere sphere(0.0, 0.05);
+  EXPECT_FALSE(sphere.watch.isPushed({0, 1, 2}, 1e3, 0.2));
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
