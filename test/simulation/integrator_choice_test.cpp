@@ -1,5 +1,6 @@
 // A wish for an accuracy also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one whose
 // estimate stays below the wish, until what was tried has come to an end.
+#include "../../src/simulation/integrator_choice.h"
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -180,6 +181,45 @@ TEST(IntegratorChoice, GoesOnBitForBitFromASnapshotOfEither) {
   run(s, 2);
   EXPECT_EQ(s.stateHash(), hash);
   EXPECT_EQ(s.statistics().error_estimate, error);
+}
+
+// What a time per step leads to: so many points by what auto takes, and so many in implicit steps.
+simulation::AccuracyChoice compare(const SceneParams& params, Index points, Index points_of_implicit) {
+  simulation::RestSurface full = simulation::buildRestSurface(params, sheet(), 16);
+  simulation::AccuracyChoice choice, with_implicit;
+  choice.is_met = points > 0;
+  choice.points = points;
+  with_implicit.is_met = points_of_implicit > 0;
+  with_implicit.points = points_of_implicit;
+  simulation::compareIntegrators(params, full, IntegratorType::kImplicit, with_implicit, choice);
+  return choice;
+}
+
+TEST(IntegratorChoice, OfATimePerStepIsWhatLeadsToTheSmallerEstimate) {
+  SceneParams slow = pressedPlate();
+  slow.accuracy = simulation::AccuracyParams();
+  slow.accuracy.step_budget = 1.0;
+  slow.simplification.method = cloud::SimplificationMethod::kNone;
+  // Slow: all points in implicit steps are better than some of them in Verlet's.
+  const simulation::AccuracyChoice all = compare(slow, 128, 144);
+  EXPECT_EQ(all.integrator, IntegratorType::kImplicit);
+  EXPECT_EQ(all.points, 144);
+  EXPECT_NE(all.sentence.find("integrator implicit, whose estimated error"), std::string::npos) << all.sentence;
+  // Let go, it swings, and what implicit steps damp is more than what a few points are wrong by.
+  SceneParams swinging = slow;
+  swinging.tools.clear();
+  swinging.gravity = Vec3(0.0, 0.0, -9.81);
+  EXPECT_EQ(compare(swinging, 128, 144).integrator, IntegratorType::kAuto);
+}
+
+TEST(IntegratorChoice, OfATimePerStepTakesImplicitStepsWhereTheyAloneFitAndNotForAsFewPoints) {
+  SceneParams p = swingingSheet();
+  p.accuracy = simulation::AccuracyParams();
+  p.accuracy.step_budget = 1.0;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  EXPECT_EQ(compare(p, 0, 128).integrator, IntegratorType::kImplicit);
+  EXPECT_EQ(compare(p, 128, 128).integrator, IntegratorType::kAuto);
+  EXPECT_EQ(compare(p, 128, 0).integrator, IntegratorType::kAuto);
 }
 
 }  // namespace
