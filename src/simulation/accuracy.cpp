@@ -47,7 +47,7 @@ void chooseMembrane(const SceneParams& params, const RestSurface& full, const Pr
     choice.candidates.push_back(probe.candidate);
     if (probe.failed || !(probe.candidate.work < kWorthwhile * choice.work)) return false;
     choice.take(probe.candidate);
-    choice.softening = std::move(probe.softening);
+    choice.softening = std::move(probe.apart);
     return true;
   };
   double share = kSofter;
@@ -70,7 +70,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
     choice.take(probe.candidate);
     choice.is_met = !probe.failed;
     if (choice.is_met && maySoften(params)) chooseMembrane(params, full, probe, choice);
-    if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe.is_implicit, choice);
+    if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe, choice);
     const std::string estimate = formatReal(choice.error) + " m";
     if (choice.is_met) {
       choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +

@@ -27,7 +27,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
   quiet.integrator.type = tried.integrator;
   Simulation simulation(quiet, buildCoarser(quiet, full, tried.points));
   simulation.estimateError(full);
-  if (beside) simulation.softenMembrane(tried.membrane_share);
+  if (tried.membrane_share < 1.0) simulation.softenMembrane(tried.membrane_share);
   const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
   const Index between = static_cast<Index>(static_cast<double>(tried.points) * steps / kMostKept) + 1;
   double apart = 0.0;
@@ -42,7 +42,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     } else if (k % between == 0) {
       probe.looks.push_back(positions);
     }
-    if (beside) probe.softening.push_back(apart);
+    if (beside) probe.apart.push_back(apart);
     const double error = outcome.ok ? now.error_estimate + apart : std::numeric_limits<double>::infinity();
     if (error > probe.candidate.error) probe.time_error = now.error_time;
     probe.candidate.error = std::max(probe.candidate.error, error);

@@ -17,11 +17,11 @@ struct Probe {
   bool is_implicit = false;       // most steps were the implicit method's
   double time_error = 0.0;        // m, the part of the largest estimate that is due to the steps
   std::vector<Points> looks;      // positions at every so many steps
-  std::vector<double> softening;  // m, after each step the largest distance so far from those of the probe beside it
+  std::vector<double> apart;      // m, after each step the largest distance so far from those of the probe beside it
 };
 
 /// What is tried: the points, the integrator and the share of the membrane's stiffness are those of the candidate. wish: m. beside: a
-/// probe of as many points with all of the stated stiffness, for one with a share of it, else null. most_work: see Candidate::work;
+/// probe of as many points from which the distance is measured, or null. most_work: see Candidate::work;
 /// a probe that fails ends there, and its work is then that of the whole duration as far as can be told.
 Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double wish,
                  const Probe* beside = nullptr, double most_work = std::numeric_limits<double>::infinity());

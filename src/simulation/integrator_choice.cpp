@@ -39,22 +39,24 @@ void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed
   failed = std::move(probe);
 }
 
-void chooseIntegrator(const SceneParams& params, const RestSurface& full, bool is_implicit, AccuracyChoice& choice) {
+void chooseIntegrator(const SceneParams& params, const RestSurface& full, const Probe& first, AccuracyChoice& choice) {
   if (choice.integrator != IntegratorType::kAuto) return;
   const bool was_softened = choice.membrane_share < 1.0;
   Candidate tried;
   tried.points = choice.points;
-  tried.integrator = is_implicit && !was_softened ? IntegratorType::kVerlet : IntegratorType::kImplicit;
+  tried.integrator = first.is_implicit && !was_softened ? IntegratorType::kVerlet : IntegratorType::kImplicit;
   const double steps = std::round(params.duration / params.integrator.time_step), worthwhile = kWorthwhile * choice.work;
   if (tried.integrator == IntegratorType::kImplicit && steps * kLeastIterations * tried.points * newtonWork(tried.points) > worthwhile) return;
-  const Probe probe = probeError(params, full, tried, params.accuracy.position_error, nullptr, worthwhile);
+  if (tried.integrator == IntegratorType::kImplicit && first.is_implicit) return;  // nothing to measure by
+  const Probe* beside = tried.integrator == IntegratorType::kImplicit ? &first : nullptr;
+  Probe probe = probeError(params, full, tried, params.accuracy.position_error, beside, worthwhile);
   choice.candidates.push_back(probe.candidate);
   if (probe.failed) return;
   choice.why_integrator = std::string("integrator ") + nameOf(tried.integrator) + ", whose trial took " +
                           formatShort(probe.candidate.work / choice.work) + " of the work of " +
-                          (was_softened ? "verlet's with a softer membrane" : is_implicit ? "implicit steps" : "verlet's sub-steps");
+                          (was_softened ? "verlet's with a softer membrane" : first.is_implicit ? "implicit steps" : "verlet's sub-steps");
   choice.take(probe.candidate);
-  choice.softening.clear();
+  choice.softening = std::move(probe.apart);
 }
 
 void compareIntegrators(const SceneParams& params, const RestSurface& full, IntegratorType other, AccuracyChoice& with_other,
@@ -63,8 +65,9 @@ void compareIntegrators(const SceneParams& params, const RestSurface& full, Inte
     candidate.integrator = other;
     choice.candidates.push_back(candidate);
   }
-  // As few points in steps that damp are no better.
+  // As few points in steps that damp are no better; what they lose where tools touch, coarser copies could miss.
   if (!with_other.is_met) return;
+  if (choice.is_met && other == IntegratorType::kImplicit && !params.tools.empty()) return;
   if (choice.is_met && other == IntegratorType::kImplicit && with_other.points <= choice.points) return;
   with_other.why_integrator = std::string("integrator ") + nameOf(other);
   if (choice.is_met) {

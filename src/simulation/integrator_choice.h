@@ -14,8 +14,9 @@ bool mayChooseIntegrator(const SceneParams& params);
 void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice);
 
 /// Of a choice that keeps the wish: the other integrator is taken, with all of the stated membrane stiffness, if its trial keeps the
-/// wish for less work. is_implicit: auto took implicit steps in the first trial.
-void chooseIntegrator(const SceneParams& params, const RestSurface& full, bool is_implicit, AccuracyChoice& choice);
+/// wish for less work. first: the trial of auto with the stated membrane. What implicit steps change is measured beside Verlet's of that
+/// trial, which coarser copies could miss: a tool between their points moves none of them.
+void chooseIntegrator(const SceneParams& params, const RestSurface& full, const Probe& first, AccuracyChoice& choice);
 
 /// Of the choices by time that auto and the other integrator lead to: the other one is taken if its estimated error is smaller, over the
 /// first steps of both, or if it alone fits.

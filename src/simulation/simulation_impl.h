@@ -147,6 +147,9 @@ struct Simulation::Impl {
   void applyMaterial();
   void stiffenMembrane(const std::string& why);
   void leaveIntegrator(const std::string& why);
+  bool isAsTried() const {
+    return membrane_share < 1.0 || (chosen_integrator != solve::IntegratorType::kAuto && params.integrator.type == chosen_integrator);
+  }
   void leaveTrial(const char* how);
   void setDamping(double damping);
   void takePhysics();

@@ -66,7 +66,7 @@ StepOutcome Simulation::Impl::step() {
     wakeAll();
   }
   ++steps;
-  if (membrane_share < 1.0 && steps <= choice.softening.size()) softening = choice.softening[steps - 1];
+  if (isAsTried() && steps <= choice.softening.size()) softening = choice.softening[steps - 1];
   surface.invalidate();
   surface.resample(state);
   if (estimator) estimate(report, outcome);
