@@ -44,6 +44,8 @@ class Search {
     met_.clear();
     states_.clear();
     queue_.clear();
+    // What would be farther than reach is not visited, and no length is asked for where the cost is the distance.
+    const double most = graph_.cost_is_distance ? reach : std::numeric_limits<double>::infinity();
     offer(source, 0.0, 0.0);
     while (!queue_.empty()) {
       const Index point = queue_.front().second;
@@ -57,7 +59,8 @@ class Search {
       if (!(distance <= reach) || !visit(point, distance)) return;
       for (Index e = graph_.links.offsets[point]; e < graph_.links.offsets[point + 1]; ++e) {
         const Index to = graph_.links.items[e];
-        offer(to, cost + graph_.cost[e], length + (positions_[to] - positions_[point]).norm());
+        if (!(cost + graph_.cost[e] <= most)) continue;
+        offer(to, cost + graph_.cost[e], graph_.cost_is_distance ? 0.0 : length + (positions_[to] - positions_[point]).norm());
       }
     }
   }
@@ -157,23 +160,34 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     QuickCheck check(graph);
     Search search(graph, positions);
-    std::vector<Index> wanted, met;
+    std::vector<std::pair<Index, Index>> wanted;  // point, place in the list
+    std::vector<char> is_met, is_settled;         // of the list
     for (Index i = begin; i < end; ++i) {
       const Index *first = neighbors.begin(i), *last = neighbors.end(i);
       if (first == last || (graph.cost_is_distance && check.run(i, positions, first, last, kApartDetour))) continue;
-      wanted.assign(first, last);
+      wanted.clear();
+      for (const Index* j = first; j != last; ++j) wanted.emplace_back(*j, static_cast<Index>(j - first));
       std::sort(wanted.begin(), wanted.end());
-      met.clear();
-      search.run(i, kApartDetour * (positions[last[-1]] - positions[i]).norm(), [&](Index point, double distance) {
-        if (distance <= kApartDetour * (positions[point] - positions[i]).norm() &&
-            std::binary_search(wanted.begin(), wanted.end(), point)) {
-          met.push_back(point);
+      is_met.assign(wanted.size(), 0);
+      is_settled.assign(wanted.size(), 0);
+      // As far as the farthest of which nothing is known yet.
+      std::size_t left = wanted.size();
+      const auto findReach = [&] { return kApartDetour * (positions[first[left - 1]] - positions[i]).norm(); };
+      double reach = findReach();
+      search.run(i, reach, [&](Index point, double distance) {
+        const auto found = std::lower_bound(wanted.begin(), wanted.end(), std::make_pair(point, Index{0}));
+        if (found != wanted.end() && found->first == point) {
+          is_settled[found->second] = 1;
+          is_met[found->second] = distance <= kApartDetour * (positions[point] - positions[i]).norm();
+          const std::size_t before = left;
+          while (left > 0 && is_settled[left - 1]) --left;
+          if (left == 0) return false;
+          if (left < before) reach = findReach();
         }
-        return met.size() < wanted.size();
+        return distance <= reach;
       });
-      std::sort(met.begin(), met.end());
       for (const Index* j = first; j != last; ++j) {
-        if (std::binary_search(met.begin(), met.end(), *j)) continue;
+        if (is_met[j - first]) continue;
         double ratio = 0.0;
         if (!graph.trust_radius.empty()) {
           ratio = std::sqrt(measureSquaredLength(positions, sides, i, *j)) /
