@@ -15,7 +15,8 @@ constexpr int kLooks = 8;             // in a quiet time: a look costs two evalu
 constexpr double kWorth = 0.25;       // of what moves: fewer leave only together with others, since making a part anew costs
 constexpr double kWhole = 0.7;        // of all points: if more move, all do, since a part has its walls beside
 constexpr double kRounding = 8.0;     // of the force that is rounding in one sum: forces are sums of sums
-constexpr int kMargin = 1, kWideMargin = 2;  // steps from element to element
+constexpr int kMargin = 1;      // rings of tiles around what moves
+constexpr int kMostMargin = 3;  // of those that a front is to find awake: more cost more than to make a part less often saves
 
 // Halves along the longest axis until few enough are left. Ties by index.
 void split(const Points& points, std::vector<Index>::iterator begin, std::vector<Index>::iterator end, Lists& tiles) {
@@ -74,6 +75,7 @@ void Activity::setParts(bool in_parts) {
   moving_points_.resize(tile_of_.size());
   marked_.resize(tile_of_.size());
   needed_points_.reserve(tile_of_.size());
+  ring_.reserve(num_tiles);
 }
 
 void Activity::leaveParts() {
@@ -102,6 +104,8 @@ void Activity::reset() {
   memory_.lost = memory_.wall = 0.0;
   memory_.is_fresh = true;
   memory_.looks_in = look_steps_;
+  memory_.margin = kMargin;
+  memory_.has_grown = false;
   count();
 }
 
@@ -130,10 +134,16 @@ void Activity::wakeAll() {
   count();
 }
 
-void Activity::wake(const std::vector<Index>& points, bool wide) {
+void Activity::wake(const std::vector<Index>& points) {
   if (points.empty()) return;
   for (const Index i : points) memory_.quiet[tileOf(i)] = 0;
-  grow(wide ? kWideMargin : kMargin);
+  grow(kMargin, kMargin);
+}
+
+void Activity::widen(const std::vector<Index>& points) {
+  for (const Index i : points) memory_.quiet[tileOf(i)] = 0;
+  memory_.margin = std::min(memory_.margin + 1, kMostMargin);
+  grow(kMargin, memory_.margin);
 }
 
 void Activity::wakeIn(const Eigen::AlignedBox3d& given) {
@@ -145,7 +155,7 @@ void Activity::wakeIn(const Eigen::AlignedBox3d& given) {
     memory_.quiet[t] = 0;
     any = true;
   }
-  if (any) grow(kMargin);
+  if (any) grow(kMargin, kMargin);
 }
 
 // Tiles that are not quiet, disturbed sleepers included, and those that share elements with them, and so on so many times.
@@ -153,19 +163,28 @@ void Activity::findNeeded(int rings) {
   for (Index t = 0; t < numTiles(); ++t) needed_[t] = !isQuiet(t);
   if (tile_of_.empty()) return;
   if (only_wholly_ && std::count(needed_.begin(), needed_.end(), 1) > 0) std::fill(needed_.begin(), needed_.end(), 1);
-  for (int ring = 0; ring < rings; ++ring) {
-    needed_points_.clear();
-    for (Index t = 0; t < numTiles(); ++t)
-      if (needed_[t]) needed_points_.insert(needed_points_.end(), tiles_.begin(t), tiles_.end(t));
-    std::fill(marked_.begin(), marked_.end(), 0);
-    model_.markPartners(needed_points_, marked_);
-    for (std::size_t i = 0; i < marked_.size(); ++i)
-      if (marked_[i]) needed_[tile_of_[i]] = 1;
+  ring_.clear();
+  for (Index t = 0; t < numTiles(); ++t)
+    if (needed_[t]) ring_.push_back(t);
+  for (int ring = 0; ring < rings; ++ring) addRing();
+}
+
+// The partners of those that came last are all that can be new.
+void Activity::addRing() {
+  needed_points_.clear();
+  for (const Index t : ring_) needed_points_.insert(needed_points_.end(), tiles_.begin(t), tiles_.end(t));
+  std::fill(marked_.begin(), marked_.end(), 0);
+  model_.markPartners(needed_points_, marked_);
+  ring_.clear();
+  for (std::size_t i = 0; i < marked_.size(); ++i) {
+    if (!marked_[i] || needed_[tile_of_[i]]) continue;
+    needed_[tile_of_[i]] = 1;
+    ring_.push_back(tile_of_[i]);
   }
 }
 
-void Activity::findLeaving() {
-  findNeeded(kMargin);
+void Activity::findLeaving(int rings) {
+  findNeeded(rings);
   for (Index t = 0; t < numTiles(); ++t) leaves_[t] = memory_.moves[t] && !needed_[t];
 }
 
@@ -177,18 +196,19 @@ Index Activity::countPoints(const std::vector<char>& tiles) const {
   return sum;
 }
 
-// Where the margin has become too narrow. Returns true if more tiles move.
-bool Activity::grow(int rings) {
+// Where fewer rings than are to be kept move, so many are made. Returns true if more tiles move.
+bool Activity::grow(int kept, int made) {
   if (isWhole()) return false;
-  findNeeded(kMargin);
+  findNeeded(kept);
   bool is_covered = true;
   for (Index t = 0; t < numTiles(); ++t) is_covered = is_covered && (!needed_[t] || memory_.moves[t]);
   if (is_covered) return false;
-  if (rings > kMargin) findNeeded(rings);
+  for (int ring = kept; ring < made && !tile_of_.empty(); ++ring) addRing();
   const Index before = num_moving_;
   for (Index t = 0; t < numTiles(); ++t) memory_.moves[t] = memory_.moves[t] || needed_[t];
   if (countPoints(memory_.moves) > kWhole * moving_points_.size()) std::fill(memory_.moves.begin(), memory_.moves.end(), 1);
   count();
+  memory_.has_grown = true;
   return num_moving_ > before;
 }
 
@@ -207,12 +227,15 @@ bool Activity::observe(const State& state) {
     memory_.quiet[t] = slow ? std::min(memory_.quiet[t] + 1, quiet_steps_) : 0;
     num_quiet_ += isQuiet(t);
   }
-  return is_front && grow(kWideMargin);
+  return is_front && grow(memory_.margin, memory_.margin + 1);
 }
 
 bool Activity::isLookDue() {
   if (--memory_.looks_in > 0) return false;
   memory_.looks_in = look_steps_;
+  // A front that has come to rest needs no room.
+  if (!memory_.has_grown) memory_.margin = std::max(memory_.margin - 1, kMargin);
+  memory_.has_grown = false;
   return num_quiet_ > 0;
 }
 
@@ -225,7 +248,7 @@ bool Activity::fallAsleep(const solve::System& system, double time, const State&
   const auto tileAt = [&](Index k) { return tileOf(points ? (*points)[k] : k); };
   for (Index t = 0; t < numTiles(); ++t) leaves_[t] = memory_.moves[t] && isQuiet(t);
   if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;  // at no cost while next to nothing is quiet
-  findLeaving();
+  findLeaving(memory_.margin);
   if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;
 
   // As they would lie there.
@@ -247,7 +270,7 @@ bool Activity::fallAsleep(const solve::System& system, double time, const State&
       pushed = pushed || !(spacing_ * torques_[k].norm() <= acceleration() * system.inertias()[k]);
     if (pushed) memory_.quiet[tileAt(k)] = 0;
   }
-  findLeaving();
+  findLeaving(memory_.margin);
   if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;
   for (Index k = 0; k < still_.size(); ++k) still_.velocities[k] = leaves_[tileAt(k)] ? state.velocities[k] : Vec3::Zero();
   const double loss = estimateLoss(system, time, points);
@@ -328,7 +351,7 @@ bool Activity::beginAsleep(const solve::System& system, double time, State& whol
     });
     memory_.quiet[t] = balanced ? quiet_steps_ : 0;
   }
-  findLeaving();
+  findLeaving(memory_.margin);
   const bool pays = countPoints(leaves_) >= kWorth * countPoints(memory_.moves);
   const bool any = pays && moveOnlyNeeded(whole);
   // Those that move may not go to sleep for having been in balance before they were pushed.

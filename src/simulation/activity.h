@@ -25,6 +25,8 @@ class Activity {
     double wall = 0.0;                // m/s^2, what is left to those that sleep beside those that move
     bool is_fresh = true;             // a look at what is in balance is due
     std::int32_t looks_in = 0;        // steps until the next look at what may fall asleep
+    std::int32_t margin = 1;          // rings of tiles around those that are not quiet, that a front is to find awake
+    bool has_grown = false;           // since the last look
   };
 
   /// points: at rest; spacing (m) theirs; step (s). model is kept by reference. in_parts: else, and if the model cannot be taken in
@@ -44,8 +46,10 @@ class Activity {
 
   /// Everything moves.
   void wakeAll();
-  /// The tiles of points are disturbed: they move, and those around them. wide: and those around these.
-  void wake(const std::vector<Index>& points, bool wide = false);
+  /// The tiles of points are disturbed: they move, and those around them.
+  void wake(const std::vector<Index>& points);
+  /// The same where a wave came to the wall within a step: from now on more around it is to move.
+  void widen(const std::vector<Index>& points);
   /// The sleeping tiles of which a point may lie in the box.
   void wakeIn(const Eigen::AlignedBox3d& box);
 
@@ -87,9 +91,10 @@ class Activity {
   template <class Visit>
   void forEachPoint(Index tile, const State& state, Visit&& visit) const;
   void findNeeded(int rings);
-  void findLeaving();
+  void addRing();
+  void findLeaving(int rings);
   Index countPoints(const std::vector<char>& tiles) const;
-  bool grow(int rings);
+  bool grow(int kept, int made);
   void count();
   bool moveOnlyNeeded(State& whole);
   bool isPushed(const solve::System& system, Index k, double force) const;
@@ -112,7 +117,7 @@ class Activity {
   // Scratch.
   std::vector<char> needed_, leaves_;       // (tiles)
   std::vector<char> marked_;                // (n)
-  std::vector<Index> needed_points_;
+  std::vector<Index> ring_, needed_points_;  // tiles that are needed since the last ring, and their points
   State still_;
   Points forces_, forces_there_, torques_, way_;
 };

@@ -121,7 +121,7 @@ solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
       part->put(state);
       return taken;
     }
-    activity.wake(hits, true);
+    activity.widen(hits);
     part.reset();
     if (activity.isWhole()) break;
   }

@@ -47,16 +47,21 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
 
 void CurvatureBending::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (neighbors_.size() == 0) return;
-  // Each fit once, though all its points use it. Kept by the thread, so that nothing is allocated in later calls.
+  // Each fit once, though all its points use it. Kept by the thread, so that nothing is allocated in later calls, and clear between them.
   static thread_local std::vector<char> is_seen;
-  is_seen.assign(neighbors_.size(), 0);
+  static thread_local std::vector<Index> seen;
+  if (is_seen.size() < static_cast<std::size_t>(neighbors_.size())) is_seen.resize(neighbors_.size(), 0);
+  seen.reserve(neighbors_.size());
   for (const Index i : points)
     for (Index k = users_.offsets[i]; k < users_.offsets[i + 1]; k += 2) {
       const Index fit = users_.items[k + 1] / 4;
       if (is_seen[fit]) continue;
       is_seen[fit] = 1;
+      seen.push_back(fit);
       for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j) marked[*j] = 1;
     }
+  for (const Index fit : seen) is_seen[fit] = 0;
+  seen.clear();
 }
 
 CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
