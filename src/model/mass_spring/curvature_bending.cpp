@@ -3,7 +3,6 @@
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"
 #include "deformable_surface/model/mass_spring/clamps.h"
-#include "deformable_surface/model/mass_spring/incidence.h"
 
 #include <Eigen/QR>
 
@@ -308,8 +307,6 @@ void CurvatureBending::prepareForceLoop() {
   group_constants_.assign(4 * padded, 0.0);
   along_.resize(kSlots * padded);
   normals_.resize(4 * padded);
-  std::vector<std::pair<Index, Index>> uses;
-  uses.reserve(2 * neighbors_.items.size());
   for (Index i = 0; i < n; ++i) {
     const Index group = i / 4, lane = i % 4;
     const double constants[4] = {weight_[i], rest_curvature_[i][0], rest_curvature_[i][1], rest_curvature_[i][2]};
@@ -320,11 +317,23 @@ void CurvatureBending::prepareForceLoop() {
       const double row[5] = {rows_[r].first[0], rows_[r].first[1], rows_[r].second[0], rows_[r].second[1], rows_[r].second[2]};
       for (int k = 0; k < 5; ++k) group_rows_[5 * (place - lane) + 4 * k + lane] = row[k];
       group_neighbors_[place] = 4 * neighbors_.items[r];
-      uses.emplace_back(neighbors_.items[r], place);
-      uses.emplace_back(neighbors_.items[r], 4 * i);
     }
   }
-  users_ = groupByPoint(n, uses);
+  // What each fit pushes, grouped by the points: counted first, then put in its place.
+  users_.offsets.assign(n + 1, 0);
+  const auto forEachUse = [&](const auto& visit) {
+    for (Index i = 0; i < n; ++i)
+      for (Index slot = 0; weight_[i] != 0.0 && slot < neighbors_.count(i); ++slot)
+        visit(neighbors_.begin(i)[slot], 4 * (kSlots * (i / 4) + slot) + i % 4, 4 * i);
+  };
+  forEachUse([&](Index user, Index, Index) { users_.offsets[user + 1] += 2; });
+  for (Index i = 0; i < n; ++i) users_.offsets[i + 1] += users_.offsets[i];
+  users_.items.resize(users_.offsets.back());
+  std::vector<Index> next(users_.offsets.begin(), users_.offsets.end() - 1);
+  forEachUse([&](Index user, Index along, Index normal) {
+    users_.items[next[user]++] = along;
+    users_.items[next[user]++] = normal;
+  });
 }
 
 CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const State& state) const {

@@ -15,7 +15,11 @@ void Springs::markPartners(const std::vector<Index>& points, std::vector<char>& 
 Springs Springs::makePart(const PartIndex& part) const {
   Springs springs;
   if (links_.empty()) return springs;
-  for (const Index s : findElements(part.wanted, incidence_, 2, [&](Index k) { return incidence_.items[k]; })) {
+  const std::vector<Index> found = findElements(part.wanted, incidence_, 2, [&](Index k) { return incidence_.items[k]; });
+  springs.links_.reserve(found.size());
+  springs.rest_length_.reserve(found.size());
+  springs.stiffness_.reserve(found.size());
+  for (const Index s : found) {
     springs.links_.emplace_back(part.new_index[links_[s].first], part.new_index[links_[s].second]);
     springs.rest_length_.push_back(rest_length_[s]);
     springs.stiffness_.push_back(stiffness_[s]);
@@ -37,7 +41,9 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
   membrane.mu_ = mu_;
   membrane.lambda_ = lambda_;
   const auto elementOf = [&](Index k) { return incidence_.items[k] / 12 * 4 + incidence_.items[k] % 4; };
-  for (const Index t : findElements(part.wanted, incidence_, 1, elementOf)) {
+  const std::vector<Index> found = findElements(part.wanted, incidence_, 1, elementOf);
+  membrane.elements_.reserve(found.size());
+  for (const Index t : found) {
     membrane.elements_.push_back(elements_[t]);
     for (Index& corner : membrane.elements_.back().corner) corner = part.new_index[corner];
   }
@@ -71,6 +77,7 @@ CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
   std::size_t num_rows = 0;
   for (const Index fit : fits) num_rows += neighbors_.count(fit);
   bending.neighbors_.items.reserve(num_rows);
+  bending.neighbors_.offsets.reserve(part.points.size() + 1);
   bending.rows_.reserve(num_rows);
   bending.rest_curvature_.assign(part.points.size(), Vec3::Zero());
   bending.weight_.assign(part.points.size(), 0.0);
@@ -120,6 +127,7 @@ DeformableModel::Part MassSpring::makePart(const std::vector<char>& wanted) cons
   }
 
   std::unique_ptr<MassSpring> part(new MassSpring);
+  part->masses_.reserve(index.points.size());
   for (const Index i : index.points) part->masses_.push_back(masses_[i]);
   part->membrane_ = membrane_;
   part->along_damping_ = along_damping_;
@@ -129,8 +137,11 @@ DeformableModel::Part MassSpring::makePart(const std::vector<char>& wanted) cons
   part->membrane_triangles_ = membrane_triangles_.makePart(index);
   part->bending_ = bending_.makePart(index);
   part->bending_rest_.rigidity = bending_rest_.rigidity;
+  const std::vector<Index> found = findElements(index.wanted, triangle_corners_, 1, [&](Index k) { return triangle_corners_.items[k] / 3; });
   std::vector<std::pair<Index, Index>> corners;
-  for (const Index t : findElements(index.wanted, triangle_corners_, 1, [&](Index k) { return triangle_corners_.items[k] / 3; })) {
+  corners.reserve(3 * found.size());
+  part->triangles_.reserve(found.size());
+  for (const Index t : found) {
     WeightedTriangle triangle = triangles_[t];
     for (int c = 0; c < 3; ++c) {
       triangle.corner[c] = index.new_index[triangle.corner[c]];

@@ -90,6 +90,8 @@ void Springs::prepareForceLoop(Index num_points) {
   // The same constants once more for the force loop.
   const std::size_t groups = (links_.size() + 3) / 4;
   pull_.resize(4 * groups);
+  group_ends_.reserve(8 * groups);
+  group_constants_.reserve(8 * groups);
   for (std::size_t k = 0; k < 8 * groups; ++k) {
     const std::size_t s = std::min(k / 8 * 4 + k % 4, links_.size() - 1);
     group_ends_.push_back(k / 4 % 2 == 0 ? links_[s].first : links_[s].second);
