@@ -59,13 +59,13 @@ SolidRest select(const SolidRest& whole, const Selection& part) {
   rest.fit = select(whole.fit, part);
   rest.near = select(whole.near, part);
   rest.gradients.residual = whole.gradients.residual;
-  rest.gradients.row.reserve(rest.fit.m.size());
-  rest.gradients.column.reserve(rest.fit.m.size());
+  rest.gradients.row.reserve(3 * rest.fit.pairs.items.size());
+  rest.gradients.column.reserve(3 * rest.fit.pairs.items.size());
   for (std::size_t p = 0; p < part.points.size(); ++p) {
     const Index i = part.points[p];
     for (Index k = whole.fit.pairs.offsets[i]; part.has_fit[p] && k < whole.fit.pairs.offsets[i + 1]; ++k) {
-      appendRow(whole.gradients.row, 4, k, rest.gradients.row);
-      appendRow(whole.gradients.column, 4, k, rest.gradients.column);
+      appendRow(whole.gradients.row, 3, k, rest.gradients.row);
+      appendRow(whole.gradients.column, 3, k, rest.gradients.column);
     }
     rest.gradients.own.push_back(whole.gradients.own[i]);
     rest.volumes.push_back(whole.volumes[i]);
