@@ -127,11 +127,13 @@ def main():
     colours = ScalarMappable(Normalize(-FAR, FAR), "RdBu_r")
     for k, (name, apart, spacing, max_gap, sample_gap, rigidity, noise, elevation, azimuth, up) in enumerate(rows):
         points, normals, _ = point_files.read_rows(given[name])
+        view = draw_particles.look_along(elevation, azimuth) @ UPRIGHT[up]
+        if name == "view" and (normals @ view[2]).mean() < 0.0:  # it is looked at from where it was seen
+            normals = -normals
         samples, sample_normals = make_samples(name, points, normals, apart, spacing)
         if name == "view":
             points = point_files.read_points(given["whole"])
             normals = find_normals(points)
-        view = draw_particles.look_along(elevation, azimuth) @ UPRIGHT[up]
         values = (spacing, max_gap, sample_gap, rigidity, noise)
         frames = [fit(given["simulate"], samples, sample_normals, values, releases) for releases in (False, True)]
         flat = frames[0].positions @ view[:2].T
