@@ -77,7 +77,8 @@ void ActivePart::setLoads(const Loads& loads) {
   contact_.renumber(new_index_);
   contact_.setRate(loads.contact_rate);
   system_.setDamping(loads.damping);
-  loads_ = {&gravity_, &forces_};
+  loads_ = {&forces_};
+  if (!gravity_.gravity.isZero(0.0)) loads_.insert(loads_.begin(), &gravity_);
   if (params_.pressure != 0.0) loads_.push_back(&pressure_);
   if (params_.viscous_drag > 0.0) loads_.push_back(&drag_);
   if (!params_.anchors.empty()) loads_.push_back(&anchors_);

@@ -179,6 +179,7 @@ void Simulation::setGravity(const Vec3& gravity) {
   requireFinite(gravity, "gravity");
   if (impl_->gravity.gravity == gravity) return;
   impl_->gravity.gravity = gravity;
+  impl_->chooseLoads();
   impl_->wakeAll();
   impl_->loadsChanged();
   impl_->forward([&](Simulation& copy) { copy.setGravity(gravity); });

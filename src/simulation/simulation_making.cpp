@@ -75,7 +75,8 @@ void Simulation::Impl::placeAnchors() {
 
 // Only the loads that can act are evaluated.
 void Simulation::Impl::chooseLoads() {
-  loads = {&gravity, &forces};
+  loads = {&forces};
+  if (!gravity.gravity.isZero(0.0)) loads.insert(loads.begin(), &gravity);
   if (params.pressure != 0.0) loads.push_back(&pressure);
   if (params.viscous_drag > 0.0) loads.push_back(&drag);
   if (!params.anchors.empty()) loads.push_back(&anchors);

@@ -55,6 +55,7 @@ void Simulation::Impl::listSkipped() {
   if (!surface.isMade()) statistics.skipped.push_back("transfer");
   if (!surface.hasNormals()) statistics.skipped.push_back("normals");
   if (surface.isMade() && surface.hasRested()) statistics.skipped.push_back("resting_tiles");
+  if (gravity.gravity.isZero(0.0)) statistics.skipped.push_back("gravity");
   if (params.pressure == 0.0) statistics.skipped.push_back("pressure");
   if (!(params.viscous_drag > 0.0)) statistics.skipped.push_back("drag");
   if (params.anchors.empty()) statistics.skipped.push_back("anchors");

@@ -279,6 +279,58 @@ TEST(Simulation, TransferAndNormalsAreSkippedUntilAskedFor) {
   EXPECT_TRUE(skips("transfer"));
 }
 
+// Beside terms of next to no weight, which are evaluated, and of which nothing is left but where there is an exact zero. Without bending,
+// since outer steps are not taken beside forces that dissipate, however little; and awake, since these terms wake.
+TEST(Simulation, TermsOfNoWeightAreLeftOutAndNothingElseChangesUntilTheyHaveOne) {
+  SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.activity.sleep = simulation::Sleep::kNever;
+  p.mass_spring.bending = model::Bending::kNone;
+  p.forces.push_back({"push", Vec3(0.8, 0.3, 0.0), Vec3(0.1, 0.0, 0.5), 0.2, 0.0, 1e300});
+  Simulation without(p, sheetCloud());
+  SceneParams small = p;
+  small.gravity = Vec3(0.0, 0.0, -1e-290);
+  small.pressure = 1e-290;
+  small.viscous_drag = 1e-290;
+  small.anchors.push_back({Vec3(0.5, 0.5, 0.0), Vec3(0.5, 0.5, 0.1), 1e-290});
+  Simulation with(small, sheetCloud());
+  const auto countSkipped = [](Simulation& s) {
+    const std::vector<std::string> list = s.statistics().skipped;
+    int sum = 0;
+    for (const char* term : {"gravity", "pressure", "drag", "anchors"}) sum += std::count(list.begin(), list.end(), term);
+    return sum;
+  };
+  for (int k = 0; k < 10; ++k) {
+    run(without, 1);
+    run(with, 1);
+    for (Index i = 0; i < with.state().size(); ++i) {
+      ASSERT_LT((without.state().positions[i] - with.state().positions[i]).lpNorm<Eigen::Infinity>(), 1e-270) << k << " " << i;
+      ASSERT_LT((without.state().velocities[i] - with.state().velocities[i]).lpNorm<Eigen::Infinity>(), 1e-270) << k << " " << i;
+    }
+  }
+  EXPECT_EQ(countSkipped(without), 4);
+  EXPECT_EQ(countSkipped(with), 0);
+  without.setGravity(Vec3(0.0, 0.0, -9.81));
+  EXPECT_EQ(countSkipped(without), 3);
+  run(without, 1);
+  EXPECT_LT(without.state().velocities.back().z(), with.state().velocities.back().z());
+}
+
+TEST(Simulation, AStepIsTheSameWhetherTheSurfaceIsLookedAtOrNot) {
+  Simulation looked_at(hangingSheet(), sheetCloud()), alone(hangingSheet(), sheetCloud());
+  for (int k = 0; k < 5; ++k) {
+    run(looked_at, 1);
+    looked_at.surface(k % 2 == 0);
+    run(alone, 1);
+  }
+  EXPECT_EQ(looked_at.stateHash(), alone.stateHash());
+  // What was left out is what would have been made.
+  looked_at.surface(true);
+  const simulation::Surface &first = looked_at.surface(true), &late = alone.surface(true);
+  EXPECT_EQ(first.positions, late.positions);
+  EXPECT_EQ(first.normals, late.normals);
+}
+
 TEST(Simulation, EnergyIsKeptWithoutDamping) {
   SceneParams p = hangingSheet();
   p.material.damping = 0.0;
