@@ -86,5 +86,43 @@ TEST(ConsistentGradients, KnowEachPairFromBothEnds) {
     }
 }
 
+Gradients makeGradientsOf(Points points, const Vec3& across) {
+  Gradients g;
+  g.points = std::move(points);
+  const Lists neighbors = cloud::nearestNeighbors(g.points, across.isZero(0.0) ? 32 : 16);
+  g.cells = model::findPointCells(g.points, neighbors, across);
+  g.fit = model::fitPairs(g.points, neighbors, {}, 2.0);
+  g.corrected = model::makeConsistent(g.points, g.fit, g.cells);
+  return g;
+}
+
+// Two bodies in one cloud: neither leaves to the other what it lacks itself.
+TEST(ConsistentGradients, KeepGausssTheoremOfEveryBody) {
+  Points points = makeBox(6, 5, 5, 0.1, 0.3);
+  for (const Vec3& p : makeBox(5, 6, 4, 0.1, 0.3, 7)) points.push_back(p + Vec3(5.0, 0.0, 0.0));
+  EXPECT_LT(makeGradientsOf(points, Vec3::Zero()).corrected.residual, 1e-8);
+}
+
+// Points at random have some with a neighbour or two, where the theorem cannot hold: what is left is less than without the correction,
+// and rows stay of the size that fits have.
+TEST(ConsistentGradients, AreNoWorseWhereTheTheoremCannotHold) {
+  std::mt19937 generator(1);
+  Points points(100);
+  for (Vec3& p : points) {
+    p = randomVector(generator);
+    p.z() = 0.0;
+  }
+  const Gradients g = makeGradientsOf(points, Vec3::UnitZ());
+  EXPECT_LT(*std::min_element(g.fit.rank.begin(), g.fit.rank.end()), 2);
+  EXPECT_LE(g.corrected.residual, 1.0);
+  double fitted = 0.0, corrected = 0.0;
+  for (Index i = 0; i < g.fit.size(); ++i)
+    for (Index k = g.fit.pairs.offsets[i]; k < g.fit.pairs.offsets[i + 1]; ++k) {
+      fitted = std::max(fitted, (g.fit.inverseAt(i) * rowAt(g.fit.m, k, 4)).norm());
+      corrected = std::max(corrected, rowAt(g.corrected.row, k).norm());
+    }
+  EXPECT_LT(corrected, 10.0 * fitted);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

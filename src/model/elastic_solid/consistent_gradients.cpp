@@ -16,6 +16,7 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr int kMostIterations = 400;  // what is left then is smooth, and small
 constexpr double kEnough = 1e-11;     // of the first residual: rounding
+constexpr double kAstray = 1e6;       // of the least squared residual: they vary by less from one iteration to the next where there is a solution
 
 using Map3 = Eigen::Map<const Vec3>;
 
@@ -63,11 +64,30 @@ double largestOf(const Points& vectors) {
   return largest;
 }
 
-// Changes r on the outside, in proportion to its area there and linearly in space, until it has neither sum nor moment.
-void balance(const Points& points, const Points& outside, Points& r) {
+// The points that pairs connect, body by body.
+std::vector<std::vector<Index>> findBodies(const Lists& pairs) {
+  std::vector<std::vector<Index>> bodies;
+  std::vector<char> is_found(pairs.size(), 0);
+  for (Index first = 0; first < pairs.size(); ++first) {
+    if (is_found[first]) continue;
+    is_found[first] = 1;
+    std::vector<Index> body{first};
+    for (std::size_t k = 0; k < body.size(); ++k)
+      for (const Index* j = pairs.begin(body[k]); j != pairs.end(body[k]); ++j)
+        if (!is_found[*j]) {
+          is_found[*j] = 1;
+          body.push_back(*j);
+        }
+    bodies.push_back(std::move(body));
+  }
+  return bodies;
+}
+
+// Changes r on the outside of a body, in proportion to its area there and linearly in space, until it has neither sum nor moment.
+void balance(const Points& points, const Points& outside, const std::vector<Index>& body, Points& r) {
   Vec3 middle = Vec3::Zero();
   double total = 0.0;
-  for (std::size_t j = 0; j < r.size(); ++j) {
+  for (const Index j : body) {
     total += outside[j].norm();
     middle += outside[j].norm() * points[j];
   }
@@ -75,17 +95,17 @@ void balance(const Points& points, const Points& outside, Points& r) {
   middle /= total;
   Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
   Eigen::Matrix<double, 4, 3> wanted = Eigen::Matrix<double, 4, 3>::Zero();
-  const auto linear = [&](std::size_t j) {
+  const auto linear = [&](Index j) {
     Vec4 values;
     values << 1.0, points[j] - middle;
     return values;
   };
-  for (std::size_t j = 0; j < r.size(); ++j) {
+  for (const Index j : body) {
     moments += outside[j].norm() * linear(j) * linear(j).transpose();
     wanted -= linear(j) * r[j].transpose();
   }
   const Eigen::Matrix<double, 4, 3> change = moments.completeOrthogonalDecomposition().solve(wanted);
-  for (std::size_t j = 0; j < r.size(); ++j) r[j] += outside[j].norm() * change.transpose() * linear(j);
+  for (const Index j : body) r[j] += outside[j].norm() * change.transpose() * linear(j);
 }
 
 }  // namespace
@@ -106,14 +126,14 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
       r[fit.pairs.items[k]] -= g;
       r[i] += g;
     }
-  balance(points, cells.outside, r);
+  for (const std::vector<Index>& body : findBodies(fit.pairs)) balance(points, cells.outside, body, r);
 
-  // Conjugate gradients.
-  Points l(n, Vec3::Zero()), p = r, product(n);
+  // Conjugate gradients. Where points have too few neighbours the theorem cannot hold, and they would go astray: the best is kept.
+  Points l(n, Vec3::Zero()), best = l, p = r, product(n);
   std::vector<Mat3> gradient(n);
   const double first = dot(r, r), first_largest = largestOf(r);
-  double squared = first;
-  for (int iteration = 0; iteration < kMostIterations && squared > kEnough * kEnough * first; ++iteration) {
+  double squared = first, least = first, least_largest = first_largest;
+  for (int iteration = 0; iteration < kMostIterations && squared > kEnough * kEnough * first && squared < kAstray * least; ++iteration) {
     applyResiduals(fit, p, gradient, product);
     const double curvature = dot(p, product);
     if (!(curvature > 0.0)) break;
@@ -125,8 +145,14 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
     const double next = dot(r, r);
     for (Index i = 0; i < n; ++i) p[i] = r[i] + next / squared * p[i];
     squared = next;
+    if (squared < least) {
+      least = squared;
+      least_largest = largestOf(r);
+      best = l;
+    }
   }
-  result.residual = first_largest > 0.0 ? largestOf(r) / first_largest : 0.0;
+  l = best;
+  result.residual = first_largest > 0.0 ? least_largest / first_largest : 0.0;
 
   fitAll(fit, l, gradient);
   for (Index i = 0; i < n; ++i) {
