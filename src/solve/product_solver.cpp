@@ -7,6 +7,7 @@ namespace deformable_surface::solve {
 namespace {
 
 constexpr int kMostProducts = 1000;       // far more than any matrix needs that the preconditioner knows anything of
+constexpr double kLeast = 1e-8;           // of the first residual: what rounding may leave, and the next direction finds what is less
 constexpr double kRegularization = 1e-9;  // of the largest stiffness of a point, where neither weight nor stiffness resists a motion
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
@@ -88,7 +89,8 @@ bool ProductSolver::solve(const System& system, const Points& gradient, double e
   springs_.apply(residual_, preconditioned_);
   along_ = preconditioned_;
   double size = flatten(residual_).dot(flatten(preconditioned_));
-  for (int k = 0; k < kMostProducts && size > 0.0 && findLargest(residual_) > enough && !(interrupt && *interrupt); ++k) {
+  const double least = kLeast * kLeast * size;
+  for (int k = 0; k < kMostProducts && size > least && findLargest(residual_) > enough && !(interrupt && *interrupt); ++k) {
     multiply(system, along_, product_);
     const double resistance = flatten(along_).dot(flatten(product_));
     if (!(resistance > 0.0)) {

@@ -39,9 +39,16 @@ double findStabilization(const PairFit& near, const Points& points, const std::v
   return spread > 0.0 ? stiffness * volume * dimension / spread : 0.0;
 }
 
-SolidRest makeRest(const Points& points, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
+// What lies off the plane of a planar solid is no strain.
+Points flatten(Points points, const Vec3& across) {
+  for (Vec3& p : points) p -= across.dot(p) * across;
+  return points;
+}
+
+SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
                    const MaterialParams& material, const ElasticSolidParams& params) {
   const bool is_planar = !across.isZero(0.0);
+  const Points points = flatten(given, across);
   PointCells cells = findPointCells(points, neighbors, across);
   std::vector<double> sorted = cells.volume;
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
