@@ -25,8 +25,8 @@ inline void visit(Fields& fields, IntegratorParams& p) {
        {"explicit_euler", IntegratorType::kExplicitEuler},
        {"implicit", IntegratorType::kImplicit},
        {"static", IntegratorType::kStatic}},
-      "`auto` = verlet while it fits the sub-steps, else implicit; `explicit_euler` = as published; `static` = each step is "
-      "the equilibrium under its loads");
+      "`auto` = verlet while it fits the sub-steps, else implicit, or what the trials of a wish of `accuracy` lead to; "
+      "`explicit_euler` = as published; `static` = each step is the equilibrium under its loads");
   fields.number("time_step", p.time_step, "s", between(1e-9, 1e3), "never changed silently; sub-steps happen inside it");
   fields.integer("max_substeps", p.max_substeps, "", between(1, 1e9),
                  "`auto` leaves verlet when a step needs more sub-steps than this");
