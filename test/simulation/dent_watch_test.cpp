@@ -134,10 +134,10 @@ TEST(DentWatch, SeesAForceThatPressesAPatchInAsPressureWould) {
   const double classical = 4.0 * kStretching * kThinness, radius = 0.2;  // N/m^2; m
   const double force = classical * 3.14159 * radius * radius;
   const std::vector<Index> loaded{0, 1, 2};
-  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.2 * force, radius));
+  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.1 * force, radius));
   EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.8 * force, radius));
-  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.8 * force, 3.0 * radius));
-  EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.2 * force, 0.0));  // on a point, whose part of the full cloud is small
+  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.8 * force, 4.0 * radius));
+  EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.1 * force, 0.0));  // on a point, whose part of the full cloud is small
 }
 
 TEST(DentWatch, LeavesForcesOnAThickSphereToThePointsWhichShowItsDents) {
