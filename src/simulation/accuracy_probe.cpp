@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kMostKept = 2e6;  // points whose positions are kept of a probe: some fifty megabytes
 
-// A Newton iteration over a sub-step of Verlet's, from 128 to 2048 points: between what was measured of sheets, whose factors are sparser, and
-// of spheres (docs/decisions/0006).
+// A Newton iteration over a sub-step of Verlet's, from 128 to 2048 points: between what was measured of sheets, whose factors are
+// sparser, and of spheres (docs/decisions/0006).
 constexpr double kNewtonFactor = 3.8, kNewtonExponent = 0.8;
 
 }  // namespace

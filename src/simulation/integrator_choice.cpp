@@ -12,8 +12,8 @@ using Candidate = AccuracyChoice::Candidate;
 using solve::IntegratorType;
 
 constexpr double kWorthwhile = 0.9;     // of the work: what another integrator must save
-constexpr double kLeastIterations = 2;  // of an implicit step: one for each of its stages
-constexpr double kMostWork = 1e8;       // points times sub-steps of a trial that takes the place of a failed one: ten seconds of one core
+constexpr double kLeastIterations = 1;   // of an implicit step: what moves slowly takes little more
+constexpr double kMostWork = 1e8;       // points times sub-steps of a trial in the place of a failed one: ten seconds of one core
 
 constexpr double kComparedSteps = 200;  // a trial of two budgets' steps: a second at a budget of two milliseconds
 
@@ -46,9 +46,10 @@ void chooseIntegrator(const SceneParams& params, const RestSurface& full, const 
   tried.points = choice.points;
   tried.integrator = first.is_implicit && !was_softened ? IntegratorType::kVerlet : IntegratorType::kImplicit;
   const double steps = std::round(params.duration / params.integrator.time_step), worthwhile = kWorthwhile * choice.work;
-  if (tried.integrator == IntegratorType::kImplicit && steps * kLeastIterations * tried.points * newtonWork(tried.points) > worthwhile) return;
-  if (tried.integrator == IntegratorType::kImplicit && first.is_implicit) return;  // nothing to measure by
-  const Probe* beside = tried.integrator == IntegratorType::kImplicit ? &first : nullptr;
+  const bool to_implicit = tried.integrator == IntegratorType::kImplicit;
+  const double least = steps * kLeastIterations * tried.points * newtonWork(tried.points);
+  if (to_implicit && (least > worthwhile || first.is_implicit)) return;  // without Verlet's steps there is nothing to measure by
+  const Probe* beside = to_implicit ? &first : nullptr;
   Probe probe = probeError(params, full, tried, params.accuracy.position_error, beside, worthwhile);
   choice.candidates.push_back(probe.candidate);
   if (probe.failed) return;
