@@ -50,6 +50,8 @@ class ActivePart {
   const std::vector<Index>& points() const { return points_; }  // of the surface, ascending
   bool isMoving(Index k) const { return kind_[k] == Kind::kMoving || kind_[k] == Kind::kRim; }
 
+  /// See ContactLoad.
+  double takeContactSeconds() const { return contact_.takeSeconds(); }
   solve::TimeMarch& march() { return march_; }
   const solve::TimeMarch& march() const { return march_; }
 

@@ -170,7 +170,7 @@ StepOutcome Simulation::Impl::passStep(const Timer& timer, const std::string& no
   ++steps;
   if (estimator) estimator->pass();
   statistics.substeps = statistics.solver_iterations = 0;
-  statistics.solver_residual = statistics.time_forces = statistics.time_solve = statistics.time_estimate = 0.0;
+  statistics.solver_residual = statistics.time_forces = statistics.time_solve = statistics.time_contact = statistics.time_estimate = 0.0;
   statistics.time_transfer = statistics.time_normals = 0.0;
   statistics.time_total = timer.seconds();
   statistics.real_time_factor = params.integrator.time_step / statistics.time_total;

@@ -1,5 +1,7 @@
 #include "deformable_surface/simulation/contact_load.h"
 
+#include "deformable_surface/base/timer.h"
+
 #include <algorithm>
 #include <cmath>
 #include <numeric>
@@ -75,8 +77,10 @@ void ContactLoad::forEachTouch(const Body& body, double time, const Points& posi
 }
 
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
+  const Timer timer;
   for (const Body& body : bodies_)
     forEachTouch(body, time, state.positions, [&](const Touch& touch) { forces[touch.point] += touch.force; });
+  seconds_ += timer.seconds();
 }
 
 double ContactLoad::potentialOf(const Body& body, double time, const Points& positions) const {
@@ -179,6 +183,7 @@ Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool,
 }
 
 void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
+  const Timer timer;
   for (const ContactLoad::Body& body : contact_.bodies_) {
     const ToolParams& tool = body.tool;
     if (!(tool.friction > 0.0)) continue;
@@ -188,6 +193,7 @@ void FrictionLoad::addForces(double time, const model::State& state, Points& for
       forces[touch.point] += findForce(contact_, tool, touch, sliding);
     });
   }
+  contact_.seconds_ += timer.seconds();
 }
 
 double FrictionLoad::estimateWork(double from, double to, const model::State&, const model::State& after) const {

@@ -39,7 +39,12 @@ StepOutcome Simulation::Impl::step() {
   beginAsleep(now);
   if (activity.isAsleep()) return passStep(timer, outcome.notice);
 
-  if (!contact.isEmpty() && contact.beginStep(now, dt, state, held)) loadsChanged();
+  double contact_seconds = 0.0;
+  if (!contact.isEmpty()) {
+    const Timer contact_timer;
+    if (contact.beginStep(now, dt, state, held)) loadsChanged();
+    contact_seconds = contact_timer.seconds();
+  }
 
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
@@ -58,7 +63,11 @@ StepOutcome Simulation::Impl::step() {
                       "; the state before it is kept";
     return outcome;
   }
-  if (!contact.isEmpty()) appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
+  if (!contact.isEmpty()) {
+    const Timer contact_timer;
+    appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
+    contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part ? part->takeContactSeconds() : 0.0);
+  }
   if (may_be_cut) endCuts(now, dt, outcome);
   const bool has_flowed = solid && solid->flow(dt, state);
   if (has_flowed) {
@@ -78,6 +87,7 @@ StepOutcome Simulation::Impl::step() {
   statistics.solver_iterations = static_cast<std::uint32_t>(report.iterations);
   statistics.solver_residual = report.residual;
   statistics.time_forces = report.time_forces;
+  statistics.time_contact = contact_seconds;
   statistics.time_total = timer.seconds();
   statistics.time_solve = statistics.time_total - report.time_forces - statistics.time_estimate;
   statistics.real_time_factor = dt / statistics.time_total;

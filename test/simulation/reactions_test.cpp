@@ -91,6 +91,21 @@ TEST(Contacts, AreWhatTheToolFeelsPointByPoint) {
   EXPECT_LT((sum + reactions[1].force).norm(), 1e-12 * sum.norm());
 }
 
+TEST(Contacts, TheStatisticsTellThatToolsTookTimeWhereThereAreAny) {
+  simulation::SceneParams p = hangingSheet();
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 2);
+  EXPECT_EQ(s.statistics().time_contact, 0.0);
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.radius = 0.1;
+  ball.path.push_back({0.0, Vec3(0.5, 0.0, -0.1), Vec4(0.0, 0.0, 0.0, 1.0)});
+  s.setTools({ball});
+  run(s, 2);
+  EXPECT_GT(s.statistics().time_contact, 0.0);
+  EXPECT_LT(s.statistics().time_contact, s.statistics().time_total);
+}
+
 TEST(Reactions, SurfaceToolsAndPinsBalanceAtRest) {
   // Newton's third law: what pins and tools feel together is the weight.
   simulation::SceneParams p = staticSheet();

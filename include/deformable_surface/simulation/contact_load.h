@@ -7,6 +7,8 @@
 #include "deformable_surface/tool/crossing.h"
 #include "deformable_surface/tool/tool.h"
 
+#include <utility>
+
 namespace deformable_surface::simulation {
 
 /// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2 / 2. Being
@@ -60,6 +62,9 @@ class ContactLoad : public solve::ExternalLoad {
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 
+  /// s of wall time that contact and friction have taken since the last call, but for energies and stiffness.
+  double takeSeconds() const { return std::exchange(seconds_, 0.0); }
+
   /// Adds what each tool feels, friction included, to those of its id.
   void addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const;
   /// Appends the touches of the tool of that id, if it is one of these, as those of the tool in that place.
@@ -81,6 +86,7 @@ class ContactLoad : public solve::ExternalLoad {
   const std::vector<double>& masses_;
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
+  mutable double seconds_ = 0.0;
   Points before_;                // m, of the last beginStep()
   std::vector<Passed> scratch_;
   std::vector<std::string> told_;  // ids of tools whose passing between points was told
