@@ -28,6 +28,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"memory", runMemorySection},
                            {"factorization", runFactorizationSection},
                            {"particles", runParticlesSection},
+                           {"solids", runSolidsSection, true},
                            {"activity", runActivitySection, true},
                            {"scale", runScaleSection, true},
                            {"peers", runPeersSection, true},
@@ -98,7 +99,7 @@ int run(int argc, char** argv) {
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --activity, --scale, --peers, --wishes, --geodesics, --accuracy, "
+      return fail("found '" + argument + "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --accuracy, "
                   "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
     }
   }

@@ -26,6 +26,7 @@ void runAccuracySection(const Options& options, Report& report);
 void runStaticsSection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);
+void runSolidsSection(const Options& options, Report& report);
 void runParticlesSection(const Options& options, Report& report);
 void runActivitySection(const Options& options, Report& report);
 void runScaleSection(const Options& options, Report& report);

@@ -74,6 +74,8 @@ class ElasticSolid : public DeformableModel {
   const Vec3& across() const { return passes_.rest.across; }
   /// Points whose neighbours span less than the body does: missing directions have no strain there.
   Index numDeficient() const { return num_deficient_; }
+  /// Neighbours whose strain counts, of all points together.
+  Index numPairs() const { return static_cast<Index>(passes_.rest.fit.pairs.items.size()); }
 
  private:
   explicit ElasticSolid(SolidRest rest);  // the rest is to be filled in
