@@ -1,6 +1,5 @@
 // Inside one surface of oriented particles the region around a poke is awake and the rest is not.
-#include "clouds.h"
-#include "deformable_surface/base/parallel.h"
+#include "sleeping.h"
 
 #include <gtest/gtest.h>
 
@@ -13,7 +12,7 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using simulation::Sleep;
 
-constexpr double kTolerance = 1e-6;  // m
+constexpr double kTolerance = kSleepTolerance;
 
 // A hexagonal sheet of particles at rest, poked near a corner from the sixth step on.
 SceneParams pokedSheet() {
@@ -38,17 +37,6 @@ cloud::PointCloud hexagons() {
   for (int j = 0; j < 46; ++j)
     for (int i = 0; i < 40; ++i) points.emplace_back((i + 0.5 * (j % 2)) * kSpacing, (j - 23) * kSpacing * std::sqrt(0.75), 0.0);
   return asCloud(points);
-}
-
-double largestDistance(const Points& a, const Points& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
-}
-
-bool isPartlyAwake(const Simulation& s) {
-  const std::uint32_t awake = s.statistics().awake;
-  return awake > 0 && awake < 0.7 * s.state().size();
 }
 
 TEST(SleepingParticles, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
@@ -78,33 +66,8 @@ TEST(SleepingParticles, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   EXPECT_GT(moved, 1000.0 * kTolerance);
 }
 
-// Statistics are read in one of them only: what they look at must not change who is whose partner.
 TEST(SleepingParticles, APartIsBitIdenticalForOneTwoAndThreeThreadsAndThroughSnapshots) {
-  std::vector<std::uint64_t> first;
-  for (int threads : {1, 2, 3}) {
-    setNumThreads(threads);
-    Simulation s(pokedSheet(), hexagons());
-    run(s, 12);
-    EXPECT_TRUE(isPartlyAwake(s));
-    const simulation::Snapshot snapshot = s.snapshot();
-    std::vector<std::uint64_t> hashes;
-    for (int k = 0; k < 40; ++k) {
-      run(s, 1);
-      hashes.push_back(s.stateHash());
-      if (threads == 2) s.statistics();
-    }
-    if (first.empty()) first = hashes;
-    EXPECT_EQ(hashes, first) << threads << " threads";
-    Simulation other(pokedSheet(), hexagons());
-    for (Simulation* restored : {&s, &other}) {
-      restored->restore(snapshot);
-      for (int k = 0; k < 40; ++k) {
-        run(*restored, 1);
-        EXPECT_EQ(restored->stateHash(), first[k]) << k;
-      }
-    }
-  }
-  setNumThreads(0);
+  expectSameBitsInParts(pokedSheet(), hexagons(), 12, 30);
 }
 
 // A flake is pressed onto a sleeping sheet that was far beyond its reach when that fell asleep.

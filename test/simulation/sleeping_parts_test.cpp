@@ -1,7 +1,6 @@
 // Inside one sheet the region around a poke is awake and the rest is not: with what it costs in exactness, for every number of threads,
 // and through snapshots.
-#include "clouds.h"
-#include "deformable_surface/base/parallel.h"
+#include "sleeping.h"
 
 #include <gtest/gtest.h>
 
@@ -18,7 +17,7 @@ using simulation::Sleep;
 
 constexpr Index kSide = 41;
 constexpr Index kPoints = kSide * kSide;
-constexpr double kTolerance = 1e-6;  // m
+constexpr double kTolerance = kSleepTolerance;
 
 // A sheet in balance in which disturbances run slowly, pinned along an edge, that is poked near a corner from the sixth step on.
 SceneParams pokedSheet() {
@@ -37,17 +36,6 @@ SceneParams pokedSheet() {
 }
 
 cloud::PointCloud finePatch() { return sheetCloud(kSide); }
-
-double largestDistance(const Points& a, const Points& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
-}
-
-bool isPartlyAwake(const Simulation& s) {
-  const std::uint32_t awake = s.statistics().awake;
-  return awake > 0 && awake < 0.7 * kPoints;
-}
 
 TEST(SleepingParts, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   SceneParams p = pokedSheet();
@@ -169,31 +157,7 @@ TEST(SleepingParts, AFrontThatComesFasterThanItsMarginIsNotHeldUp) {
 }
 
 TEST(SleepingParts, APartIsBitIdenticalForOneTwoAndThreeThreadsAndThroughSnapshots) {
-  std::vector<std::uint64_t> first;
-  for (int threads : {1, 2, 3}) {
-    setNumThreads(threads);
-    Simulation s(pokedSheet(), finePatch());
-    run(s, 12);
-    EXPECT_TRUE(isPartlyAwake(s));
-    const simulation::Snapshot snapshot = s.snapshot();
-    std::vector<std::uint64_t> hashes;
-    for (int k = 0; k < 30; ++k) {
-      run(s, 1);
-      hashes.push_back(s.stateHash());
-    }
-    EXPECT_TRUE(isPartlyAwake(s));
-    if (first.empty()) first = hashes;
-    EXPECT_EQ(hashes, first) << threads << " threads";
-    Simulation other(pokedSheet(), finePatch());
-    for (Simulation* restored : {&s, &other}) {
-      restored->restore(snapshot);
-      for (int k = 0; k < 30; ++k) {
-        run(*restored, 1);
-        EXPECT_EQ(restored->stateHash(), first[k]) << k;
-      }
-    }
-  }
-  setNumThreads(0);
+  expectSameBitsInParts(pokedSheet(), finePatch(), 12, 30);
 }
 
 TEST(SleepingParts, PressureDragAnchorsAndToolsActInAPartAsInTheWhole) {

@@ -1,6 +1,5 @@
 // Inside one body the region around a poke is awake and the rest is not.
-#include "clouds.h"
-#include "deformable_surface/base/parallel.h"
+#include "sleeping.h"
 #include "deformable_surface/io/shapes.h"
 
 #include <gtest/gtest.h>
@@ -14,7 +13,7 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using simulation::Sleep;
 
-constexpr double kTolerance = 1e-6;  // m
+constexpr double kTolerance = kSleepTolerance;
 
 // A slab of jelly that lies on a table it sticks to, poked near a corner from the sixth step on.
 SceneParams pokedSlab() {
@@ -39,17 +38,6 @@ SceneParams pokedSlab() {
   p.accuracy.estimate = false;
   p.forces.push_back({"poke", Vec3(0.5, 0.1, 0.03), Vec3(0.2, 0.0, -0.5), 0.05, 0.01, 0.03});
   return p;
-}
-
-double largestDistance(const Points& a, const Points& b) {
-  double largest = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
-  return largest;
-}
-
-bool isPartlyAwake(const Simulation& s) {
-  const std::uint32_t awake = s.statistics().awake;
-  return awake > 0 && awake < 0.7 * s.state().size();
 }
 
 TEST(SleepingSolids, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
@@ -100,29 +88,7 @@ TEST(SleepingSolids, AnImplicitStepOfAPartIsThatOfTheWhole) {
 }
 
 TEST(SleepingSolids, APartIsBitIdenticalForOneTwoAndThreeThreadsAndThroughSnapshots) {
-  const cloud::PointCloud slab = io::makeShape(pokedSlab().cloud);
-  std::vector<std::uint64_t> first;
-  for (int threads : {1, 2, 3}) {
-    setNumThreads(threads);
-    Simulation s(pokedSlab(), slab);
-    run(s, 8);
-    EXPECT_TRUE(isPartlyAwake(s));
-    const simulation::Snapshot snapshot = s.snapshot();
-    std::vector<std::uint64_t> hashes;
-    for (int k = 0; k < 10; ++k) {
-      run(s, 1);
-      hashes.push_back(s.stateHash());
-    }
-    EXPECT_TRUE(isPartlyAwake(s));
-    if (first.empty()) first = hashes;
-    EXPECT_EQ(hashes, first) << threads << " threads";
-    s.restore(snapshot);
-    for (int k = 0; k < 10; ++k) {
-      run(s, 1);
-      EXPECT_EQ(s.stateHash(), first[k]) << k;
-    }
-  }
-  setNumThreads(0);
+  expectSameBitsInParts(pokedSlab(), io::makeShape(pokedSlab().cloud), 8, 10);
 }
 
 }  // namespace
