@@ -65,12 +65,21 @@ struct alignas(64) Sample {
   Vec3 position, normal;
 };
 
-// The neighbours of one point and the memory to evaluate its star.
+// The neighbours of one point and the memory to find them and to evaluate its star.
 struct Scratch {
   std::vector<Index> near;  // alive, of the same part, nearest first, at most k
   std::vector<Neighbor> found;
   std::vector<Vec2> projected;
   geometry::DelaunayStarBuilder builder;
+  std::vector<Index> place;    // (n) where a point stands among those found; stale where another stands there
+  std::vector<double> bound;   // lengths of ways to those found
+  std::vector<char> reached;   // whether they are no detour
+};
+
+// Lists that are to replace those of some points.
+struct Refills {
+  std::vector<Index> points;
+  Lists lists;
 };
 
 class Thinning {
@@ -79,7 +88,7 @@ class Thinning {
   Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, std::vector<Index> part, Index num_parts, bool over_surface)
       : k_(k), over_surface_(over_surface), samples_(positions.size()), tree_(positions), lists_(std::move(neighbors)),
         alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
-        num_parts_(num_parts), part_(std::move(part)), stored_(positions.size()), place_(over_surface ? positions.size() : 0) {
+        num_parts_(num_parts), part_(std::move(part)), stored_(positions.size()) {
     const Index n = num_alive_;
     for (Index i = 0; i < n; ++i) {
       samples_[i] = {positions[i], normals[i]};
@@ -104,13 +113,27 @@ class Thinning {
     Simplification result;
     result.num_points = n;
 
-    // Keys of all points, in the order in which the tree holds them in memory.
+    // Keys of all points, in the order in which the tree holds them in memory. Whose list is too short asks those of others, which
+    // therefore stay as they are until all have been asked.
     std::vector<double> key(n);
     constexpr Index kBlock = 1024;
+    std::vector<Refills> refills((n + kBlock - 1) / kBlock);
     parallelFor(n, kBlock, [&](Index begin, Index end) {
       Scratch scratch;
-      for (Index s = begin; s < end; ++s) key[tree_.order()[s]] = evaluateKey(tree_.order()[s], scratch);
+      Refills& refilled = refills[begin / kBlock];
+      for (Index s = begin; s < end; ++s) {
+        const Index i = tree_.order()[s];
+        if (!findNear(i, scratch)) {
+          refilled.points.push_back(i);
+          for (const Neighbor& neighbor : scratch.found) refilled.lists.items.push_back(neighbor.index);
+          refilled.lists.offsets.push_back(static_cast<Index>(refilled.lists.items.size()));
+        }
+        key[i] = evaluateKey(i, scratch);
+      }
     });
+    for (const Refills& refilled : refills)
+      for (Index r = 0; r < static_cast<Index>(refilled.points.size()); ++r)
+        store(refilled.points[r], refilled.lists.count(r), [&](Index s) { return refilled.lists.begin(r)[s]; });
     using Entry = std::pair<double, Index>;
     std::vector<Entry> entries;
     for (Index i = 0; i < n; ++i) {
@@ -126,6 +149,9 @@ class Thinning {
       queue.pop();
       if (!queue.empty()) prefetch(queue.top().second);
       if (num_in_part_[part_[i]] <= kMinPartPoints) continue;
+      if (!findNear(i, scratch)) {
+        store(i, static_cast<Index>(scratch.found.size()), [&](Index s) { return scratch.found[s].index; });
+      }
       const Entry fresh(evaluateKey(i, scratch), i);
       if (!queue.empty() && queue.top() < fresh) {
         queue.push(fresh);
@@ -140,9 +166,9 @@ class Thinning {
   }
 
  private:
-  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r.
-  double evaluateKey(Index i, Scratch& scratch) {
-    findNear(i, scratch);
+  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r. After
+  // findNear().
+  double evaluateKey(Index i, Scratch& scratch) const {
     if (scratch.near.empty()) return 0.0;
     for (Index j : scratch.near) __builtin_prefetch(&samples_[j]);
     const Sample& own = samples_[i];
@@ -173,12 +199,24 @@ class Thinning {
     __builtin_prefetch(&samples_[i]);
   }
 
-  void findNear(Index i, Scratch& scratch) {
+  // False: the stored ones do not suffice, and all that are to be stored in their place are in scratch.found.
+  bool findNear(Index i, Scratch& scratch) const {
     const Index wanted = std::min(k_, num_in_part_[part_[i]] - 1);
     takeStored(i, wanted, scratch.near);
-    if (static_cast<Index>(scratch.near.size()) == wanted) return;
-    refill(i, wanted, scratch.found);
-    takeStored(i, wanted, scratch.near);
+    if (static_cast<Index>(scratch.near.size()) == wanted) return true;
+    find(i, wanted, scratch);
+    scratch.found.resize(std::min(scratch.found.size(), static_cast<std::size_t>(lists_.count(i))));
+    scratch.near.clear();
+    for (const Neighbor& neighbor : scratch.found)
+      if (static_cast<Index>(scratch.near.size()) < wanted) scratch.near.push_back(neighbor.index);
+    return false;
+  }
+
+  // As many as have room. get(s): the s-th.
+  template <class Get>
+  void store(Index i, Index count, Get&& get) {
+    stored_[i] = count;
+    for (Index s = 0; s < count; ++s) lists_.items[lists_.offsets[i] + s] = get(s);
   }
 
   // Every entry is written and only the alive ones are counted: a branch for each would be mispredicted.
@@ -193,9 +231,10 @@ class Thinning {
     near.resize(count);
   }
 
-  // Stores the nearest alive points of the same part: from the part's own list if it is small, else from the tree, asking for
+  // Finds the nearest alive points of the same part: from the part's own list if it is small, else from the tree, asking for
   // more and more while points of other parts are in between.
-  void refill(Index i, Index wanted, std::vector<Neighbor>& found) {
+  void find(Index i, Index wanted, Scratch& scratch) const {
+    std::vector<Neighbor>& found = scratch.found;
     const Index part = part_[i];
     const auto isOther = [&](const Neighbor& neighbor) { return neighbor.index == i || part_[neighbor.index] != part; };
     if (num_in_part_[part] <= k_) {
@@ -210,52 +249,55 @@ class Thinning {
       for (Index asked = lists_.count(i) + 1;; asked = std::min(2 * asked, num_alive_)) {
         tree_.nearest(samples_[i].position, asked, found);
         found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
-        if (over_surface_) eraseUnreached(i, found);
+        if (over_surface_) eraseUnreached(i, scratch);
         if (static_cast<Index>(found.size()) >= wanted || asked >= num_alive_) break;
         if (over_surface_ && asked > kMaxAsked * lists_.count(i)) break;
       }
     }
-    stored_[i] = std::min(lists_.count(i), static_cast<Index>(found.size()));
-    for (Index s = 0; s < stored_[i]; ++s) lists_.items[lists_.offsets[i] + s] = found[s].index;
   }
 
   // Erases what no short way over stored links leads to. All of these were reached so before, the first ones over the surface
   // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first,
   // and only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than
   // the spacing is as long as the points left allow, so the spacing is what it is compared to: it is such points that must go.
-  void eraseUnreached(Index i, std::vector<Neighbor>& found) {
+  void eraseUnreached(Index i, Scratch& scratch) const {
+    std::vector<Neighbor>& found = scratch.found;
+    std::vector<Index>& place = scratch.place;
+    std::vector<double>& bounds = scratch.bound;
+    std::vector<char>& reached = scratch.reached;
     const Index num_found = static_cast<Index>(found.size());
-    for (Index f = 0; f < num_found; ++f) place_[found[f].index] = f;
-    reached_.resize(num_found);
+    place.resize(samples_.size());
+    for (Index f = 0; f < num_found; ++f) place[found[f].index] = f;
+    reached.resize(num_found);
     const double squared_spacing = num_found > 0 ? found[std::min(kSpacingNeighbor, num_found) - 1].squared_distance : 0.0;
     for (const bool is_hasty : {true, false}) {
-      bound_.assign(num_found, std::numeric_limits<double>::infinity());
-      std::fill(reached_.begin(), reached_.end(), 0);
+      bounds.assign(num_found, std::numeric_limits<double>::infinity());
+      std::fill(reached.begin(), reached.end(), 0);
       Index num_missing = num_found;
       const auto relax = [&](Index from, double to_from, Index max_steps) {
         const Index* end = lists_.begin(from) + std::min(max_steps, stored_[from]);
         for (const Index* j = lists_.begin(from); j != end; ++j) {
-          const Index f = place_[*j];
-          if (f >= num_found || found[f].index != *j || (is_hasty && reached_[f])) continue;
+          const Index f = place[*j];
+          if (f >= num_found || found[f].index != *j || (is_hasty && reached[f])) continue;
           const double bound = to_from + (samples_[*j].position - samples_[from].position).norm();
-          if (!(bound < bound_[f])) continue;
-          bound_[f] = bound;
+          if (!(bound < bounds[f])) continue;
+          bounds[f] = bound;
           const double squared_length = std::max(found[f].squared_distance, squared_spacing);
-          if (reached_[f] || !(bound * bound <= kKeptWay * kKeptWay * squared_length)) continue;
-          reached_[f] = 1;
+          if (reached[f] || !(bound * bound <= kKeptWay * kKeptWay * squared_length)) continue;
+          reached[f] = 1;
           --num_missing;
         }
       };
       relax(i, 0.0, stored_[i]);
       for (Index f = 0; f < num_found && num_missing > 0; ++f) {
         const Index from = found[f].index;
-        if (bound_[f] < std::numeric_limits<double>::infinity()) relax(from, bound_[f], is_hasty ? k_ : stored_[from]);
+        if (bounds[f] < std::numeric_limits<double>::infinity()) relax(from, bounds[f], is_hasty ? k_ : stored_[from]);
       }
       if (num_missing == 0) return;
     }
     Index kept = 0;
     for (Index f = 0; f < num_found; ++f) {
-      if (reached_[f]) found[kept++] = found[f];
+      if (reached[f]) found[kept++] = found[f];
     }
     found.resize(kept);
   }
@@ -284,9 +326,6 @@ class Thinning {
   std::vector<Index> stored_;       // (n) entries of lists_ in use
   Lists members_;                   // (num_parts)
   std::vector<Index> num_in_part_;  // alive
-  std::vector<Index> place_;        // (n) scratch: where a point stands among those found; stale where another stands there
-  std::vector<double> bound_;       // scratch: lengths of ways to those found
-  std::vector<char> reached_;       // scratch: whether they are no detour
 };
 
 // Coarsely first, then the rest by rings.

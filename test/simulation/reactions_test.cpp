@@ -100,7 +100,7 @@ TEST(Contacts, TheStatisticsTellThatToolsTookTimeWhereThereAreAny) {
   ball.id = "ball";
   ball.shape.radius = 0.1;
   ball.path.push_back({0.0, Vec3(0.5, 0.0, -0.1), Vec4(0.0, 0.0, 0.0, 1.0)});
-  s.setTools({ball});
+  s.setTool(ball);
   run(s, 2);
   EXPECT_GT(s.statistics().time_contact, 0.0);
   EXPECT_LT(s.statistics().time_contact, s.statistics().time_total);
