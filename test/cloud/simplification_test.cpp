@@ -190,6 +190,23 @@ TEST(Simplification, CloseLayersAreThinnedOneByOne) {
   EXPECT_EQ(together, alone);
 }
 
+// As at the rims of gaps, where lists over the surface are short: all ask for more, by way of each other's lists.
+TEST(Simplification, ListsThatAreTooShortAreFilledAlikeByAnyNumberOfThreads) {
+  const TestSurface sheet = makeSheet(120, 0.2);
+  const Lists neighbors = nearestNeighbors(sheet.positions, kNeighbors - 2);
+  std::vector<Simplification> results;
+  for (const int threads : {1, 2, 3}) {
+    setNumThreads(threads);
+    results.push_back(simplify(sheet.positions, sheet.normals, kNeighbors, 1000, {}, neighbors, std::vector<char>(sheet.size(), 0), true));
+  }
+  setNumThreads(0);
+  expectSound(sheet, results[0]);
+  for (const Simplification& result : results) {
+    EXPECT_EQ(result.removed, results[0].removed);
+    EXPECT_EQ(result.diameter, results[0].diameter);
+  }
+}
+
 // Of so many points most go by distances alone, before rings are looked at.
 TEST(Simplification, ALargeCloudIsThinnedAsEvenlyAsASmallOneInOneOrderForAnyNumberOfThreads) {
   const TestSurface sheet = makeSheet(400, 0.3);
