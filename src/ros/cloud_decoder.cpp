@@ -210,7 +210,7 @@ void checkCoordinates(const CloudView& view) {
       if (found.size() < kShownLength) found += (found.empty() ? "" : ", ") + show(field.name);
       else if (found.back() != '.') found += ", ...";
     }
-    throw Refusal{"the cloud has no field " + show(name) + " but " + (found.empty() ? "no fields" : found) +
+    throw Refusal{"the cloud has no field " + show(name) + (found.empty() ? " and no other" : " but " + found) +
                   "; needed are x, y and z as float32 or float64"};
   }
 }

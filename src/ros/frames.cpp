@@ -59,8 +59,9 @@ Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
   const auto& o = pose.orientation;
   Eigen::Quaterniond orientation(o.w, o.x, o.y, o.z);
   if (orientation.coeffs().isZero(0.0)) orientation.setIdentity();
-  if (!position.allFinite() || !(std::abs(orientation.norm() - 1.0) <= kUnitTolerance)) {
-    throw InputError("pose: found a position that is not finite or an orientation of length " + formatReal(orientation.norm()) +
+  const bool is_finite = position.allFinite();
+  if (!is_finite || !(std::abs(orientation.norm() - 1.0) <= kUnitTolerance)) {
+    throw InputError("pose: found " + (is_finite ? "an orientation of length " + formatReal(orientation.norm()) : "a position that is not finite") +
                      "; accepted: finite numbers and a unit quaternion");
   }
   return Eigen::Translation3d(position) * orientation.normalized();

@@ -62,7 +62,7 @@ void Stepper::handleClouds() {
   work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
-    commands_.keepSince(work.stamp);
+    if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
     if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }

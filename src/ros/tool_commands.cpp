@@ -22,6 +22,7 @@ constexpr std::size_t kMaxMeshTriangles = 20000;
 
 // Rounding of times must not make a tool late by a step.
 constexpr double kRounding = 1e-6;  // of a step
+constexpr std::size_t kShownId = 64;  // letters of an id that is wrong
 
 Vec3 toVec3(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
 
@@ -129,7 +130,8 @@ bool removeTools(const Tool& command, simulation::Simulation& simulation) {
                      "; accepted: 0 (ADD, which modifies too), 2 (DELETE), 3 (DELETEALL)");
   }
   if (!isToolId(command.id))
-    throw InputError("id: accepted: up to 64 letters, digits and '_', the first a letter, since it becomes a topic's name");
+    throw InputError("id: found " + (command.id.empty() ? "none" : quote(command.id.substr(0, kShownId))) +
+                     "; accepted: up to 64 letters, digits and '_', the first a letter, since it becomes a topic's name");
   if (simulation.tools().size() >= kMaxTools && !findTool(simulation, command.id))
     throw InputError("found " + std::to_string(simulation.tools().size()) + " tools at a time already; accepted: no more");
   return false;
@@ -202,9 +204,9 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
     course.T_surface_frame =
         findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_);
   } catch (const FrameError& error) {
-    throw FrameError("tool " + quote(command.id.substr(0, 64)) + " " + error.what());
+    throw FrameError("tool " + quote(command.id.substr(0, kShownId)) + " " + error.what());
   } catch (const InputError& error) {
-    throw InputError("tool " + quote(command.id.substr(0, 64)) + " " + error.what());
+    throw InputError("tool " + quote(command.id.substr(0, kShownId)) + " " + error.what());
   }
 
   if (before) {

@@ -162,6 +162,9 @@ TEST_F(CommandsTest, RefusesToolsThatMeanNothingAndLosesNothing) {
   EXPECT_NE(client_->diagnosticText("last complaint").find("tool 'sieve' mesh: found 0 triangles"),
             std::string::npos)
       << client_->diagnosticText("last complaint");
+  // No other surface is being built, which the command could be meant for.
+  EXPECT_EQ(client_->diagnosticText("last complaint").find("being built"), std::string::npos)
+      << client_->diagnosticText("last complaint");
   ASSERT_TRUE(client_->reset().success);
   EXPECT_EQ(client_->step(1).state_hash, before);
 }
