@@ -287,7 +287,7 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
     return "the error of the time steps is estimated from halved ones: Verlet's, which show what the integrator damps, do not "
            "fit max_substeps on fewer points either";
-  if (!seen_.is_chaotic || was_chaotic || seen_.has_dented) return "";  // dents have ended it already, and were told
+  if (!seen_.is_chaotic || was_chaotic) return "";
   return "the error cannot be estimated: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }
