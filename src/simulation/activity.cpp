@@ -61,7 +61,8 @@ Activity::Activity(const ActivityParams& params, const Points& points, double sp
 }
 
 void Activity::setParts(bool in_parts) {
-  if (in_parts && !first_tile_of_.empty()) {
+  memory_.is_in_parts = in_parts && !first_tile_of_.empty();
+  if (memory_.is_in_parts) {
     tile_of_ = first_tile_of_;
   } else {
     tile_of_.clear();
@@ -110,7 +111,7 @@ void Activity::reset() {
 }
 
 void Activity::setMemory(const Memory& memory, const State& state) {
-  setParts(memory.moves.size() == static_cast<std::size_t>(tiles_.size()));
+  setParts(memory.is_in_parts);
   memory_ = memory;
   for (Index t = 0; t < numTiles(); ++t) {
     boxes_[t].setEmpty();

@@ -23,6 +23,7 @@ class Activity {
     std::vector<char> moves;          // (tiles)
     double lost = 0.0;                // m, the largest motion that falling asleep has taken so far
     double wall = 0.0;                // m/s^2, what is left to those that sleep beside those that move
+    bool is_in_parts = false;         // by the tiles at first; else all of it is one
     bool is_fresh = true;             // a look at what is in balance is due
     std::int32_t looks_in = 0;        // steps until the next look at what may fall asleep
     std::int32_t margin = 1;          // rings of tiles around those that are not quiet, that a front is to find awake
@@ -63,7 +64,7 @@ class Activity {
   void leaveAtWall(double acceleration) { memory_.wall = acceleration; }
   /// From now on all of it is one tile, until a memory of more or a reset: its points change in number. Everything moves.
   void leaveParts();
-  bool isInParts() const { return !tile_of_.empty(); }
+  bool isInParts() const { return memory_.is_in_parts; }
   double spacing() const { return spacing_; }  // m
   /// From now on nothing sleeps unless everything does.
   void setOnlyWholly(bool only_wholly) { only_wholly_ = only_wholly; }

@@ -117,6 +117,7 @@ void Simulation::Impl::reset() {
   state.positions = rest.points;
   state.velocities.assign(rest.points.size(), Vec3::Zero());
   model->beginAtRest(state);
+  activity.reset();
   steps = 0;
   pinned = rest.pinned;
   pinned_turns = rest.pinned_turns;
@@ -151,7 +152,6 @@ void Simulation::Impl::reset() {
   setTools(params.tools);
   if (chosen_integrator != solve::IntegratorType::kAuto) params.integrator.type = chosen_integrator;
   share_notice.clear();
-  activity.reset();
   tool_watch.reset();
   march.restart();
   if (estimator) estimator->reset();
