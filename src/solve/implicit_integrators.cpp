@@ -9,6 +9,7 @@
 namespace deformable_surface::solve {
 namespace {
 
+constexpr double kUntouched = 1e-6;    // of the forces, the most a stage may leave without an iteration: the momentum brought along hides more
 constexpr double kGrowth = 10.0;       // of the pseudo time step after a full Newton step
 constexpr double kShrink = 0.1;        // after a step that had to be cut or failed
 constexpr double kFirstStep = 1.0;     // of the caller's step
@@ -59,7 +60,9 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   // The forces to balance: what the material and the loads do, and the momentum brought along.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
-  const double enough = std::max(params_.tolerance * scale, system.roundingForce(time, state));
+  const double rounding = system.roundingForce(time, state);
+  const double enough = std::max(params_.tolerance * scale, rounding);
+  const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
   const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
   // Where the search begins.
   for (Index i = 0; i < n; ++i)
@@ -68,12 +71,12 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   state.positions = target_;
   if (newton_.potential(problem, state) > energy) state.positions = guess_;
 
-  const Index last = report.iterations + params_.max_iterations;
+  const Index first = report.iterations, last = first + params_.max_iterations;
   for (;;) {
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
-    if (report.residual <= enough) break;
+    if (report.residual <= (report.iterations == first ? untouched : enough)) break;
     if (report.iterations == last || newton_.isInterrupted() || newton_.descend(problem, state).fraction == 0.0) {
       report.converged = false;
       break;

@@ -31,7 +31,8 @@ inline void visit(Fields& fields, IntegratorParams& p) {
   fields.integer("max_substeps", p.max_substeps, "", between(1, 1e9),
                  "`auto` leaves verlet when a step needs more sub-steps than this");
   fields.number("tolerance", p.tolerance, "", between(1e-15, 0.1),
-                "implicit and static stop when the residual force is below this share of the largest force");
+                "implicit and static stop when the residual force is below this share of the largest force; a stage of implicit "
+                "that leaves more than a millionth takes an iteration at least");
   fields.integer("max_iterations", p.max_iterations, "", between(1, 1e6), "Newton iterations of an implicit or static step");
 }
 
