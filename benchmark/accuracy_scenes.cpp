@@ -45,7 +45,8 @@ AccuracyScene makeSag(Index points) {
   scene.params.material.young_modulus = 1e6;
   scene.params.material.thickness = 0.002;
   scene.params.integrator.type = solve::IntegratorType::kStatic;
-  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(-0.499, 1.0, 1.0)), pinBox(Vec3(0.499, -1.0, -1.0), Vec3(1.0, 1.0, 1.0))};
+  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(-0.499, 1.0, 1.0)),
+                       pinBox(Vec3(0.499, -1.0, -1.0), Vec3(1.0, 1.0, 1.0))};
   scene.levels = halve(scene.cloud.size());
   return scene;
 }
@@ -53,7 +54,8 @@ AccuracyScene makeSag(Index points) {
 // The points of the scan that simplification keeps: real sampling, at a size that can be simulated without simplification.
 cloud::PointCloud readScan(Index points) {
   const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
-  std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") + "/open3d_bunny/bunnyData.pts");
+  std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") +
+                     "/open3d_bunny/bunnyData.pts");
   cloud::PointCloud scan;
   std::size_t count = 0;
   file >> count;
@@ -62,7 +64,8 @@ cloud::PointCloud readScan(Index points) {
   const Lists neighbors = cloud::nearestNeighbors(scan.positions, 32);
   const Points normals = cloud::estimateNormals(scan.positions, neighbors);
   cloud::PointCloud kept;
-  for (Index i : cloud::simplify(scan.positions, normals, 16, points, {}).keepCount(points)) kept.positions.push_back(scan.positions[i]);
+  for (Index i : cloud::simplify(scan.positions, normals, 16, points, {}).keepCount(points))
+    kept.positions.push_back(scan.positions[i]);
   kept.width = kept.size();
   return kept;
 }
@@ -165,8 +168,8 @@ std::vector<AccuracyScene> makeStaticScenes(bool large) {
 
 std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
-  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points), makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points),
-                                   makeSag(points)};
+  std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points),
+                                    makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points), makeSag(points)};
   const Index body = large ? 5000 : 1200;
   scenes.push_back(makeSolidBar("solid_bar", Vec3(0.0, 0.0, -9.81), body));
   scenes.push_back(makeSolidBar("solid_stretch", Vec3(9.81, 0.0, 0.0), body));

@@ -19,7 +19,8 @@ struct AccuracyScene {
 /// large: the sizes of docs/benchmark.md; else about a third of them. The scan is left out where its file is not there.
 std::vector<AccuracyScene> makeAccuracyScenes(bool large);
 
-/// Sheets of rubber at rest under their weight: between two held edges and hanging from one, soft to stiff. large: 1254 points, else 400.
+/// Sheets of rubber at rest under their weight: between two held edges and hanging from one, soft to stiff. large: 1254 points,
+/// else 400.
 std::vector<AccuracyScene> makeStaticScenes(bool large);
 
 /// The scene with another number of simulation points; the full cloud where that is all of them.

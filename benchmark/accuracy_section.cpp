@@ -125,11 +125,13 @@ std::vector<Setting> chooseSettings(const AccuracyScene& scene, double substep) 
     // Of a body of thousands of points a solution to six digits is most of the work.
     for (double step : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0})
       for (double tolerance : {1e-2, 1e-3, 1e-6}) settings.push_back({"implicit", IntegratorType::kImplicit, step, tolerance});
-    for (Setting& setting : settings) setting.time_step = scene.duration / std::max(1.0, std::round(scene.duration / setting.time_step));
+    for (Setting& setting : settings)
+      setting.time_step = scene.duration / std::max(1.0, std::round(scene.duration / setting.time_step));
     return settings;
   }
   for (double part : {1.0, 0.5, 0.25}) settings.push_back({"verlet", IntegratorType::kVerlet, part * substep});
-  for (double part : {1.0, 0.5, 0.25, 0.125}) settings.push_back({"symplectic_euler", IntegratorType::kSymplecticEuler, part * substep});
+  for (double part : {1.0, 0.5, 0.25, 0.125})
+    settings.push_back({"symplectic_euler", IntegratorType::kSymplecticEuler, part * substep});
   for (double part : {1.0, 0.1}) settings.push_back({"explicit_euler", IntegratorType::kExplicitEuler, part * substep});
   for (double step : {0.02, 0.0067, 0.0022}) settings.push_back({"implicit", IntegratorType::kImplicit, step});
   settings.push_back({"implicit", IntegratorType::kImplicit, 0.02, 1e-2});
@@ -160,8 +162,9 @@ void markFront(std::vector<Row>& rows) {
 
 void runAccuracySection(const Options& options, Report& report) {
   report.begin("accuracy", "Run time against error, one thread; errors in metres, rms / largest over the cloud",
-               {"scene", "method", "points", "time_step_ms", "substeps", "tolerance", "max_iterations", "cpu_s", "wall_s", "time_rms",
-                "time_max", "space_rms", "space_max", "transfer_rms", "transfer_max", "total_rms", "total_max", "front", "state"});
+               {"scene", "method", "points", "time_step_ms", "substeps", "tolerance", "max_iterations", "cpu_s", "wall_s",
+                "time_rms", "time_max", "space_rms", "space_max", "transfer_rms", "transfer_max", "total_rms", "total_max",
+                "front", "state"});
   setNumThreads(1);
   std::vector<std::string> notes;
   for (const AccuracyScene& scene : makeAccuracyScenes(options.large)) {
@@ -173,8 +176,8 @@ void runAccuracySection(const Options& options, Report& report) {
       const simulation::RestSurface rest = simulation::buildRestSurface(atLevel(scene, level), scene.cloud);
       if (level == scene.levels.front()) {
         truth = reference;
-        notes.push_back(scene.name + ": the truth, all " + std::to_string(rest.points.size()) + " points simulated, is uncertain by " +
-                        show(truth.uncertainty) + " m rms");
+        notes.push_back(scene.name + ": the truth, all " + std::to_string(rest.points.size()) +
+                        " points simulated, is uncertain by " + show(truth.uncertainty) + " m rms");
       }
       // The truth at the simulation points, and what the transfer makes of it.
       Points there(rest.points.size()), carried;
@@ -188,7 +191,15 @@ void runAccuracySection(const Options& options, Report& report) {
       }
       const Error space = measureError(reference.simulated, there), transfer = measureError(carried, truth.dense);
       for (const Setting& setting : chooseSettings(scene, reference.substep)) {
-        Row row{scene.name, setting.method, static_cast<Index>(rest.points.size()), setting, run(scene, level, setting), {}, space, transfer, {}};
+        Row row{scene.name,
+                setting.method,
+                static_cast<Index>(rest.points.size()),
+                setting,
+                run(scene, level, setting),
+                {},
+                space,
+                transfer,
+                {}};
         if (row.run.state == "sound" || row.run.state == "not converged") {
           row.time = measureError(row.run.dense, reference.dense);
           row.total = measureError(row.run.dense, truth.dense);
@@ -208,8 +219,10 @@ void runAccuracySection(const Options& options, Report& report) {
   setNumThreads(0);
   report.end();
   for (const std::string& note : notes) report.note(note);
-  report.note("time: against the same points with the step going to zero; space: that against the truth, at the simulation points;");
-  report.note("transfer: the truth at the simulation points carried to the cloud, against the truth; total: the run against the truth");
+  report.note(
+      "time: against the same points with the step going to zero; space: that against the truth, at the simulation points;");
+  report.note(
+      "transfer: the truth at the simulation points carried to the cloud, against the truth; total: the run against the truth");
 }
 
 }  // namespace deformable_surface::benchmark

@@ -1,5 +1,5 @@
-// Part 10: a step of a sheet of which a share moves and the rest sleeps, over a step of all of it, with what sleeping changes beside it.
-// A part of its own because it compares a simulation with itself.
+// Part 10: a step of a sheet of which a share moves and the rest sleeps, over a step of all of it, with what sleeping changes
+// beside it. A part of its own because it compares a simulation with itself.
 #include "deformable_surface/base/parallel.h"
 #include "sections.h"
 #include "swinging_sheet.h"
@@ -33,7 +33,10 @@ simulation::SceneParams makeScene() {
 // Pins along the sides of the hoop.
 void addHoop(simulation::SceneParams& scene) {
   const double inner = 0.5 * kHoop, outer = inner + kHoopWidth;
-  const double sides[4][4] = {{-outer, -outer, -inner, outer}, {inner, -outer, outer, outer}, {-outer, -outer, outer, -inner}, {-outer, inner, outer, outer}};
+  const double sides[4][4] = {{-outer, -outer, -inner, outer},
+                              {inner, -outer, outer, outer},
+                              {-outer, -outer, outer, -inner},
+                              {-outer, inner, outer, outer}};
   for (const auto& side : sides) {
     simulation::PinParams pin;
     pin.region.min = Vec3(side[0], side[1], -1.0);
@@ -75,9 +78,8 @@ double findMoving(const Simulation& simulation, double speed) {
 
 void runActivitySection(const Options&, Report& report) {
   report.begin("activity", "10. A step of " + std::to_string(kPoints) + " simulation points of which few move, one thread",
-               {"pushed_%", "moving_%", "awake_%", "substeps", "all_substeps", "step_ms", "all_step_ms", "share_of_step_%", "least_share_%",
-                "moved_m",
-                "error_m", "tolerance_m"});
+               {"pushed_%", "moving_%", "awake_%", "substeps", "all_substeps", "step_ms", "all_step_ms", "share_of_step_%",
+                "least_share_%", "moved_m", "error_m", "tolerance_m"});
   setNumThreads(1);
   const cloud::PointCloud sheet = makeSwingingSheet(kPoints);
   const double tolerance = 1e-4 / std::sqrt(static_cast<double>(sheet.size()));  // the default
@@ -106,19 +108,25 @@ void runActivitySection(const Options&, Report& report) {
       }
       const simulation::Statistics statistics = sleeping.statistics();
       report.add({has_hoop ? "hoop" : showPercent(share), showPercent(moving) + " to " + showPercent(findMoving(awake, speed)),
-                  showPercent(static_cast<double>(statistics.awake) / statistics.simulation_points), std::to_string(statistics.substeps),
-                  std::to_string(awake.statistics().substeps), showMilliseconds(part), showMilliseconds(all), showPercent(part / all),
-                  showPercent(least), show(largestDistance(awake.state().positions, sheet.positions)),
+                  showPercent(static_cast<double>(statistics.awake) / statistics.simulation_points),
+                  std::to_string(statistics.substeps), std::to_string(awake.statistics().substeps), showMilliseconds(part),
+                  showMilliseconds(all), showPercent(part / all), showPercent(least),
+                  show(largestDistance(awake.state().positions, sheet.positions)),
                   show(largestDistance(sleeping.state().positions, awake.state().positions)), show(tolerance)});
     }
   }
   report.end();
-  report.note("step: processor time, mean of " + std::to_string(kTimed) + " steps, both runs step by step in turn; error: the largest distance "
+  report.note("step: processor time, mean of " + std::to_string(kTimed) +
+              " steps, both runs step by step in turn; error: the largest distance "
               "between them at the end");
-  report.note("least share: of the step of these that is the cheapest beside the whole one, as where the part stays as it is; the others make it anew");
+  report.note(
+      "least share: of the step of these that is the cheapest beside the whole one, as where the part stays as it is; the "
+      "others make it anew");
   report.note("hoop: pushed within a square of pins that no wave leaves, steps " + std::to_string(kHoopWarmUp + 1) + " on");
-  report.note("moving: faster than a tolerance in the quiet time, after the first and the last of these steps; awake: those, and the tiles "
-              "around them, at the end");
+  report.note(
+      "moving: faster than a tolerance in the quiet time, after the first and the last of these steps; awake: those, and the "
+      "tiles "
+      "around them, at the end");
 }
 
 }  // namespace deformable_surface::benchmark

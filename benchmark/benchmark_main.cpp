@@ -99,8 +99,11 @@ int run(int argc, char** argv) {
       if (argument == "--commit") commit = value;
       if (argument == "--only") wanted.push_back(value);
     } else {
-      return fail("found '" + argument + "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --accuracy, "
-                  "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, --commit TEXT");
+      return fail(
+          "found '" + argument +
+          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --accuracy, "
+          "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, "
+          "--commit TEXT");
     }
   }
   for (const std::string& name : wanted)

@@ -1,6 +1,6 @@
 // Part 7: is the error estimate what it says? On scenes drawn at random, the published cloud is compared with that of the full
-// surface in the steps that its stability asks for; where a twin of that truth, disturbed by a thousandth of the spacing, goes its
-// own way, there is no one truth and the scene is counted apart.
+// surface in the steps that its stability asks for; where a twin of that truth, disturbed by a thousandth of the spacing, goes
+// its own way, there is no one truth and the scene is counted apart.
 #include "../test/support/random_scene.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
@@ -224,8 +224,8 @@ void runCalibrationSection(const Options& options, Report& report) {
   report.begin("calibration",
                "7. Error estimate against the error, scenes " + std::to_string(options.first_scene) + " to " +
                    std::to_string(options.first_scene + options.num_scenes - 1),
-               {"scenes of", "number", "covered_at_end", "covered_looks", "covered_always", "median_at_end", "q05", "q25", "median",
-                "q75", "q95"});
+               {"scenes of", "number", "covered_at_end", "covered_looks", "covered_always", "median_at_end", "q05", "q25",
+                "median", "q75", "q95"});
   for (const auto& group : groups) group.second.report(group.first, report);
   report.end();
   report.note("covered: the true error is under the estimate; the other columns: estimate over true error");

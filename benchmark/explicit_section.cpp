@@ -1,5 +1,6 @@
-// Part 4b: the explicit path on the sheet for which a comparison of methods was printed elsewhere: equilateral, soft and stiff, by
-// springs and by triangles, with and without bending. A part of its own because here the discretisation changes, not the integrator.
+// Part 4b: the explicit path on the sheet for which a comparison of methods was printed elsewhere: equilateral, soft and stiff,
+// by springs and by triangles, with and without bending. A part of its own because here the discretisation changes, not the
+// integrator.
 #include "deformable_surface/base/parallel.h"
 #include "sections.h"
 #include "swinging_sheet.h"
@@ -69,7 +70,8 @@ void runExplicitSection(const Options& options, Report& report) {
                "4b. Verlet on equilateral sheets (1 m, pinned on one edge, 0.2 kg/m^2, no damping), steps of " +
                    showMilliseconds(kTimeStep) + " ms, one thread",
                {"points", "E h, N/m", "model", "substep_ms", "wall_s_per_simulated_s", "cpu_s_per_simulated_s", "spread_%",
-                "rms_error_m", "error_uncertain_by_m", "pass_us", "ns_per_point", "ns_per_link", "runs", "hash", "printed elsewhere"});
+                "rms_error_m", "error_uncertain_by_m", "pass_us", "ns_per_point", "ns_per_link", "runs", "hash",
+                "printed elsewhere"});
   setNumThreads(1);
   for (const Sheet& sheet : kSheets) {
     if (sheet.large && !options.large) continue;
@@ -92,17 +94,19 @@ void runExplicitSection(const Options& options, Report& report) {
       for (std::size_t i = 0; i < end.size(); ++i) reference[i] = (4.0 * at_4[i] - at_2[i]) / 3.0;
 
       report.add({std::to_string(end.size()), show(sheet.membrane_stiffness), material.name,
-                  showMilliseconds(kDuration / static_cast<double>(substeps)), show(run.wall / kDuration), show(run.cpu / kDuration),
-                  showPercent(run.spread), show(rmsDistance(end, reference)), show(rmsDistance(at_4, reference)), show(1e6 * pass.cpu),
+                  showMilliseconds(kDuration / static_cast<double>(substeps)), show(run.wall / kDuration),
+                  show(run.cpu / kDuration), showPercent(run.spread), show(rmsDistance(end, reference)),
+                  show(rmsDistance(at_4, reference)), show(1e6 * pass.cpu),
                   show(1e9 * pass.cpu / static_cast<double>(end.size())),
-                  show(1e9 * pass.cpu / static_cast<double>(timed.model().stretchLinks().size())), std::to_string(run.repetitions),
-                  showHash(timed.stateHash()), sheet.printed});
+                  show(1e9 * pass.cpu / static_cast<double>(timed.model().stretchLinks().size())),
+                  std::to_string(run.repetitions), showHash(timed.stateHash()), sheet.printed});
     }
   }
   report.end();
-  report.note("error: rms of the positions at " + show(kDuration) +
-              " s against Richardson's extrapolation of runs with a half and a quarter of the sub-step; uncertain by less than the "
-              "distance of the finer run from it");
+  report.note(
+      "error: rms of the positions at " + show(kDuration) +
+      " s against Richardson's extrapolation of runs with a half and a quarter of the sub-step; uncertain by less than the "
+      "distance of the finer run from it");
   report.note("the pass is that of the model at the end of the run; per link: of the "
               "edges between neighbours, whatever the model makes of them");
   if (!options.large) report.note("--large adds the stiff sheet of 1254 points");

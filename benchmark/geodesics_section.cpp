@@ -111,8 +111,9 @@ void sweepGaps(Report& report) {
     }
   }
   report.end();
-  report.note("lengths in spacings; kernel-weighted shares over pairs within three spacings (bars) or the 32 nearest (others), mean "
-              "of two jittered clouds; normals estimated from the positions but for the thin body, whose sides are given");
+  report.note(
+      "lengths in spacings; kernel-weighted shares over pairs within three spacings (bars) or the 32 nearest (others), mean "
+      "of two jittered clouds; normals estimated from the positions but for the thin body, whose sides are given");
 }
 
 void measureTimes(const Options& options, Report& report) {

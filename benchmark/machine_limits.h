@@ -1,21 +1,21 @@
-// What the machine gives a program, measured in the same run as what it is held against: bytes per second by a triad, operations per
-// second by sums and products in registers.
+// What the machine gives a program, measured in the same run as what it is held against: bytes per second by a triad, operations
+// per second by sums and products in registers.
 #pragma once
 
 #include "sections.h"
 
 namespace deformable_surface::benchmark {
 
-/// Bytes per element of the triad a = b + s c of doubles: a line of memory that is written is read first, unless the program takes
-/// special care, which neither the triad nor the library does.
+/// Bytes per element of the triad a = b + s c of doubles: a line of memory that is written is read first, unless the program
+/// takes special care, which neither the triad nor the library does.
 constexpr double kTriadBytes = 4.0 * sizeof(double);
 
-/// Bandwidth in bytes/s of a triad on arrays that take `bytes` together, by as many threads as are set; the best run of `budget` s,
-/// on one thread by processor time, which other work disturbs least, else by wall time.
+/// Bandwidth in bytes/s of a triad on arrays that take `bytes` together, by as many threads as are set; the best run of `budget`
+/// s, on one thread by processor time, which other work disturbs least, else by wall time.
 double measureTriad(double bytes, double budget);
 
-/// Additions and multiplications of doubles per second on one thread, as many of either, without memory: in the widest instructions that
-/// the library takes (base/simd.h), which fuse none. The best run of `budget` s.
+/// Additions and multiplications of doubles per second on one thread, as many of either, without memory: in the widest
+/// instructions that the library takes (base/simd.h), which fuse none. The best run of `budget` s.
 double measureArithmetic(double budget);
 
 struct MachineLimits {

@@ -1,5 +1,5 @@
-// Part 9: what a force pass of the oriented particles costs, pair by pair, and how it grows with their number, beside the sum over
-// all pairs of the paper's section 4.2, which is also the truth that the forces are compared with.
+// Part 9: what a force pass of the oriented particles costs, pair by pair, and how it grows with their number, beside the sum
+// over all pairs of the paper's section 4.2, which is also the truth that the forces are compared with.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "sections.h"

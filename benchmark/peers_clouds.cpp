@@ -137,7 +137,8 @@ void compareNeighbors(const Options& options, Report& report) {
 }
 
 void compareNormals(const Options& options, Report& report) {
-  report.begin("peers_normals", "14c. Normals from the " + std::to_string(kListed) + " nearest neighbours, which are found too, one thread",
+  report.begin("peers_normals",
+               "14c. Normals from the " + std::to_string(kListed) + " nearest neighbours, which are found too, one thread",
                {"program", "points", "cpu_ms", "ns_per_point", "rms_error_degrees"});
   for (const Index n : kSizes) {
     const Points points = makeWavySheet(n, PointOrder::kScan).positions;
@@ -155,7 +156,9 @@ void compareNormals(const Options& options, Report& report) {
 #endif
   }
   report.end();
-  report.note("error: angle to the formula's normal, root mean square; the sheet is curved, so that it is that of the plane through so many points");
+  report.note(
+      "error: angle to the formula's normal, root mean square; the sheet is curved, so that it is that of the plane through so "
+      "many points");
 }
 
 }  // namespace deformable_surface::benchmark

@@ -1,5 +1,6 @@
-// Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies, and what
-// peers_clouds.cpp compares. Only what is installed when the benchmark is configured takes part; nothing of it is linked into the package.
+// Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies,
+// and what peers_clouds.cpp compares. Only what is installed when the benchmark is configured takes part; nothing of it is linked
+// into the package.
 #include "deformable_surface/base/parallel.h"
 #include "peers_clouds.h"
 #include "sections.h"
@@ -73,8 +74,8 @@ void addOurs(const char* name, const Forces& forces, Report& report) {
   const Run fine = runOurs(forces, kFine), finest = runOurs(forces, kFinest);
   if (timed.end.empty() || fine.end.empty() || finest.end.empty())
     return report.add({name, std::to_string(kSide * kSide), "-", "-", "failed", "-"});
-  report.add({name, std::to_string(kSide * kSide), std::to_string(timed.substeps), show(timed.seconds), show(rmsDistance(timed.end, finest.end)),
-              show(rmsDistance(fine.end, finest.end))});
+  report.add({name, std::to_string(kSide * kSide), std::to_string(timed.substeps), show(timed.seconds),
+              show(rmsDistance(timed.end, finest.end)), show(rmsDistance(fine.end, finest.end))});
 }
 
 #ifdef DEFORMABLE_SURFACE_WITH_BULLET
@@ -91,8 +92,9 @@ Run runBullet(int substeps) {
   world.setGravity(gravity);
   world.getWorldInfo().m_gravity = gravity;
   world.setImplicit(false);
-  btSoftBody* sheet = btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-0.5f, -0.5f, 0.0f), btVector3(0.5f, -0.5f, 0.0f),
-                                                     btVector3(-0.5f, 0.5f, 0.0f), btVector3(0.5f, 0.5f, 0.0f), kSide, kSide, 0, true);
+  btSoftBody* sheet =
+      btSoftBodyHelpers::CreatePatch(world.getWorldInfo(), btVector3(-0.5f, -0.5f, 0.0f), btVector3(0.5f, -0.5f, 0.0f),
+                                     btVector3(-0.5f, 0.5f, 0.0f), btVector3(0.5f, 0.5f, 0.0f), kSide, kSide, 0, true);
   sheet->setTotalMass(static_cast<btScalar>(kMass));
   for (int i = 0; i < sheet->m_nodes.size(); ++i) {
     const btVector3& x = sheet->m_nodes[i].m_x;
@@ -134,9 +136,10 @@ void addBullet(Report& report) {
   for (std::size_t i = 0; i < converged.size(); ++i) converged[i] = 2.0 * runs[2].end[i] - runs[1].end[i];
   for (const Run& run : runs) {
     const double error = rmsDistance(run.end, converged);
-    report.add({"Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100) + ", springs, explicit, float",
-                std::to_string(kSide * kSide), std::to_string(run.substeps), show(run.seconds), std::isfinite(error) ? show(error) : "diverges",
-                show(rmsDistance(runs[2].end, converged))});
+    report.add({"Bullet " + std::to_string(btGetVersion() / 100) + "." + std::to_string(btGetVersion() % 100) +
+                    ", springs, explicit, float",
+                std::to_string(kSide * kSide), std::to_string(run.substeps), show(run.seconds),
+                std::isfinite(error) ? show(error) : "diverges", show(rmsDistance(runs[2].end, converged))});
   }
 #else
   report.add({"Bullet", "-", "-", "-", "not installed (libbullet-dev)", "-"});
@@ -147,16 +150,20 @@ void addBullet(Report& report) {
 
 void runPeersSection(const Options& options, Report& report) {
   setNumThreads(1);
-  report.begin("peers_sheet", "14. A sheet of " + std::to_string(kSide * kSide) + " points that hangs from two corners, " + show(kDuration) +
+  report.begin("peers_sheet",
+               "14. A sheet of " + std::to_string(kSide * kSide) + " points that hangs from two corners, " + show(kDuration) +
                    " s, frames of 1/60 s, one thread",
                {"program", "points", "substeps", "cpu_s_per_simulated_s", "rms_error_m", "error_uncertain_by_m"});
   addOurs("deformable_surface, springs", {model::Membrane::kSprings, model::Bending::kNone}, report);
   addOurs("deformable_surface, springs and curvature", {model::Membrane::kSprings, model::Bending::kCurvature}, report);
-  addOurs("deformable_surface, triangles and curvature (default)", {model::Membrane::kTriangles, model::Bending::kCurvature}, report);
+  addOurs("deformable_surface, triangles and curvature (default)", {model::Membrane::kTriangles, model::Bending::kCurvature},
+          report);
   addBullet(report);
   report.end();
-  report.note("error: rms against the same program's own finer runs, since the networks are not the same: of this one the finest, in 16 times as "
-              "many sub-steps, uncertain by its distance from that in 8 times as many; of Bullet Richardson's extrapolation");
+  report.note(
+      "error: rms against the same program's own finer runs, since the networks are not the same: of this one the finest, in "
+      "16 times as "
+      "many sub-steps, uncertain by its distance from that in 8 times as many; of Bullet Richardson's extrapolation");
   compareNeighbors(options, report);
   compareNormals(options, report);
   setNumThreads(0);

@@ -42,8 +42,8 @@ void runPhysicsSection(const Options& options, Report& report) {
 
   std::vector<std::vector<std::string>> series;
   report.begin("physics", "7. Physics: errors against closed forms and published tables",
-               {"case", "membrane", "bending", "sampling", "rotated", "points", "spacing_m_or_step_s", "value", "reference", "error",
-                "s", "what", "error_is_a_share_of", "source", "failure"});
+               {"case", "membrane", "bending", "sampling", "rotated", "points", "spacing_m_or_step_s", "value", "reference",
+                "error", "s", "what", "error_is_a_share_of", "source", "failure"});
   for (const physics::Problem& problem : problems)
     for (const physics::Variant& variant : problem.variants) {
       std::vector<physics::Answer> answers;
@@ -54,18 +54,19 @@ void runPhysicsSection(const Options& options, Report& report) {
                     variant.rotated ? "yes" : "no", std::to_string(a.points), show(a.size), show(a.value), show(a.reference),
                     show(a.error), show(a.seconds), problem.value, problem.scale, problem.source, a.failure});
       }
-      series.push_back({problem.name, nameMembrane(problem, variant), nameBending(problem, variant), physics::nameSampling(variant),
-                        show(answers.front().size) + " .. " + show(answers.back().size),
+      series.push_back({problem.name, nameMembrane(problem, variant), nameBending(problem, variant),
+                        physics::nameSampling(variant), show(answers.front().size) + " .. " + show(answers.back().size),
                         std::to_string(answers.front().points) + " .. " + std::to_string(answers.back().points),
-                        showPercent(answers.front().error) + " .. " + showPercent(answers.back().error), showOrder(problem, answers),
-                        problem.source});
+                        showPercent(answers.front().error) + " .. " + showPercent(answers.back().error),
+                        showOrder(problem, answers), problem.source});
     }
   report.end();
   report.begin("physics_orders", "   The same by series: coarsest .. finest, order by least squares in log(error) over log(size)",
                {"case", "membrane", "bending", "sampling", "spacing_m_or_step_s", "points", "error_%", "order", "source"});
   for (const auto& row : series) report.add(row);
   report.end();
-  report.note("membrane: co-rotated triangles with the scene's Poisson's ratio, or springs, whose is 1/3; regular samplings are aligned");
+  report.note(
+      "membrane: co-rotated triangles with the scene's Poisson's ratio, or springs, whose is 1/3; regular samplings are aligned");
   report.note("with the axes, all others are turned in space; the spread of an order is its standard error over the sizes shown");
   if (!physics::hasScan())
     report.note("no scanned samplings: DEFORMABLE_SURFACE_DATA names no folder with pcl_scans/sac_plane_test.pcd");

@@ -56,8 +56,8 @@ SceneParams makeScene(const Model& model, Index n) {
   return scene;
 }
 
-// What the loops of src/model/mass_spring do of a spring, a triangle and a curvature fit, and what they read and write of it, each array
-// once: springs.cpp, triangle_membrane.cpp, curvature_bending.cpp with 17 places in a fit.
+// What the loops of src/model/mass_spring do of a spring, a triangle and a curvature fit, and what they read and write of it,
+// each array once: springs.cpp, triangle_membrane.cpp, curvature_bending.cpp with 17 places in a fit.
 struct Counts {
   double operations, bytes;
 };
@@ -65,7 +65,8 @@ constexpr Counts kSpring{31.0, 56.0}, kTriangle{90.0, 264.0}, kFit{45.0 * 17.0 +
 constexpr double kPointBytes = 32.0 + 2.0 * 24.0;  // of a point: its copy, its force read and written
 
 double countOf(const Model& kind, const model::DeformableModel& model, double Counts::*what) {
-  const double springs = static_cast<double>(model.stretchLinks().size()), triangles = static_cast<double>(model.triangles().size());
+  const double springs = static_cast<double>(model.stretchLinks().size()),
+               triangles = static_cast<double>(model.triangles().size());
   const double n = static_cast<double>(model.masses().size());
   double sum = kind.membrane == model::Membrane::kSprings ? springs * kSpring.*what : triangles * kTriangle.*what;
   if (kind.bending == model::Bending::kCurvature) sum += n * kFit.*what;
@@ -93,9 +94,11 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
   };
   std::vector<Growth> growths;
   setNumThreads(1);
-  report.begin("scale_models", "13d. Models, every point simulated, one thread, steps of " + showMilliseconds(kTimeStep) +
-                                   " ms, Verlet, undamped, from a stretched and bent state",
-               {"model", "points", "pass_ms", "ns_per_point", "imbalance", "substeps", "step_ms", "ns_per_point_and_substep", "energy_error"});
+  report.begin("scale_models",
+               "13d. Models, every point simulated, one thread, steps of " + showMilliseconds(kTimeStep) +
+                   " ms, Verlet, undamped, from a stretched and bent state",
+               {"model", "points", "pass_ms", "ns_per_point", "imbalance", "substeps", "step_ms", "ns_per_point_and_substep",
+                "energy_error"});
   for (const Model& kind : kModels) {
     Growth growth{kind.name, {}, {}, {}};
     for (const Index wanted : {100, 1000, 10000, 100000}) {
@@ -132,8 +135,9 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
         sum += f;
         size += f.norm();
       }
-      report.add({kind.name, std::to_string(n), showMilliseconds(pass.cpu), show(1e9 * pass.cpu / n), show(size > 0.0 ? sum.norm() / size : 0.0),
-                  std::to_string(statistics.substeps), showMilliseconds(least), show(1e9 * least / n / statistics.substeps), show(energy_error)});
+      report.add({kind.name, std::to_string(n), showMilliseconds(pass.cpu), show(1e9 * pass.cpu / n),
+                  show(size > 0.0 ? sum.norm() / size : 0.0), std::to_string(statistics.substeps), showMilliseconds(least),
+                  show(1e9 * least / n / statistics.substeps), show(energy_error)});
       growth.sizes.push_back(n);
       growth.passes.push_back(pass.cpu);
       growth.steps.push_back(least / statistics.substeps);
@@ -147,7 +151,8 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
   report.note("imbalance: length of the sum of all internal forces over the sum of their lengths");
   report.note("energy error: change of all energy over the elastic one at the beginning");
 
-  report.begin("scale_model_exponents", "13e. Processor time of models over the simulation points", {"model", "pass_exponent", "substep_exponent"});
+  report.begin("scale_model_exponents", "13e. Processor time of models over the simulation points",
+               {"model", "pass_exponent", "substep_exponent"});
   for (const Growth& growth : growths)
     report.add({growth.name, show(fitExponent(growth.sizes, growth.passes)), show(fitExponent(growth.sizes, growth.steps))});
   report.end();
@@ -155,16 +160,19 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
 
 void reportRoofline(const std::vector<CountedStage>& counted, const MachineLimits& limits, Report& report) {
   report.begin("scale_roofline", "13f. What share of the machine stages reach on one thread",
-               {"stage", "points", "operations_per_byte", "Gop_per_s", "GB_per_s", "share_of_arithmetic_%", "share_of_memory_%", "share_of_near_cache_%",
-                "peak_Gop_per_s", "memory_GB_per_s", "near_GB_per_s"});
+               {"stage", "points", "operations_per_byte", "Gop_per_s", "GB_per_s", "share_of_arithmetic_%", "share_of_memory_%",
+                "share_of_near_cache_%", "peak_Gop_per_s", "memory_GB_per_s", "near_GB_per_s"});
   for (const CountedStage& s : counted) {
     const double speed = s.operations / s.seconds, bandwidth = s.bytes / s.seconds;
     report.add({s.name, std::to_string(s.points), show(s.operations / s.bytes), show(1e-9 * speed), show(1e-9 * bandwidth),
-                showPercent(speed / limits.arithmetic), showPercent(bandwidth / limits.bandwidth), showPercent(bandwidth / limits.near_bandwidth),
-                show(1e-9 * limits.arithmetic), show(1e-9 * limits.bandwidth), show(1e-9 * limits.near_bandwidth)});
+                showPercent(speed / limits.arithmetic), showPercent(bandwidth / limits.bandwidth),
+                showPercent(bandwidth / limits.near_bandwidth), show(1e-9 * limits.arithmetic), show(1e-9 * limits.bandwidth),
+                show(1e-9 * limits.near_bandwidth)});
   }
   report.end();
-  report.note("operations: sums, products, quotients and roots counted in the source; bytes: every array once, written results of frames twice");
+  report.note(
+      "operations: sums, products, quotients and roots counted in the source; bytes: every array once, written results of "
+      "frames twice");
   report.note("what fits in caches is faster than memory: then the near cache is the limit, or neither");
 }
 

@@ -15,8 +15,8 @@ struct CountedStage {
   double operations = 0.0, bytes = 0.0, seconds = 0.0;  // of one pass over all points
 };
 
-/// A table of every model at a hundred to a hundred thousand simulation points, and one of the exponents of their growth. Appends what is
-/// counted.
+/// A table of every model at a hundred to a hundred thousand simulation points, and one of the exponents of their growth. Appends
+/// what is counted.
 void measureModels(const Options& options, Report& report, std::vector<CountedStage>& counted);
 
 /// A table of operations and bytes per second beside what the machine gives: scripts/draw_roofline.py makes a picture of it.

@@ -79,7 +79,8 @@ double findRotationError(simulation::Simulation& built) {
 void addScan(const std::string& name, const cloud::PointCloud& scan, Report& report) {
   simulation::SceneParams scene;
   scene.simplification.target_points = kSimulationPoints;
-  const auto num_finite = std::count_if(scan.positions.begin(), scan.positions.end(), [](const Vec3& p) { return p.allFinite(); });
+  const auto num_finite =
+      std::count_if(scan.positions.begin(), scan.positions.end(), [](const Vec3& p) { return p.allFinite(); });
   try {
     const double cpu_before = processorSeconds();
     const Timer timer;
@@ -87,11 +88,13 @@ void addScan(const std::string& name, const cloud::PointCloud& scan, Report& rep
     simulation::Simulation built(scene, scan);
     heap.stop();
     const double wall = timer.seconds(), cpu = processorSeconds() - cpu_before, points = static_cast<double>(num_finite);
-    report.add({name, std::to_string(scan.size()), std::to_string(num_finite), std::to_string(built.state().size()), show(wall), show(cpu),
-                show(1e9 * cpu / points), show(static_cast<double>(heap.liveBytes()) / points), show(static_cast<double>(heap.peakBytes()) / points),
-                show(findSpacingVariation(built.state().positions)), show(findRotationError(built))});
+    report.add({name, std::to_string(scan.size()), std::to_string(num_finite), std::to_string(built.state().size()), show(wall),
+                show(cpu), show(1e9 * cpu / points), show(static_cast<double>(heap.liveBytes()) / points),
+                show(static_cast<double>(heap.peakBytes()) / points), show(findSpacingVariation(built.state().positions)),
+                show(findRotationError(built))});
   } catch (const InputError& problem) {
-    report.add({name, std::to_string(scan.size()), std::to_string(num_finite), "-", "-", "-", "-", "-", "-", "-", problem.what()});
+    report.add(
+        {name, std::to_string(scan.size()), std::to_string(num_finite), "-", "-", "-", "-", "-", "-", "-", problem.what()});
   }
 }
 
@@ -112,7 +115,8 @@ void measureScans(const Options&, Report& report) {
   }
   report.end();
   if (num_absent > 0)
-    report.note(std::to_string(num_absent) + " scans are not there: DEFORMABLE_SURFACE_DATA names their folder, and libpcl-dev reads them");
+    report.note(std::to_string(num_absent) +
+                " scans are not there: DEFORMABLE_SURFACE_DATA names their folder, and libpcl-dev reads them");
   report.note("bytes: of the heap per finite point, after set-up and at its peak, the input apart");
 }
 

@@ -1,5 +1,6 @@
-// Part 13: how set-up and a frame grow with the points of the cloud, up to ten millions, each beside what the machine gave in the same run.
-// A part of its own, because here sizes change and nothing else; how models grow with the simulation points is scale_models.cpp.
+// Part 13: how set-up and a frame grow with the points of the cloud, up to ten millions, each beside what the machine gave in the
+// same run. A part of its own, because here sizes change and nothing else; how models grow with the simulation points is
+// scale_models.cpp.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -89,9 +90,10 @@ class Scaling {
     timing.repetitions = 1;
     // What takes long is not repeated: what it found in the caches does not matter then.
     if (timing.wall < options_.budget) timing = measure(body, options_.budget, 2);
-    report_.add({name, std::to_string(points), std::to_string(numThreads()), showMilliseconds(timing.wall), showMilliseconds(timing.cpu),
-                 show(timing.cpu / timing.wall), show(1e9 * timing.cpu / points), show(static_cast<double>(heap.liveBytes()) / points),
-                 show(static_cast<double>(heap.peakBytes()) / points), std::to_string(timing.repetitions), show(error()), error_name});
+    report_.add({name, std::to_string(points), std::to_string(numThreads()), showMilliseconds(timing.wall),
+                 showMilliseconds(timing.cpu), show(timing.cpu / timing.wall), show(1e9 * timing.cpu / points),
+                 show(static_cast<double>(heap.liveBytes()) / points), show(static_cast<double>(heap.peakBytes()) / points),
+                 std::to_string(timing.repetitions), show(error()), error_name});
     if (growths_.find(name) == growths_.end()) names_.push_back(name);
     growths_[name].sizes.push_back(points);
     growths_[name].seconds.push_back(timing.cpu);
@@ -110,8 +112,9 @@ class Scaling {
       error = std::max(error, (surface.positions[i] - rotation * sheet.positions[i]).norm());
     const double growth = static_cast<double>(residentBytes() - resident) / points;
     // The operator, rest positions, results; a line that is written is read first, as in the triad.
-    const double bytes = static_cast<double>(transfer::Transfer({Vec3::Zero()}, {Vec3::UnitZ()}, {Vec3::Zero()}, {1}, {}).bytesPerPoint()) +
-                         2.0 * (sizeof(Vec3) + sizeof(Eigen::Vector3f) + sizeof(float)) + sizeof(Index);
+    const double bytes =
+        static_cast<double>(transfer::Transfer({Vec3::Zero()}, {Vec3::UnitZ()}, {Vec3::Zero()}, {1}, {}).bytesPerPoint()) +
+        2.0 * (sizeof(Vec3) + sizeof(Eigen::Vector3f) + sizeof(float)) + sizeof(Index);
     for (const int threads : {1, 0}) {
       setNumThreads(threads);
       std::vector<double> walls, cpus;
@@ -127,26 +130,29 @@ class Scaling {
       const double seconds = numThreads() == 1 ? cpu : least;  // as the triad
       if (threads == 1) counted_.push_back({"frame", sheet.size(), kFrameOperations * points, bytes * points, seconds});
       const double triad = measureTriad(bytes * points, options_.budget);
-      frames_.push_back({std::to_string(sheet.size()), std::to_string(numThreads()), showMilliseconds(findQuartiles(walls).median),
-                         showMilliseconds(least), showMilliseconds(cpu), show(bytes),
-                         show(1e-9 * bytes * points / seconds), show(1e-9 * triad), showPercent(bytes * points / seconds / triad), show(error),
-                         show(growth)});
+      frames_.push_back({std::to_string(sheet.size()), std::to_string(numThreads()),
+                         showMilliseconds(findQuartiles(walls).median), showMilliseconds(least), showMilliseconds(cpu),
+                         show(bytes), show(1e-9 * bytes * points / seconds), show(1e-9 * triad),
+                         showPercent(bytes * points / seconds / triad), show(error), show(growth)});
     }
   }
 
   void reportFrames() {
     report_.begin("scale_frame", "13b. A frame: transfer and normals of all points in the input's order",
-                  {"points", "threads", "wall_ms", "least_wall_ms", "cpu_ms", "bytes_per_point", "GB_per_s", "triad_GB_per_s", "share_%",
-                   "rotation_error_m", "resident_bytes_per_point"});
+                  {"points", "threads", "wall_ms", "least_wall_ms", "cpu_ms", "bytes_per_point", "GB_per_s", "triad_GB_per_s",
+                   "share_%", "rotation_error_m", "resident_bytes_per_point"});
     for (const std::vector<std::string>& row : frames_) report_.add(row);
     report_.end();
-    report_.note("bytes that cannot be avoided: operator, rest positions, results; written ones count twice, in the triad on as many bytes, too");
+    report_.note(
+        "bytes that cannot be avoided: operator, rest positions, results; written ones count twice, in the triad on as many "
+        "bytes, too");
     report_.note("bytes per second: by the least time, of the processor on one thread, of the clock on more");
     report_.note("resident: growth of the process by set-up and first frames, the input apart");
   }
 
   void reportExponents() {
-    report_.begin("scale_exponents", "13c. Processor time of set-up over the points, from " + std::to_string(kFirstFitted) + " points on",
+    report_.begin("scale_exponents",
+                  "13c. Processor time of set-up over the points, from " + std::to_string(kFirstFitted) + " points on",
                   {"stage", "exponent", "of_n_log_n", "between_the_last_two"});
     for (const std::string& name : names_) {
       Growth fitted;
@@ -160,7 +166,8 @@ class Scaling {
       }
       const std::size_t n = fitted.sizes.size();
       if (n < 2) continue;
-      const double last = std::log(fitted.seconds[n - 1] / fitted.seconds[n - 2]) / std::log(fitted.sizes[n - 1] / fitted.sizes[n - 2]);
+      const double last =
+          std::log(fitted.seconds[n - 1] / fitted.seconds[n - 2]) / std::log(fitted.sizes[n - 1] / fitted.sizes[n - 2]);
       report_.add({name, show(fitExponent(fitted.sizes, fitted.seconds)), show(fitExponent(fitted.sizes, sorting)), show(last)});
     }
     report_.end();

@@ -1,5 +1,5 @@
-// Part "solids": how fast an elastic solid moves, with the error beside it: the bar of 5,000 points explicitly and implicitly, by one thread and
-// by two; and what a force pass costs as neighbours become more.
+// Part "solids": how fast an elastic solid moves, with the error beside it: the bar of 5,000 points explicitly and implicitly, by
+// one thread and by two; and what a force pass costs as neighbours become more.
 #include "accuracy_scenes.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -65,8 +65,9 @@ Points runOnce(const AccuracyScene& bar, const Setting& setting, Row* row) {
 void reportBar(bool large, Report& report) {
   const std::vector<AccuracyScene> scenes = makeAccuracyScenes(large);
   const AccuracyScene& bar = findBar(scenes);
-  report.begin("solids", "A bar of 1 x 0.1 x 0.1 m, 1e5 Pa, 1000 kg/m^3, falls from rest, all " + std::to_string(bar.cloud.size()) +
-                             " points simulated; real_time: simulated seconds a second",
+  report.begin("solids",
+               "A bar of 1 x 0.1 x 0.1 m, 1e5 Pa, 1000 kg/m^3, falls from rest, all " + std::to_string(bar.cloud.size()) +
+                   " points simulated; real_time: simulated seconds a second",
                {"method", "step_ms", "tolerance", "threads", "iterations", "real_time", "cpu_per_s", "error_rms_m"});
   // Verlet's steps halved twice.
   const int steps = 640;
@@ -79,9 +80,10 @@ void reportBar(bool large, Report& report) {
   }
 
   std::vector<Row> rows;
-  for (const Setting& setting : {Setting{"auto", IntegratorType::kAuto, 40, 1e-6}, Setting{"implicit", IntegratorType::kImplicit, 12, 1e-2},
-                                 Setting{"implicit", IntegratorType::kImplicit, 12, 1e-3}, Setting{"implicit", IntegratorType::kImplicit, 24, 1e-2},
-                                 Setting{"implicit", IntegratorType::kImplicit, 24, 1e-3}})
+  for (const Setting& setting :
+       {Setting{"auto", IntegratorType::kAuto, 40, 1e-6}, Setting{"implicit", IntegratorType::kImplicit, 12, 1e-2},
+        Setting{"implicit", IntegratorType::kImplicit, 12, 1e-3}, Setting{"implicit", IntegratorType::kImplicit, 24, 1e-2},
+        Setting{"implicit", IntegratorType::kImplicit, 24, 1e-3}})
     for (const int threads : {1, 2}) rows.push_back({setting, threads});
   for (int run = 0; run < kRuns; ++run)
     for (Row& row : rows) {
@@ -90,10 +92,12 @@ void reportBar(bool large, Report& report) {
     }
   setNumThreads(0);
   for (const Row& row : rows)
-    report.add({row.setting.method, showMilliseconds(bar.duration / row.setting.steps), show(row.setting.tolerance), std::to_string(row.threads),
-                show(row.iterations), show(bar.duration / row.wall), show(row.cpu / bar.duration), show(row.error)});
+    report.add({row.setting.method, showMilliseconds(bar.duration / row.setting.steps), show(row.setting.tolerance),
+                std::to_string(row.threads), show(row.iterations), show(bar.duration / row.wall), show(row.cpu / bar.duration),
+                show(row.error)});
   report.end();
-  report.note("errors against Richardson's extrapolation of Verlet's finer steps, uncertain by " + show(std::sqrt(uncertainty)) + " m rms");
+  report.note("errors against Richardson's extrapolation of Verlet's finer steps, uncertain by " + show(std::sqrt(uncertainty)) +
+              " m rms");
 }
 
 // A cube of points; jitter: the share of the spacing by which each is moved in every direction.
@@ -103,7 +107,8 @@ Points makeCube(Index side, double jitter) {
   Points points;
   for (Index x = 0; x < side; ++x)
     for (Index y = 0; y < side; ++y)
-      for (Index z = 0; z < side; ++z) points.push_back(0.01 * Vec3(x + shift(generator), y + shift(generator), z + shift(generator)));
+      for (Index z = 0; z < side; ++z)
+        points.push_back(0.01 * Vec3(x + shift(generator), y + shift(generator), z + shift(generator)));
   return points;
 }
 
@@ -131,7 +136,8 @@ PassRow makePassRow(const std::string& name, const Points& points) {
   const Lists neighbors = cloud::nearestNeighbors(points, 32);
   model::MaterialParams material;
   material.poisson_ratio = 0.3;
-  row.solid = std::make_unique<model::ElasticSolid>(points, neighbors, std::vector<double>(), Vec3::Zero(), material, model::ElasticSolidParams());
+  row.solid = std::make_unique<model::ElasticSolid>(points, neighbors, std::vector<double>(), Vec3::Zero(), material,
+                                                    model::ElasticSolidParams());
   row.pairs = row.solid->numPairs();
   row.state.positions = points;
   for (Vec3& p : row.state.positions) p = Vec3(p.x() + 0.3 * p.z() * p.z(), 1.05 * p.y(), p.z());
@@ -140,7 +146,9 @@ PassRow makePassRow(const std::string& name, const Points& points) {
 }
 
 void reportPasses(Report& report) {
-  report.begin("solid_passes", "Forces of elastic solids at strains of some hundredths, one thread; the least of " + std::to_string(kPasses) + " passes",
+  report.begin("solid_passes",
+               "Forces of elastic solids at strains of some hundredths, one thread; the least of " + std::to_string(kPasses) +
+                   " passes",
                {"cloud", "points", "neighbours", "ns_per_point", "ns_per_neighbour"});
   setNumThreads(1);
   std::vector<PassRow> rows;

@@ -1,4 +1,5 @@
-// Part "statics": equilibria by the static solver, beside damped stepping to the same unbalanced force with the best of several dampings.
+// Part "statics": equilibria by the static solver, beside damped stepping to the same unbalanced force with the best of several
+// dampings.
 #include "accuracy_scenes.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -67,8 +68,9 @@ Found stepUntil(const SceneParams& scene, const cloud::PointCloud& cloud, double
 }  // namespace
 
 void runStaticsSection(const Options& options, Report& report) {
-  report.begin("statics", "Equilibria: the static solver and damped stepping (velocity Verlet) to the same unbalanced force, one thread",
-               {"scene", "E_Pa", "points", "method", "damping_1/s", "cpu_s", "residual_N", "reached", "rms_to_static_m", "times_slower"});
+  report.begin(
+      "statics", "Equilibria: the static solver and damped stepping (velocity Verlet) to the same unbalanced force, one thread",
+      {"scene", "E_Pa", "points", "method", "damping_1/s", "cpu_s", "residual_N", "reached", "rms_to_static_m", "times_slower"});
   setNumThreads(1);
   std::vector<std::string> summary;
   for (const AccuracyScene& scene : makeStaticScenes(options.large)) {

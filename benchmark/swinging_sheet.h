@@ -1,5 +1,5 @@
-// The sheets on which methods are compared: one square metre, 0.2 kg/m^2, released level, without damping, held along an edge or at two
-// corners.
+// The sheets on which methods are compared: one square metre, 0.2 kg/m^2, released level, without damping, held along an edge or
+// at two corners.
 #pragma once
 
 #include "deformable_surface/simulation/simulation.h"

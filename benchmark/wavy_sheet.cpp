@@ -151,8 +151,7 @@ cloud::PointCloud makeWavySheet(Index n, PointOrder order) {
 
 std::vector<Stage> listStages() {
   return {
-      {"clean", "points lost",
-       [](Preparation& p) { p.cleaned = cloud::clean(p.cloud); },
+      {"clean", "points lost", [](Preparation& p) { p.cleaned = cloud::clean(p.cloud); },
        [](const Preparation& p) { return static_cast<double>(p.cloud.size() - p.cleaned.positions.size()); },
        [](const Preparation& p) { return hashValues(p.cleaned.positions); }},
       {"neighbours", "share of lists that are wrong",
@@ -173,7 +172,8 @@ std::vector<Stage> listStages() {
        orientationError, [](const Preparation& p) { return hashValues(p.normals); }},
       {"simplification", "variation of spacing",
        [](Preparation& p) {
-         p.simplification = cloud::simplify(p.cloud.positions, p.normals, kNeighbors, p.target, {}, p.neighbors, p.boundary.is_corner, true);
+         p.simplification =
+             cloud::simplify(p.cloud.positions, p.normals, kNeighbors, p.target, {}, p.neighbors, p.boundary.is_corner, true);
          p.kept = p.simplification.keepCount(p.target);
        },
        spacingVariation, [](const Preparation& p) { return hashValues(p.simplification.removed); }},
@@ -209,7 +209,8 @@ std::vector<Stage> listStages() {
        [](Preparation& p) {
          const transfer::TransferParams params;
          const Lists followed = cloud::findChosenNear(p.cells, p.cloud.positions, params.k);
-         p.transfer = transfer::Transfer(p.cloud.positions, p.normals, p.points, std::vector<char>(p.points.size(), 1), params, &followed);
+         p.transfer =
+             transfer::Transfer(p.cloud.positions, p.normals, p.points, std::vector<char>(p.points.size(), 1), params, &followed);
        },
        transferError,
        [](const Preparation& p) {

@@ -1,6 +1,6 @@
-// Part 15: what a wish for an accuracy costs and gives: the sheets for which times at a millimetre were printed elsewhere, run with what
-// accuracy.position_error chooses for them, beside what they are without a wish. A part of its own because here the scene says what it
-// wants, not how.
+// Part 15: what a wish for an accuracy costs and gives: the sheets for which times at a millimetre were printed elsewhere, run
+// with what accuracy.position_error chooses for them, beside what they are without a wish. A part of its own because here the
+// scene says what it wants, not how.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 #include "sections.h"
@@ -19,7 +19,7 @@ using simulation::Simulation;
 
 constexpr double kWishes[] = {0.0, 1e-3, 2e-3, 5e-3};  // m; 0: none
 constexpr int kRuns = 3;                               // of which the fastest counts, those of a scene in turn
-constexpr Index kFineness = 2;                         // of the truth: its error is then a quarter of that of a run without a wish
+constexpr Index kFineness = 2;  // of the truth: its error is then a quarter of that of a run without a wish
 
 struct Sheet {
   const char* name;
@@ -85,10 +85,11 @@ void addSheet(const Sheet& sheet, Report& report) {
     double largest = 0.0;
     for (std::size_t i = 0; i < exact.size(); ++i) largest = std::max(largest, (found[i] - exact[i]).norm());
     const simulation::AccuracyChoice& chosen = simulation.accuracyChoice();
-    report.add({sheet.name, std::to_string(sheet.cloud.size()), choice.wish > 0.0 ? show(choice.wish) : "-", choice.estimate ? "yes" : "no",
-                std::to_string(simulation.state().size()), show(simulation.membraneShare()),
+    report.add({sheet.name, std::to_string(sheet.cloud.size()), choice.wish > 0.0 ? show(choice.wish) : "-",
+                choice.estimate ? "yes" : "no", std::to_string(simulation.state().size()), show(simulation.membraneShare()),
                 chosen.is_asked ? (chosen.is_met ? "yes" : "no") : "-", show(choice.set_up), show(choice.wall), show(choice.cpu),
-                show(rmsDistance(found, exact)), show(largest), show(choice.estimate ? simulation.statistics().error_estimate : chosen.error)});
+                show(rmsDistance(found, exact)), show(largest),
+                show(choice.estimate ? simulation.statistics().error_estimate : chosen.error)});
   }
 }
 
@@ -102,8 +103,10 @@ void runWishesSection(const Options& options, Report& report) {
   for (const Sheet& sheet : makeSheets(options.large)) addSheet(sheet, report);
   setNumThreads(0);
   report.end();
-  report.note("errors at the end, against all points with the stated stiffness in half of the sub-steps; estimate_m: that of the run, or of the "
-              "trial where the run has none");
+  report.note(
+      "errors at the end, against all points with the stated stiffness in half of the sub-steps; estimate_m: that of the run, "
+      "or of the "
+      "trial where the run has none");
   if (!options.large) report.note("--large adds the stiff sheet of 1254 points and the hanging one of 4096");
 }
 

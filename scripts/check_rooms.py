@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Checks that the folders below include/deformable_surface and src look only into those that the table of rooms in
-CONTRIBUTING.md allows, and that ROS, PCL and YAML stay at the border. It is a file of its own because no compiler says this.
-  check_rooms.py [REPOSITORY]    one line for each forbidden include; status 1 if there is any
+CONTRIBUTING.md allows, that ROS, PCL and YAML stay at the border, and that no line of a source is too long. It is a file of its own
+because no compiler says this.
+  check_rooms.py [REPOSITORY]    one line for each forbidden include and long line; status 1 if there is any
   check_rooms.py --self-test     shows on made-up files that each rule can fail"""
 import os
 import re
@@ -23,6 +24,8 @@ ROOMS = {
     "io": [r"(base|cloud)/.*", PARAMETERS],
     "ros": [r".*"],
 }
+
+LONGEST = 130  # characters of a line
 
 STANDARD = r"[a-z_0-9]+|([a-z]mmintrin|unistd|fcntl|sched)\.h|sys/\w+\.h"  # C++, the compiler's intrinsics, POSIX
 # What comes from outside, and the files that may include it, as patterns of paths without include/deformable_surface or src.
@@ -64,9 +67,10 @@ def check_include(path, bracket, target, beside):
 
 
 def check_tree(repository):
-    """Sentences, one for each forbidden include, and the number of files read."""
+    """Sentences, one for each forbidden include and each long line, and the number of files read."""
     problems, count = [], 0
-    for top in ("include/deformable_surface", "src"):
+    for top in ("include/deformable_surface", "src", "test", "benchmark"):
+        in_rooms = top in ("include/deformable_surface", "src")
         base = os.path.join(repository, top)
         for folder, folders, names in os.walk(base):
             folders.sort()
@@ -76,12 +80,14 @@ def check_tree(repository):
                 file = os.path.join(folder, name)
                 path = os.path.relpath(file, base).replace(os.sep, "/")
                 count += 1
-                if "/" in path and path.split("/")[0] not in ROOMS:
+                if in_rooms and "/" in path and path.split("/")[0] not in ROOMS:
                     problems.append("%s/%s: '%s' is no room; accepted: %s" % (top, path, path.split("/")[0], ", ".join(ROOMS)))
                     continue
                 with open(file, encoding="utf-8") as stream:
                     for number, line in enumerate(stream, 1):
-                        match = INCLUDE.match(line)
+                        if len(line.rstrip("\n")) > LONGEST:
+                            problems.append("%s/%s:%d: %d characters; accepted: %d" % (top, path, number, len(line.rstrip("\n")), LONGEST))
+                        match = INCLUDE.match(line) if in_rooms else None
                         if not match:
                             continue
                         beside = os.path.isfile(os.path.join(folder, match.group(2)))
@@ -124,6 +130,9 @@ def test_self():
         ("src/tool/a.cpp", "<tf2/LinearMath/Vector3.h>", refused),
         ("src/tool/b.cpp", ours % "Tool.h", refused),
         ("src/attic/a.cpp", "<vector>", refused),
+        ("src/base/d.cpp", "<vector>  " + "//" * LONGEST, refused),
+        ("test/base/a.cpp", "<vector>  " + "//" * LONGEST, refused),
+        ("test/base/b.cpp", ours % "ros/names.h", allowed),
         ("include/deformable_surface/base/a.h", ours % "cloud/rings.h", refused),
     ]
     wrong = []

@@ -13,8 +13,8 @@ const double kPi = std::acos(-1.0);
 constexpr double kJitter = 0.2;  // of the spacing
 constexpr double kYoung = 1e5, kPoisson = 0.3, kDensity = 1000.0;
 
-/// A box of points from low to high, with as many as the spacing asks for, an odd number along x and y so that one column is in the
-/// middle. Jittered points on faces and edges stay on them.
+/// A box of points from low to high, with as many as the spacing asks for, an odd number along x and y so that one column is in
+/// the middle. Jittered points on faces and edges stay on them.
 cloud::PointCloud sampleBox(const Vec3& low, const Vec3& high, double spacing, Sampling sampling) {
   std::mt19937 generator(1);
   const auto draw = [&] { return sampling == Sampling::kRegular ? 0.0 : kJitter * (generator() / 2147483648.0 - 1.0); };
@@ -111,9 +111,10 @@ double correctForLayer(double x) {
          16.0 * a / std::pow(kPi, 4) * (std::pow(a, 3) + 3.0 * kPi * kPi / 5.0 * b) * std::pow(x, 4);
 }
 
-/// A rigid ball pressed into a layer six times as wide as the contact's radius. Contact is a penalty, so that points lie in the ball by
-/// what it takes, in proportion to the pressure, (1 - r^2/a^2)^(1/2). By Betti's theorem a ball that is flatter by that presses as one
-/// that is less deep by the mean of it over the pressure of a flat punch, (a^2 - r^2)^(-1/2): half of what it is in the middle.
+/// A rigid ball pressed into a layer six times as wide as the contact's radius. Contact is a penalty, so that points lie in the
+/// ball by what it takes, in proportion to the pressure, (1 - r^2/a^2)^(1/2). By Betti's theorem a ball that is flatter by that
+/// presses as one that is less deep by the mean of it over the pressure of a flat punch, (a^2 - r^2)^(-1/2): half of what it is
+/// in the middle.
 Answer pressBall(const Variant& variant, double spacing) {
   constexpr double kRadius = 0.8, kDepth = 0.005, kHalf = 0.2, kHeight = 0.12;
   simulation::SceneParams scene = makeScene(60.0);  // of the layer's slowest motions about critical

@@ -58,7 +58,8 @@ void measureManager(const RosOptions& options, RosTable& table) {
   Statistics statistics;
   const ros::Subscriber deformed =
       handle.subscribe<sensor_msgs::PointCloud2>("deformed", 2, [&](const sensor_msgs::PointCloud2ConstPtr&) { ++frames; });
-  const ros::Subscriber news = handle.subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { statistics = *m; });
+  const ros::Subscriber news =
+      handle.subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { statistics = *m; });
   waitFor("the nodelet to listen", [&] { return cloud.getNumSubscribers() > 0; });
   cloud.publish(makeSquare(1000000));
   waitFor("clouds of a million points", [&] { return frames > 3; }, 600.0);
@@ -68,7 +69,8 @@ void measureManager(const RosOptions& options, RosTable& table) {
   letIn(options.seconds);
   const double seconds = (ros::WallTime::now() - begin).toSec();
   table.add("clouds of 1,000,000 points with normals, in a nodelet manager",
-            show(Count{static_cast<double>(frames) / seconds, static_cast<double>(statistics.step - first) / seconds}), "10 clouds/s",
+            show(Count{static_cast<double>(frames) / seconds, static_cast<double>(statistics.step - first) / seconds}),
+            "10 clouds/s",
             "2000 simulated, publish_rate 30, step 10 ms; last step " + showMilliseconds(statistics.time_total) + " ms, frame " +
                 showMilliseconds(statistics.time_publish) + " ms");
   manager.unload(name);

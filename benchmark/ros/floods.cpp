@@ -11,7 +11,8 @@ namespace {
 
 std::string makeScene(const std::string& policy) {
   return "{model: mass_spring, simplification: {target_points: 400}, material: {young_modulus: 1.0e4}, activity: {sleep: never}, "
-         "integrator: {time_step: 0.01}, pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}], input: {policy: " + policy + "}}";
+         "integrator: {time_step: 0.01}, pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}], input: {policy: " +
+         policy + "}}";
 }
 
 // Sends from a thread of its own while it lives, period: s, 0 = as fast as it goes.
@@ -49,9 +50,10 @@ void measure(const std::string& what, Surface& surface, double before, const Ros
   const double arrived = (surface.diagnostic(counted) - first) / seconds;
   const double half = readPeakMemory(surface.id());
   surface.countSteps(options.seconds);
-  table.add(what, show(during) + " steps/s of " + show(before) + "; at most " + show(readPeakMemory(surface.id())) + " MB", "within 20 %",
-            show(arrived) + " arrived a second; memory " + show(memory_before) +
-                " MB at its beginning, at most " + show(half) + " by the middle");
+  table.add(what, show(during) + " steps/s of " + show(before) + "; at most " + show(readPeakMemory(surface.id())) + " MB",
+            "within 20 %",
+            show(arrived) + " arrived a second; memory " + show(memory_before) + " MB at its beginning, at most " + show(half) +
+                " by the middle");
 }
 
 }  // namespace
@@ -61,7 +63,8 @@ void measureFloods(const RosOptions& options, RosTable& table) {
     Surface surface("/flood_" + policy, makeScene(policy), makeSquare(10000));
     const double before = surface.countSteps(options.seconds);
     const Flood flood(surface.cloud(), makeSquare(1000000), 0.0);
-    measure("clouds of 1,000,000 points as fast as they go, policy " + policy, surface, before, options, "clouds received", table);
+    measure("clouds of 1,000,000 points as fast as they go, policy " + policy, surface, before, options, "clouds received",
+            table);
   }
   Surface surface("/flood_forces", makeScene("ignore"), makeSquare(10000));
   ros::Publisher force = surface.handle().advertise<PointForce>("force", 1000);

@@ -1,4 +1,5 @@
-// From a command to the first cloud that shows it: a force on a surface at rest, again and again, sent at odd times between its steps.
+// From a command to the first cloud that shows it: a force on a surface at rest, again and again, sent at odd times between its
+// steps.
 #include "ros_parts.h"
 
 #include "deformable_surface/PointForce.h"

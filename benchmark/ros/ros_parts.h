@@ -1,5 +1,5 @@
-// The parts of the benchmark over ROS, and what they share: clouds as a camera would send them, and a node with the figures that it
-// tells of itself. Every part starts its own nodes, listens to them as any other program would, and adds rows to one table.
+// The parts of the benchmark over ROS, and what they share: clouds as a camera would send them, and a node with the figures that
+// it tells of itself. Every part starts its own nodes, listens to them as any other program would, and adds rows to one table.
 #pragma once
 
 #include "report.h"

@@ -44,7 +44,8 @@ sensor_msgs::PointCloud2 makeSquare(Index points) {
     for (std::uint32_t column = 0; column < side; ++column) {
       const float point[] = {static_cast<float>(column) / static_cast<float>(side - 1) - 0.5f,
                              static_cast<float>(row) / static_cast<float>(side - 1) - 0.5f, 0.0f};
-      std::memcpy(cloud.data.data() + std::size_t{cloud.row_step} * row + std::size_t{cloud.point_step} * column, point, sizeof point);
+      std::memcpy(cloud.data.data() + std::size_t{cloud.row_step} * row + std::size_t{cloud.point_step} * column, point,
+                  sizeof point);
     }
   }
   return cloud;
@@ -87,7 +88,8 @@ Surface::Surface(const std::string& name, const std::string& scene, const sensor
           if (status.name.rfind(prefix, 0) == 0)
             for (const auto& value : status.values) diagnostics_[value.key] = value.value;
       });
-  waitFor(name + " to listen", [this] { return cloud_.getNumSubscribers() > 0 && statistics_subscriber_.getNumPublishers() > 0; });
+  waitFor(name + " to listen",
+          [this] { return cloud_.getNumSubscribers() > 0 && statistics_subscriber_.getNumPublishers() > 0; });
   cloud_.publish(cloud);
   waitFor("the surface of " + name, [this] { return statistics_.step > 0; });
 }

@@ -12,11 +12,12 @@
 namespace deformable_surface::benchmark {
 
 void measureWrenches(const RosOptions& options, RosTable& table) {
-  Surface surface("/haptic",
-                  "{model: mass_spring, gravity: [0, 0, 0], simplification: {target_points: 300}, material: {young_modulus: 1.0e4, "
-                  "damping: 1.0}, integrator: {time_step: 0.001}, pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}, "
-                  "{box: {min: [0.49, -1, -1], max: [0.51, 1, 1]}}], output: {publish_rate: 30}}",
-                  makeSquare(10000));
+  Surface surface(
+      "/haptic",
+      "{model: mass_spring, gravity: [0, 0, 0], simplification: {target_points: 300}, material: {young_modulus: 1.0e4, "
+      "damping: 1.0}, integrator: {time_step: 0.001}, pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}, "
+      "{box: {min: [0.49, -1, -1], max: [0.51, 1, 1]}}], output: {publish_rate: 30}}",
+      makeSquare(10000));
   ros::Publisher tools = surface.handle().advertise<ToolArray>("tools", 1);
   std::vector<ros::WallTime> came;
   std::size_t frames = 0, touches = 0;

@@ -43,8 +43,8 @@ bool BlockSparse::finish() {
   return true;
 }
 
-// The blocks there were, those that wait and the diagonal, by column and row. A first filling names each block many times, so that
-// nothing here may cost more than a look at each.
+// The blocks there were, those that wait and the diagonal, by column and row. A first filling names each block many times, so
+// that nothing here may cost more than a look at each.
 void BlockSparse::buildPattern() {
   const Index n = pattern_.size();
   Lists waiting;  // of each column, in the order in which they came
@@ -76,8 +76,10 @@ void BlockSparse::buildPattern() {
     }
     pattern_.offsets.push_back(static_cast<Index>(pattern_.items.size()));
     values_.resize(pattern_.items.size(), Mat3::Zero());
-    for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k) values_[moved[k] = slot[before.items[k]]] = values_before[k];
-    for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k) values_[found[*k] = slot[pending_[*k].row]] += pending_[*k].block;
+    for (Index k = before.offsets[column]; k < before.offsets[column + 1]; ++k)
+      values_[moved[k] = slot[before.items[k]]] = values_before[k];
+    for (const Index* k = waiting.begin(column); k != waiting.end(column); ++k)
+      values_[found[*k] = slot[pending_[*k].row]] += pending_[*k].block;
   }
   auto next_found = found.begin();
   for (std::size_t k = 0; k < order_.size(); ++k) {

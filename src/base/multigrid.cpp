@@ -19,8 +19,8 @@ struct Rows {
 };
 
 // What a sweep from zero leaves of b, summed over the members of aggregates [begin, end).
-DEFORMABLE_SURFACE_WIDE void restrict(Index begin, Index end, const Rows& a, const Index* first_member, const Index* members, const double* b,
-                                      double* to) {
+DEFORMABLE_SURFACE_WIDE void restrict(Index begin, Index end, const Rows& a, const Index* first_member, const Index* members,
+                                      const double* b, double* to) {
   for (Index g = begin; g < end; ++g) {
     Double4 sum{};
     for (Index m = first_member[g]; m < first_member[g + 1]; ++m) {
@@ -39,8 +39,8 @@ DEFORMABLE_SURFACE_WIDE void restrict(Index begin, Index end, const Rows& a, con
 }
 
 // A sweep from zero, and what the next level adds to it.
-DEFORMABLE_SURFACE_WIDE void correct(Index begin, Index end, const Rows& a, const Index* aggregate, const double* b, const double* next,
-                                     double* start) {
+DEFORMABLE_SURFACE_WIDE void correct(Index begin, Index end, const Rows& a, const Index* aggregate, const double* b,
+                                     const double* next, double* start) {
   for (Index i = begin; i < end; ++i) {
     Double4 here, added;
     load(b + 4 * static_cast<std::ptrdiff_t>(i), here);
@@ -197,7 +197,8 @@ void Multigrid::cycle(std::size_t l) {
   }
   Level& level = levels_[l];
   Level& next = l + 1 < levels_.size() ? levels_[l + 1] : last_;
-  const Rows rows{level.offsets.data(), level.columns.data(), level.values.data(), level.diagonal.data(), level.inverse.data(), level.share.data()};
+  const Rows rows{level.offsets.data(),  level.columns.data(), level.values.data(),
+                  level.diagonal.data(), level.inverse.data(), level.share.data()};
   parallelFor(next.n, kBlock / 8, [&](Index begin, Index end) {
     restrict(begin, end, rows, level.first_member.data(), level.members.data(), level.b.data(), next.b.data());
   });
@@ -205,7 +206,8 @@ void Multigrid::cycle(std::size_t l) {
   parallelFor(level.n, kBlock, [&](Index begin, Index end) {
     correct(begin, end, rows, level.aggregate.data(), level.b.data(), next.x.data(), level.start.data());
   });
-  parallelFor(level.n, kBlock, [&](Index begin, Index end) { sweep(begin, end, rows, level.b.data(), level.start.data(), level.x.data()); });
+  parallelFor(level.n, kBlock,
+              [&](Index begin, Index end) { sweep(begin, end, rows, level.b.data(), level.start.data(), level.x.data()); });
 }
 
 void Multigrid::apply(const Points& b, Points& x) {

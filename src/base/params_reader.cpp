@@ -33,8 +33,8 @@ bool toNumber(const Value& value, double& number) {
 // Two steps per edit, so that a key in another section can lose to an equally near one in the same section.
 constexpr int kEditCost = 2;
 
-// Of all keys ("forces[].id"), the one that is nearest to a name in a section: by the last word, then by the section. Empty if more
-// than half of the word would have to change: the nearest would only mislead.
+// Of all keys ("forces[].id"), the one that is nearest to a name in a section: by the last word, then by the section. Empty if
+// more than half of the word would have to change: the nearest would only mislead.
 std::string nearestKey(const std::string& section, const std::string& name, const std::vector<std::string>& all_keys) {
   std::string nearest;
   int least = kEditCost * (static_cast<int>(name.size()) / 2 + 1);

@@ -11,8 +11,8 @@ namespace deformable_surface {
 namespace {
 
 // work = (L D L^T)^-1 work, four numbers a row.
-DEFORMABLE_SURFACE_WIDE void substitute(Index n, const Index* starts, const Index* rows, const double* factor, const double* inverse,
-                                        double* work) {
+DEFORMABLE_SURFACE_WIDE void substitute(Index n, const Index* starts, const Index* rows, const double* factor,
+                                        const double* inverse, double* work) {
   for (Index j = 0; j < n; ++j) {
     Double4 x, y;
     load(work + 4 * static_cast<std::ptrdiff_t>(j), x);
@@ -51,7 +51,9 @@ void ScalarCholesky::analyze(Index n, const std::vector<std::pair<Index, Index>>
 
   // The part above the diagonal by columns.
   offsets_.assign(n + 1, 0);
-  const auto columnOf = [&](const std::pair<Index, Index>& pair) { return std::max(position_[pair.first], position_[pair.second]); };
+  const auto columnOf = [&](const std::pair<Index, Index>& pair) {
+    return std::max(position_[pair.first], position_[pair.second]);
+  };
   for (const auto& pair : pairs) ++offsets_[columnOf(pair) + 1];
   for (Index k = 0; k < n; ++k) offsets_[k + 1] += offsets_[k];
   rows_.resize(pairs.size());

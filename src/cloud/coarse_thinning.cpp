@@ -92,7 +92,8 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbo
   }
   std::vector<Removal> removals;
   for (Index i = 0; i < n; ++i)
-    if (is_left[i] && !is_kept[i] && nearest[i] < least && num_kept[cloud.part[i]] >= kFewestOfPart) removals.push_back({nearest[i], i});
+    if (is_left[i] && !is_kept[i] && nearest[i] < least && num_kept[cloud.part[i]] >= kFewestOfPart)
+      removals.push_back({nearest[i], i});
   parallelSort(removals);
   return removals;
 }
@@ -133,7 +134,8 @@ class WayCheck {
     for (const Neighbor& neighbor : found) place_.add(neighbor.index);
     bound_.assign(count, std::numeric_limits<double>::infinity());
     most_.clear();
-    for (const Neighbor& neighbor : found) most_.push_back(kKeptWay * std::sqrt(std::max(neighbor.squared_distance, squared_spacing)));
+    for (const Neighbor& neighbor : found)
+      most_.push_back(kKeptWay * std::sqrt(std::max(neighbor.squared_distance, squared_spacing)));
     num_missing_ = count;
     relax(i, 0.0);
     for (int pass = 0; pass < kPasses; ++pass) {
@@ -178,7 +180,9 @@ Lists findNeighbors(const ThinnedCloud& cloud, Index wanted, bool over_surface) 
       const Index i = tree.order()[s];
       for (Index asked = wanted + 1;; asked *= 2) {
         tree.nearest(cloud.positions[i], asked, found);
-        const auto isOther = [&](const Neighbor& neighbor) { return neighbor.index == i || cloud.part[neighbor.index] != cloud.part[i]; };
+        const auto isOther = [&](const Neighbor& neighbor) {
+          return neighbor.index == i || cloud.part[neighbor.index] != cloud.part[i];
+        };
         found.erase(std::remove_if(found.begin(), found.end(), isOther), found.end());
         if (over_surface) check.keepReached(i, found);
         if (static_cast<Index>(found.size()) > wanted / 2 || asked > kMaxAsked * wanted || asked >= n) break;

@@ -77,7 +77,8 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
 // Calls visit(v, to) for the points that a path goes on to from u, with its length there.
 template <class Visit>
 void forSteps(const Points& positions, const Lists& neighbors, double distance, Index u, const Visit& visit) {
-  for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v) visit(*v, distance + (positions[*v] - positions[u]).norm());
+  for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v)
+    visit(*v, distance + (positions[*v] - positions[u]).norm());
 }
 
 // Replaces value by `to` while isLess(to, value), whatever other threads replace it by meanwhile. Returns whether it did.
@@ -90,9 +91,10 @@ bool lower(std::atomic<T>& value, T to, const IsLess& isLess) {
   return false;
 }
 
-// Lengths of the shortest paths from any chosen point, m. Points whose length has changed wait to hand it on, and do so in the order of
-// the cloud, there and back again: what is near in space lies near in memory, which an order by length would jump about in. Those beyond a
-// horizon wait until nothing changes below it. The lengths are the same in any order, and so with any number of threads.
+// Lengths of the shortest paths from any chosen point, m. Points whose length has changed wait to hand it on, and do so in the
+// order of the cloud, there and back again: what is near in space lies near in memory, which an order by length would jump about
+// in. Those beyond a horizon wait until nothing changes below it. The lengths are the same in any order, and so with any number
+// of threads.
 std::vector<double> findDistances(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen) {
   const Index n = neighbors.size();
   std::vector<std::atomic<double>> distance(n);
@@ -102,7 +104,8 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
   for (Index i : chosen) {
     distance[i] = 0.0;
     waits[i] = 1;
-    if (neighbors.count(i) > 0) spacing += (positions[*neighbors.begin(i)] - positions[i]).norm() / static_cast<double>(chosen.size());
+    if (neighbors.count(i) > 0)
+      spacing += (positions[*neighbors.begin(i)] - positions[i]).norm() / static_cast<double>(chosen.size());
   }
   // About as far as cells reach.
   double horizon = spacing * std::sqrt(static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, chosen.size())));
@@ -132,14 +135,16 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
   return std::vector<double>(distance.begin(), distance.end());
 }
 
-// The chosen point that each path begins at. Of several shortest paths to a point that over the nearest last step's beginning counts, ties by
-// index. A step too short to lengthen a path, as rounded, is on none.
-void findOwners(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen, const std::vector<double>& distance,
-                std::vector<Index>& owner) {
+// The chosen point that each path begins at. Of several shortest paths to a point that over the nearest last step's beginning
+// counts, ties by index. A step too short to lengthen a path, as rounded, is on none.
+void findOwners(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen,
+                const std::vector<double>& distance, std::vector<Index>& owner) {
   const Index n = neighbors.size();
   std::vector<std::atomic<Index>> before(n);
   for (std::atomic<Index>& b : before) b.store(-1, std::memory_order_relaxed);
-  const auto isNearer = [&](Index a, Index b) { return b < 0 || std::make_pair(distance[a], a) < std::make_pair(distance[b], b); };
+  const auto isNearer = [&](Index a, Index b) {
+    return b < 0 || std::make_pair(distance[a], a) < std::make_pair(distance[b], b);
+  };
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index u = begin; u < end; ++u) {
       if (!(distance[u] < std::numeric_limits<double>::infinity())) continue;

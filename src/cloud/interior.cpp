@@ -53,8 +53,9 @@ Interior fillSurface(const SurfaceDipoles& dipoles, const Points& surface, doubl
   // As many places as fit, in the middle.
   const Eigen::Array3d across = ((high - low) / spacing).array().floor() + 1.0;
   if (!(across.prod() <= kMostPlaces))
-    throw InputError("fill: found a surface whose box holds " + formatShort(across.prod()) + " places at a spacing of " + formatShort(spacing) +
-                     " m; accepted: up to " + formatShort(kMostPlaces) + "; ask for fewer simulation points");
+    throw InputError("fill: found a surface whose box holds " + formatShort(across.prod()) + " places at a spacing of " +
+                     formatShort(spacing) + " m; accepted: up to " + formatShort(kMostPlaces) +
+                     "; ask for fewer simulation points");
   const Eigen::Array<Index, 3, 1> counts = across.cast<Index>();
   const Vec3 first = 0.5 * (low + high) - 0.5 * spacing * (counts.cast<double>() - 1.0).matrix();
   const auto placeAt = [&](Index k) {

@@ -47,9 +47,9 @@ std::vector<signed char> findGivenSides(const Points& given, const Points& norma
   return sides;
 }
 
-// The flatter, the less it weighs; where normals are given those links weigh least of which both given normals say the same as the surface
-// does. Over a thin body, where flat links join its two sides, nothing contradicts the given ones along each side; one wrong normal
-// contradicts all of its neighbours, so that it is joined last, as the surface says.
+// The flatter, the less it weighs; where normals are given those links weigh least of which both given normals say the same as
+// the surface does. Over a thin body, where flat links join its two sides, nothing contradicts the given ones along each side;
+// one wrong normal contradicts all of its neighbours, so that it is joined last, as the surface says.
 Link makeLink(const Points& normals, const std::vector<signed char>& given_sides, Index i, Index j) {
   constexpr float kDoubt = 1.0f;  // more than any link weighs without it
   const double cosine = normals[i].dot(normals[j]);
@@ -59,8 +59,8 @@ Link makeLink(const Points& normals, const std::vector<signed char>& given_sides
   return {weight + (is_doubtful ? kDoubt : 0.0f), std::min(i, j), std::max(i, j), are_opposite};
 }
 
-// Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among what is joined agree, and
-// then the flattest spanning forest joins it to the same sides; are_all: no link leads out of what is joined.
+// Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among what is joined
+// agree, and then the flattest spanning forest joins it to the same sides; are_all: no link leads out of what is joined.
 bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets,
               bool& are_all) {
   constexpr float kFlatWeight = 0.1f;  // 26 degrees: sides are beyond doubt in most clouds
@@ -92,7 +92,8 @@ bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<s
   return agree;
 }
 
-// Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat ones agree it does not matter which of them do.
+// Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat ones agree it does not matter which of them
+// do.
 void joinSides(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets) {
   bool are_all = false;
   const auto forLinks = [&](Index i, const auto& visit) {

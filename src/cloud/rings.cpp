@@ -89,21 +89,23 @@ Stars buildStars(const Points& positions, const Points& normals, const Lists& ne
   Index max_count = 0;
   for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
   const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
-  visitStars(positions, normals, neighbors, boundary.is_boundary, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
-    stars.count[i] = static_cast<Index>(star.ring.size());
-    for (Index r = 0; r < stars.count[i]; ++r) {
-      stars.member[neighbors.offsets[i] + r] = linked[star.ring[r]];
-      stars.cell_size[neighbors.offsets[i] + r] = star.cell_size[r];
-    }
-    rings.open[i] = star.open;
-  });
+  visitStars(positions, normals, neighbors, boundary.is_boundary,
+             [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
+               stars.count[i] = static_cast<Index>(star.ring.size());
+               for (Index r = 0; r < stars.count[i]; ++r) {
+                 stars.member[neighbors.offsets[i] + r] = linked[star.ring[r]];
+                 stars.cell_size[neighbors.offsets[i] + r] = star.cell_size[r];
+               }
+               rings.open[i] = star.open;
+             });
   return stars;
 }
 
 void checkSizes(const char* function, const Points& positions, const Points& normals, const Lists& neighbors) {
   if (positions.size() == normals.size() && static_cast<Index>(positions.size()) == neighbors.size()) return;
-  throw InputError(std::string(function) + ": " + std::to_string(positions.size()) + " positions, " + std::to_string(normals.size()) +
-                   " normals and " + std::to_string(neighbors.size()) + " neighbour lists; the three numbers must be equal");
+  throw InputError(std::string(function) + ": " + std::to_string(positions.size()) + " positions, " +
+                   std::to_string(normals.size()) + " normals and " + std::to_string(neighbors.size()) +
+                   " neighbour lists; the three numbers must be equal");
 }
 
 // Sorts the ring of point i by angle; an open one then starts after its widest gap.
@@ -240,17 +242,19 @@ Rings buildRings(const Points& positions, const Points& normals, const Lists& ne
 double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary) {
   checkSizes("measureArea", positions, normals, neighbors);
   if (is_boundary.size() != positions.size())
-    throw InputError("measureArea: " + std::to_string(is_boundary.size()) + " boundary marks for " + std::to_string(positions.size()) +
-                     " points; there must be one for each");
+    throw InputError("measureArea: " + std::to_string(is_boundary.size()) + " boundary marks for " +
+                     std::to_string(positions.size()) + " points; there must be one for each");
   std::vector<double> area(positions.size(), 0.0);
-  visitStars(positions, normals, neighbors, is_boundary, [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
-    const std::size_t count = star.ring.size();
-    for (std::size_t r = 0; r < count; ++r) {
-      if (star.cell_size[r] == 0) continue;
-      const Vec3 a = positions[linked[star.ring[r]]] - positions[i], b = positions[linked[star.ring[(r + 1) % count]]] - positions[i];
-      area[i] += 0.5 * a.cross(b).norm() / star.cell_size[r];
-    }
-  });
+  visitStars(positions, normals, neighbors, is_boundary,
+             [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
+               const std::size_t count = star.ring.size();
+               for (std::size_t r = 0; r < count; ++r) {
+                 if (star.cell_size[r] == 0) continue;
+                 const Vec3 a = positions[linked[star.ring[r]]] - positions[i],
+                            b = positions[linked[star.ring[(r + 1) % count]]] - positions[i];
+                 area[i] += 0.5 * a.cross(b).norm() / star.cell_size[r];
+               }
+             });
   return std::accumulate(area.begin(), area.end(), 0.0);
 }
 

@@ -85,10 +85,18 @@ struct Refills {
 class Thinning {
  public:
   // part: (n) below num_parts.
-  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, std::vector<Index> part, Index num_parts, bool over_surface)
-      : k_(k), over_surface_(over_surface), samples_(positions.size()), tree_(positions), lists_(std::move(neighbors)),
-        alive_(positions.size(), 1), num_alive_(static_cast<Index>(positions.size())),
-        num_parts_(num_parts), part_(std::move(part)), stored_(positions.size()) {
+  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, std::vector<Index> part, Index num_parts,
+           bool over_surface)
+      : k_(k),
+        over_surface_(over_surface),
+        samples_(positions.size()),
+        tree_(positions),
+        lists_(std::move(neighbors)),
+        alive_(positions.size(), 1),
+        num_alive_(static_cast<Index>(positions.size())),
+        num_parts_(num_parts),
+        part_(std::move(part)),
+        stored_(positions.size()) {
     const Index n = num_alive_;
     for (Index i = 0; i < n; ++i) {
       samples_[i] = {positions[i], normals[i]};
@@ -113,8 +121,8 @@ class Thinning {
     Simplification result;
     result.num_points = n;
 
-    // Keys of all points, in the order in which the tree holds them in memory. Whose list is too short asks those of others, which
-    // therefore stay as they are until all have been asked.
+    // Keys of all points, in the order in which the tree holds them in memory. Whose list is too short asks those of others,
+    // which therefore stay as they are until all have been asked.
     std::vector<double> key(n);
     constexpr Index kBlock = 1024;
     std::vector<Refills> refills((n + kBlock - 1) / kBlock);
@@ -166,8 +174,8 @@ class Thinning {
   }
 
  private:
-  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r. After
-  // findNear().
+  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r.
+  // After findNear().
   double evaluateKey(Index i, Scratch& scratch) const {
     if (scratch.near.empty()) return 0.0;
     for (Index j : scratch.near) __builtin_prefetch(&samples_[j]);
@@ -330,7 +338,8 @@ class Thinning {
 
 // Coarsely first, then the rest by rings.
 Simplification simplifyLarge(const Points& positions, const Points& normals, Index k, Index min_points, Index stop,
-                             const Lists& neighbors, std::vector<Index> part, Index num_parts, std::vector<char> stays, bool over_surface) {
+                             const Lists& neighbors, std::vector<Index> part, Index num_parts, std::vector<char> stays,
+                             bool over_surface) {
   const Index n = static_cast<Index>(positions.size());
   ThinnedCloud cloud{std::vector<Index>(n), positions, {}, std::move(part), std::move(stays), {}, {}};
   std::iota(cloud.index.begin(), cloud.index.end(), 0);
@@ -338,8 +347,9 @@ Simplification simplifyLarge(const Points& positions, const Points& normals, Ind
 
   Points left_normals;
   for (Index i : cloud.index) left_normals.push_back(normals[i]);
-  Simplification rest = Thinning(cloud.positions, left_normals, k, std::move(cloud.neighbors), std::move(cloud.part), num_parts, over_surface)
-                            .run(min_points, cloud.stays);
+  Simplification rest =
+      Thinning(cloud.positions, left_normals, k, std::move(cloud.neighbors), std::move(cloud.part), num_parts, over_surface)
+          .run(min_points, cloud.stays);
   Simplification result{n, std::move(cloud.removed), std::move(cloud.diameter)};
   double diameter = result.diameter.empty() ? 0.0 : result.diameter.back();
   for (std::size_t r = 0; r < rest.removed.size(); ++r) {

@@ -1,5 +1,5 @@
-// Kruskal's minimum spanning forest, holding and sorting few links: most are longer than what joins everything. One place, because
-// the side of normals and the trust radii of geodesics both need it.
+// Kruskal's minimum spanning forest, holding and sorting few links: most are longer than what joins everything. One place,
+// because the side of normals and the trust radii of geodesics both need it.
 #pragma once
 
 #include "deformable_surface/base/parallel_sort.h"
@@ -11,10 +11,10 @@
 
 namespace deformable_surface::cloud {
 
-/// Joins the ends of links in ascending order, as far as they are not joined yet. Link: with ends i and j and a strict total order;
-/// forLinks(i, visit): visits the links that point i offers, from several threads, every time the same; findRoot(i): of the
-/// points joined to i one that they share; join(link): called for every link of the forest, and for some of the others, whose ends
-/// are joined by then. The result does not depend on the number of threads.
+/// Joins the ends of links in ascending order, as far as they are not joined yet. Link: with ends i and j and a strict total
+/// order; forLinks(i, visit): visits the links that point i offers, from several threads, every time the same; findRoot(i): of
+/// the points joined to i one that they share; join(link): called for every link of the forest, and for some of the others, whose
+/// ends are joined by then. The result does not depend on the number of threads.
 template <class Link, class ForLinks, class FindRoot, class Join>
 void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& findRoot, const Join& join) {
   constexpr Index kBlock = 1024;   // points per task: about a millisecond of work

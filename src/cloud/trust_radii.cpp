@@ -100,7 +100,9 @@ std::vector<Link> findSpanningTree(const Points& positions, const SurfaceSides& 
   };
   std::vector<Link> tree;
   tree.reserve(n);
-  const auto forLinks = [&](Index i, const auto& visit) { std::for_each(links.begin() + first[i], links.begin() + first[i + 1], visit); };
+  const auto forLinks = [&](Index i, const auto& visit) {
+    std::for_each(links.begin() + first[i], links.begin() + first[i + 1], visit);
+  };
   visitSpanningForest<Link>(n, forLinks, findRoot, [&](const Link& link) {
     const Index a = findRoot(link.i), b = findRoot(link.j);
     if (a == b) return;

@@ -100,10 +100,12 @@ void Polyhedron::orient() {
     if (!std::binary_search(edges.begin(), edges.end(), back, isBefore)) ++open;
   }
   if (twice > 0)
-    throw InputError("found " + std::to_string(twice) + " edges that two triangles pass in the same direction; accepted: meshes whose " +
+    throw InputError("found " + std::to_string(twice) +
+                     " edges that two triangles pass in the same direction; accepted: meshes whose " +
                      "triangles are all wound alike, two at every edge");
   if (open > 0)
-    throw InputError("found an open mesh: " + std::to_string(open) + " edges belong to one triangle only; accepted: closed meshes");
+    throw InputError("found an open mesh: " + std::to_string(open) +
+                     " edges belong to one triangle only; accepted: closed meshes");
 
   Vec3 middle = Vec3::Zero();
   for (const Vec3& v : vertices_) middle += v / static_cast<double>(vertices_.size());

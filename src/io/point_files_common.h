@@ -7,7 +7,9 @@
 
 namespace deformable_surface::io {
 
-[[noreturn]] inline void refuse(const std::string& file, const std::string& sentence) { throw InputError(file + ": " + sentence); }
+[[noreturn]] inline void refuse(const std::string& file, const std::string& sentence) {
+  throw InputError(file + ": " + sentence);
+}
 
 inline std::string toLowerExtension(const std::string& file) {
   const std::size_t dot = file.find_last_of("./");

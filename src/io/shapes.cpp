@@ -153,7 +153,8 @@ Points makeLattice(const simulation::CloudParams& params, Jitter& jitter) {
 Points makeBar(const simulation::CloudParams& params, Jitter& jitter) {
   const Vec3 size(params.size.x(), params.size.y(), params.height);
   const auto countAt = [&](double h) { return Vec3(size / h + Vec3::Ones()); };
-  const double spacing = findSpacing(params.points, 1e-6 * size.minCoeff(), size.sum(), [&](double h) { return countAt(h).prod(); });
+  const double spacing =
+      findSpacing(params.points, 1e-6 * size.minCoeff(), size.sum(), [&](double h) { return countAt(h).prod(); });
   std::vector<double> ticks[3];
   for (int axis = 0; axis < 3; ++axis) {
     const Index count = std::max(Index{2}, static_cast<Index>(std::lround(countAt(spacing)[axis])));

@@ -102,7 +102,8 @@ void CloudWorker::decode(const Arrived& arrived) {
   try {
     decoded = decodeCloud(arrived.message->bytes.data(), arrived.message->bytes.size(), limits_);
   } catch (const std::bad_alloc&) {
-    decoded.refusal = std::to_string(arrived.message->bytes.size()) + " bytes do not fit in memory a second time; accepted: fewer";
+    decoded.refusal =
+        std::to_string(arrived.message->bytes.size()) + " bytes do not fit in memory a second time; accepted: fewer";
   }
   if (decoded.ok()) return inbox_.put(std::move(decoded), arrived.arrival);
   complaints_.report(Complaint::kCloudRefused, "cloud refused: " + decoded.refusal);

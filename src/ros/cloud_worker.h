@@ -1,6 +1,6 @@
-// The thread that does with clouds what takes long: it decodes them, builds surfaces of them, and makes them ready to be tracked, while the
-// stepping thread steps on. A file of its own, because all that the two share is here: the newest cloud that came, one piece of work, one
-// result.
+// The thread that does with clouds what takes long: it decodes them, builds surfaces of them, and makes them ready to be tracked,
+// while the stepping thread steps on. A file of its own, because all that the two share is here: the newest cloud that came, one
+// piece of work, one result.
 #pragma once
 
 #include "complaints.h"
@@ -50,8 +50,8 @@ class CloudWorker {
   CloudWorker(const CloudWorker&) = delete;
   CloudWorker& operator=(const CloudWorker&) = delete;
 
-  /// From any thread: a cloud that came. It is decoded and put into the inbox when there is no other work; of those that come meanwhile the
-  /// newest is kept.
+  /// From any thread: a cloud that came. It is decoded and put into the inbox when there is no other work; of those that come
+  /// meanwhile the newest is kept.
   void put(const boost::shared_ptr<const BoundedCloud>& message);
   /// How many came; of these were replaced by newer ones; and were not even decoded, because clouds are ignored.
   struct Counts {

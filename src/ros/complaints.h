@@ -10,7 +10,18 @@
 
 namespace deformable_surface::node {
 
-enum class Complaint { kCloudRefused, kCommandRefused, kToolsRefused, kCallRefused, kWaiting, kBehind, kClock, kNotice, kStep, kInternal };
+enum class Complaint {
+  kCloudRefused,
+  kCommandRefused,
+  kToolsRefused,
+  kCallRefused,
+  kWaiting,
+  kBehind,
+  kClock,
+  kNotice,
+  kStep,
+  kInternal
+};
 constexpr int kNumComplaints = 10;
 
 /// May be used from any thread.

@@ -1,5 +1,5 @@
-// The service ~fit. Apart from the others because growing a surface takes seconds: it is done on a copy, in threads of its own, while the
-// surface stands and the node goes on answering.
+// The service ~fit. Apart from the others because growing a surface takes seconds: it is done on a copy, in threads of its own,
+// while the surface stands and the node goes on answering.
 #pragma once
 
 #include "complaints.h"

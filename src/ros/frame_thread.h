@@ -1,5 +1,5 @@
-// The thread in which what is to be seen of the surface is made and published: the stepping thread hands moments over and never waits
-// for one to be shown. A file of its own, because all that the two threads share is here: the moments that wait.
+// The thread in which what is to be seen of the surface is made and published: the stepping thread hands moments over and never
+// waits for one to be shown. A file of its own, because all that the two threads share is here: the moments that wait.
 #pragma once
 
 #include "moment.h"
@@ -14,7 +14,8 @@ namespace deformable_surface::node {
 
 class FrameThread {
  public:
-  /// show: is called in this thread, with one moment after the other, and must not throw. num_threads: of its loops over points; >= 1.
+  /// show: is called in this thread, with one moment after the other, and must not throw. num_threads: of its loops over points;
+  /// >= 1.
   FrameThread(std::function<void(Moment&)> show, int num_threads);
   /// What waits is not shown any more.
   ~FrameThread();

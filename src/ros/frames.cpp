@@ -45,8 +45,8 @@ Eigen::Isometry3d findTransform(const std::string& what, const std::string& from
   return lookUp(what, source, target, stamp, transforms).transform;
 }
 
-LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
-                                   const tf2::BufferCore& transforms) {
+LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to,
+                                   const ros::Time& stamp, const tf2::BufferCore& transforms) {
   const std::string source = withoutSlash(from), target = withoutSlash(to);
   if (source.empty() || source == target) return {};
   const LatestTransform latest = lookUp(what, source, target, ros::Time(), transforms);
@@ -61,8 +61,10 @@ Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
   if (orientation.coeffs().isZero(0.0)) orientation.setIdentity();
   const bool is_finite = position.allFinite();
   if (!is_finite || !(std::abs(orientation.norm() - 1.0) <= kUnitTolerance)) {
-    throw InputError("pose: found " + (is_finite ? "an orientation of length " + formatReal(orientation.norm()) : "a position that is not finite") +
-                     "; accepted: finite numbers and a unit quaternion");
+    throw InputError(
+        "pose: found " +
+        (is_finite ? "an orientation of length " + formatReal(orientation.norm()) : "a position that is not finite") +
+        "; accepted: finite numbers and a unit quaternion");
   }
   return Eigen::Translation3d(position) * orientation.normalized();
 }

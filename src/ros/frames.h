@@ -22,18 +22,19 @@ class FrameError : public InputError {
 std::string withoutSlash(const std::string& frame);
 
 /// The transform that takes coordinates of `from` to those of `to` at the stamp (0 = the latest), without waiting. An empty or
-/// the same frame is no transform. Throws, beginning with `what`, FrameError if there is none, and InputError if it is not finite,
-/// which tf2 lets through.
+/// the same frame is no transform. Throws, beginning with `what`, FrameError if there is none, and InputError if it is not
+/// finite, which tf2 lets through.
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
                                 const tf2::BufferCore& transforms);
 
-/// The same at the stamp, or at the latest that tf knows where that is earlier: frames of now, whose transforms are still to come.
+/// The same at the stamp, or at the latest that tf knows where that is earlier: frames of now, whose transforms are still to
+/// come.
 struct LatestTransform {
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
   ros::Time stamp;  // of the transform; 0 = it never changes
 };
-LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
-                                   const tf2::BufferCore& transforms);
+LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to,
+                                   const ros::Time& stamp, const tf2::BufferCore& transforms);
 
 /// A pose of a message; an orientation left at zero counts as the identity. Throws InputError for values that are not finite and
 /// orientations that are no unit quaternion.

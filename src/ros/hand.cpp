@@ -29,7 +29,8 @@ constexpr double kNewShare = 1.2;
 constexpr double kSeenShare = 0.05;
 // Of the surface's extent.
 constexpr double kPanelShare = 0.04;
-// Balls that overlap, so that one of them is before every place of the surface as it is drawn, and a spot that stands out of them.
+// Balls that overlap, so that one of them is before every place of the surface as it is drawn, and a spot that stands out of
+// them.
 constexpr double kBallShare = 2.0, kSpotShare = 2.2;
 
 Vec3 toVec3(const geometry_msgs::Point& p) { return {p.x, p.y, p.z}; }

@@ -27,8 +27,8 @@ struct IncomingCloud {
   std::int64_t arrival = 0;
 };
 
-/// A command and its stamp (ns), or the time of its arrival if it brings none: it counts from the first step that begins at its stamp or
-/// later, or from the one in which it arrives.
+/// A command and its stamp (ns), or the time of its arrival if it brings none: it counts from the first step that begins at its
+/// stamp or later, or from the one in which it arrives.
 struct Command {
   std::int64_t stamp = 0;
   // One of the three:

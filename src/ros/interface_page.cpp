@@ -80,7 +80,8 @@ std::vector<InterfaceEntry> makeTable() {
        "ambient) and id; sent when anything has changed, and for who comes new",
        ""},
       {Kind::kPublished, "markers", "visualization_msgs/MarkerArray",
-       "for RViz ([rviz](rviz.md)): only what has changed since the message before, all of it once a second and for who comes new",
+       "for RViz ([rviz](rviz.md)): only what has changed since the message before, all of it once a second and for who comes "
+       "new",
        ""},
       {Kind::kPublished, "statistics", "deformable_surface/Statistics", "what the last step did and cost", define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
@@ -95,7 +96,8 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished, "/diagnostics", "diagnostic_msgs/DiagnosticArray",
        "rate, real-time factor, dropped input, last complaint; `diagnostics: false` turns it off", ""},
       {Kind::kService, "reset", "std_srvs/Trigger",
-       "back to the rest state of the last cloud at time 0; pins, tools and forces of the scene stay, those that came over ROS go",
+       "back to the rest state of the last cloud at time 0; pins, tools and forces of the scene stay, those that came over ROS "
+       "go",
        ""},
       {Kind::kService, "pause", "std_srvs/SetBool", "true stops stepping, false goes on; nothing is caught up", ""},
       {Kind::kService, "step", "deformable_surface/Step", "takes steps while paused", defineService<Step>()},
@@ -112,8 +114,8 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kService, "restore", "deformable_surface/Restore", "goes back to a state that was kept", defineService<Restore>()},
       {Kind::kService, "list", "deformable_surface/List", "the tools, forces, pins, regions and snapshots there are",
        defineService<List>()},
-      {Kind::kService, "set_material", "deformable_surface/SetMaterial", "gives a region, or everything, other values of its material",
-       defineService<SetMaterial>()},
+      {Kind::kService, "set_material", "deformable_surface/SetMaterial",
+       "gives a region, or everything, other values of its material", defineService<SetMaterial>()},
       {Kind::kService, "set_parameters", "dynamic_reconfigure/Reconfigure",
        "changes parameters while the node runs; what is refused stays as it was", ""},
   };

@@ -1,5 +1,5 @@
-// Names that come over ROS and become names of files or of what is kept: they cannot leave a directory, hide themselves or be taken
-// for an option.
+// Names that come over ROS and become names of files or of what is kept: they cannot leave a directory, hide themselves or be
+// taken for an option.
 #pragma once
 
 #include <algorithm>

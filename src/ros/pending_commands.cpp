@@ -79,7 +79,8 @@ void PendingCommands::clear() {
 
 void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame) {
   // They may be younger than what they wait for now.
-  for (const auto& [key, waiting] : std::exchange(without_frame_, {})) carryOut(waiting.command, waiting.give_up, simulation, frame);
+  for (const auto& [key, waiting] : std::exchange(without_frame_, {}))
+    carryOut(waiting.command, waiting.give_up, simulation, frame);
 
   const auto is_due = [&](const Command& command) { return command.stamp <= begin; };
   const auto later = std::stable_partition(commands_.begin(), commands_.end(), is_due);

@@ -32,8 +32,8 @@ class PendingCommands {
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
   void clear();
-  /// Those that count from the stamp (ns) on are remembered while they are applied, for a surface that is to begin then; also those that
-  /// the surface of now has no use for.
+  /// Those that count from the stamp (ns) on are remembered while they are applied, for a surface that is to begin then; also
+  /// those that the surface of now has no use for.
   void keepSince(std::int64_t stamp);
   /// They wait once more.
   void takeBack();
@@ -53,8 +53,8 @@ class PendingCommands {
   void restore(const Memory& memory);
 
   /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival, and moves the
-  /// tools through that step, to its end. A command whose transform is not known waits for it, for a while, unless a newer one for the same force
-  /// or tool takes its place.
+  /// tools through that step, to its end. A command whose transform is not known waits for it, for a while, unless a newer one
+  /// for the same force or tool takes its place.
   void apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame);
   /// Whether what is done before a step may change with time, by itself.
   bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
@@ -76,7 +76,8 @@ class PendingCommands {
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
   /// give_up: when its transform is waited for no longer.
-  void carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation, const std::string& frame);
+  void carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
+                const std::string& frame);
   void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
 
   const simulation::WrenchParams wrench_;

@@ -19,7 +19,8 @@ constexpr std::uint32_t kStatisticsQueue = 100;
 // Who switches a namespace on in RViz sees it after this, though nothing changes.
 constexpr std::chrono::seconds kFullPeriod(1);
 
-// An update that was lost is made good after this. A message that is lost is so seldom that the whole cloud need not come more often.
+// An update that was lost is made good after this. A message that is lost is so seldom that the whole cloud need not come more
+// often.
 constexpr std::chrono::seconds kWholeUpdatePeriod(5);
 constexpr std::uint32_t kUpdatesQueue = 10;
 
@@ -36,9 +37,10 @@ visualization_msgs::Marker makeDeleteAll(const std_msgs::Header& header) {
 
 Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber) {
   const ros::SubscriberStatusCallback connected = [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); };
-  // One message waits for a slow listener; it is replaced by the next. Latched for the second listener of a process, whom roscpp gives
-  // what the first one got, without asking here.
-  deformed_ = node.advertise<sensor_msgs::PointCloud2>("deformed", 1, connected, ros::SubscriberStatusCallback(), ros::VoidConstPtr(), true);
+  // One message waits for a slow listener; it is replaced by the next. Latched for the second listener of a process, whom roscpp
+  // gives what the first one got, without asking here.
+  deformed_ = node.advertise<sensor_msgs::PointCloud2>("deformed", 1, connected, ros::SubscriberStatusCallback(),
+                                                       ros::VoidConstPtr(), true);
   const ros::SubscriberStatusCallback followed = [this, on_subscriber](const ros::SingleSubscriberPublisher&) {
     is_update_wanted_whole_ = true;
     on_subscriber();

@@ -1,5 +1,5 @@
-// What the node publishes of its surface for those who look at it. Each output is made only for those who listen, and a message that
-// somebody holds is never changed again, so that nodelets in the same process share it without a copy.
+// What the node publishes of its surface for those who look at it. Each output is made only for those who listen, and a message
+// that somebody holds is never changed again, so that nodelets in the same process share it without a copy.
 #pragma once
 
 #include "moment.h"

@@ -1,5 +1,5 @@
-// A thread that works off a queue of callbacks. In place of roscpp's AsyncSpinner, which wakes up ten times a second to see whether it is
-// to end: a node whose surface rests should rest, too.
+// A thread that works off a queue of callbacks. In place of roscpp's AsyncSpinner, which wakes up ten times a second to see
+// whether it is to end: a node whose surface rests should rest, too.
 #pragma once
 
 #include <ros/callback_queue.h>

@@ -176,8 +176,9 @@ Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, C
   stored_ = listValues();
   using Request = dynamic_reconfigure::ReconfigureRequest;
   using Response = dynamic_reconfigure::ReconfigureResponse;
-  server_ = node_.advertiseService<Request, Response>(
-      "set_parameters", boost::function<bool(Request&, Response&)>([this](Request& q, Response& r) { return set(q.config, r.config); }));
+  server_ = node_.advertiseService<Request, Response>("set_parameters",
+                                                      boost::function<bool(Request&, Response&)>(
+                                                          [this](Request& q, Response& r) { return set(q.config, r.config); }));
 }
 
 void Reconfigure::publish() {
@@ -205,7 +206,8 @@ void Reconfigure::store() {
     std::vector<std::string> names = {entry.name};
     if (entry.component == 0)
       for (const char axis : {'y', 'z'}) names.push_back(entry.name.substr(0, entry.name.size() - 1) + axis);
-    if (std::all_of(names.begin(), names.end(), [&](const std::string& name) { return now.at(name) == stored_.at(name); })) continue;
+    if (std::all_of(names.begin(), names.end(), [&](const std::string& name) { return now.at(name) == stored_.at(name); }))
+      continue;
     if (entry.component == 0) {
       node_.setParam(key, std::vector<double>{now.at(names[0]), now.at(names[1]), now.at(names[2])});
     } else if (entry.is_flag) {

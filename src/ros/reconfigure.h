@@ -1,6 +1,6 @@
-// Parameters that change while the node runs, as dynamic_reconfigure's clients (rqt_reconfigure, dynparam) know them. The descriptions
-// come from the schema of the scene file, so that there is one list of names, units and ranges; dynamic_reconfigure's own server would
-// want a second one, in a .cfg file.
+// Parameters that change while the node runs, as dynamic_reconfigure's clients (rqt_reconfigure, dynparam) know them. The
+// descriptions come from the schema of the scene file, so that there is one list of names, units and ranges;
+// dynamic_reconfigure's own server would want a second one, in a .cfg file.
 #pragma once
 
 #include "complaints.h"
@@ -36,8 +36,8 @@ class Reconfigure {
 
   /// Tells the listeners what holds now. By the simulation thread.
   void publish();
-  /// Writes what is another than last time to the parameter server, so that who looks there, or starts the node again, finds what holds.
-  /// Not by the simulation thread, since the server may be away. Calls what onStore() was given, if anything was written.
+  /// Writes what is another than last time to the parameter server, so that who looks there, or starts the node again, finds what
+  /// holds. Not by the simulation thread, since the server may be away. Calls what onStore() was given, if anything was written.
   void store();
   void onStore(std::function<void()> call) { on_store_ = std::move(call); }
   std::string serviceName() const { return server_.getService(); }

@@ -49,7 +49,8 @@ int count(const XmlRpcValue& list) { return list.getType() == XmlRpcValue::TypeA
 RegistrationWatchdog::RegistrationWatchdog(std::vector<std::string> services)
     : services_(std::move(services)),
       uri_(ros::XMLRPCManager::instance()->getServerURI()),
-      service_uri_("rosrpc://" + ros::network::getHost() + ":" + std::to_string(ros::ConnectionManager::instance()->getTCPPort())),
+      service_uri_("rosrpc://" + ros::network::getHost() + ":" +
+                   std::to_string(ros::ConnectionManager::instance()->getTCPPort())),
       thread_([this] { run(); }) {}
 
 RegistrationWatchdog::~RegistrationWatchdog() {
@@ -151,9 +152,11 @@ void RegistrationWatchdog::run() {
       restoreParameters();
       registerAll();
       if (waitOrEnd(std::chrono::milliseconds(0))) return;
-      ROS_WARN("the roscore was restarted; %s registered itself again, with its parameters; those of others, and what was sent meanwhile "
-               "by who was not connected, are lost",
-               ros::this_node::getName().c_str());
+      ROS_WARN(
+          "the roscore was restarted; %s registered itself again, with its parameters; those of others, and what was sent "
+          "meanwhile "
+          "by who was not connected, are lost",
+          ros::this_node::getName().c_str());
     } catch (const XmlRpc::XmlRpcException& error) {
       ROS_ERROR("registering again after a restart of the roscore failed: %s", error.getMessage().c_str());
     } catch (const std::exception& error) {

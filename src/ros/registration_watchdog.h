@@ -1,5 +1,5 @@
-// Registers the process again after the roscore was restarted, and gives the new one the parameters that the old one had of it. roscpp
-// does not: the node would vanish from the graph, and nobody new could find it, while old connections live on.
+// Registers the process again after the roscore was restarted, and gives the new one the parameters that the old one had of it.
+// roscpp does not: the node would vanish from the graph, and nobody new could find it, while old connections live on.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>

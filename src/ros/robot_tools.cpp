@@ -50,7 +50,8 @@ void setMesh(const urdf::Mesh& mesh, Tool& tool) {
 
 void setShape(const urdf::Geometry& geometry, Tool& tool) {
   switch (geometry.type) {
-    case urdf::Geometry::SPHERE: return setPrimitive(SolidPrimitive::SPHERE, {static_cast<const urdf::Sphere&>(geometry).radius}, tool);
+    case urdf::Geometry::SPHERE:
+      return setPrimitive(SolidPrimitive::SPHERE, {static_cast<const urdf::Sphere&>(geometry).radius}, tool);
     case urdf::Geometry::BOX: {
       const urdf::Vector3& size = static_cast<const urdf::Box&>(geometry).dim;
       return setPrimitive(SolidPrimitive::BOX, {size.x, size.y, size.z}, tool);
@@ -71,7 +72,8 @@ std::vector<Tool> makeRobotTools(const std::string& urdf, const std::vector<tool
   std::vector<Tool> tools;
   for (const tool::RobotLinkParams& params : links) {
     const urdf::LinkConstSharedPtr link = model.getLink(params.name);
-    if (!link) throw InputError("robot.links: the description has no link " + quote(params.name) + "; accepted: links that it has");
+    if (!link)
+      throw InputError("robot.links: the description has no link " + quote(params.name) + "; accepted: links that it has");
     std::size_t piece = 0;
     for (const urdf::CollisionSharedPtr& collision : link->collision_array) {
       if (!collision || !collision->geometry) continue;
@@ -89,7 +91,8 @@ std::vector<Tool> makeRobotTools(const std::string& urdf, const std::vector<tool
       tool.pose.position.x = origin.position.x;
       tool.pose.position.y = origin.position.y;
       tool.pose.position.z = origin.position.z;
-      origin.rotation.getQuaternion(tool.pose.orientation.x, tool.pose.orientation.y, tool.pose.orientation.z, tool.pose.orientation.w);
+      origin.rotation.getQuaternion(tool.pose.orientation.x, tool.pose.orientation.y, tool.pose.orientation.z,
+                                    tool.pose.orientation.w);
       tools.push_back(tool);
     }
     if (piece == 0)
@@ -102,7 +105,8 @@ std::string readDescription(const std::string& file) {
   std::ifstream stream(io::findPointFile(file, findPackage));
   std::stringstream text;
   text << stream.rdbuf();
-  if (!stream || text.str().empty()) throw InputError("robot.file: found " + quote(file) + ", which cannot be read; accepted: a URDF");
+  if (!stream || text.str().empty())
+    throw InputError("robot.file: found " + quote(file) + ", which cannot be read; accepted: a URDF");
   return text.str();
 }
 

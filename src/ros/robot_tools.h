@@ -9,9 +9,10 @@
 
 namespace deformable_surface::node {
 
-/// A solid tool for every piece of collision geometry of the links, which follows the frame of its link. The first of a link has the link's
-/// name as its id, with '_' for what an id may not have; the next ones NAME_1, NAME_2. Spheres, boxes, cylinders and closed meshes. Throws
-/// InputError for a description that is none, a link that it does not have, and geometry that is not accepted.
+/// A solid tool for every piece of collision geometry of the links, which follows the frame of its link. The first of a link has
+/// the link's name as its id, with '_' for what an id may not have; the next ones NAME_1, NAME_2. Spheres, boxes, cylinders and
+/// closed meshes. Throws InputError for a description that is none, a link that it does not have, and geometry that is not
+/// accepted.
 std::vector<Tool> makeRobotTools(const std::string& urdf, const std::vector<tool::RobotLinkParams>& links);
 
 /// The URDF in a file. Throws InputError.

@@ -43,7 +43,8 @@ std::vector<std::uint64_t> toSteps(const std::string& what, const std::vector<do
   return steps;
 }
 
-void setTool(const ToolPath& given, const std::string& surface_frame, const tf2::BufferCore& transforms, simulation::Simulation& copy) {
+void setTool(const ToolPath& given, const std::string& surface_frame, const tf2::BufferCore& transforms,
+             simulation::Simulation& copy) {
   const Tool& command = given.tool;
   if (removeTools(command, copy)) return;
   if (given.times.empty() || given.times.size() != given.poses.size())
@@ -144,7 +145,8 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
   record(0);
   for (std::uint64_t step = 1; step <= plan.steps; ++step) {
     if (!goes_on(static_cast<double>(step - 1) / static_cast<double>(plan.steps)))
-      return end(RolloutEnd::kStopped, "stopped after " + std::to_string(step - 1) + " of " + std::to_string(plan.steps) + " steps");
+      return end(RolloutEnd::kStopped,
+                 "stopped after " + std::to_string(step - 1) + " of " + std::to_string(plan.steps) + " steps");
     const simulation::StepOutcome outcome = copy.step();
     if (!outcome.ok && !goes_on(static_cast<double>(step - 1) / static_cast<double>(plan.steps)))
       return end(RolloutEnd::kStopped, "stopped in step " + std::to_string(step) + " of " + std::to_string(plan.steps));

@@ -1,5 +1,5 @@
-// One rollout: from the goal of the action to tools and forces on a copy of the surface, and from its steps to the result. Apart from
-// the server of the action, so that it is tested without a roscore.
+// One rollout: from the goal of the action to tools and forces on a copy of the surface, and from its steps to the result. Apart
+// from the server of the action, so that it is tested without a roscore.
 #pragma once
 
 #include "deformable_surface/RolloutGoal.h"

@@ -26,8 +26,8 @@ RolloutResult makeRefusal(const std::string& message) {
 
 }  // namespace
 
-Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
-                   int num_threads)
+Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
+                   Complaints& complaints, int num_threads)
     : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), queue_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   server_ = std::make_unique<Server>(
@@ -38,8 +38,8 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
   queue_thread_.start();
 }
 
-// The server tells its status from time to time, and reads how often from a parameter, which is here for that long only: of its own accord it
-// would wake a node that rests more often than everything else. Changes of status are told at once in any case.
+// The server tells its status from time to time, and reads how often from a parameter, which is here for that long only: of its
+// own accord it would wake a node that rests more often than everything else. Changes of status are told at once in any case.
 void Rollouts::start(const ros::NodeHandle& node) {
   const std::string key = "rollout/actionlib_status_frequency";
   node.setParam(key, kStatusFrequency);

@@ -1,4 +1,5 @@
-// The server of the action ~rollout: goals become copies of the surface, which threads of their own step while the surface goes on.
+// The server of the action ~rollout: goals become copies of the surface, which threads of their own step while the surface goes
+// on.
 #pragma once
 
 #include "complaints.h"

@@ -134,7 +134,11 @@ void checkSaveName(const std::string& name) {
 
 Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
                    Complaints& complaints, std::string save_directory)
-    : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), save_directory_(std::move(save_directory)) {
+    : inbox_(inbox),
+      stepper_(stepper),
+      transforms_(transforms),
+      complaints_(complaints),
+      save_directory_(std::move(save_directory)) {
   const auto advertise = [&](const char* name, auto request, auto response, auto call) {
     using Request = decltype(request);
     using Response = decltype(response);
@@ -321,7 +325,8 @@ bool Services::setMaterial(const SetMaterialRequest& request, SetMaterialRespons
     const simulation::MaterialChangeParams change = readMaterial(request, damping);
     std::optional<geometry::Region> region;
     if (request.primitive.type != 0) region = readRegion(request, stepper_.frame(), transforms_);
-    if (damping && region) throw InputError("names: found damping with a shape; accepted: damping of everything, primitive.type 0");
+    if (damping && region)
+      throw InputError("names: found damping with a shape; accepted: damping of everything, primitive.type 0");
     if (!change.isEmpty()) {
       const auto is_inside = [&](const Vec3& p) { return !region || region->contains(p); };
       const Points& points = surface.state().positions;

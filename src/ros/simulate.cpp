@@ -45,7 +45,8 @@ SceneParams loadScene(const SimulateOptions& options) {
   io::checkForSimulate(params, options.bag_in.empty());
   readMeshFiles(params.tools);
   if (!params.robot.links.empty() && (options.bag_in.empty() || params.robot.file.empty()))
-    throw InputError("robot.links: found some without --bag_in, which has their frames, or without robot.file; accepted: both, or no links");
+    throw InputError(
+        "robot.links: found some without --bag_in, which has their frames, or without robot.file; accepted: both, or no links");
   return params;
 }
 
@@ -58,7 +59,10 @@ cloud::PointCloud loadCloud(const SceneParams& params) {
 class Run {
  public:
   Run(const SimulateOptions& options, const Terminal& terminal)
-      : options_(options), terminal_(terminal), params_(loadScene(options)), progress_(terminal.err, terminal.show_progress && !options.quiet) {
+      : options_(options),
+        terminal_(terminal),
+        params_(loadScene(options)),
+        progress_(terminal.err, terminal.show_progress && !options.quiet) {
     setNumThreads(params_.threads);
     const double dt = params_.integrator.time_step;
     if (options.frame_rate * dt > 1.0 + kRounding) {
@@ -82,7 +86,8 @@ class Run {
       bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
                    toNanoseconds(params_.integrator.time_step));
       tool_commands_.emplace(bag_->transforms());
-      if (!params_.robot.links.empty()) tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
+      if (!params_.robot.links.empty())
+        tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
       playBag();
     }
     stepUntil(end_);
@@ -278,7 +283,8 @@ class Run {
     std::snprintf(
         text, sizeof text,
         "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
-        "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\nstate hash            %016llx\n",
+        "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\nstate hash       "
+        "     %016llx\n",
         statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
         static_cast<unsigned long long>(statistics.state_hash));
     terminal_.out << text << std::flush;

@@ -30,7 +30,8 @@ class InputBag {
            const DecodeLimits& limits, std::int64_t time_step);
 
   struct Event {
-    // ns; that of the message. If it is zero: of a cloud, when it was recorded; of a command, as of one that arrived then (stampOfArrival()).
+    // ns; that of the message. If it is zero: of a cloud, when it was recorded; of a command, as of one that arrived then
+    // (stampOfArrival()).
     std::int64_t stamp = 0;
     std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped, DecodedTools> message;  // of tools one, or a refusal
   };

@@ -9,7 +9,8 @@
 namespace {
 
 deformable_surface::node::StopSignal stop_signal;
-static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free, "else a handler must not touch them");
+static_assert(std::atomic<int>::is_always_lock_free && std::atomic<bool>::is_always_lock_free,
+              "else a handler must not touch them");
 
 void onSignal(int number) {
   stop_signal.number = number;

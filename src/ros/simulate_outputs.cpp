@@ -151,8 +151,8 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
   message.header = header;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (double* wall_time :
-       {&message.time_input, &message.time_forces, &message.time_solve, &message.time_contact, &message.time_estimate, &message.time_transfer,
-        &message.time_normals, &message.time_publish, &message.time_total, &message.real_time_factor}) {
+       {&message.time_input, &message.time_forces, &message.time_solve, &message.time_contact, &message.time_estimate,
+        &message.time_transfer, &message.time_normals, &message.time_publish, &message.time_total, &message.real_time_factor}) {
     *wall_time = nan;
   }
   write("statistics", message);

@@ -118,11 +118,12 @@ void Stepper::handleClock(const ClockNews& clock) {
   commands_.clear();
   if (!simulation_) return;
   restart(delayed(clock.restart));
-  complaints_.report(Complaint::kClock,
-                     "the clock jumped back to " + formatReal(toSeconds(clock.restart)) + " s; the surface is reset to its rest state" +
-                         (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
-                                                      " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
-                                                : ""));
+  complaints_.report(
+      Complaint::kClock,
+      "the clock jumped back to " + formatReal(toSeconds(clock.restart)) + " s; the surface is reset to its rest state" +
+          (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
+                                       " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
+                                 : ""));
   show();
 }
 
@@ -170,13 +171,15 @@ void Stepper::letGoOfLag(double call_seconds) {
 
 std::string Stepper::obstacle() {
   if (!simulation_)
-    return std::string("there is no surface yet; ") + (isBuilding() ? "one is being built" : "publish a cloud on ~cloud_in first");
+    return std::string("there is no surface yet; ") +
+           (isBuilding() ? "one is being built" : "publish a cloud on ~cloud_in first");
   if (!is_gravity_known_ && !updateGravity()) return "the transform of gravity_frame is not known yet";
   return "";
 }
 
 bool Stepper::isDue() const {
-  return simulation_ && !isPaused() && !is_held_ && is_gravity_known_ && now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
+  return simulation_ && !isPaused() && !is_held_ && is_gravity_known_ && now_ != 0 &&
+         now_ >= schedule_.begin(simulation_->stepCount() + 1);
 }
 
 bool Stepper::waitsUntilLater(std::int64_t now) const {
@@ -206,7 +209,8 @@ void Stepper::letGo() {
 
 void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
   letGo();
-  if (!is_held_valid_) throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
+  if (!is_held_valid_)
+    throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
   simulation_ = std::move(simulation);
   simulation_->setInterrupt(inbox_.closing());
   is_as_built_ = false;
@@ -335,7 +339,8 @@ Moment Stepper::makeMoment() {
 
 // Making a moment costs a copy of the state.
 bool Stepper::isWanted() const {
-  return publishers_.isWanted(simulation_->revision() != shown_revision_, simulation_->surfaceRevision() != shown_surface_revision_);
+  return publishers_.isWanted(simulation_->revision() != shown_revision_,
+                              simulation_->surfaceRevision() != shown_surface_revision_);
 }
 
 void Stepper::show() {

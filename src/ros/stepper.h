@@ -1,5 +1,5 @@
-// The simulation thread: takes the steps of the surface when they are due, hands over what is to be shown, begins with another surface
-// when one was built. All that touches the simulation happens here, one thing after the other.
+// The simulation thread: takes the steps of the surface when they are due, hands over what is to be shown, begins with another
+// surface when one was built. All that touches the simulation happens here, one thing after the other.
 #pragma once
 
 #include "cloud_worker.h"
@@ -47,8 +47,8 @@ struct StepperStatus {
 
 class Stepper {
  public:
-  Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers, FrameThread& frames,
-          WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints);
+  Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers,
+          FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints);
 
   /// See ToolCommands. Before the first turn.
   void setStanding(std::vector<Tool> tools) { commands_.setStanding(std::move(tools)); }
@@ -74,7 +74,8 @@ class Stepper {
   void restoreSnapshot(const std::string& name);
   SnapshotShelf& snapshots() { return snapshots_; }
   const simulation::SceneParams& params() const { return params_; }
-  /// For the surface that there is and those to come. Throws InputError, and changes nothing, for another value of what cannot change.
+  /// For the surface that there is and those to come. Throws InputError, and changes nothing, for another value of what cannot
+  /// change.
   void setParams(const simulation::SceneParams& params);
   /// Is called when a snapshot has brought back others.
   void onParams(std::function<void()> call) { on_params_ = std::move(call); }

@@ -1,5 +1,5 @@
-// What becomes of clouds: which one is decoded next into a surface or something to track, when that is taken, and what is ignored. A file
-// of its own, because the steps go on meanwhile: what takes long is done by the worker.
+// What becomes of clouds: which one is decoded next into a surface or something to track, when that is taken, and what is
+// ignored. A file of its own, because the steps go on meanwhile: what takes long is done by the worker.
 #include "stepper.h"
 
 #include "frames.h"
@@ -26,7 +26,9 @@ constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless
 constexpr double kLongBuild = 2.0;  // s: who waits longer wonders
 constexpr double kToldLag = 0.25;   // s: what is caught up with need not be told
 
-double secondsSince(Inbox::SteadyTime then) { return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count(); }
+double secondsSince(Inbox::SteadyTime then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
 
 }  // namespace
 
@@ -150,10 +152,11 @@ void Stepper::begin(CloudResult&& result) {
   if (!is_again) {
     result.simulation->setInterrupt(inbox_.closing());
     // What may change while a surface runs may have changed while this one was built.
-    if (params_revision_ != built_revision_) result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
+    if (params_revision_ != built_revision_)
+      result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
   }
-  // Commands for the surface before are not for this one, but those since its stamp are; before the first there was none that they could
-  // be for.
+  // Commands for the surface before are not for this one, but those since its stamp are; before the first there was none that
+  // they could be for.
   if (simulation_) {
     commands_.takeBack();
     commands_.dropBefore(result.stamp);
@@ -180,7 +183,8 @@ void Stepper::begin(CloudResult&& result) {
     news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
   }
   const double behind = is_clock_simulated_ ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
-  if (behind > kToldLag) news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, which are not caught up";
+  if (behind > kToldLag)
+    news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, which are not caught up";
   ROS_INFO_STREAM(complaints_.name() << news);
   building_.reset();
   Moment moment = makeMoment();

@@ -55,7 +55,8 @@ std::vector<Tool> readRobotTools(const ros::NodeHandle& private_node, const tool
   if (!robot.file.empty()) return makeRobotTools(readDescription(robot.file), robot.links);
   std::string name, urdf;
   if (!private_node.searchParam(robot.description, name) || !private_node.getParam(name, urdf))
-    throw InputError("robot.description: found no parameter " + quote(robot.description) + "; accepted: one that holds a URDF, or robot.file");
+    throw InputError("robot.description: found no parameter " + quote(robot.description) +
+                     "; accepted: one that holds a URDF, or robot.file");
   return makeRobotTools(urdf, robot.links);
 }
 
@@ -183,11 +184,11 @@ struct SurfaceNode::Impl {
             inbox.observeClock(static_cast<std::int64_t>(clock->clock.toNSec()));
           }));
     }
-    cloud_subscriber =
-        private_node.subscribe<BoundedCloud>("cloud_in", kCloudQueue, [this](const boost::shared_ptr<const BoundedCloud>& message) {
-          has_cloud_come = true;
-          worker.put(message);
-        });
+    cloud_subscriber = private_node.subscribe<BoundedCloud>("cloud_in", kCloudQueue,
+                                                            [this](const boost::shared_ptr<const BoundedCloud>& message) {
+                                                              has_cloud_come = true;
+                                                              worker.put(message);
+                                                            });
     ROS_INFO_STREAM(complaints.name() << ": waiting for a cloud on " << cloud_subscriber.getTopic());
     subscribers.push_back(
         private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));

@@ -77,7 +77,8 @@ Solid toSolid(const shape_msgs::Plane& plane) {
 
 Solid toSolid(const shape_msgs::Mesh& mesh) {
   if (mesh.triangles.size() > kMaxMeshTriangles)
-    throw InputError("mesh.triangles: found " + std::to_string(mesh.triangles.size()) + "; accepted: up to " + std::to_string(kMaxMeshTriangles));
+    throw InputError("mesh.triangles: found " + std::to_string(mesh.triangles.size()) + "; accepted: up to " +
+                     std::to_string(kMaxMeshTriangles));
   Points vertices, triangles;
   for (const geometry_msgs::Point& v : mesh.vertices) vertices.emplace_back(v.x, v.y, v.z);
   for (const shape_msgs::MeshTriangle& t : mesh.triangles)
@@ -229,8 +230,8 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
   courses_[command.id] = course;
 }
 
-void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, double now, double step, const std::string& surface_frame,
-                               Course& course) const {
+void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, double now, double step,
+                               const std::string& surface_frame, Course& course) const {
   const LatestTransform seen = findTransformUntil(what, course.frame, surface_frame, stamp, transforms_);
   const double since = course.frame_stamp.isZero() ? 0.0 : (seen.stamp - course.frame_stamp).toSec();
   if (seen.stamp != course.frame_stamp) {

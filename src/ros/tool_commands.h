@@ -27,8 +27,8 @@ bool isToolId(const std::string& id);
 
 /// The tool of that id; null: there is none.
 const tool::ToolParams* findTool(const simulation::Simulation& simulation, const std::string& id);
-/// Carries out a DELETE or DELETEALL; false: the command is an ADD. Throws InputError for other actions, for the DELETE of a tool that is
-/// not there, and for the ADD of one that has no proper id or is one too many.
+/// Carries out a DELETE or DELETEALL; false: the command is an ADD. Throws InputError for other actions, for the DELETE of a tool
+/// that is not there, and for the ADD of one that has no proper id or is one too many.
 bool removeTools(const Tool& command, simulation::Simulation& simulation);
 
 class ToolCommands {
@@ -53,17 +53,18 @@ class ToolCommands {
 
   /// Carries out a command at the beginning of a step. A tool that is new is at its pose at once. One that is there already moves
   /// from where it is to where the message has it, over the time since the message before, but at least a step and at most
-  /// kLongestMove or a step. Throws InputError, and changes nothing, for values, frames and ids that are not accepted, and for what is not built.
+  /// kLongestMove or a step. Throws InputError, and changes nothing, for values, frames and ids that are not accepted, and for
+  /// what is not built.
   void apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame);
 
-  /// To be called before each step: gives tools that follow a frame, or have a velocity, their way through it. stamp: of the end of the
-  /// step, when a tool is where tf has its frame then. A frame that tf does not know as late is approached where it was last seen, within
-  /// the time between that and the time it was seen before, but at least a step and at most kLongestMove or a step. A tool whose frame
-  /// is not known stays where it is. Returns a sentence for each of those.
+  /// To be called before each step: gives tools that follow a frame, or have a velocity, their way through it. stamp: of the end
+  /// of the step, when a tool is where tf has its frame then. A frame that tf does not know as late is approached where it was
+  /// last seen, within the time between that and the time it was seen before, but at least a step and at most kLongestMove or a
+  /// step. A tool whose frame is not known stays where it is. Returns a sentence for each of those.
   std::vector<std::string> move(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame);
 
-  /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget(); one that is
-  /// deleted stays away until then.
+  /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget();
+  /// one that is deleted stays away until then.
   void setStanding(std::vector<Tool> tools) { standing_ = std::move(tools); }
 
   /// Whether move() may have something to do.

@@ -21,8 +21,8 @@ class WaitingClouds {
   void clear() { clouds_.clear(); }
   std::size_t size() const { return clouds_.size(); }
 
-  /// Asks of each cloud, the newest first, what is to become of it, and returns the first that is to be taken; those that came before it
-  /// are dropped. is_patient: its transform is still waited for. Refused ones are dropped.
+  /// Asks of each cloud, the newest first, what is to become of it, and returns the first that is to be taken; those that came
+  /// before it are dropped. is_patient: its transform is still waited for. Refused ones are dropped.
   std::optional<IncomingCloud> take(const std::function<Answer(IncomingCloud& cloud, bool is_patient)>& ask);
 
   /// How many gave way to newer ones.

@@ -21,7 +21,8 @@ constexpr std::chrono::seconds kMasterPatience(1);
 
 WrenchPublishers::WrenchPublishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber)
     : node_(node),
-      all_(node.advertise<ToolWrenchArray>("tool_wrenches", kQueue, [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); })) {}
+      all_(node.advertise<ToolWrenchArray>("tool_wrenches", kQueue,
+                                           [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); })) {}
 
 bool WrenchPublishers::isHeard() const {
   const auto isOneHeard = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };

@@ -1,5 +1,5 @@
-// What the node publishes after every step: what tools and pins feel. Apart from what is made for the eye (publishers.h), which a thread
-// of its own makes and which may be dropped: controllers close their loops over this.
+// What the node publishes after every step: what tools and pins feel. Apart from what is made for the eye (publishers.h), which a
+// thread of its own makes and which may be dropped: controllers close their loops over this.
 #pragma once
 
 #include "deformable_surface/simulation/simulation.h"

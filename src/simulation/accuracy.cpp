@@ -19,7 +19,8 @@ using solve::IntegratorType;
 
 // The first number tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
 constexpr Index kFewest = 8 * kCoarsestPoints;
-// The membranes that are tried: each has this share of the stiffness of the one before, so that its steps take half as many sub-steps.
+// The membranes that are tried: each has this share of the stiffness of the one before, so that its steps take half as many
+// sub-steps.
 constexpr double kSofter = 0.25;
 constexpr double kWorthwhile = 0.9;  // of the work: what a softer membrane must save, else bending or loads ask for the sub-steps
 // Points times sub-steps of a probe, about ten seconds of one core: a finer one is not begun if it would take more.
@@ -37,7 +38,8 @@ bool maySoften(const SceneParams& params) {
          params.mass_spring.stiffness == model::Stiffness::kMaterial;
 }
 
-// The softest membrane whose estimate stays below the wish, and how far the probe with it is from the one with the stated stiffness.
+// The softest membrane whose estimate stays below the wish, and how far the probe with it is from the one with the stated
+// stiffness.
 void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, AccuracyChoice& choice) {
   const auto isBetter = [&](double share) {
     Candidate tried = stated.candidate;
@@ -86,7 +88,8 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       choice.sentence = asked + "cannot be met even with every point simulated, which is chosen" + reached;
       break;
     }
-    const double next_work = probe.candidate.work * std::pow(static_cast<double>(std::min(2 * points, n)) / points, kCostExponent);
+    const double next_work =
+        probe.candidate.work * std::pow(static_cast<double>(std::min(2 * points, n)) / points, kCostExponent);
     if (next_work > kMostWork) {
       choice.sentence = asked + "not met by " + sayPoints(points, n) + ", the most whose trial is affordable, which are chosen" +
                         reached;

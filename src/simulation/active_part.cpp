@@ -23,7 +23,8 @@ ActivePart::Made ActivePart::make(const model::DeformableModel& whole, const std
   return made;
 }
 
-ActivePart::ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params, const Loads& loads)
+ActivePart::ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params,
+                       const Loads& loads)
     : ActivePart(make(whole, moving), params, loads) {}
 
 ActivePart::ActivePart(Made made, const SceneParams& params, const Loads& loads)
@@ -118,7 +119,8 @@ void ActivePart::put(State& state) const {
 
 bool ActivePart::hasMoved(const Points& since, double distance) const {
   for (std::size_t k = 0; k < points_.size(); ++k)
-    if (isMoving(static_cast<Index>(k)) && !((state_.positions[k] - since[points_[k]]).squaredNorm() <= distance * distance)) return true;
+    if (isMoving(static_cast<Index>(k)) && !((state_.positions[k] - since[points_[k]]).squaredNorm() <= distance * distance))
+      return true;
   return false;
 }
 

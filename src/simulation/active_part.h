@@ -1,5 +1,5 @@
-// The part of a surface that is awake, simulated as if it were all there is: its own model, loads and march on arrays of its own, so that
-// every loop of a step costs what is awake. What surrounds it is held where it sleeps.
+// The part of a surface that is awake, simulated as if it were all there is: its own model, loads and march on arrays of its own,
+// so that every loop of a step costs what is awake. What surrounds it is held where it sleeps.
 #pragma once
 
 #include "deformable_surface/simulation/contact_load.h"
@@ -10,8 +10,8 @@
 
 namespace deformable_surface::simulation {
 
-/// Points of three kinds: moving ones; the wall, which is held and has elements in common with them; and what is behind the wall, which
-/// shares elements with it, so that the forces on the wall are whole: they say when it should have moved.
+/// Points of three kinds: moving ones; the wall, which is held and has elements in common with them; and what is behind the wall,
+/// which shares elements with it, so that the forces on the wall are whole: they say when it should have moved.
 class ActivePart {
  public:
   /// What acts on the surface, in its own indices.
@@ -31,13 +31,14 @@ class ActivePart {
   void setLoads(const Loads& loads);
 
   /// Advances a copy of the moving points by a step from the surface's state; held, held_turns (n): as the surface has it.
-  solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held, const std::vector<char>& held_turns);
+  solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held,
+                                 const std::vector<char>& held_turns);
   /// The copy into the surface's state.
   void put(State& state) const;
 
-  /// The points of the surface at which the copy disturbs the wall: those of the wall that are not in balance at a time (s) within the
-  /// acceleration (m/s^2), and moving ones beside it that are faster than the speed (m/s). Turns count by what they move at the
-  /// spacing (m). Overwritten. Returns the largest acceleration of the wall.
+  /// The points of the surface at which the copy disturbs the wall: those of the wall that are not in balance at a time (s)
+  /// within the acceleration (m/s^2), and moving ones beside it that are faster than the speed (m/s). Turns count by what they
+  /// move at the spacing (m). Overwritten. Returns the largest acceleration of the wall.
   double findHits(double time, double acceleration, double speed, double spacing, std::vector<Index>& hits);
   /// Whether a moving point of the copy is farther than a distance, m, from where it was, since (n x 3 of the surface).
   bool hasMoved(const Points& since, double distance) const;

@@ -40,8 +40,8 @@ void split(const Points& points, std::vector<Index>::iterator begin, std::vector
 
 }  // namespace
 
-Activity::Activity(const ActivityParams& params, const Points& points, double spacing, double step, const model::DeformableModel& model,
-                   bool in_parts)
+Activity::Activity(const ActivityParams& params, const Points& points, double spacing, double step,
+                   const model::DeformableModel& model, bool in_parts)
     : model_(model),
       tolerance_(params.tolerance.valueOr(kTolerance * spacing)),
       quiet_time_(params.quiet_time),
@@ -221,7 +221,8 @@ bool Activity::observe(const State& state) {
     if (!memory_.moves[t]) continue;
     bool slow = true;
     forEachPoint(t, state, [&](Index i) {
-      slow = state.velocities[i].squaredNorm() <= squared && (state.spins.empty() || state.spins[i].squaredNorm() <= squared_spin);
+      slow =
+          state.velocities[i].squaredNorm() <= squared && (state.spins.empty() || state.spins[i].squaredNorm() <= squared_spin);
       return slow;
     });
     is_front = is_front || (!slow && isQuiet(t));
@@ -245,7 +246,8 @@ bool Activity::isPushed(const solve::System& system, Index k, double force) cons
   return !system.isHeld(k) && !(force <= acceleration() * system.masses()[k]);
 }
 
-bool Activity::fallAsleep(const solve::System& system, double time, const State& state, const std::vector<Index>* points, State& whole) {
+bool Activity::fallAsleep(const solve::System& system, double time, const State& state, const std::vector<Index>* points,
+                          State& whole) {
   const auto tileAt = [&](Index k) { return tileOf(points ? (*points)[k] : k); };
   for (Index t = 0; t < numTiles(); ++t) leaves_[t] = memory_.moves[t] && isQuiet(t);
   if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;  // at no cost while next to nothing is quiet
@@ -280,9 +282,9 @@ bool Activity::fallAsleep(const solve::System& system, double time, const State&
   return moveOnlyNeeded(whole);
 }
 
-// How far from here those that leave would settle: with the acceleration r of a point at rest, its velocity v, and the frequency w of the
-// motion that they are in, v / w + r / w^2. w^2 is Rayleigh's quotient of the way d = T v + T^2 r / 2 that they would go at first, as
-// the forces change along it. Infinite if nothing draws them back. still_: with their velocities; forces_: at rest.
+// How far from here those that leave would settle: with the acceleration r of a point at rest, its velocity v, and the frequency
+// w of the motion that they are in, v / w + r / w^2. w^2 is Rayleigh's quotient of the way d = T v + T^2 r / 2 that they would go
+// at first, as the forces change along it. Infinite if nothing draws them back. still_: with their velocities; forces_: at rest.
 double Activity::estimateLoss(const solve::System& system, double time, const std::vector<Index>* points) {
   const Index n = still_.size();
   const std::vector<double>& masses = system.masses();
@@ -336,7 +338,9 @@ bool Activity::beginAsleep(const solve::System& system, double time, State& whol
   memory_.is_fresh = false;
   still_ = whole;  // which looks need without allocating
   forces_there_ = way_ = whole.positions;
-  const auto rests = [&](Index i) { return whole.velocities[i].isZero(0.0) && (whole.spins.empty() || whole.spins[i].isZero(0.0)); };
+  const auto rests = [&](Index i) {
+    return whole.velocities[i].isZero(0.0) && (whole.spins.empty() || whole.spins[i].isZero(0.0));
+  };
   if (system.isOriented()) {
     system.computeForcesAndTorques(time, whole, forces_, torques_);
   } else {

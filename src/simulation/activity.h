@@ -1,5 +1,5 @@
-// Which parts of a surface are awake: tiles of neighbouring points, for how long each has been slow, and what falling asleep costs. It
-// takes no steps and knows no tools; Simulation::Impl::advance() says what follows from it.
+// Which parts of a surface are awake: tiles of neighbouring points, for how long each has been slow, and what falling asleep
+// costs. It takes no steps and knows no tools; Simulation::Impl::advance() says what follows from it.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -12,9 +12,10 @@ namespace deformable_surface::simulation {
 
 using model::State;
 
-/// Tiles of points move or sleep. A tile may sleep when all its points have been slower than tolerance / quiet_time for quiet_time, when
-/// no force would take them farther than a share of the tolerance from rest in that time, and when the way from where they are to where
-/// they would settle is estimated to be shorter than the tolerance. Those around a tile that has not been quiet for so long move with it.
+/// Tiles of points move or sleep. A tile may sleep when all its points have been slower than tolerance / quiet_time for
+/// quiet_time, when no force would take them farther than a share of the tolerance from rest in that time, and when the way from
+/// where they are to where they would settle is estimated to be shorter than the tolerance. Those around a tile that has not been
+/// quiet for so long move with it.
 class Activity {
  public:
   /// What a snapshot must hold.
@@ -30,8 +31,8 @@ class Activity {
     bool has_grown = false;           // since the last look
   };
 
-  /// points: at rest; spacing (m) theirs; step (s). model is kept by reference. in_parts: else, and if the model cannot be taken in
-  /// parts, all of it is one tile, whose points may change in number.
+  /// points: at rest; spacing (m) theirs; step (s). model is kept by reference. in_parts: else, and if the model cannot be taken
+  /// in parts, all of it is one tile, whose points may change in number.
   Activity(const ActivityParams& params, const Points& points, double spacing, double step, const model::DeformableModel& model,
            bool in_parts);
 
@@ -76,8 +77,8 @@ class Activity {
 
   /// Every so often: true if enough tiles have been quiet for long enough to be worth leaving out.
   bool isLookDue();
-  /// Tries to put to sleep those that may: with the forces of the system on a state, of which point k is points[k] (null: k). Points
-  /// that fall asleep lose their velocity in `whole`. Returns true if fewer tiles move than before.
+  /// Tries to put to sleep those that may: with the forces of the system on a state, of which point k is points[k] (null: k).
+  /// Points that fall asleep lose their velocity in `whole`. Returns true if fewer tiles move than before.
   bool fallAsleep(const solve::System& system, double time, const State& state, const std::vector<Index>* points, State& whole);
   /// Before the first step, or after a state was given: what rests and is in balance but for rounding sleeps at once.
   bool beginAsleep(const solve::System& system, double time, State& whole);

@@ -1,4 +1,5 @@
-// What a step does where parts of the surface sleep: what wakes them, the step of what is awake, and what may fall asleep after it.
+// What a step does where parts of the surface sleep: what wakes them, the step of what is awake, and what may fall asleep after
+// it.
 #include "simulation_impl.h"
 
 #include <algorithm>
@@ -131,8 +132,8 @@ solve::TimeMarch::Outcome Simulation::Impl::advance(double now) {
   return march.step(now, state);
 }
 
-// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep. The step that wakes it is the one
-// that somebody waits for, so that what can be known before is found out now.
+// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep. The step that wakes it is
+// the one that somebody waits for, so that what can be known before is found out now.
 void Simulation::Impl::beginAsleep(double now) {
   if (!activity.isFresh() || !maySleep()) return;
   followPartners(state.positions);
@@ -170,7 +171,8 @@ StepOutcome Simulation::Impl::passStep(const Timer& timer, const std::string& no
   ++steps;
   if (estimator) estimator->pass();
   statistics.substeps = statistics.solver_iterations = 0;
-  statistics.solver_residual = statistics.time_forces = statistics.time_solve = statistics.time_contact = statistics.time_estimate = 0.0;
+  statistics.solver_residual = statistics.time_forces = statistics.time_solve = statistics.time_contact =
+      statistics.time_estimate = 0.0;
   statistics.time_transfer = statistics.time_normals = 0.0;
   statistics.time_total = timer.seconds();
   statistics.real_time_factor = params.integrator.time_step / statistics.time_total;

@@ -1,5 +1,5 @@
-// What solid tools pass over within a step, and what of it is over again. Apart from the forces of contact, which act in every sub-step:
-// this looks once before a step and once after it.
+// What solid tools pass over within a step, and what of it is over again. Apart from the forces of contact, which act in every
+// sub-step: this looks once before a step and once after it.
 #include "deformable_surface/simulation/contact_load.h"
 
 #include "deformable_surface/base/value.h"
@@ -24,8 +24,8 @@ struct Moment {
   Pose pose;
 };
 
-// Where a tool is at moments of a step between which it goes straight and turns little. As many as fit: a path with more corners in one step
-// than that is seen without the last of them.
+// Where a tool is at moments of a step between which it goes straight and turns little. As many as fit: a path with more corners
+// in one step than that is seen without the last of them.
 struct Moments {
   Moment all[kMaxMoments];
   int count = 0;
@@ -38,7 +38,8 @@ Moments listMoments(const ToolParams& tool, double time, double step) {
   };
   double from = time;
   const auto goTo = [&](double corner) {
-    const double turn = moments.all[moments.count - 1].pose.orientation.angularDistance(tool::interpolate(tool.path, corner).orientation);
+    const double turn =
+        moments.all[moments.count - 1].pose.orientation.angularDistance(tool::interpolate(tool.path, corner).orientation);
     const int pieces = 1 + static_cast<int>(turn / kTurn);
     for (int k = 1; k < pieces; ++k) add(from + (corner - from) * k / pieces);
     add(corner);
@@ -112,7 +113,8 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
         }
       }
       const Vec3 next = state.positions[i] + step * state.velocities[i];
-      if (const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], next)) scratch_.push_back({i, *entry});
+      if (const std::optional<Entry> entry = findCrossing(body.tool, moments, state.positions[i], next))
+        scratch_.push_back({i, *entry});
     }
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
@@ -132,7 +134,8 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       if (passed != body.passed.end() && passed->point == i) {
         scratch_.push_back(*passed++);
       } else if (!held[i]) {
-        if (const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i])) scratch_.push_back({i, *entry});
+        if (const std::optional<Entry> entry = findCrossing(body.tool, moments, before_[i], state.positions[i]))
+          scratch_.push_back({i, *entry});
       }
     }
     body.passed.swap(scratch_);
@@ -140,14 +143,16 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     // A tool that finds its way between the points, its origin going before.
     if (std::find(told_.begin(), told_.end(), body.tool.id) != told_.end()) continue;
     const auto isPassed = [&](Index i) {
-      return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}}, [](const Passed& a, const Passed& b) { return a.point < b.point; });
+      return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
+                                [](const Passed& a, const Passed& b) { return a.point < b.point; });
     };
     for (const model::WeightedTriangle& t : triangles) {
       const Vec3 before[3] = {before_[t.corner[0]], before_[t.corner[1]], before_[t.corner[2]]};
       const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
       if (!wentThrough(moments.all[0].pose.position, moments.all[moments.count - 1].pose.position, before, after)) continue;
       if (isPassed(t.corner[0]) || isPassed(t.corner[1]) || isPassed(t.corner[2])) continue;
-      notice = "tool " + quote(body.tool.id) + " has gone through the surface between its simulation points, which alone are seen";
+      notice =
+          "tool " + quote(body.tool.id) + " has gone through the surface between its simulation points, which alone are seen";
       told_.push_back(body.tool.id);
       break;
     }

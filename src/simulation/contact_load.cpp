@@ -165,7 +165,8 @@ void ContactLoad::appendContacts(double time, const model::State& state, const s
     forEachTouch(body, time, state.positions, [&](const Touch& touch) {
       const Vec3& x = state.positions[touch.point];
       const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
-      contacts.push_back({place, touch.point, x, touch.normal, touch.force + FrictionLoad::findForce(*this, tool, touch, sliding)});
+      contacts.push_back(
+          {place, touch.point, x, touch.normal, touch.force + FrictionLoad::findForce(*this, tool, touch, sliding)});
     });
   }
 }
@@ -175,7 +176,8 @@ bool FrictionLoad::isEmpty() const {
                       [](const ContactLoad::Body& body) { return body.tool.friction > 0.0; });
 }
 
-Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch, const Vec3& sliding) {
+Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch,
+                             const Vec3& sliding) {
   if (!(tool.friction > 0.0) || !isPushing(tool)) return Vec3::Zero();
   const double speed = sliding.norm(), most = contact.masses_[touch.point] * contact.rate_ * speed;
   if (!(speed > 0.0)) return Vec3::Zero();

@@ -11,7 +11,11 @@ constexpr int kReach = 3;  // links from the home: about as far as the points th
 }  // namespace
 
 CutTransfer::CutTransfer(const RestSurface& rest, const transfer::TransferParams& params)
-    : rest_(rest), params_(params), transfer_(rest.transfer), severed_(rest.dense.positions.size(), 0), is_refit_(severed_.size(), 0) {}
+    : rest_(rest),
+      params_(params),
+      transfer_(rest.transfer),
+      severed_(rest.dense.positions.size(), 0),
+      is_refit_(severed_.size(), 0) {}
 
 bool CutTransfer::sever(const tool::BladeSweep& blade, const Points& before, const Points& after) {
   transfer_.apply(before, dense_before_);

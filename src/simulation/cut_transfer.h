@@ -1,5 +1,5 @@
-// The transfer of a surface that is cut: dense points follow simulation points of their own side alone. Apart from the transfer itself, which
-// knows neither links nor knives, and from the deformed surface, which needs it rarely.
+// The transfer of a surface that is cut: dense points follow simulation points of their own side alone. Apart from the transfer
+// itself, which knows neither links nor knives, and from the deformed surface, which needs it rarely.
 #pragma once
 
 #include "deformable_surface/simulation/rest_surface.h"
@@ -18,14 +18,13 @@ class CutTransfer {
   /// Begins as the transfer of the rest surface, which is kept by reference.
   CutTransfer(const RestSurface& rest, const transfer::TransferParams& params);
 
-  /// A knife went through while the simulation points (m x 3) moved from before to after. A dense point that it parted from one of those that
-  /// the point follows at rest will not follow it again.
-  /// Returns whether there is any.
+  /// A knife went through while the simulation points (m x 3) moved from before to after. A dense point that it parted from one
+  /// of those that the point follows at rest will not follow it again. Returns whether there is any.
   bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after);
 
-  /// The links (m) that are whole now. A dense point goes with its home, the nearest simulation point that it was not severed from, and follows
-  /// what can be reached from there over a few whole links: as many as at rest, as far as there are. Rows of the operator where nothing is
-  /// cut stay as they are.
+  /// The links (m) that are whole now. A dense point goes with its home, the nearest simulation point that it was not severed
+  /// from, and follows what can be reached from there over a few whole links: as many as at rest, as far as there are. Rows of
+  /// the operator where nothing is cut stay as they are.
   void followLinks(const std::vector<Link>& whole);
 
   const transfer::Transfer& transfer() const { return transfer_; }

@@ -6,8 +6,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own smallest extent if that lies
-// between the two.
+// Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own smallest extent if that
+// lies between the two.
 constexpr double kFinest = 0.02, kCoarsest = 0.25;
 
 bool isKnife(const tool::ToolParams& tool, double time) { return tool.mode == tool::Mode::kCut && tool::isActive(tool, time); }
@@ -22,12 +22,14 @@ Cutting::Cutting(model::MassSpring& model, double tear_strain) : model_(model), 
 }
 
 bool Cutting::beginStep(const std::vector<tool::ToolParams>& tools, double time, const Points& positions) {
-  const bool has_knife = std::any_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return isKnife(tool, time); });
+  const bool has_knife =
+      std::any_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return isKnife(tool, time); });
   if (has_knife) before_ = positions;
   return has_knife || tear_strain_ > 0.0;
 }
 
-bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions, DeformedSurface& surface) {
+bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions,
+                      DeformedSurface& surface) {
   found_.clear();
   bool has_parted = false;
   for (const tool::ToolParams& tool : tools) {
@@ -54,14 +56,16 @@ bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, d
 
 void Cutting::cut(const tool::BladeSweep& blade, const Points& positions, const std::vector<Link>& links) {
   for (const Link& link : links)
-    if (blade.wentBetween(before_[link.first], positions[link.first], before_[link.second], positions[link.second])) found_.push_back(link);
+    if (blade.wentBetween(before_[link.first], positions[link.first], before_[link.second], positions[link.second]))
+      found_.push_back(link);
 }
 
 void Cutting::tear(const Points& positions) {
   const std::vector<Link>& links = model_.stretchLinks();
   const std::vector<double>& lengths = model_.stretchingSprings().restLengths();
   for (std::size_t s = 0; s < links.size(); ++s)
-    if ((positions[links[s].second] - positions[links[s].first]).norm() > (1.0 + tear_strain_) * lengths[s]) found_.push_back(links[s]);
+    if ((positions[links[s].second] - positions[links[s].first]).norm() > (1.0 + tear_strain_) * lengths[s])
+      found_.push_back(links[s]);
 }
 
 }  // namespace deformable_surface::simulation

@@ -1,4 +1,5 @@
-// What knives and tears do to a mass-spring surface in a step. Apart from the order of a step, because most surfaces are never cut.
+// What knives and tears do to a mass-spring surface in a step. Apart from the order of a step, because most surfaces are never
+// cut.
 #pragma once
 
 #include "deformable_surface/model/mass_spring/mass_spring.h"
@@ -15,9 +16,10 @@ class Cutting {
 
   /// Before a step from time (s): whether something can be cut in it; if so, the positions are kept.
   bool beginStep(const std::vector<tool::ToolParams>& tools, double time, const Points& positions);
-  /// After it, if beginStep() said so: cuts the links that knives went through and those that are stretched too far, and tells the surface on
-  /// which side its points are. Returns whether any was cut.
-  bool endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions, DeformedSurface& surface);
+  /// After it, if beginStep() said so: cuts the links that knives went through and those that are stretched too far, and tells
+  /// the surface on which side its points are. Returns whether any was cut.
+  bool endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions,
+               DeformedSurface& surface);
 
   const std::vector<model::MassSpring::Link>& cuts() const { return model_.cuts(); }
   void setCuts(const std::vector<model::MassSpring::Link>& cuts) { model_.setCuts(cuts); }

@@ -200,7 +200,8 @@ void DeformedSurface::followLinks(const std::vector<std::pair<Index, Index>>& wh
   invalidate();
 }
 
-void DeformedSurface::restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved, const std::vector<std::pair<Index, Index>>& whole) {
+void DeformedSurface::restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved,
+                                 const std::vector<std::pair<Index, Index>>& whole) {
   const bool is_same = cut_ ? saved == cut_->memory() && whole == whole_ : !saved;
   if (is_same) return;
   cut_.reset();
@@ -275,7 +276,8 @@ void DeformedSurface::analyseNormals() {
   }
 }
 
-// Of the inserted points, over the surface: an inserted point lies in the cell of the first of those between which it was inserted.
+// Of the inserted points, over the surface: an inserted point lies in the cell of the first of those between which it was
+// inserted.
 Lists DeformedSurface::findFollowed() const {
   std::vector<Index> owner = rest_.cells.owner;
   for (const auto& [a, b] : resampler_->parents()) owner.push_back(owner[a]);

@@ -17,19 +17,20 @@ namespace deformable_surface::simulation {
 class DeformedSurface {
  public:
   /// All are kept by reference and stay what they are. solid: the model, if it is one, else null.
-  DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params, const model::ElasticSolid* solid);
+  DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params,
+                  const model::ElasticSolid* solid);
 
   /// At rest again: inserted points go.
   void reset();
-  /// Where points are inserted, in every step, so that what is inserted does not depend on who looks; it costs a transfer per step.
+  /// Where points are inserted, in every step, so that what is inserted does not depend on who looks; it costs a transfer per
+  /// step.
   void resample(const model::State& state);
   /// The inserted points, for a snapshot; null if none are ever inserted.
   std::shared_ptr<const transfer::Resampler> saveInserted() const;
   void restoreInserted(const std::shared_ptr<const transfer::Resampler>& saved);
 
-  /// A knife went through the surface while the simulation points (m x 3) moved from before to after: dense points no longer follow those that
-  /// it went between.
-  /// Returns whether there are any.
+  /// A knife went through the surface while the simulation points (m x 3) moved from before to after: dense points no longer
+  /// follow those that it went between. Returns whether there are any.
   bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after);
   /// The links (m) that are whole are others than before.
   void followLinks(const std::vector<std::pair<Index, Index>>& whole);
@@ -90,8 +91,8 @@ class DeformedSurface {
   std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
   Points first_positions_;            // (m x 3) of the particles of the beginning
 
-  // Of a surface that is made in tiles: of each its rows of the input, ascending. Without holes and coincident points (is_plain_) these are
-  // the points themselves, and there is no list.
+  // Of a surface that is made in tiles: of each its rows of the input, ascending. Without holes and coincident points (is_plain_)
+  // these are the points themselves, and there is no list.
   const bool is_plain_;
   Lists rows_;
   transfer::Transfer::Frame frame_;

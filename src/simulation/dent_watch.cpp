@@ -11,8 +11,8 @@ namespace {
 constexpr double kPi = 3.14159265358979323846;
 
 // Lengths of the waves that are looked at, in spacings: copies of a quarter of the points show what is longer than eight of the
-// simulation points, and the full cloud nothing shorter than four of its own. Of folds that the points show in part, the twin sees
-// the longer ones.
+// simulation points, and the full cloud nothing shorter than four of its own. Of folds that the points show in part, the twin
+// sees the longer ones.
 constexpr double kLongest = 8.0, kLongestFold = 4.0, kShortest = 4.0;
 constexpr int kDirections = 8;  // along which waves are looked at, over half a turn
 
@@ -20,7 +20,8 @@ constexpr int kDirections = 8;  // along which waves are looked at, over half a 
 constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times; the full cloud's forces peak higher
 constexpr double kGrownFold = 10.0;  // the same of folds: those of one triangle that grow less come to nothing
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
-constexpr double kPushed = 0.2;      // of the classical buckling pressure under a force: spheres that are not perfect bear a part of it
+constexpr double kPushed =
+    0.2;  // of the classical buckling pressure under a force: spheres that are not perfect bear a part of it
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
 // Along and across a wave, in the tangent plane.
 struct Direction {

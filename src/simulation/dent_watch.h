@@ -1,5 +1,6 @@
-// Whether a surface dents or folds between its simulation points, where neither they nor coarser copies can show it: how fast dents
-// would grow on the full surface under the forces that the simulation points feel. Apart from the error estimator, which only asks.
+// Whether a surface dents or folds between its simulation points, where neither they nor coarser copies can show it: how fast
+// dents would grow on the full surface under the forces that the simulation points feel. Apart from the error estimator, which
+// only asks.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -13,15 +14,15 @@ namespace deformable_surface::simulation {
 /// A shallow shell of rigidity D (N m), membrane stiffness S = E h (N/m), mass rho (kg/m^2) and damping c (1/s), in which the
 /// membrane force is N (N/m, a tensor), answers a small wave of number k (1/m) along the unit vector t with
 ///   rho (s^2 + c s) = -(D k^4 + S b^2 + (t.N t) k^2),
-/// where b is the curvature across t: the wave grows as exp(s time) where the right side is positive, and for some k that is where
-/// -t.N t exceeds 2 b sqrt(S D), the classical buckling load [Timoshenko 1961, 11.1]. Looked at are waves that the full cloud can
-/// show and coarser copies of the simulation cannot. N and b are those of the triangles between the simulation points.
+/// where b is the curvature across t: the wave grows as exp(s time) where the right side is positive, and for some k that is
+/// where -t.N t exceeds 2 b sqrt(S D), the classical buckling load [Timoshenko 1961, 11.1]. Looked at are waves that the full
+/// cloud can show and coarser copies of the simulation cannot. N and b are those of the triangles between the simulation points.
 class DentWatch {
  public:
   DentWatch() = default;  // sees nothing
   /// points (m x 3) and triangles: the simulation points at rest; area: of the surface, m^2; num_full: points of the full cloud.
-  /// A curved surface whose dents would be too short for the spacing of the points is watched closely; any other for folds that are too
-  /// short for them and grow by far, if there are more points.
+  /// A curved surface whose dents would be too short for the spacing of the points is watched closely; any other for folds that
+  /// are too short for them and grow by far, if there are more points.
   DentWatch(const model::MaterialParams& material, const Points& points, const std::vector<model::WeightedTriangle>& triangles,
             double area, Index num_full);
 
@@ -34,9 +35,9 @@ class DentWatch {
   /// Of an equilibrium of a surface with short dents: whether it is compressed well beyond the load at which they begin.
   bool isOverloaded(const Points& positions);
 
-  /// Whether a force (N) on these simulation points, spread over a patch of this radius (m), presses a surface with short dents by so much
-  /// that it may give way there, which the membrane forces between few points do not tell: a share of the classical buckling pressure of
-  /// a sphere of its curvature, 4 sqrt(S D) b^2.
+  /// Whether a force (N) on these simulation points, spread over a patch of this radius (m), presses a surface with short dents
+  /// by so much that it may give way there, which the membrane forces between few points do not tell: a share of the classical
+  /// buckling pressure of a sphere of its curvature, 4 sqrt(S D) b^2.
   bool isPushed(const std::vector<Index>& loaded, double force, double radius) const;
 
   /// What a snapshot must hold: of each triangle the logarithm of the growth so far.

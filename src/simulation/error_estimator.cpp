@@ -27,8 +27,8 @@ constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
 // The twin's distance, over the spacing, that ends the estimate. Smooth motions let the larger disturbance grow by a few times.
 constexpr double kChaoticDistance = 0.05;
-// And of a twin that is apart by other things as well: by what halved steps of a method that damps change, or, in a body, by waves shorter
-// than a few sub-steps that a sudden force sends through it.
+// And of a twin that is apart by other things as well: by what halved steps of a method that damps change, or, in a body, by
+// waves shorter than a few sub-steps that a sudden force sends through it.
 constexpr double kChaoticDistanceOfOthers = 0.5;
 // The copies' sub-steps are never too many for Verlet where those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
@@ -82,11 +82,13 @@ RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSur
 }
 
 // The error of a solid is that against its body: its own points are an arbitrary few of it.
-RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid) {
+RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const RestSurface& level,
+                                             const model::ElasticSolid& solid) {
   const Index n = static_cast<Index>(level.points.size());
   const Index points = std::max(n / (solid.isPlanar() ? kRatio : kSolidRatio), std::min(kFewestOfSolid, n / kRatio));
   if (points < kCoarsestPoints)
-    throw InputError("found " + std::to_string(n) + " simulation points; accepted: at least " + std::to_string(kRatio * kCoarsestPoints));
+    throw InputError("found " + std::to_string(n) + " simulation points; accepted: at least " +
+                     std::to_string(kRatio * kCoarsestPoints));
   is_solid_ = true;
   is_simplified_ = !level.solid_transfer.isEmpty();
   unresolved_ = 1.0 - static_cast<double>(level.dense_index.size()) / static_cast<double>(level.dense.positions.size());
@@ -198,8 +200,8 @@ void ErrorEstimator::setState(const model::State& state) {
   seen_.follows_verlet = followed_verlet;
 }
 
-// Verlet's steps beside those of a method that damps, of a copy and of the twin. Where one of these leaves Verlet, the twin goes on from
-// the shadow, and where the simulation itself takes Verlet's steps.
+// Verlet's steps beside those of a method that damps, of a copy and of the twin. Where one of these leaves Verlet, the twin goes
+// on from the shadow, and where the simulation itself takes Verlet's steps.
 void ErrorEstimator::followVerlet(IntegratorType type) {
   twin_->setIntegrator(IntegratorType::kAuto);
   twin_->setFineness(1);

@@ -21,9 +21,10 @@ constexpr Index kCoarsestPoints = 16;
 class ErrorEstimator {
  public:
   /// level: the simulation points whose error is estimated; full: the surface that they were chosen from, with its order of
-  /// removal (the same object where a simulation has both); model: that of the level. None is kept. Throws InputError if the copies
-  /// cannot be built.
-  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level, const model::DeformableModel& model);
+  /// removal (the same object where a simulation has both); model: that of the level. None is kept. Throws InputError if the
+  /// copies cannot be built.
+  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
+                 const model::DeformableModel& model);
   /// With forks of the copies.
   ErrorEstimator(const ErrorEstimator& other);
 
@@ -46,8 +47,8 @@ class ErrorEstimator {
       if (copy) command(*copy);
   }
 
-  /// Only this share of the membrane's stiffness acts in the simulation, which is at rest, and in the copies: what that changes is
-  /// no part of the estimate.
+  /// Only this share of the membrane's stiffness acts in the simulation, which is at rest, and in the copies: what that changes
+  /// is no part of the estimate.
   void softenMembrane(double share);
   /// All of it acts again.
   void stiffenMembrane();
@@ -62,9 +63,10 @@ class ErrorEstimator {
   /// The simulation has left for a moment that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
-  /// Follows a step that the simulation has taken: positions after it, the integrator (not auto), the sub-steps, and its forces. Allocates
-  /// nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing.
-  std::string follow(const Points& positions, solve::IntegratorType type, Index substeps, const std::vector<NamedForces::Named>& forces);
+  /// Follows a step that the simulation has taken: positions after it, the integrator (not auto), the sub-steps, and its forces.
+  /// Allocates nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing.
+  std::string follow(const Points& positions, solve::IntegratorType type, Index substeps,
+                     const std::vector<NamedForces::Named>& forces);
 
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m

@@ -128,8 +128,8 @@ std::optional<double> findFittedQuantity(const std::string& name, const Simulati
   return std::nullopt;
 }
 
-// Where the simulation points are beside the solid tools that there are now: the least signed distance, m, or how many lie on one,
-// by the share of a spacing up to which contact gives way.
+// Where the simulation points are beside the solid tools that there are now: the least signed distance, m, or how many lie on
+// one, by the share of a spacing up to which contact gives way.
 std::optional<double> findContactQuantity(const std::string& name, const Simulation& simulation) {
   constexpr double kOnIt = 0.05;
   if (name != "distance_to_tools_min" && name != "touching") return std::nullopt;

@@ -36,7 +36,8 @@ void Grips::reset() {
   }
 }
 
-Grips::Update Grips::update(double time, double slack, const model::State& state, const std::vector<char>& pinned, const Points& forces) {
+Grips::Update Grips::update(double time, double slack, const model::State& state, const std::vector<char>& pinned,
+                            const Points& forces) {
   Update update;
   const auto letGo = [&](Grip& grip) {
     grip.points.clear();
@@ -55,15 +56,16 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
         grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
       }
       update.changed = true;
-      if (grip.points.empty()) update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it; " + kAnew;
+      if (grip.points.empty())
+        update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it; " + kAnew;
     }
     if (!(grip.tool.strength > 0.0) || grip.points.empty()) continue;
     Vec3 force = Vec3::Zero();
     for (const Index i : grip.points) force += forces[i];
     if (force.norm() <= grip.tool.strength) continue;
     letGo(grip);
-    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatReal(force.norm()) + " N; " +
-                    kAnew;
+    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatReal(force.norm()) +
+                    " N; " + kAnew;
   }
   return update;
 }
@@ -92,9 +94,11 @@ void Grips::renumber(const std::vector<Index>& new_index) {
   }
 }
 
-void Grips::addReactions(double time, const model::State& state, const Points& forces, std::vector<ToolReaction>& reactions) const {
+void Grips::addReactions(double time, const model::State& state, const Points& forces,
+                         std::vector<ToolReaction>& reactions) const {
   for (const Grip& grip : grips_) {
-    const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == grip.tool.id; });
+    const auto found =
+        std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == grip.tool.id; });
     if (found == reactions.end()) continue;
     const tool::Pose pose = tool::interpolate(grip.tool.path, time);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();

@@ -55,7 +55,9 @@ void chooseIntegrator(const SceneParams& params, const RestSurface& full, const 
   if (probe.failed) return;
   choice.why_integrator = std::string("integrator ") + nameOf(tried.integrator) + ", whose trial took " +
                           formatShort(probe.candidate.work / choice.work) + " of the work of " +
-                          (was_softened ? "verlet's with a softer membrane" : first.is_implicit ? "implicit steps" : "verlet's sub-steps");
+                          (was_softened        ? "verlet's with a softer membrane"
+                           : first.is_implicit ? "implicit steps"
+                                               : "verlet's sub-steps");
   choice.take(probe.candidate);
   choice.softening = std::move(probe.apart);
 }

@@ -11,7 +11,8 @@ constexpr Index kFewestPoints = 16;   // fewer hardly carry a shape
 
 // Positions of all points where those of a coarser surface are known; pinned ones stay.
 Points follow(const SceneParams& params, const RestSurface& fine, const RestSurface& coarse, const Points& coarse_now) {
-  const transfer::Transfer transfer(fine.points, fine.normals, coarse.points, std::vector<char>(coarse.points.size(), 1), params.transfer);
+  const transfer::Transfer transfer(fine.points, fine.normals, coarse.points, std::vector<char>(coarse.points.size(), 1),
+                                    params.transfer);
   Points now;
   transfer.apply(coarse_now, now);
   for (std::size_t i = 0; i < now.size(); ++i)
@@ -40,7 +41,8 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
       shape.pinned = surface.pinned;
       Simulation simulation(coarse, std::move(surface));
       simulation.setInterrupt(interrupt);
-      if (!known_now.empty()) simulation.setState({follow(params, shape, known, known_now), Points(shape.points.size(), Vec3::Zero())});
+      if (!known_now.empty())
+        simulation.setState({follow(params, shape, known, known_now), Points(shape.points.size(), Vec3::Zero())});
       const StepOutcome outcome = simulation.step();
       if (!outcome.ok || !outcome.notice.empty()) return {};  // a notice: not converged, or a force that finds no point there
       known = std::move(shape);

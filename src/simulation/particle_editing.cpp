@@ -68,8 +68,8 @@ ParticleLife::Changes ParticleLife::edit(const ParticleEdit& edit, State& state,
                      std::to_string(model_.params().growth.max_particles));
   for (const Vec3& p : edit.positions)
     if (!(p.array().abs() <= kMaxLength).all())
-      throw InputError("positions: found a coordinate that is not finite or too large; accepted: up to " + formatReal(kMaxLength) +
-                       " m");
+      throw InputError("positions: found a coordinate that is not finite or too large; accepted: up to " +
+                       formatReal(kMaxLength) + " m");
   for (const Quaternion& q : edit.orientations)
     if (!(std::abs(q.norm() - 1.0) <= kUnitTolerance))
       throw InputError("orientations: found a quaternion of length " + formatReal(q.norm()) + "; accepted: length 1");

@@ -18,7 +18,8 @@ using tool::ToolParams;
 
 constexpr Index kSweeps = 20;               // between two passes of growth: near equilibrium is enough
 constexpr Index kSmoothings = 4;            // of rest curvatures where samples are noisy: as far as samples are apart
-constexpr double kDensity = 0.95;           // of the spacing: what the rules leave is looser than a lattice, and would contract when let go
+constexpr double kDensity =
+    0.95;  // of the spacing: what the rules leave is looser than a lattice, and would contract when let go
 constexpr Index kLastIterations = 40;       // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;     // of its first force
 
@@ -27,9 +28,9 @@ double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& po
   return tool::findSignedDistance(tool.shape, pose, point).distance;
 }
 
-// What growth leaves is looser here and denser there, and does not have the area of as many particles of a lattice: at the stated spacing
-// all of it would pull, and what is closed contract by a share of its size. Particles slide until they are even, and the lattice takes the
-// spacing with which they do not pull as a whole.
+// What growth leaves is looser here and denser there, and does not have the area of as many particles of a lattice: at the stated
+// spacing all of it would pull, and what is closed contract by a share of its size. Particles slide until they are even, and the
+// lattice takes the spacing with which they do not pull as a whole.
 void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& particles, State& state) {
   cloud::CleanCloud surface;
   surface.positions = state.positions;
@@ -50,7 +51,8 @@ model::GrowthParams ParticleLife::growthParams() const {
   return growth;
 }
 
-// Cooling over the step, then what tools heat: they hold their temperature. A knife of no stated temperature melts what it touches.
+// Cooling over the step, then what tools heat: they hold their temperature. A knife of no stated temperature melts what it
+// touches.
 void ParticleLife::heat(double time, double step, const std::vector<ToolParams>& tools, State& state) const {
   for (model::ParticleTraits& particle : state.traits)
     if (particle.temperature > 0.0) particle.temperature = model_.coolDown(particle.temperature, step);

@@ -16,7 +16,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kMostDoubtful = 0.2;  // of the inside: a scan with an open base has a seventh of it in doubt, a hemisphere two thirds
+constexpr double kMostDoubtful =
+    0.2;  // of the inside: a scan with an open base has a seventh of it in doubt, a hemisphere two thirds
 
 struct Hull {
   std::vector<double> areas;        // (n) m^2
@@ -101,7 +102,8 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
   const Index on_surface = std::min(n, std::max(Index{4}, static_cast<Index>(std::lround(hull.area / (spacing * spacing)))));
   s.order.num_points = n;
   if (on_surface < n)
-    s.order = cloud::orderByDistance(s.dense.positions, s.dense_neighbors, on_surface, choosePinPoints(params, s.dense.positions));
+    s.order =
+        cloud::orderByDistance(s.dense.positions, s.dense_neighbors, on_surface, choosePinPoints(params, s.dense.positions));
   s.dense_index = s.order.keepCount(on_surface);
   const std::vector<Index> owner = findOwners(params, s);
 
@@ -110,7 +112,8 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
   const cloud::Interior interior = cloud::fillSurface(dipoles, s.dense.positions, spacing);
   if (interior.doubtful > kMostDoubtful)
     throw InputError("elastic_solid.fill: found a surface that does not close, or normals that do not agree: at " +
-                     formatShort(100.0 * interior.doubtful) + " per cent of the places within it the winding number is neither 0 nor 1; "
+                     formatShort(100.0 * interior.doubtful) +
+                     " per cent of the places within it the winding number is neither 0 nor 1; "
                      "accepted: a closed surface with all normals on one side of it, or without normals");
   if (interior.points.empty())
     throw InputError("elastic_solid.fill: found no place inside the surface at a spacing of " + formatShort(spacing) +

@@ -23,11 +23,15 @@ RestSurface cleanInput(const cloud::PointCloud& input) {
   s.dense = cloud::clean(input);
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (n < 3)
-    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) + "; accepted: at least 3");
-  if (cloud::orderInSpace(s.dense)) s.notes.push_back("the cloud's order jumps about in space: inside, its points lie in another (outputs are in the input's)");
+    throw InputError("cloud: found " + count(n, "finite distinct points among ") + std::to_string(input.size()) +
+                     "; accepted: at least 3");
+  if (cloud::orderInSpace(s.dense))
+    s.notes.push_back("the cloud's order jumps about in space: inside, its points lie in another (outputs are in the input's)");
   if (s.dense.num_not_finite > 0)
-    s.notes.push_back(count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
-  if (s.dense.num_coincident > 0) s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
+    s.notes.push_back(
+        count(s.dense.num_not_finite, "input points are not finite, or beyond 1e6 m along an axis, and become NaN"));
+  if (s.dense.num_coincident > 0)
+    s.notes.push_back(count(s.dense.num_coincident, "input points coincide with others and move with them"));
   return s;
 }
 
@@ -83,7 +87,8 @@ void applyPins(const SceneParams& params, RestSurface& s) {
       holds_any = true;
     }
     if (!holds_any)
-      throw InputError("pins[" + std::to_string(p) + "]: the points it holds belong to no surface (they are too far from all others); "
+      throw InputError("pins[" + std::to_string(p) +
+                       "]: the points it holds belong to no surface (they are too far from all others); "
                        "accepted: a shape that holds a point of the surface");
   }
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())

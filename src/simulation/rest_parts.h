@@ -28,12 +28,14 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud& input, R
 /// The same of a body of which the cleaned points are the closed surface: with neighbours over it, and outward normals.
 void buildFilledSolid(const SceneParams& params, RestSurface& s);
 
-/// Neighbours of a body's points, in space or over the body, and the weights of their detours (empty: all one). neighbors: their 2k
-/// nearest, which are replaced.
-std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors, RestSurface& s);
+/// Neighbours of a body's points, in space or over the body, and the weights of their detours (empty: all one). neighbors: their
+/// 2k nearest, which are replaced.
+std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
+                                     RestSurface& s);
 /// How many simulation points are asked for, of so many; of a threshold as well.
 Index findSolidTarget(const cloud::SimplificationParams& how, Index of);
 /// Model, pins and notes on the simulation points s.points. across: see model::ElasticSolid.
-void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across, RestSurface& s);
+void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
+                 RestSurface& s);
 
 }  // namespace deformable_surface::simulation

@@ -20,7 +20,7 @@ namespace {
 constexpr Index kAutoPoints = 5000;   // simulation points that auto keeps: a soft bar of them moves in real time on one core
 constexpr double kFlat = 0.02;        // of the spacing: rms distance from a plane below which a cloud lies in it
 constexpr Index kLocal = 12;          // neighbours that show whether a point lies in a body or on a surface
-constexpr double kThin = 0.25;        // their spread across over that along: a curved surface has less, the face of a body about a half
+constexpr double kThin = 0.25;  // their spread across over that along: a curved surface has less, the face of a body about a half
 constexpr double kLoneSide = 0.25;    // how far the neighbours' middle lies off a point on the outside, over their distance
 
 struct Spread {
@@ -69,10 +69,13 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
     throw InputError("elastic_solid.dimension: found planar, but the points lie " + formatShort(all.across) +
                      " m (rms) off the plane that fits them best; accepted: points in a plane, or volume");
   if (wish == model::SolidDimension::kVolume && is_flat)
-    throw InputError("elastic_solid.dimension: found volume, but all points lie in a plane; accepted: points that fill space, or planar");
+    throw InputError(
+        "elastic_solid.dimension: found volume, but all points lie in a plane; accepted: points that fill space, or planar");
   if (is_flat) return all.normal;
   if (findMedian(thinness) < kThin)
-    throw InputError("cloud: its " + count(n, "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane"));
+    throw InputError(
+        "cloud: its " +
+        count(n, "points lie on a curved surface; elastic_solid accepts those that fill a body, or a part of a plane"));
   return Vec3::Zero();
 }
 
@@ -97,11 +100,13 @@ void completeNormals(const Vec3& across, RestSurface& s) {
 std::vector<Index> choosePoints(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   const cloud::SimplificationParams& how = params.simplification;
-  const bool by_threshold = how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
+  const bool by_threshold =
+      how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
   const Index target = findSolidTarget(how, n);
   s.order.num_points = n;
   const Index last = by_threshold ? Index{4} : target;
-  if (last < n) s.order = cloud::orderByDistance(s.dense.positions, s.dense_neighbors, last, choosePinPoints(params, s.dense.positions));
+  if (last < n)
+    s.order = cloud::orderByDistance(s.dense.positions, s.dense_neighbors, last, choosePinPoints(params, s.dense.positions));
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 
@@ -134,7 +139,8 @@ void noteLoadsAcross(const SceneParams& params, const Vec3& across, RestSurface&
 
 }  // namespace
 
-std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors, RestSurface& s) {
+std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
+                                     RestSurface& s) {
   if (params.areEuclidean()) return {};
   const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesicness);
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
@@ -150,10 +156,12 @@ Index findSolidTarget(const cloud::SimplificationParams& how, Index of) {
   return how.target_points > 0 ? how.target_points : kAutoPoints;
 }
 
-void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across, RestSurface& s) {
+void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
+                 RestSurface& s) {
   auto solid = std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material, params.elastic_solid);
   if (solid->numDeficient() > 0)
-    s.notes.push_back(count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
+    s.notes.push_back(
+        count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
   const double volume = std::accumulate(solid->volumes().begin(), solid->volumes().end(), 0.0);
   s.model = std::move(solid);
   s.solid_neighbors = neighbors;
@@ -201,7 +209,8 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
 
 RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, const Vec3& across, Index target) {
   RestSurface s;
-  s.dense_index = cloud::orderByDistance(of.points, of.solid_neighbors, target, choosePinPoints(params, of.points)).keepCount(target);
+  s.dense_index =
+      cloud::orderByDistance(of.points, of.solid_neighbors, target, choosePinPoints(params, of.points)).keepCount(target);
   for (const Index i : s.dense_index) {
     s.points.push_back(of.points[i]);
     s.normals.push_back(of.normals[i]);

@@ -42,8 +42,8 @@ Points findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
   return is_given || found.num_refused > 0 ? Points{} : std::move(sides.normals);
 }
 
-// Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent side.
-// Returns the boundary.
+// Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent
+// side. Returns the boundary.
 cloud::Boundary completeNormals(const cloud::PointCloud& input, Index k, Points normals, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
@@ -67,7 +67,8 @@ cloud::Boundary completeCurveNormals(RestSurface& s) {
   const Points& x = s.dense.positions;
   for (Index i = 0; s.dense.normals.size() < x.size(); ++i) {
     const Index* near = s.dense_neighbors.begin(i);
-    const Vec3 along = x[near[0]] - (s.dense_neighbors.count(i) > 1 && (x[near[1]] - x[i]).dot(x[near[0]] - x[i]) < 0.0 ? x[near[1]] : x[i]);
+    const Vec3 along =
+        x[near[0]] - (s.dense_neighbors.count(i) > 1 && (x[near[1]] - x[i]).dot(x[near[0]] - x[i]) < 0.0 ? x[near[1]] : x[i]);
     Vec3 normal(-along.z(), 0.0, along.x());
     if (normal.z() < 0.0) normal = -normal;
     s.dense.normals.push_back(normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ());
@@ -129,10 +130,12 @@ void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Li
     if (kept.size() < 3) break;
   }
   if (kept.size() < 3 || s.rings.triangles.empty())
-    throw InputError("cloud: its " + count(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
-                     count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
+    throw InputError(
+        "cloud: its " + count(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
+        count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
   const Index dropped = before - static_cast<Index>(kept.size());
-  if (dropped > 0) s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
+  if (dropped > 0)
+    s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
 }
 
 // Of points to the nearest other one.
@@ -157,20 +160,25 @@ double findLatticeSpacing(Index k, const RestSurface& s) {
 // What will make particles move or come apart from the beginning.
 void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   constexpr double kFar = 1.3;         // of the spacing, either way: bonds of that length are broken or crushed
-  constexpr double kSoftest = 0.02;    // of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
+  constexpr double kSoftest =
+      0.02;  // of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
   const double median = findMedianDistance(s.points);
   if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
-    s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) + " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
+    s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) +
+                      " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
-  constexpr double kTheirs = 1.0 / 3.0, kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects
+  constexpr double kTheirs = 1.0 / 3.0,
+                   kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects
   if (!(std::abs(m.poisson_ratio - kTheirs) <= kNoted))
-    s.notes.push_back("material.poisson_ratio " + formatShort(m.poisson_ratio) + " counts in bending_rigidity: auto only: a surface of "
+    s.notes.push_back("material.poisson_ratio " + formatShort(m.poisson_ratio) +
+                      " counts in bending_rigidity: auto only: a surface of "
                       "particles has 1/3");
   const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
   if (m.bendingRigidity() < kSoftest * stiffness)
     s.notes.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) + " N m is below a fiftieth of E h a^2, " +
-                      formatShort(kSoftest * stiffness) + " N m with this spacing a: the particles may crumple instead of staying a surface");
+                      formatShort(kSoftest * stiffness) +
+                      " N m with this spacing a: the particles may crumple instead of staying a surface");
 }
 
 // Model and pins on the simulation points.
@@ -178,9 +186,11 @@ void buildModel(const SceneParams& params, RestSurface& s) {
   auto mass_spring = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
                                                          params.mass_spring);
   if (mass_spring->numMassRaised() > 0)
-    s.notes.push_back(count(mass_spring->numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
+    s.notes.push_back(
+        count(mass_spring->numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
   if (mass_spring->numWithoutBending() > 0)
-    s.notes.push_back(count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
+    s.notes.push_back(
+        count(mass_spring->numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
   s.model = std::move(mass_spring);
   s.values = findRegionValues(params.regions, s.points);
   if (!params.regions.empty()) s.model->setMaterial(findShares(params.material, params.material, s.values));
@@ -204,7 +214,8 @@ void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   model.setRest(state);
   s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
                     formatShort(settled.largest / spacing) + ") before time 0 until they were " +
-                    (settled.is_near ? "at rest as the cloud's shape" : "even; they are not at rest, for the only rest that was found is a "
+                    (settled.is_near ? "at rest as the cloud's shape"
+                                     : "even; they are not at rest, for the only rest that was found is a "
                                        "crumpled one: material.bending_rigidity is too small, or particles lie on others") +
                     "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are)");
 }
@@ -220,22 +231,25 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
       spacing = findLatticeSpacing(params.neighbors.k, s);
     }
     if (!(spacing > 0.0))
-      throw InputError("oriented_particles.spacing: found auto, but the " + count(m, "points span no surface; accepted: a number"));
+      throw InputError("oriented_particles.spacing: found auto, but the " +
+                       count(m, "points span no surface; accepted: a number"));
   }
   // What is near in space and apart over the surface at rest stays without forces.
   Lists apart;
   if (!params.neighbors.areEuclidean()) apart = cloud::findRefusedPairs(s.points, s.cells.neighbors);
   if (!apart.items.empty())
-    s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2), "pairs of particles are apart over the surface: no forces act between them"));
-  auto particles = std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles,
-                                                              apart);
+    s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2),
+                            "pairs of particles are apart over the surface: no forces act between them"));
+  auto particles =
+      std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles, apart);
   s.creased.assign(m, 0);
   for (std::size_t c = 0; c < params.creases.size(); ++c) {
     bool holds_any = false;
     for (Index i = 0; i < m; ++i)
       if (params.creases[c].region.contains(s.points[i])) s.creased[i] = holds_any = true;
     if (!holds_any)
-      throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " + count(m, "particles at rest; accepted: a shape that holds at least one"));
+      throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " +
+                       count(m, "particles at rest; accepted: a shape that holds at least one"));
   }
   s.area = m * particles->lattice().area_per_particle;
   noteUnrest(params, particles->lattice().spacing, s);
@@ -249,8 +263,9 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
 void requireRegions(const SceneParams& params, const RestSurface& s) {
   for (std::size_t r = 0; r < params.regions.size(); ++r)
     if (std::none_of(s.points.begin(), s.points.end(), [&](const Vec3& p) { return params.regions[r].region.contains(p); }))
-      throw InputError("regions[" + std::to_string(r) + "]: the shape holds none of the " +
-                       count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
+      throw InputError(
+          "regions[" + std::to_string(r) + "]: the shape holds none of the " +
+          count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
 }
 
 }  // namespace
@@ -271,11 +286,15 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   const Index n = static_cast<Index>(s.dense.positions.size());
 
   Points estimated = findNeighbors(params.neighbors, s);
-  const bool is_curve = params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
-  const cloud::Boundary boundary = is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
+  const bool is_curve =
+      params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
+  const cloud::Boundary boundary =
+      is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
   std::vector<Index> kept = chooseSimulationPoints(params, pin_points, boundary.is_corner, coarsest, s);
-  const auto measureArea = [&] { return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary); };
+  const auto measureArea = [&] {
+    return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
+  };
   if (choose) {
     s.area = measureArea();
     kept = s.order.keepCount(choose(s));
@@ -302,7 +321,8 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1),
                                   params.transfer, is_euclidean ? nullptr : &followed);
   if (s.transfer.numDegenerate() > 0)
-    s.notes.push_back(count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
+    s.notes.push_back(
+        count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));

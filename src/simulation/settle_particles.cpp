@@ -13,7 +13,8 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr Index kMaxSweeps = 400;         // uneven scans are even after about half as many
 constexpr double kStill = 1e-3;           // spacings in one sweep: below it sliding has ended
-constexpr double kAtRest = 1e-6;          // spacings that a first sweep would move: rounding of a lattice is far below, any scan far above
+constexpr double kAtRest =
+    1e-6;  // spacings that a first sweep would move: rounding of a lattice is far below, any scan far above
 constexpr double kLongestSlide = 0.1;     // spacings in one sweep: no particle passes another
 constexpr double kRelaxed = 0.25;         // of the way to where springs of the lattice would end; 1 is the limit of stability
 constexpr Index kAround = 3;              // dense points that say where the surface is: the least that span it
@@ -23,8 +24,8 @@ constexpr Index kMaxIterations = 40;      // hundreds of steps of the last relax
 constexpr double kNear = 1.0;             // spacings (rms) from where sliding ended: scans take about half, what crumples several
 constexpr double kTolerance = 1e-4;       // of its first force
 
-// The surface of the dense points near a particle, which faces a way: the mean of the nearest planes, by the inverse of their distances, so
-// that each dense point lies on it.
+// The surface of the dense points near a particle, which faces a way: the mean of the nearest planes, by the inverse of their
+// distances, so that each dense point lies on it.
 struct Place {
   Vec3 point, normal;
 };
@@ -114,7 +115,8 @@ void relaxParticles(model::OrientedParticles& model, const std::vector<char>& he
   solve::IntegratorParams params;
   params.max_iterations = max_iterations;
   params.tolerance = tolerance;
-  solve::makeIntegrator(solve::IntegratorType::kStatic, params, true)->advance(system, 0.0, 1.0, model.findStableStep(state), state);
+  solve::makeIntegrator(solve::IntegratorType::kStatic, params, true)
+      ->advance(system, 0.0, 1.0, model.findStableStep(state), state);
 }
 
 Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,

@@ -6,14 +6,14 @@
 
 namespace deformable_surface::simulation {
 
-/// Particles, alone in the world, towards their equilibrium by FIRE in at most so many hundreds of steps. model: that of the state, which it
-/// adopts; held, held_turns (n): 1 = stays, does not turn. The state ends with speeds of zero.
+/// Particles, alone in the world, towards their equilibrium by FIRE in at most so many hundreds of steps. model: that of the
+/// state, which it adopts; held, held_turns (n): 1 = stays, does not turn. The state ends with speeds of zero.
 void relaxParticles(model::OrientedParticles& model, const std::vector<char>& held, const std::vector<char>& held_turns,
                     Index max_iterations, double tolerance, model::State& state);
 
-/// Particles slide by attraction and repulsion alone over the surface of the dense points, which have normals, without leaving it, until
-/// they are even. attraction: a model of the same particles without forces of orientation. held, held_turns (n) as above. Returns whether
-/// any moved: what is at rest stays to the bit.
+/// Particles slide by attraction and repulsion alone over the surface of the dense points, which have normals, without leaving
+/// it, until they are even. attraction: a model of the same particles without forces of orientation. held, held_turns (n) as
+/// above. Returns whether any moved: what is at rest stays to the bit.
 bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
                     const std::vector<char>& held_turns, model::State& state);
 
@@ -23,11 +23,11 @@ struct Settled {
   bool is_near = true;  // false: there is no equilibrium near, and they have only become even
 };
 
-/// Makes the cloud a rest shape. Without leaving the surface of the dense points, particles slide by attraction and repulsion alone until
-/// they are even; each then keeps the curvature that it has; and all of them relax to equilibrium by all forces, if that is near: where
-/// bending is too soft to keep a surface it is a crumpled one.
-/// attraction: a model of the same particles without forces of orientation. state: as model.beginAtRest() makes it, with creases; where it is
-/// at rest it stays to the bit. dense: with normals. O(n log m) for each of at most some hundred sweeps and some thousand steps.
+/// Makes the cloud a rest shape. Without leaving the surface of the dense points, particles slide by attraction and repulsion
+/// alone until they are even; each then keeps the curvature that it has; and all of them relax to equilibrium by all forces, if
+/// that is near: where bending is too soft to keep a surface it is a crumpled one. attraction: a model of the same particles
+/// without forces of orientation. state: as model.beginAtRest() makes it, with creases; where it is at rest it stays to the bit.
+/// dense: with normals. O(n log m) for each of at most some hundred sweeps and some thousand steps.
 Settled settleParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
                         const std::vector<char>& held_turns, model::OrientedParticles& model, model::State& state);
 

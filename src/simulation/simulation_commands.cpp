@@ -27,12 +27,14 @@ void Simulation::setState(const model::State& state) {
                      std::to_string(state.velocities.size()) + " velocities; accepted: " + std::to_string(n) + " of each");
   const bool has_flowed = !state.plastic.empty();
   if (has_flowed && state.plastic.size() != impl_->state.plastic.size())
-    throw InputError("state: found " + std::to_string(state.plastic.size()) + " rest states of flow; accepted: none, or, of a solid that "
+    throw InputError("state: found " + std::to_string(state.plastic.size()) +
+                     " rest states of flow; accepted: none, or, of a solid that "
                      "flows, one a simulation point");
   for (const Mat3& plastic : state.plastic)
     if (!(plastic.determinant() > 0.0) || !plastic.allFinite() || !(state.dissipated >= 0.0))
-      throw InputError("state: found a rest state of flow that turns matter inside out or is not finite, or dissipated energy below 0; "
-                       "accepted: what this solid came to");
+      throw InputError(
+          "state: found a rest state of flow that turns matter inside out or is not finite, or dissipated energy below 0; "
+          "accepted: what this solid came to");
   for (std::size_t i = 0; i < n; ++i) {
     const std::string point = "state of simulation point " + std::to_string(i) + ": ";
     if (!isWithin(state.positions[i], kMaxLength))
@@ -219,7 +221,8 @@ void Simulation::setDamping(double damping) {
 void Simulation::observe(const cloud::PointCloud& cloud) { observe(ObservedCloud(cloud)); }
 
 void Simulation::observe(const ObservedCloud& cloud) {
-  if (impl_->solid) throw InputError("model: found elastic_solid, which has no sides that a cloud could show; accepted: a surface");
+  if (impl_->solid)
+    throw InputError("model: found elastic_solid, which has no sides that a cloud could show; accepted: a surface");
   constexpr double kReach = 3.0;  // spacings that a surface lags behind by at most; beyond it lies something else
   const double spacing = std::sqrt(impl_->rest.area / static_cast<double>(impl_->rest.points.size()));
   Points normals;

@@ -1,6 +1,6 @@
-// What a simulation is made of. Private, and apart from the files that implement it: how it is made and set (simulation_making.cpp), its step
-// (simulation_step.cpp), what is measured of it (simulation_measuring.cpp), the commands to it, what it hands out of itself, who sleeps,
-// what touches.
+// What a simulation is made of. Private, and apart from the files that implement it: how it is made and set
+// (simulation_making.cpp), its step (simulation_step.cpp), what is measured of it (simulation_measuring.cpp), the commands to it,
+// what it hands out of itself, who sleeps, what touches.
 #pragma once
 
 #include "deformable_surface/simulation/simulation.h"
@@ -97,7 +97,7 @@ struct Simulation::Impl {
   std::vector<tool::ToolParams> tools;
   std::uint64_t steps = 0;
 
-  std::vector<PointValues> values;           // (m) what points are made of that are not as everywhere; empty if the model is another
+  std::vector<PointValues> values;  // (m) what points are made of that are not as everywhere; empty if the model is another
   std::vector<model::PointMaterial> shares;  // the same as the model has it; empty: as it was made
 
   double membrane_share = 1.0;         // of the stated membrane stiffness, that acts
@@ -116,7 +116,7 @@ struct Simulation::Impl {
   ToolWatch tool_watch;
   std::unique_ptr<ActivePart> part;     // null: to be made when it is needed
   solve::TimeMarch::Memory part_march;  // that a part which is made goes on from
-  Points followed;                      // m, where all were when the model was told by which elements it is taken in parts; or empty
+  Points followed;  // m, where all were when the model was told by which elements it is taken in parts; or empty
   std::vector<Index> hits;              // scratch
   bool is_hot = false;                  // some particles are above the ambient temperature
   bool is_measured = false;             // the statistics are those of the state
@@ -137,7 +137,8 @@ struct Simulation::Impl {
   // How it is made and set: simulation_making.cpp.
   Impl(const SceneParams& given, std::shared_ptr<const cloud::PointCloud> cloud, std::unique_ptr<model::DeformableModel> material,
        std::shared_ptr<const RestSurface> built);
-  static std::unique_ptr<Impl> make(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface built);  // which nobody else has
+  static std::unique_ptr<Impl> make(const SceneParams& params, cloud::PointCloud&& cloud,
+                                    RestSurface built);  // which nobody else has
   std::vector<AnchorLoad::Anchor> makeAnchors() const;
   void placeAnchors();
   void chooseLoads();
@@ -148,7 +149,8 @@ struct Simulation::Impl {
   void stiffenMembrane(const std::string& why);
   void leaveIntegrator(const std::string& why);
   bool isAsTried() const {
-    return membrane_share < 1.0 || (chosen_integrator != solve::IntegratorType::kAuto && params.integrator.type == chosen_integrator);
+    return membrane_share < 1.0 ||
+           (chosen_integrator != solve::IntegratorType::kAuto && params.integrator.type == chosen_integrator);
   }
   void leaveTrial(const char* how);
   void setDamping(double damping);

@@ -1,5 +1,5 @@
-// How a simulation is made, begun anew and set: what its parts are told when tools, materials, damping or clamps change. Apart from the
-// step, which only uses what is set here.
+// How a simulation is made, begun anew and set: what its parts are told when tools, materials, damping or clamps change. Apart
+// from the step, which only uses what is set here.
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
@@ -50,7 +50,8 @@ Simulation::Impl::Impl(const SceneParams& given, std::shared_ptr<const cloud::Po
     cutting = std::make_unique<Cutting>(*mass_spring, params.mass_spring.tear_strain);
 }
 
-std::unique_ptr<Simulation::Impl> Simulation::Impl::make(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface built) {
+std::unique_ptr<Simulation::Impl> Simulation::Impl::make(const SceneParams& params, cloud::PointCloud&& cloud,
+                                                         RestSurface built) {
   std::unique_ptr<model::DeformableModel> model = std::move(built.model);
   auto impl = std::make_unique<Impl>(params, std::make_shared<const cloud::PointCloud>(std::move(cloud)), std::move(model),
                                      std::make_shared<const RestSurface>(std::move(built)));
@@ -88,7 +89,8 @@ void Simulation::Impl::chooseLoads() {
 void Simulation::Impl::setTools(std::vector<tool::ToolParams> given) {
   for (const tool::ToolParams& tool : given)
     if (tool.shape.kind == geometry::Solid::Kind::kMesh && !tool.shape.mesh)
-      throw InputError("tool " + quote(tool.id) + " shape.mesh.file: found one that has not been read; accepted: vertices and triangles");
+      throw InputError("tool " + quote(tool.id) +
+                       " shape.mesh.file: found one that has not been read; accepted: vertices and triangles");
   for (const tool::ToolParams& tool : given)
     if (cutting && tool.mode == tool::Mode::kCut && (params.output.resample || params.mass_spring.volume_stiffness > 0.0))
       throw InputError("tool " + quote(tool.id) + " mode: found cut on a surface that " +
@@ -185,7 +187,8 @@ void Simulation::Impl::applyMaterial() {
 // Back to the stated stiffness, until the next reset.
 void Simulation::Impl::stiffenMembrane(const std::string& why) {
   if (membrane_share == 1.0) return;
-  share_notice = "the membrane, of which " + formatReal(membrane_share) + " of the stated stiffness acted, has all of it again: " + why;
+  share_notice =
+      "the membrane, of which " + formatReal(membrane_share) + " of the stated stiffness acted, has all of it again: " + why;
   membrane_share = 1.0;
   applyMaterial();
   if (estimator) estimator->stiffenMembrane();
@@ -223,8 +226,8 @@ void Simulation::Impl::takePhysics() {
   setParts();
 }
 
-// Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once, before
-// the first tool.
+// Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once,
+// before the first tool.
 void Simulation::Impl::findContactRate() {
   State at_rest;
   at_rest.positions = rest.points;

@@ -1,5 +1,5 @@
-// What is measured of a simulation's state, and the surface that is made of it. Apart from the step, because both are made only when
-// somebody asks.
+// What is measured of a simulation's state, and the surface that is made of it. Apart from the step, because both are made only
+// when somebody asks.
 #include "simulation_impl.h"
 
 #include <algorithm>

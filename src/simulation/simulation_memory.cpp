@@ -1,5 +1,5 @@
-// What a simulation hands out of itself: snapshots, and forks that go their own way. Apart from its life, because here stands what
-// belongs to the state, what is shared for ever and what can be made anew.
+// What a simulation hands out of itself: snapshots, and forks that go their own way. Apart from its life, because here stands
+// what belongs to the state, what is shared for ever and what can be made anew.
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
@@ -31,13 +31,41 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
 std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) const {
   Statistics now = statistics;
   readEstimate(now);
-  return std::make_shared<const Snapshot::Contents>(Snapshot::Contents{
-      scene_hash, state, steps, time(), pinned, pinned_turns, gravity.gravity, forces.all(), tools, values, membrane_share, softening, params.integrator.type,
-      particles ? particles->lattice().spacing : 0.0, findPhysics(params),
-      system.damping(), contact_rate, grips.all(), contact.all(), cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
-      surface.saveCut(), track.seen(), march.memory(), part ? part->march().memory() : part_march, part && !activity.isAsleep(), followed, activity.memory(),
-      tool_watch.memory(), surface.saveInserted(), estimator && !is_sight ? estimator->memory() : nullptr, std::move(now), is_sight,
-      estimator != nullptr, surface.revision()});
+  return std::make_shared<const Snapshot::Contents>(
+      Snapshot::Contents{scene_hash,
+                         state,
+                         steps,
+                         time(),
+                         pinned,
+                         pinned_turns,
+                         gravity.gravity,
+                         forces.all(),
+                         tools,
+                         values,
+                         membrane_share,
+                         softening,
+                         params.integrator.type,
+                         particles ? particles->lattice().spacing : 0.0,
+                         findPhysics(params),
+                         system.damping(),
+                         contact_rate,
+                         grips.all(),
+                         contact.all(),
+                         cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
+                         surface.saveCut(),
+                         track.seen(),
+                         march.memory(),
+                         part ? part->march().memory() : part_march,
+                         part && !activity.isAsleep(),
+                         followed,
+                         activity.memory(),
+                         tool_watch.memory(),
+                         surface.saveInserted(),
+                         estimator && !is_sight ? estimator->memory() : nullptr,
+                         std::move(now),
+                         is_sight,
+                         estimator != nullptr,
+                         surface.revision()});
 }
 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
@@ -134,14 +162,16 @@ std::size_t Snapshot::bytes() const {
   if (!contents_) return 0;
   const Contents& c = *contents_;
   std::size_t sum = sizeof(Contents) + bytesOf(c.state.positions) + bytesOf(c.state.velocities) + bytesOf(c.state.orientations) +
-                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.state.plastic) + bytesOf(c.pinned) + bytesOf(c.pinned_turns) +
-                    bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.followed) + bytesOf(c.cuts) + bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
+                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.state.plastic) + bytesOf(c.pinned) +
+                    bytesOf(c.pinned_turns) + bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.followed) + bytesOf(c.cuts) +
+                    bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
   if (c.severed) sum += bytesOf(*c.severed);
   for (const ContactLoad::Body& body : c.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
   for (const ToolWatch::Seen& seen : c.watched) sum += sizeof seen;
   for (const NamedForces::Named& force : c.forces) sum += sizeof force + bytesOf(force.points) + bytesOf(force.shares);
   for (const tool::ToolParams& tool : c.tools) sum += sizeof tool + bytesOf(tool.path);
-  for (const Grips::Grip& grip : c.grips) sum += sizeof grip + bytesOf(grip.tool.path) + bytesOf(grip.points) + bytesOf(grip.places);
+  for (const Grips::Grip& grip : c.grips)
+    sum += sizeof grip + bytesOf(grip.tool.path) + bytesOf(grip.points) + bytesOf(grip.places);
   if (c.resampler) sum += c.resampler->bytes();
   if (c.estimate)
     sum += bytesOf(c.estimate->dents) + c.estimate->shadow.bytes() + c.estimate->twin.bytes() + c.estimate->verlet.bytes();

@@ -13,8 +13,8 @@
 
 namespace deformable_surface::simulation {
 
-// In this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer, normals, markers)
-// is made when somebody asks for it.
+// In this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer, normals,
+// markers) is made when somebody asks for it.
 StepOutcome Simulation::Impl::step() {
   const Timer timer;
   const double dt = params.integrator.time_step;

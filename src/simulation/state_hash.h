@@ -1,4 +1,5 @@
-// What tells two states apart: a hash of every bit of a state. Apart from the simulation, because snapshots and tests of points need it too.
+// What tells two states apart: a hash of every bit of a state. Apart from the simulation, because snapshots and tests of points
+// need it too.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"

@@ -19,7 +19,8 @@ void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) 
 bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs(); }
 
 bool isSame(const geometry::Solid& a, const geometry::Solid& b) {
-  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal && a.offset == b.offset && a.mesh == b.mesh;
+  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal &&
+         a.offset == b.offset && a.mesh == b.mesh;
 }
 
 // But for the path and when it acts.

@@ -1,5 +1,5 @@
-// Which tools have changed their place since the last look, and where that can be felt: what wakes a surface that sleeps. Apart from
-// contact, which asks for forces at an instant.
+// Which tools have changed their place since the last look, and where that can be felt: what wakes a surface that sleeps. Apart
+// from contact, which asks for forces at an instant.
 #pragma once
 
 #include "deformable_surface/tool/tool.h"
@@ -13,8 +13,9 @@ class ToolWatch {
   /// Has seen no tool.
   void reset() { seen_.clear(); }
 
-  /// Looks at the tools as they are at a time (s). Returns a box (m) around what each can act on, before and after, for those that are
-  /// other than at the last look: moved, begun, ended, new, gone or made another. Empty if none is. Valid until the next look.
+  /// Looks at the tools as they are at a time (s). Returns a box (m) around what each can act on, before and after, for those
+  /// that are other than at the last look: moved, begun, ended, new, gone or made another. Empty if none is. Valid until the next
+  /// look.
   const std::vector<Eigen::AlignedBox3d>& look(const std::vector<tool::ToolParams>& tools, double time);
   /// What the last look returned.
   const std::vector<Eigen::AlignedBox3d>& changed() const { return changed_; }

@@ -64,7 +64,8 @@ double TrackLoad::residual(const model::State& state) const {
 void TrackLoad::addForces(double, const model::State& state, Points& forces) const {
   const double damping = 2.0 * std::sqrt(gain_);
   for (const Seen& s : seen_) {
-    const double pull = gain_ * s.normal.dot(s.place - state.positions[s.point]) - damping * s.normal.dot(state.velocities[s.point]);
+    const double pull =
+        gain_ * s.normal.dot(s.place - state.positions[s.point]) - damping * s.normal.dot(state.velocities[s.point]);
     forces[s.point] += masses_[s.point] * pull * s.normal;
   }
 }

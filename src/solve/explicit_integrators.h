@@ -29,8 +29,8 @@ class SymplecticEuler : public Integrator {
 
 /// Half kick, drift, half kick. Second order, no drift of energy, exact in free fall. Forces that depend on velocity are
 /// taken at predicted velocities, which keeps the order; damping by mass is applied exactly, half before and half after.
-/// Slow forces may act in kicks at the ends of outer steps of several sub-steps (the impulse method r-RESPA [Tuckerman 1992]): it is
-/// symmetric, so the order stays, and symplectic.
+/// Slow forces may act in kicks at the ends of outer steps of several sub-steps (the impulse method r-RESPA [Tuckerman 1992]): it
+/// is symmetric, so the order stays, and symplectic.
 class VelocityVerlet : public Integrator {
  public:
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;

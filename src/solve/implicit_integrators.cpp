@@ -9,7 +9,8 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kUntouched = 1e-6;    // of the forces, the most a stage may leave without an iteration: the momentum brought along hides more
+constexpr double kUntouched =
+    1e-6;  // of the forces, the most a stage may leave without an iteration: the momentum brought along hides more
 constexpr double kGrowth = 10.0;       // of the pseudo time step after a full Newton step
 constexpr double kShrink = 0.1;        // after a step that had to be cut or failed
 constexpr double kFirstStep = 1.0;     // of the caller's step
@@ -23,7 +24,8 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
-// Takes from the motion relative to the mean what exceeds the limit, J. A free body keeps its momentum; a held one has none to keep.
+// Takes from the motion relative to the mean what exceeds the limit, J. A free body keeps its momentum; a held one has none to
+// keep.
 void limitKineticEnergy(const System& system, double limit, State& state) {
   const double kinetic = system.kineticEnergy(state);
   if (!(kinetic > limit)) return;
@@ -37,15 +39,16 @@ void limitKineticEnergy(const System& system, double limit, State& state) {
   }
   mean = any_held ? Vec3::Zero() : Vec3(mean / mass);
   const double of_mean = 0.5 * mass * mean.squaredNorm();
-  const double scale = std::sqrt(std::max(0.0, limit - of_mean) / std::max(kinetic - of_mean, std::numeric_limits<double>::min()));
+  const double scale =
+      std::sqrt(std::max(0.0, limit - of_mean) / std::max(kinetic - of_mean, std::numeric_limits<double>::min()));
   for (Index i = 0; i < state.size(); ++i)
     if (!system.isHeld(i)) state.velocities[i] = mean + std::min(1.0, scale) * (state.velocities[i] - mean);
 }
 
 }  // namespace
 
-void ImplicitStage::solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy,
-                          State& state, SolveReport& report) {
+void ImplicitStage::solve(const System& system, double time, double step, const Points& from, const Points& velocity,
+                          double energy, State& state, SolveReport& report) {
   const Index n = state.size();
   from_ = from;
   // Damping by mass adds c m (x - from) / h to the balance: a heavier weight about a target nearer to `from`.
@@ -164,7 +167,8 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
       safe_energy = system.potentialEnergy(time + step, state);
     }
     for (Index i = 0; i < n; ++i) weight_[i] = system.masses()[i] / (pseudo_step * pseudo_step);
-    const NewtonDescent::Problem problem{system, time + step, 0.0, safe_, anchor_, weight_, std::max(params_.tolerance * scale, rounding)};
+    const NewtonDescent::Problem problem{
+        system, time + step, 0.0, safe_, anchor_, weight_, std::max(params_.tolerance * scale, rounding)};
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();

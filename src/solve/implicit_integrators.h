@@ -6,24 +6,25 @@
 
 namespace deformable_surface::solve {
 
-/// One implicit stage: finds x and v = (x - from) / step with  m (v - velocity) / step = F(time, x, v) - c m v  on the free points, as
-/// the minimum of  w/2 |x - y|^2 + E(x) + U(x),  by Newton steps with line search. A single Newton step would not be stable: it can
-/// raise the energy a hundredfold.
+/// One implicit stage: finds x and v = (x - from) / step with  m (v - velocity) / step = F(time, x, v) - c m v  on the free
+/// points, as the minimum of  w/2 |x - y|^2 + E(x) + U(x),  by Newton steps with line search. A single Newton step would not be
+/// stable: it can raise the energy a hundredfold.
 class ImplicitStage {
  public:
   explicit ImplicitStage(const IntegratorParams& params) : params_(params) {}
 
-  /// from (n x 3) m and velocity (n x 3) m/s: what the stage departs from. The search begins at the inertial guess where its potential is
-  /// at most `energy`, else at state.positions: from there every descent ends below. Overwrites state, adds to report.
-  void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy, State& state,
-             SolveReport& report);
+  /// from (n x 3) m and velocity (n x 3) m/s: what the stage departs from. The search begins at the inertial guess where its
+  /// potential is at most `energy`, else at state.positions: from there every descent ends below. Overwrites state, adds to
+  /// report.
+  void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy,
+             State& state, SolveReport& report);
   /// Of the solutions from now on, see Integrator.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
 
-  /// One step of implicit Euler from `before`, which state is. First order, stable at every step, and it damps: a mode of frequency w
-  /// loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse, buckling) the
-  /// minimum alone could still gain kinetic energy; what exceeds the energy there was before, plus the work of forces without a
-  /// potential, is taken from the motion relative to the mean.
+  /// One step of implicit Euler from `before`, which state is. First order, stable at every step, and it damps: a mode of
+  /// frequency w loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse,
+  /// buckling) the minimum alone could still gain kinetic energy; what exceeds the energy there was before, plus the work of
+  /// forces without a potential, is taken from the motion relative to the mean.
   SolveReport takeEulerStep(const System& system, double time, double step, const State& before, State& state);
 
   /// Work of the forces without a potential from the last solve's `from` to its end, J.
@@ -37,9 +38,9 @@ class ImplicitStage {
   std::vector<double> weight_;
 };
 
-/// Two implicit stages of the same length, the second of which is the end of the step: second order, exact in free fall, stable at
-/// every step, and fast modes still die out [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above what it was plus the
-/// work of forces without a potential: a small excess is taken from the motion relative to the mean, and where
+/// Two implicit stages of the same length, the second of which is the end of the step: second order, exact in free fall, stable
+/// at every step, and fast modes still die out [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above what
+/// it was plus the work of forces without a potential: a small excess is taken from the motion relative to the mean, and where
 /// the potential alone exceeds it the step is one of implicit Euler.
 class ImplicitSecondOrder : public Integrator {
  public:
@@ -52,11 +53,11 @@ class ImplicitSecondOrder : public Integrator {
   Points from_, velocity_;
 };
 
-/// Each step is the equilibrium under the loads at its end; velocities are zero. Newton steps in the energy with a proximal weight
-/// M / h^2 that is lowered while they succeed (pseudo-transient continuation), so that a flat sheet without stiffness against
-/// its load is led to the equilibrium instead of thrown. Where a whole step would raise the energy it is taken on trial, as what
-/// turns far stretches at first and the next steps take that back; if these do not end lower than before the trial, it is undone
-/// and the step is cut (the watchdog technique [Chamberlain et al. 1982]).
+/// Each step is the equilibrium under the loads at its end; velocities are zero. Newton steps in the energy with a proximal
+/// weight M / h^2 that is lowered while they succeed (pseudo-transient continuation), so that a flat sheet without stiffness
+/// against its load is led to the equilibrium instead of thrown. Where a whole step would raise the energy it is taken on trial,
+/// as what turns far stretches at first and the next steps take that back; if these do not end lower than before the trial, it is
+/// undone and the step is cut (the watchdog technique [Chamberlain et al. 1982]).
 class StaticSolver : public Integrator {
  public:
   explicit StaticSolver(const IntegratorParams& params) : params_(params) {}

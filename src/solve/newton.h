@@ -39,11 +39,11 @@ class NewtonDescent {
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
-  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, or the factor of the last iteration
-  /// where that probably ends the search, and moves state.positions
-  /// along the Newton direction, halving the step until Phi falls by Armijo's rule.
-  /// tentative: the whole step is taken even if Phi rises, as long as it stays finite; and where several such steps in a row had
-  /// no definite matrix, a multiple of the masses is added to the exact one, as the projected one hardly leaves a saddle.
+  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, or the factor of the last
+  /// iteration where that probably ends the search, and moves state.positions along the Newton direction, halving the step until
+  /// Phi falls by Armijo's rule. tentative: the whole step is taken even if Phi rises, as long as it stays finite; and where
+  /// several such steps in a row had no definite matrix, a multiple of the masses is added to the exact one, as the projected one
+  /// hardly leaves a saddle.
   struct Step {
     double fraction;  // of the direction; 0 if no descent was found (the state is then unchanged)
     bool raised;      // Phi did not fall by the rule

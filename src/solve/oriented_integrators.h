@@ -6,9 +6,10 @@
 
 namespace deformable_surface::solve {
 
-/// Half kick, drift, half kick for positions and, in the same sub-steps, orientations: the spins are kicked by torques and orientations
-/// drift by the exact exponential, q <- exp(dt w / 2) q. With moments of inertia that are the same about every axis there is no
-/// gyroscopic torque and the whole is symplectic and time-reversible (numerics: Verlet on SO(3), splitting). Second order.
+/// Half kick, drift, half kick for positions and, in the same sub-steps, orientations: the spins are kicked by torques and
+/// orientations drift by the exact exponential, q <- exp(dt w / 2) q. With moments of inertia that are the same about every axis
+/// there is no gyroscopic torque and the whole is symplectic and time-reversible (numerics: Verlet on SO(3), splitting). Second
+/// order.
 class OrientedVerlet : public Integrator {
  public:
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
@@ -20,9 +21,9 @@ class OrientedVerlet : public Integrator {
   State predicted_;
 };
 
-/// The equilibrium under the loads at the end of the step by FIRE [Bitzek 2006, with the corrections of Guenole 2020]: Newtonian motion
-/// whose velocity is turned towards the force and stopped whenever it runs uphill. Positions and orientations move together, measured
-/// by the kinetic energy, so that no scale between them has to be given. The state it leaves is at rest.
+/// The equilibrium under the loads at the end of the step by FIRE [Bitzek 2006, with the corrections of Guenole 2020]: Newtonian
+/// motion whose velocity is turned towards the force and stopped whenever it runs uphill. Positions and orientations move
+/// together, measured by the kinetic energy, so that no scale between them has to be given. The state it leaves is at rest.
 class FireRelaxation : public Integrator {
  public:
   explicit FireRelaxation(const IntegratorParams& params) : params_(params) {}

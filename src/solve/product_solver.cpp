@@ -7,8 +7,9 @@ namespace deformable_surface::solve {
 namespace {
 
 constexpr int kMostProducts = 1000;       // far more than any matrix needs that the preconditioner knows anything of
-constexpr double kLeast = 1e-8;           // of the first residual: what rounding may leave, and the next direction finds what is less
-constexpr double kRegularization = 1e-9;  // of the largest stiffness of a point, where neither weight nor stiffness resists a motion
+constexpr double kLeast = 1e-8;  // of the first residual: what rounding may leave, and the next direction finds what is less
+constexpr double kRegularization =
+    1e-9;  // of the largest stiffness of a point, where neither weight nor stiffness resists a motion
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
   return {points.data()->data(), 3 * static_cast<Eigen::Index>(points.size())};
@@ -29,7 +30,8 @@ void ProductSolver::prepare(const System& system, double time, const State& stat
   loads_.begin(n);
   system.addStiffness(time, state, step, hessian, loads_);
   loads_.finish();
-  has_load_stiffness_ = std::any_of(loads_.values().begin(), loads_.values().end(), [](const Mat3& block) { return !block.isZero(0.0); });
+  has_load_stiffness_ =
+      std::any_of(loads_.values().begin(), loads_.values().end(), [](const Mat3& block) { return !block.isZero(0.0); });
   if (known_weight_.empty()) {
     std::vector<std::pair<Index, Index>> pairs;
     for (const auto& coupling : system.couplings()) pairs.emplace_back(coupling.i, coupling.j);

@@ -15,12 +15,13 @@ constexpr double kWider = 1.2;           // by which the stable step must exceed
 constexpr Index kWideFor = 100;          // for so many steps: the stretch of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
-constexpr double kCalm = 0.01;           // of the energy in motion and stretch: what the account may be off for bold steps to go on
+constexpr double kCalm = 0.01;  // of the energy in motion and stretch: what the account may be off for bold steps to go on
 constexpr double kCalmSlow = 0.001;      // the same for outer steps, whose resonances then heat the surface by no more
 constexpr double kRest = 1e-6;           // of the same in motion: such a surface settles, and outer steps hold it off its balance
-constexpr Index kCautious = 100;         // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
-constexpr double kForget = 0.1;          // per step, of what outer steps put in and damping took out: such a balance settles in ten steps
-constexpr double kHeated = 0.1;          // of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007
+constexpr Index kCautious = 100;  // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
+constexpr double kForget = 0.1;  // per step, of what outer steps put in and damping took out: such a balance settles in ten steps
+constexpr double kHeated =
+    0.1;  // of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007
 constexpr Index kResonant = 1000;        // steps before outer steps are tried again
 constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
@@ -123,7 +124,8 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
 void TimeMarch::refreshStableStep(double time, const State& state) {
   const double stretch = model_.maxStretch(state);
   // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
-  if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory) return;
+  if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory)
+    return;
   memory_.stable_step = stable_step_.estimate(time, state, system_);
   memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
   memory_.max_slow_step = 2.0 / std::sqrt(system_.boundSlowRate(state));
@@ -156,8 +158,8 @@ SolveReport TimeMarch::advance(double time, double share, State& state) {
   return total;
 }
 
-// Verlet's sub-steps, each at most a share of the safe one, are taken in portions between which the stable step is looked at again:
-// within a long step the surface can become another.
+// Verlet's sub-steps, each at most a share of the safe one, are taken in portions between which the stable step is looked at
+// again: within a long step the surface can become another.
 SolveReport TimeMarch::advancePart(double time, double part, double share, State& state) {
   const Index needed = estimatesStableStep() ? countSubsteps(part, share * memory_.max_substep) : 1;
   if (memory_.type == IntegratorType::kSymplecticEuler && needed > kHopeless) {
@@ -243,7 +245,8 @@ EnergyGuard::Allowance TimeMarch::allowance() const {
 }
 
 bool TimeMarch::isInSpace(const State& state) const {
-  return std::all_of(state.positions.begin(), state.positions.end(), [](const Vec3& x) { return (x.array().abs() <= kMaxLength).all(); });
+  return std::all_of(state.positions.begin(), state.positions.end(),
+                     [](const Vec3& x) { return (x.array().abs() <= kMaxLength).all(); });
 }
 
 // What was wrong with the step, as the end of "a step ...".
@@ -298,7 +301,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
   // Where sub-steps became too many the step was implicit already, and would be again.
   bool was_implicit = is_too_stiff_;
-  for (double share = 0.5; !sound && !was_implicit && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare;
+  for (double share = 0.5;
+       !sound && !was_implicit && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare;
        share *= 0.5) {
     const std::string failure = describeFailure(report, state);
     goBack(time, state);
@@ -307,8 +311,10 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
     was_implicit = is_too_stiff_;
   }
-  const bool may_change = params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
-  for (Index parts = was_implicit ? 2 : 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0; parts *= 2) {
+  const bool may_change =
+      params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
+  for (Index parts = was_implicit ? 2 : 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0;
+       parts *= 2) {
     // What the implicit method carries away is carried away: it does not overshoot.
     if (was_implicit && !isInSpace(state)) break;
     retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
@@ -333,8 +339,8 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   }
   guard_.commit();
   if (!report.converged)
-    appendNotice(outcome.notice, "the solver stopped after " + std::to_string(report.iterations) + " iterations with an unbalanced force of " +
-                               std::to_string(report.residual) + " N");
+    appendNotice(outcome.notice, "the solver stopped after " + std::to_string(report.iterations) +
+                                     " iterations with an unbalanced force of " + std::to_string(report.residual) + " N");
   return outcome;
 }
 

@@ -65,7 +65,8 @@ bool BladeSweep::wentBetween(const Vec3& a_before, const Vec3& a_after, const Ve
   if (!(geometry::findSignedDistance(solid_, toTool(poses_.front(), middle), reach).distance <= reach)) return false;
   for (std::size_t k = 0; k < poses_.size(); ++k) {
     const double share = static_cast<double>(k) / (poses_.size() - 1);
-    if (isBetween(solid_, toTool(poses_[k], a_before + share * (a_after - a_before)), toTool(poses_[k], b_before + share * (b_after - b_before))))
+    if (isBetween(solid_, toTool(poses_[k], a_before + share * (a_after - a_before)),
+                  toTool(poses_[k], b_before + share * (b_after - b_before))))
       return true;
   }
   return false;

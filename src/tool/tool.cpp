@@ -13,7 +13,8 @@ Pose makePose(const WaypointParams& w) {
 }  // namespace
 
 Pose interpolate(const std::vector<WaypointParams>& path, double time) {
-  const auto next = std::upper_bound(path.begin(), path.end(), time, [](double t, const WaypointParams& w) { return t < w.time; });
+  const auto next =
+      std::upper_bound(path.begin(), path.end(), time, [](double t, const WaypointParams& w) { return t < w.time; });
   if (next == path.begin()) return makePose(path.front());
   if (next == path.end()) return makePose(path.back());
   const WaypointParams& last = *(next - 1);
@@ -28,11 +29,14 @@ std::string findProblem(const std::vector<WaypointParams>& path) {
     const std::string place = "path[" + std::to_string(i) + "].";
     if (!std::isfinite(path[i].time)) return place + "time: found a value that is not finite; accepted: any finite number";
     if (i > 0 && !(path[i - 1].time < path[i].time))
-      return place + "time: found " + formatReal(path[i].time) + " after " + formatReal(path[i - 1].time) + "; accepted: ascending times";
+      return place + "time: found " + formatReal(path[i].time) + " after " + formatReal(path[i - 1].time) +
+             "; accepted: ascending times";
     if (!(path[i].position.array().abs() <= kMaxLength).all())
-      return place + "position: found a coordinate that is not finite or too large; accepted: up to " + formatReal(kMaxLength) + " m";
+      return place + "position: found a coordinate that is not finite or too large; accepted: up to " + formatReal(kMaxLength) +
+             " m";
     if (!(std::abs(path[i].orientation.norm() - 1.0) <= kLengthTolerance))
-      return place + "orientation: found a quaternion of length " + formatReal(path[i].orientation.norm()) + "; accepted: length 1";
+      return place + "orientation: found a quaternion of length " + formatReal(path[i].orientation.norm()) +
+             "; accepted: length 1";
   }
   return "";
 }
@@ -40,7 +44,8 @@ std::string findProblem(const std::vector<WaypointParams>& path) {
 Motion findMotion(const std::vector<WaypointParams>& path, double time) {
   Motion motion;
   motion.origin = interpolate(path, time).position;
-  const auto next = std::upper_bound(path.begin(), path.end(), time, [](double t, const WaypointParams& w) { return t < w.time; });
+  const auto next =
+      std::upper_bound(path.begin(), path.end(), time, [](double t, const WaypointParams& w) { return t < w.time; });
   if (next == path.begin() || next == path.end()) return motion;
   const Pose a = makePose(*(next - 1)), b = makePose(*next);
   const double duration = next->time - (next - 1)->time;

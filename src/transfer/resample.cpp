@@ -205,8 +205,8 @@ std::size_t Resampler::bytes() const {
   std::size_t links = 0;
   for (const std::vector<Index>& list : adjacent_) links += list.size();
   return sizeof(Vec3) * (dense_.size() + normals_.size() + inserted_rest_.size() + inserted_normals_.size()) +
-         sizeof(std::pair<Index, Index>) * parents_.size() + sizeof(std::vector<Index>) * adjacent_.size() + sizeof(Index) * links +
-         sizeof(double) * (spacing_.size() + too_long_.size()) + sizeof(Link) * links_.size();
+         sizeof(std::pair<Index, Index>) * parents_.size() + sizeof(std::vector<Index>) * adjacent_.size() +
+         sizeof(Index) * links + sizeof(double) * (spacing_.size() + too_long_.size()) + sizeof(Link) * links_.size();
 }
 
 }  // namespace deformable_surface::transfer

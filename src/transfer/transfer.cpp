@@ -1,5 +1,5 @@
-// The transfer operator: fitted once per rest state, applied in every frame. Applying it is one pass (transfer_pass.h) that moves as few
-// bytes as possible, because memory and not arithmetic limits it.
+// The transfer operator: fitted once per rest state, applied in every frame. Applying it is one pass (transfer_pass.h) that moves
+// as few bytes as possible, because memory and not arithmetic limits it.
 #include "deformable_surface/transfer/transfer.h"
 
 #include "deformable_surface/base/error.h"
@@ -144,7 +144,8 @@ void Transfer::findTileSources(Index tile) {
   is_listed.resize(std::max(is_listed.size(), simulation_rest_.size()), 0);
   std::vector<Index>& sources = tile_sources_[tile];
   sources.clear();
-  const std::size_t row = static_cast<std::size_t>(k_) * kLanes, first = static_cast<std::size_t>(tile) * (kTilePoints / kLanes) * row;
+  const std::size_t row = static_cast<std::size_t>(k_) * kLanes,
+                    first = static_cast<std::size_t>(tile) * (kTilePoints / kLanes) * row;
   for (std::size_t at = first, end = std::min(index_.size(), first + kTilePoints / kLanes * row); at < end; ++at) {
     if (simulation_rest_.empty() || is_listed[index_[at]]) continue;
     is_listed[index_[at]] = 1;
@@ -161,7 +162,8 @@ std::vector<Index> Transfer::sourcesOf(Index dense) const {
   return sources;
 }
 
-void Transfer::refit(const std::vector<Index>& dense, const Lists& followed, const Points& normals, const TransferParams& params) {
+void Transfer::refit(const std::vector<Index>& dense, const Lists& followed, const Points& normals,
+                     const TransferParams& params) {
   std::vector<Index> found;
   for (std::size_t p = 0; p < dense.size(); ++p) {
     const std::size_t group = dense[p] / kLanes, lane = dense[p] % kLanes;
@@ -284,9 +286,9 @@ bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, con
   return rank == 2;
 }
 
-// The reference is added back in double, so that far translations cost no digits. It is the mean, rounded to a power of two of the size of
-// what differs from it: so far as a share of the points can move without moving any displacement but its own, and within a factor of
-// two of the least that is left to round.
+// The reference is added back in double, so that far translations cost no digits. It is the mean, rounded to a power of two of
+// the size of what differs from it: so far as a share of the points can move without moving any displacement but its own, and
+// within a factor of two of the least that is left to round.
 void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const {
   if (simulation_now.size() != simulation_rest_.size()) {
     throw InputError("transfer: " + std::to_string(simulation_now.size()) + " positions for " +
@@ -366,7 +368,8 @@ Index Transfer::update(const Points& simulation_now, Frame& frame, Points& dense
     frame.moved_[j] = std::memcmp(&frame.displacements_[4 * j], &frame.next_displacements_[4 * j], 3 * sizeof(float)) != 0;
   for (Index tile = 0; tile < numTiles(); ++tile) {
     const std::vector<Index>& sources = tile_sources_[tile];
-    if (all || std::any_of(sources.begin(), sources.end(), [&](Index j) { return frame.moved_[j] != 0; })) frame.stale_.push_back(tile);
+    if (all || std::any_of(sources.begin(), sources.end(), [&](Index j) { return frame.moved_[j] != 0; }))
+      frame.stale_.push_back(tile);
   }
   dense_now.resize(rest_.size());
   if (normals_now) normals_now->resize(rest_.size());

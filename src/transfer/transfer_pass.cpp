@@ -51,7 +51,9 @@ DEFORMABLE_SURFACE_INLINE void store3(const Vec3x8& from, float* to) {
   store(from.z, to + 2 * kLanes);
 }
 
-DEFORMABLE_SURFACE_INLINE void multiply(const Vec3x8& a, const Vec3x8& b, Float8& dot) { dot = a.x * b.x + a.y * b.y + a.z * b.z; }
+DEFORMABLE_SURFACE_INLINE void multiply(const Vec3x8& a, const Vec3x8& b, Float8& dot) {
+  dot = a.x * b.x + a.y * b.y + a.z * b.z;
+}
 
 DEFORMABLE_SURFACE_INLINE void multiplyCross(const Vec3x8& a, const Vec3x8& b, Vec3x8& cross) {
   cross = {a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
@@ -94,7 +96,8 @@ DEFORMABLE_SURFACE_INLINE void findNormals(const Vec3x8& tangent_x, const Vec3x8
   Float8 slope_x, slope_y;
   load(frame + kSlopeX * kLanes, slope_x);
   load(frame + kSlopeY * kLanes, slope_y);
-  const Vec3x8 n = {across.x + slope_x * tangent_x.x + slope_y * tangent_y.x, across.y + slope_x * tangent_x.y + slope_y * tangent_y.y,
+  const Vec3x8 n = {across.x + slope_x * tangent_x.x + slope_y * tangent_y.x,
+                    across.y + slope_x * tangent_x.y + slope_y * tangent_y.y,
                     across.z + slope_x * tangent_x.z + slope_y * tangent_y.z};
   // One is about the tangents' squared length at rest, hence their rounding.
   Float8 square_x, square_y, squared_length, squared_area;
@@ -110,8 +113,8 @@ DEFORMABLE_SURFACE_INLINE void findNormals(const Vec3x8& tangent_x, const Vec3x8
   normal = {sound ? scale * n.x : rest.x, sound ? scale * n.y : rest.y, sound ? scale * n.z : rest.z};
 }
 
-DEFORMABLE_SURFACE_INLINE void findRatio(const Vec3x8& tangent_x, const Vec3x8& tangent_y, const Vec3x8& rest_x, const Vec3x8& rest_y,
-                                         float* ratio) {
+DEFORMABLE_SURFACE_INLINE void findRatio(const Vec3x8& tangent_x, const Vec3x8& tangent_y, const Vec3x8& rest_x,
+                                         const Vec3x8& rest_y, float* ratio) {
   Vec3x8 now, rest;
   multiplyCross(tangent_x, tangent_y, now);
   multiplyCross(rest_x, rest_y, rest);
@@ -124,7 +127,8 @@ DEFORMABLE_SURFACE_INLINE void findRatio(const Vec3x8& tangent_x, const Vec3x8& 
 }
 
 // Adds to the rest positions of as many points.
-DEFORMABLE_SURFACE_INLINE void writePositions(Index count, const double* rest, const double* reference, const float* u, double* positions) {
+DEFORMABLE_SURFACE_INLINE void writePositions(Index count, const double* rest, const double* reference, const float* u,
+                                              double* positions) {
   const double x = reference[0], y = reference[1], z = reference[2];
 #pragma GCC ivdep
   for (Index lane = 0; lane < count; ++lane) {
@@ -142,7 +146,8 @@ DEFORMABLE_SURFACE_INLINE void writeNormals(Index count, const float* normal, fl
 
 // K: the row length, 0 if not known to the compiler.
 template <int K>
-DEFORMABLE_SURFACE_INLINE void run(Index begin, Index end, const PassRows& rows, const PassMotion& motion, const PassOutput& output) {
+DEFORMABLE_SURFACE_INLINE void run(Index begin, Index end, const PassRows& rows, const PassMotion& motion,
+                                   const PassOutput& output) {
   const Index k = K > 0 ? K : rows.k;
   const Index* index = rows.index + static_cast<std::size_t>(begin) * k * kLanes;
   const float* weight = rows.weight + static_cast<std::size_t>(begin) * k * 3 * kLanes;
@@ -190,11 +195,13 @@ DEFORMABLE_SURFACE_INLINE void run(Index begin, Index end, const PassRows& rows,
   }
 }
 
-DEFORMABLE_SURFACE_WIDE void runUsual(Index begin, Index end, const PassRows& rows, const PassMotion& motion, const PassOutput& output) {
+DEFORMABLE_SURFACE_WIDE void runUsual(Index begin, Index end, const PassRows& rows, const PassMotion& motion,
+                                      const PassOutput& output) {
   run<kUsualNeighbors>(begin, end, rows, motion, output);
 }
 
-DEFORMABLE_SURFACE_WIDE void runAny(Index begin, Index end, const PassRows& rows, const PassMotion& motion, const PassOutput& output) {
+DEFORMABLE_SURFACE_WIDE void runAny(Index begin, Index end, const PassRows& rows, const PassMotion& motion,
+                                    const PassOutput& output) {
   run<0>(begin, end, rows, motion, output);
 }
 

@@ -1,5 +1,5 @@
-// The pass over the rows of a transfer operator: all that a frame runs. Apart from the operator, which is fitted once, because it knows
-// plain arrays only and is compiled for wider instructions than the rest.
+// The pass over the rows of a transfer operator: all that a frame runs. Apart from the operator, which is fitted once, because it
+// knows plain arrays only and is compiled for wider instructions than the rest.
 #pragma once
 
 #include "deformable_surface/base/types.h"

@@ -79,8 +79,8 @@ Eigen::MatrixXd formInverse(const Springs& s) {
 }
 
 // Without weights a body that is held at one end is as soft as it can be: of its softest motion sweeps alone find less than a
-// hundredth. Aggregates of some ten points, two levels of them, were found to leave a quarter at least; no motion is overdone by as
-// much as would make it grow.
+// hundredth. Aggregates of some ten points, two levels of them, were found to leave a quarter at least; no motion is overdone by
+// as much as would make it grow.
 TEST(Multigrid, IsSymmetricAndWithinAFactorOfTheInverse) {
   for (const double weight : {0.0, 1.0}) {
     const Springs s = makeLattice(16, 6, 6, weight);
@@ -92,7 +92,8 @@ TEST(Multigrid, IsSymmetricAndWithinAFactorOfTheInverse) {
       matrix(s.pairs[p].first, s.pairs[p].second) = matrix(s.pairs[p].second, s.pairs[p].first) = s.values[p];
     const Eigen::MatrixXd root = matrix.llt().matrixL();
     const Eigen::MatrixXd product = root.transpose() * inverse * root;
-    const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (product + product.transpose())).eigenvalues();
+    const Eigen::VectorXd values =
+        Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(0.5 * (product + product.transpose())).eigenvalues();
     EXPECT_GT(values[0], 0.2) << weight;
     EXPECT_LT(values[s.n - 1], 2.0) << weight;
   }

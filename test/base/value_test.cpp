@@ -155,7 +155,8 @@ TEST(ReadParams, FindsTheNearestKeyInAnotherSection) {
 }
 
 TEST(ReadParams, ListsTheKeysOfTheSectionWhereNoneIsNear) {
-  EXPECT_EQ(problemsOf(Value::Map{{"inner", Value::Map{{"weight", 1}, {"foo", 1}}}})[0], "inner.foo: unknown key; accepted: weight");
+  EXPECT_EQ(problemsOf(Value::Map{{"inner", Value::Map{{"weight", 1}, {"foo", 1}}}})[0],
+            "inner.foo: unknown key; accepted: weight");
 }
 
 TEST(ReadParams, JudgesRulesOnlyOverReadableFields) {

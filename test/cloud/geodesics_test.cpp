@@ -121,7 +121,8 @@ TEST(Geodesics, SidesOfAThinBodyAreToldApartByOrientedNormalsAtATenthOfTheSpacin
 }
 
 // Where legs are nearest their normals oppose each other; beside it they turn towards each other by less, and the gap is still no
-// wider than the spacing along the legs, which by itself costs true links a little. A link there has no part along the mean normal.
+// wider than the spacing along the legs, which by itself costs true links a little. A link there has no part along the mean
+// normal.
 TEST(Geodesics, RoundLegsAreToldApartBesideWhereTheyAreNearestToo) {
   constexpr double kRadius = 5.0, kAlong = 3.0, kLeastAlongSparse = 0.92;
   for (const double gap : {0.5, 0.75, 1.0, 1.5}) {

@@ -58,8 +58,8 @@ TEST(FillSurface, PutsALatticeInsideThatKeepsClearOfTheSurface) {
   const double spacing = std::sqrt(4.0 * kPi / 2000);
   const Interior interior = fillSurface(makeSphereDipoles(2000), sphere.points, spacing);
   EXPECT_EQ(interior.doubtful, 0.0);
-  // As many as cubes of the spacing in the ball that is left, within the layer in which they may lie or not: between the points of the
-  // surface there is room up to it.
+  // As many as cubes of the spacing in the ball that is left, within the layer in which they may lie or not: between the points
+  // of the surface there is room up to it.
   const double most = 4.0 / 3.0 * kPi / std::pow(spacing, 3), least = most * std::pow(1.0 - 0.6 * spacing, 3);
   EXPECT_GT(static_cast<double>(interior.points.size()), 0.97 * least);
   EXPECT_LT(static_cast<double>(interior.points.size()), most);
@@ -74,7 +74,8 @@ TEST(FillSurface, DoesNotMindWhichSideTheNormalsAreOn) {
   const double spacing = std::sqrt(4.0 * kPi / 500);
   SurfaceDipoles inverted = makeSphereDipoles(500);
   for (Vec3& a : inverted.areas) a = -a;
-  EXPECT_EQ(fillSurface(inverted, sphere.points, spacing).points, fillSurface(makeSphereDipoles(500), sphere.points, spacing).points);
+  EXPECT_EQ(fillSurface(inverted, sphere.points, spacing).points,
+            fillSurface(makeSphereDipoles(500), sphere.points, spacing).points);
 }
 
 TEST(FillSurface, TellsOfSurfacesThatDoNotCloseAndOfNormalsThatDoNotAgree) {

@@ -197,7 +197,8 @@ TEST(Simplification, ListsThatAreTooShortAreFilledAlikeByAnyNumberOfThreads) {
   std::vector<Simplification> results;
   for (const int threads : {1, 2, 3}) {
     setNumThreads(threads);
-    results.push_back(simplify(sheet.positions, sheet.normals, kNeighbors, 1000, {}, neighbors, std::vector<char>(sheet.size(), 0), true));
+    results.push_back(
+        simplify(sheet.positions, sheet.normals, kNeighbors, 1000, {}, neighbors, std::vector<char>(sheet.size(), 0), true));
   }
   setNumThreads(0);
   expectSound(sheet, results[0]);
@@ -220,9 +221,11 @@ TEST(Simplification, ALargeCloudIsThinnedAsEvenlyAsASmallOneInOneOrderForAnyNumb
   EXPECT_EQ(result.diameter, again.diameter);
   EXPECT_EQ(result.keepCount(0).size(), 500u);
   // As even as small clouds are (SpacesPointsEvenly), whether the count is reached by rings or by distances.
-  for (const Index count : {500, 20000, 100000}) EXPECT_LT(measureUnevenness(select(sheet, result.keepCount(count))), 0.2) << count;
+  for (const Index count : {500, 20000, 100000})
+    EXPECT_LT(measureUnevenness(select(sheet, result.keepCount(count))), 0.2) << count;
   const std::vector<Index> kept = result.keepCount(500);
-  for (const Index corner : {0, 399, 399 * 400, 400 * 400 - 1}) EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), corner)) << corner;
+  for (const Index corner : {0, 399, 399 * 400, 400 * 400 - 1})
+    EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), corner)) << corner;
 }
 
 // Two sheets a spacing apart, and a clump too small to be thinned by distances.

@@ -16,7 +16,8 @@ constexpr int kSide = 200;
 PointCloud makeSheet(bool is_shuffled) {
   PointCloud cloud;
   for (int row = 0; row < kSide; ++row)
-    for (int column = 0; column < kSide; ++column) cloud.positions.emplace_back(0.01 * column, 0.01 * row, 0.1 * std::sin(0.05 * row));
+    for (int column = 0; column < kSide; ++column)
+      cloud.positions.emplace_back(0.01 * column, 0.01 * row, 0.1 * std::sin(0.05 * row));
   if (is_shuffled) std::shuffle(cloud.positions.begin(), cloud.positions.end(), std::mt19937(5));
   cloud.normals = cloud.positions;
   for (Vec3& normal : cloud.normals) normal = Vec3(normal.x(), normal.y(), 1.0).normalized();

@@ -80,7 +80,8 @@ void checkFork(const simulation::SceneParams& p) {
 }
 
 TEST(Fork, GoesOnBitForBitWithEveryMethod) {
-  for (IntegratorType type : {IntegratorType::kAuto, IntegratorType::kVerlet, IntegratorType::kImplicit, IntegratorType::kStatic}) {
+  for (IntegratorType type :
+       {IntegratorType::kAuto, IntegratorType::kVerlet, IntegratorType::kImplicit, IntegratorType::kStatic}) {
     SCOPED_TRACE(static_cast<int>(type));
     checkFork(sceneFor(type));
   }

@@ -58,7 +58,8 @@ TEST(ConvexCell, ApproachesASphereByTangentPlanes) {
   }
   const double sphere = 4.0 / 3.0 * M_PI;
   EXPECT_GT(cell.volume(), sphere);
-  EXPECT_LT(cell.volume(), 1.02 * sphere);  // facets of area 4 pi / n are farther by half their squared radius, 4 / n, at their rims
+  EXPECT_LT(cell.volume(),
+            1.02 * sphere);  // facets of area 4 pi / n are farther by half their squared radius, 4 / n, at their rims
 }
 
 }  // namespace

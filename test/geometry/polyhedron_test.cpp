@@ -35,11 +35,13 @@ double findPlainly(const Mesh& mesh, const Vec3& p) {
     const Vec3 a = mesh.vertices[t[0]], b = mesh.vertices[t[1]], c = mesh.vertices[t[2]];
     const Vec3 n = (b - a).cross(c - a).normalized();
     const Vec3 foot = p - n.dot(p - a) * n;
-    const bool is_over = n.dot((b - a).cross(foot - a)) >= 0.0 && n.dot((c - b).cross(foot - b)) >= 0.0 && n.dot((a - c).cross(foot - c)) >= 0.0;
+    const bool is_over =
+        n.dot((b - a).cross(foot - a)) >= 0.0 && n.dot((c - b).cross(foot - b)) >= 0.0 && n.dot((a - c).cross(foot - c)) >= 0.0;
     if (is_over) nearest = std::min(nearest, std::abs(n.dot(p - a)));
     nearest = std::min({nearest, distanceToSegment(p, a, b), distanceToSegment(p, b, c), distanceToSegment(p, c, a)});
     const Vec3 x = a - p, y = b - p, z = c - p;
-    angle += 2.0 * std::atan2(x.dot(y.cross(z)), x.norm() * y.norm() * z.norm() + x.dot(y) * z.norm() + y.dot(z) * x.norm() + z.dot(x) * y.norm());
+    angle += 2.0 * std::atan2(x.dot(y.cross(z)),
+                              x.norm() * y.norm() * z.norm() + x.dot(y) * z.norm() + y.dot(z) * x.norm() + z.dot(x) * y.norm());
   }
   return std::abs(angle) > 2.0 * M_PI ? -nearest : nearest;
 }

@@ -20,7 +20,8 @@ Solid make(Solid::Kind kind) {
   return solid;
 }
 
-const Solid::Kind kKinds[] = {Solid::Kind::kSphere, Solid::Kind::kBox, Solid::Kind::kCylinder, Solid::Kind::kCone, Solid::Kind::kPlane};
+const Solid::Kind kKinds[] = {Solid::Kind::kSphere, Solid::Kind::kBox, Solid::Kind::kCylinder, Solid::Kind::kCone,
+                              Solid::Kind::kPlane};
 
 Vec3 randomPoint(std::mt19937& random) {
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -35,7 +36,8 @@ TEST(Solid, AStepOfTheDistanceAgainstTheNormalEndsOnTheSurface) {
       const Vec3 p = randomPoint(random);
       const SignedDistance d = findSignedDistance(solid, p);
       EXPECT_NEAR(d.normal.norm(), 1.0, 1e-12);
-      EXPECT_NEAR(findSignedDistance(solid, p - d.distance * d.normal).distance, 0.0, 1e-12) << static_cast<int>(kind) << " " << p.transpose();
+      EXPECT_NEAR(findSignedDistance(solid, p - d.distance * d.normal).distance, 0.0, 1e-12)
+          << static_cast<int>(kind) << " " << p.transpose();
     }
 }
 

@@ -64,7 +64,8 @@ anchors: [{point: [1, 0, 0], target: [2, 0, 0], stiffness: 5}]
 forces: [{id: pull, point: [1, 0, 0], force: [0, 0, 2], radius: 0.05, start: 0.0, end: 1.0},
          {id: push, point: [1, 0, 0], force: [0, 0, 2]}]
 force: {radius: 0.02, timeout: 1.0}
-tools: [{id: ball, mode: solid, shape: {sphere: {radius: 0.1}}, friction: 0.0, path: [{time: 0.0, position: [0, 0, 1], orientation: [0, 0, 0, 1]}]},
+tools: [{id: ball, mode: solid, shape: {sphere: {radius: 0.1}}, friction: 0.0,
+         path: [{time: 0.0, position: [0, 0, 1], orientation: [0, 0, 0, 1]}]},
         {id: floor, shape: {plane: {}}, path: [{position: [0, 0, -1]}]}]
 duration: 1.0
 threads: 2
@@ -209,11 +210,13 @@ TEST(ReadScene, RefusesWrongKinds) {
 
 TEST(ReadScene, SaysWhatIsNotBuiltYet) {
   EXPECT_TRUE(contains(problemOf("neighbors: {radius: 0.1}"), "found a number; accepted: auto"));
-  EXPECT_TRUE(contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "only oriented_particles"));
+  EXPECT_TRUE(
+      contains(problemOf("pins: [{sphere: {center: [0, 0, 0], radius: 1}, orientation: true}]"), "only oriented_particles"));
 }
 
 TEST(ReadScene, RefusesChoicesOfElasticSolidsThatDoNotGoTogether) {
-  EXPECT_TRUE(contains(problemOf("elastic_solid: {dimension: planar, fill: true}"), "elastic_solid.fill: found true for a planar solid"));
+  EXPECT_TRUE(
+      contains(problemOf("elastic_solid: {dimension: planar, fill: true}"), "elastic_solid.fill: found true for a planar solid"));
   EXPECT_TRUE(contains(problemOf("elastic_solid: {law: linear, plasticity: {yield_stress: 1}}"), "found one with law: linear"));
 }
 
@@ -250,7 +253,8 @@ TEST(ReadScene, HoldsRulesAmongFields) {
   const std::vector<std::string> anisotropic = problemsOf(bent + ", weighting: anisotropic}");
   ASSERT_EQ(anisotropic.size(), 1u);
   EXPECT_TRUE(contains(anisotropic[0], "which remember no shape; accepted: 0"));
-  EXPECT_TRUE(contains(problemOf("creases: [{sphere: {center: [0, 0, 0], radius: 1}}]"), "only oriented_particles have an orientation"));
+  EXPECT_TRUE(
+      contains(problemOf("creases: [{sphere: {center: [0, 0, 0], radius: 1}}]"), "only oriented_particles have an orientation"));
   EXPECT_EQ(problemOf("pins: [{}]"), "pins[0]: found neither of box and sphere; accepted: one");
   EXPECT_EQ(problemOf("pins: [{box: {min: [0, 0, 0], max: [0, 0, 0]}, sphere: {center: [0, 0, 0], radius: 1}}]"),
             "pins[0]: found both of box and sphere; accepted: one");

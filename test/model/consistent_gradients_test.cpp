@@ -82,7 +82,8 @@ TEST(ConsistentGradients, KnowEachPairFromBothEnds) {
       const Index j = g.fit.pairs.items[k];
       const Index* back = std::find(g.fit.pairs.begin(j), g.fit.pairs.end(j), i);
       ASSERT_NE(back, g.fit.pairs.end(j));
-      EXPECT_EQ(Vec3(rowAt(g.corrected.column, k)), Vec3(rowAt(g.corrected.row, static_cast<Index>(back - g.fit.pairs.items.data()))));
+      EXPECT_EQ(Vec3(rowAt(g.corrected.column, k)),
+                Vec3(rowAt(g.corrected.row, static_cast<Index>(back - g.fit.pairs.items.data()))));
     }
 }
 
@@ -103,8 +104,8 @@ TEST(ConsistentGradients, KeepGausssTheoremOfEveryBody) {
   EXPECT_LT(makeGradientsOf(points, Vec3::Zero()).corrected.residual, 1e-8);
 }
 
-// Points at random have some with a neighbour or two, where the theorem cannot hold: what is left is less than without the correction,
-// and rows stay of the size that fits have.
+// Points at random have some with a neighbour or two, where the theorem cannot hold: what is left is less than without the
+// correction, and rows stay of the size that fits have.
 TEST(ConsistentGradients, AreNoWorseWhereTheTheoremCannotHold) {
   std::mt19937 generator(1);
   Points points(100);

@@ -31,7 +31,8 @@ class ElasticSolidPart : public testing::TestWithParam<Variant> {
       : rest(GetParam().is_planar ? makeBox(30, 12, 1, kSpacing, 0.2) : makeBox(20, 6, 6, kSpacing, 0.2)), whole(make(rest)) {
     // Turned as a whole, and every point off its place.
     std::mt19937 generator(5);
-    const Mat3 turn = Eigen::AngleAxisd(0.7, GetParam().is_planar ? Vec3(0.0, 0.0, 1.0) : Vec3(1.0, 2.0, 2.0).normalized()).toRotationMatrix();
+    const Mat3 turn =
+        Eigen::AngleAxisd(0.7, GetParam().is_planar ? Vec3(0.0, 0.0, 1.0) : Vec3(1.0, 2.0, 2.0).normalized()).toRotationMatrix();
     for (const Vec3& x : rest) {
       Vec3 shift = 0.1 * kSpacing * randomVector(generator);
       if (GetParam().is_planar) shift.z() = 0.0;
@@ -139,7 +140,8 @@ TEST_P(ElasticSolidPart, MarksAllOnWhichAPointsForceDepends) {
   EXPECT_GT(changed, 20);
 }
 
-INSTANTIATE_TEST_SUITE_P(, ElasticSolidPart, testing::ValuesIn(kVariants), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, ElasticSolidPart, testing::ValuesIn(kVariants),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST(ElasticSolidParts, ThereAreNoneOfASolidThatMayFlow) {
   SolidOptions options;

@@ -125,7 +125,8 @@ double bendPlate(Index depth, double jitter) {
       is_given[3 * i] = is_given[3 * i + 1] = 1;
       given[i] = exact(rest[i]);
     }
-    if (std::abs(rest[i].x() - L) < 1e-9) load[i].y() = h * outside[i].x() * P / (2.0 * I) * (0.25 * D * D - rest[i].y() * rest[i].y());
+    if (std::abs(rest[i].x() - L) < 1e-9)
+      load[i].y() = h * outside[i].x() * P / (2.0 * I) * (0.25 * D * D - rest[i].y() * rest[i].y());
   }
   const Points found = solveSmall(solid, rest, is_given, given, load, a);
   double sum = 0.0;
@@ -141,7 +142,8 @@ TEST(ElasticSolidStatics, ACantileverConvergesToTheExactSolution) {
     EXPECT_LT(fine, 0.01) << jitter;
     const double order = std::log2(coarse / fine) / 2.0;
     EXPECT_GT(order, 1.5) << jitter << ": " << coarse << " " << middle << " " << fine;
-    RecordProperty(jitter > 0.0 ? "jittered" : "regular", std::to_string(coarse) + " " + std::to_string(middle) + " " + std::to_string(fine));
+    RecordProperty(jitter > 0.0 ? "jittered" : "regular",
+                   std::to_string(coarse) + " " + std::to_string(middle) + " " + std::to_string(fine));
     std::printf("cantilever, jitter %.1f: rms error %.4f %.4f %.4f, order %.2f\n", jitter, coarse, middle, fine, order);
   }
 }

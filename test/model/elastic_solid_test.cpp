@@ -85,7 +85,9 @@ TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergy) {
       SolidOptions options;
       options.params.law = law;
       const Body body = makeBody(is_planar, options);
-      const Points at = mapAll(deform(body, is_planar), Eigen::AngleAxisd(0.8, is_planar ? Vec3(Vec3::UnitZ()) : Vec3(Vec3(1, 2, 3).normalized())).toRotationMatrix());
+      const Points at =
+          mapAll(deform(body, is_planar),
+                 Eigen::AngleAxisd(0.8, is_planar ? Vec3(Vec3::UnitZ()) : Vec3(Vec3(1, 2, 3).normalized())).toRotationMatrix());
       const Points forces = forcesAt(body.solid, stateAt(at));
       std::mt19937 generator(5);
       const double h = 1e-3 * kSpacing;
@@ -118,7 +120,8 @@ TEST(ElasticSolid, HasTheEnergyOfAUniformStrainOnJitteredPoints) {
     const double volume = is_planar ? 11 * 5 * kSpacing * kSpacing * 0.001 : 6 * 4 * 4 * std::pow(kSpacing, 3);
     const double expected = volume * (mu * strain.squaredNorm() + 0.5 * lambda * strain.trace() * strain.trace());
     const Mat3 R = Eigen::AngleAxisd(2.0, Vec3::UnitZ()).toRotationMatrix();
-    EXPECT_NEAR(body.solid.elasticEnergy(stateAt(mapAll(body.rest, R * stretch))), expected, 1e-7 * expected);  // of cells, see point_volumes_test
+    EXPECT_NEAR(body.solid.elasticEnergy(stateAt(mapAll(body.rest, R * stretch))), expected,
+                1e-7 * expected);  // of cells, see point_volumes_test
   }
 }
 
@@ -139,8 +142,8 @@ TEST(ElasticSolid, HasNoMotionWithoutEnergyButRigidOnes) {
   const auto softest = [&](double stabilization) {
     SolidOptions options;
     options.params.stabilization = stabilization;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(differentiateForces(makeSolid(rest, options), rest, 1e-4 * kSpacing),
-                                                                Eigen::EigenvaluesOnly);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        differentiateForces(makeSolid(rest, options), rest, 1e-4 * kSpacing), Eigen::EigenvaluesOnly);
     const double largest = solver.eigenvalues().maxCoeff();
     EXPECT_LT(std::abs(solver.eigenvalues()[5]), 1e-7 * largest);
     return solver.eigenvalues()[6] / largest;
@@ -192,7 +195,8 @@ TEST(ElasticSolid, MultipliesByAPositiveMatrixWhereItIsAskedFor) {
     return solver.eigenvalues().minCoeff() / solver.eigenvalues().maxCoeff();
   };
   EXPECT_LT(lowest(Vec3(0.6, 0.6, 0.6), model::Hessian::kExact), -1e-3);
-  for (const Vec3& stretch : {Vec3(0.6, 0.6, 0.6), Vec3(1.0, 1.0, 0.0), Vec3(-0.7, 1.1, 0.9), Vec3(1.3, 0.9, 0.8), Vec3(1.0, 1.0, 1.0)})
+  for (const Vec3& stretch :
+       {Vec3(0.6, 0.6, 0.6), Vec3(1.0, 1.0, 0.0), Vec3(-0.7, 1.1, 0.9), Vec3(1.3, 0.9, 0.8), Vec3(1.0, 1.0, 1.0)})
     EXPECT_GT(lowest(stretch, model::Hessian::kPositive), -1e-9) << stretch.transpose();
 }
 
@@ -254,13 +258,15 @@ TEST(ElasticSolid, KnowsAStableStep) {
 // Turned inside out, flattened or crushed to a point: the forces are finite, and minus the gradient wherever there is one.
 TEST(ElasticSolid, HasForcesInWhateverStateItIs) {
   const Body body = makeBody(false);
-  for (const Vec3& squeeze : {Vec3(-0.7, 1.1, 0.9), Vec3(1.0, 1.0, 0.0), Vec3(0.0, 0.0, 0.0), Vec3(-1.2, -0.9, -0.8), Vec3(20.0, 0.01, 1.0)}) {
+  for (const Vec3& squeeze :
+       {Vec3(-0.7, 1.1, 0.9), Vec3(1.0, 1.0, 0.0), Vec3(0.0, 0.0, 0.0), Vec3(-1.2, -0.9, -0.8), Vec3(20.0, 0.01, 1.0)}) {
     const Points at = mapAll(body.rest, squeeze.asDiagonal());
     const Points forces = forcesAt(body.solid, stateAt(at));
     EXPECT_TRUE(std::isfinite(largest(forces))) << squeeze.transpose();
     EXPECT_TRUE(std::isfinite(body.solid.elasticEnergy(stateAt(at))));
   }
-  checkForcesAreMinusTheGradient(body.solid, perturb(mapAll(body.rest, Vec3(-0.7, 1.1, 0.9).asDiagonal()), 0.02 * kSpacing), kSpacing);
+  checkForcesAreMinusTheGradient(body.solid, perturb(mapAll(body.rest, Vec3(-0.7, 1.1, 0.9).asDiagonal()), 0.02 * kSpacing),
+                                 kSpacing);
   checkMomentumIsKept(body.solid, stateAt(perturb(mapAll(body.rest, Vec3(-0.7, 1.1, 0.9).asDiagonal()), 0.02 * kSpacing)));
 }
 

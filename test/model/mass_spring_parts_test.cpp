@@ -46,7 +46,8 @@ class MassSpringParts : public testing::TestWithParam<Variant> {
   }
 
   std::unique_ptr<MassSpring> build() const {
-    return std::make_unique<MassSpring>(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material, params);
+    return std::make_unique<MassSpring>(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(),
+                                        material, params);
   }
 
   // Some of the points are wanted, fewer than all are in the part, and their forces are the same.
@@ -113,7 +114,8 @@ TEST_P(MassSpringParts, ForcesDependOnTheMarkedPartnersAlone) {
   for (const Index i : points) EXPECT_EQ(after[i], before[i]);
 }
 
-INSTANTIATE_TEST_SUITE_P(, MassSpringParts, testing::ValuesIn(kVariants), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, MassSpringParts, testing::ValuesIn(kVariants),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST(MassSpringPartsOfAKeptVolume, ThereAreNone) {
   const Surface sphere = makeSphere(200, 0.3);

@@ -63,7 +63,8 @@ class MassSpringVariants : public testing::TestWithParam<Variant> {
     material.thickness = 0.02;  // thick, so that bending and membrane are of one size
     material.spring_damping = 1e-3;
     material.poisson_ratio = GetParam().params.membrane == Membrane::kSprings ? 1.0 / 3.0 : 0.2;
-    mass_spring = std::make_unique<MassSpring>(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material, GetParam().params);
+    mass_spring = std::make_unique<MassSpring>(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(),
+                                               material, GetParam().params);
   }
   double forceScale() const { return material.young_modulus * material.thickness * kLength; }
 
@@ -101,7 +102,8 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
         matrix.middleRows<3>(3 * i) /= std::sqrt(masses[i]);
         matrix.middleCols<3>(3 * i) /= std::sqrt(masses[i]);
       }
-      const double largest = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
+      const double largest =
+          Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
       const double bound = bending.boundRate(state, masses);
       EXPECT_GE(bound, largest);
       // No fit alone is stiffer than all of them, and about seventeen meet in a point.
@@ -193,7 +195,8 @@ TEST_P(MassSpringVariants, PartsOfOtherMaterialKeepEnergyAndMomentum) {
   // As it was made, to the bit.
   const Points changed = forcesAt(*mass_spring, stateAt(deformed));
   mass_spring->setMaterial(std::vector<model::PointMaterial>(parts.size()));
-  const MassSpring made(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material, GetParam().params);
+  const MassSpring made(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material,
+                        GetParam().params);
   EXPECT_EQ(forcesAt(*mass_spring, stateAt(deformed)), forcesAt(made, stateAt(deformed)));
   EXPECT_NE(changed, forcesAt(made, stateAt(deformed)));
 }
@@ -236,7 +239,8 @@ TEST(MassSpring, TrianglesCarryHomogeneousStrainsExactlyForAnyPoissonRatio) {
   for (double nu : {-0.3, 0.0, 1.0 / 3.0, 0.49}) {
     MaterialParams material;
     material.poisson_ratio = nu;
-    const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kTriangles, Bending::kNone));
+    const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material,
+                       choose(Membrane::kTriangles, Bending::kNone));
     for (const Mat2& strain : {Mat2{{1e-3, 0.0}, {0.0, 0.0}}, Mat2{{0.0, 1e-3}, {1e-3, 0.0}}, Mat2{{1e-3, 0.0}, {0.0, 1e-3}}})
       EXPECT_NEAR(energyRatio(m, s, strain, material), 1.0, 2e-3) << nu;
   }
@@ -363,7 +367,8 @@ TEST(MassSpring, CurvedRestShapeHasNoBendingEnergyAtRestAndResistsFlattening) {
   const Surface s = connect(points, normals);
   MaterialParams material;
   material.bending_rigidity = 1e-3;
-  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kTriangles, Bending::kCurvature));
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material,
+                     choose(Membrane::kTriangles, Bending::kCurvature));
   EXPECT_NEAR(m.elasticEnergy(stateAt(s.points)), 0.0, 1e-20);
   EXPECT_NEAR(m.elasticEnergy(stateAt(flat.points)) / (0.5 * 1e-3 / (radius * radius) * s.area), 1.0, 0.03);
 }
@@ -372,7 +377,8 @@ TEST(MassSpring, PublishedBendingSpringsHaveNoStiffnessAtAFlatRestState) {
   // Their energy grows with the fourth power of the curvature: ten times less curvature, ten thousand times less energy.
   const Surface s = makeSheet(15, 10, 1.0, 0.6);
   MaterialParams material;
-  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material, choose(Membrane::kTriangles, Bending::kSprings));
+  const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material,
+                     choose(Membrane::kTriangles, Bending::kSprings));
   const auto energyAtRadius = [&](double radius) {
     Points rolled = s.points;
     for (Vec3& p : rolled) p = Vec3(radius * std::sin(p.x() / radius), p.y(), radius * (1.0 - std::cos(p.x() / radius)));
@@ -400,7 +406,8 @@ TEST(MassSpring, AreaVectorsOfASphereSumToZeroAndMeasureItsAreaAndVolume) {
 
 TEST(MassSpring, VolumeStiffnessOfAnOpenSurfaceIsRefused) {
   const Surface s = makeSheet(6, 6, 1.0, 1.0);
-  EXPECT_THROW(MassSpring(s.points, s.normals, s.rings, s.area, s.isClosed(), MaterialParams(), choose(Membrane::kTriangles, Bending::kNone, 1.0)),
+  EXPECT_THROW(MassSpring(s.points, s.normals, s.rings, s.area, s.isClosed(), MaterialParams(),
+                          choose(Membrane::kTriangles, Bending::kNone, 1.0)),
                InputError);
 }
 

@@ -1,5 +1,5 @@
-// What every model must do, whatever its material: keep momentum, stay at rest at rest, not notice rigid motion, push by minus the
-// gradient of its energy, and know its stiffness.
+// What every model must do, whatever its material: keep momentum, stay at rest at rest, not notice rigid motion, push by minus
+// the gradient of its energy, and know its stiffness.
 #pragma once
 
 #include "../support/dense.h"

@@ -95,8 +95,9 @@ TEST(OrientedParticlesMaterial, SmoothedCurvaturesKeepThoseOfASphereAndShareWhat
   EXPECT_NEAR(s.traits[middle].rest_curvature[0], 3.0, 1e-12);  // the mean of seven
 }
 
-// Spacing over r0 with first neighbours alone and with those within a cutoff. `sharp` is the sum over all within it, `switched` the one with
-// the switch, which weakens the outer rings: both written out by another program. The slower the attraction falls, the more that takes.
+// Spacing over r0 with first neighbours alone and with those within a cutoff. `sharp` is the sum over all within it, `switched`
+// the one with the switch, which weakens the outer rings: both written out by another program. The slower the attraction falls,
+// the more that takes.
 TEST(OrientedParticlesMaterial, TheSpacingOfTheLatticeIsThatOfItsSums) {
   struct Row {
     double repulsion, attraction, cutoff, sharp, switched, apart;

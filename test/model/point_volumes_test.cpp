@@ -25,7 +25,9 @@ TEST(PointVolumes, AreAHalfOnFacesAQuarterOnEdgesAnEighthAtCorners) {
 TEST(PointVolumes, SumToTheVolumeOfAJitteredBox) {
   for (const double jitter : {0.0, 0.2, 0.4}) {
     const Points box = makeBox(9, 8, 7, 0.1, jitter);
-    EXPECT_NEAR(sumOf(model::findPointCells(box, cloud::nearestNeighbors(box, 32), Vec3::Zero()).volume), 0.8 * 0.7 * 0.6, (jitter < 0.3 ? 1e-7 : 1e-4)) << jitter;
+    EXPECT_NEAR(sumOf(model::findPointCells(box, cloud::nearestNeighbors(box, 32), Vec3::Zero()).volume), 0.8 * 0.7 * 0.6,
+                (jitter < 0.3 ? 1e-7 : 1e-4))
+        << jitter;
   }
 }
 

@@ -8,11 +8,12 @@ namespace {
 TEST(SolidBar, SinksAsTimoshenkosBeam) {
   const Problem bar = findProblem(listSolids(), "solid bar under its weight");
   for (const Variant& variant : bar.variants)
-    for (const Answer& answer : ask(bar, variant, 2)) EXPECT_LT(answer.error, 0.05) << describe(bar, variant) << ", " << answer.size;
+    for (const Answer& answer : ask(bar, variant, 2))
+      EXPECT_LT(answer.error, 0.05) << describe(bar, variant) << ", " << answer.size;
 }
 
-// The radius of contact is 0.06 m: 2.5, 3 and 4 spacings. Which points touch is decided by the spacing, so that the force is uncertain
-// by some of its square.
+// The radius of contact is 0.06 m: 2.5, 3 and 4 spacings. Which points touch is decided by the spacing, so that the force is
+// uncertain by some of its square.
 TEST(PressedBall, FeelsHertzsForceAndBetterWithMorePoints) {
   const Problem ball = findProblem(listSolids(), "ball pressed into a solid layer");
   for (const Variant& variant : ball.variants) {

@@ -21,7 +21,8 @@ TEST(HeavyElastica, IsFollowedOverFourDecades) {
 TEST(HeavyElastica, OnAGridTheErrorFallsWithTheSquareOfTheSpacing) {
   for (const char* gamma : {"0.1", "10"}) {
     const Problem problem = findProblem(listStrips(), std::string("heavy elastica, gamma ") + gamma);
-    // From fifteen points along the length on; on fewer, one-sided fits three points wide let the clamp give way, and the error falls faster.
+    // From fifteen points along the length on; on fewer, one-sided fits three points wide let the clamp give way, and the error
+    // falls faster.
     const std::vector<Answer> answers = ask(problem, problem.variants[0], 3, 1);
     EXPECT_GT(fitOrder(answers).value, 1.6) << gamma;
     EXPECT_LT(answers.back().error, 0.02) << gamma;

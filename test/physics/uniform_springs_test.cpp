@@ -14,8 +14,8 @@ constexpr Index kRows = 4;
 // whose contraction is half its strain), which is this share of the sag.
 constexpr double kHeldEdge = 0.025;
 
-/// How far the lower edge of a long sheet sinks under its weight, which acts along x, held at x = 0. finer: width of the cells over
-/// their length.
+/// How far the lower edge of a long sheet sinks under its weight, which acts along x, held at x = 0. finer: width of the cells
+/// over their length.
 double sagOf(const MassSpringParams& params, const model::MaterialParams& material, Index finer, double gravity) {
   const Index columns = static_cast<Index>(kLength / kWidth) * kRows * finer;
   const Surface s = makeSheet(columns + 1, kRows + 1, kLength, kWidth);
@@ -31,8 +31,8 @@ double sagOf(const MassSpringParams& params, const model::MaterialParams& materi
 
 // Cells of a by b, strains e1 along the weight and e2 across. Springs of one constant k in a column of cells hold
 //   U = k/2 [(rows + 1) a^2 e1^2 + rows b^2 e2^2 + 2 rows (a^2 e1 + b^2 e2)^2 / (a^2 + b^2)],
-// least for e2 = -2 a^2 e1 / (a^2 + 3 b^2); the tension is S e1 with S = dU/de1 / (a e1), the sag weight * length / (2 S). Springs
-// from the material have k = E h b / a, E h a / b and E h a b / (2 (a^2 + b^2)), halved at the edges, with which
+// least for e2 = -2 a^2 e1 / (a^2 + 3 b^2); the tension is S e1 with S = dU/de1 / (a e1), the sag weight * length / (2 S).
+// Springs from the material have k = E h b / a, E h a / b and E h a b / (2 (a^2 + b^2)), halved at the edges, with which
 //   S = E h width (1 + x^2 - (x y)^2 / (1 + y^2)),  x = a^2 / (a^2 + b^2), y = 1 - x.
 TEST(UniformSprings, SagDependsOnThePatternOfThePointsAndHardlyWithStiffnessFromTheMaterial) {
   model::MaterialParams material;

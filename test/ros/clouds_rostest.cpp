@@ -1,4 +1,5 @@
-// Clouds that come while a surface runs: the steps go on while they are decoded, built and made ready, and what came too late is counted.
+// Clouds that come while a surface runs: the steps go on while they are decoded, built and made ready, and what came too late is
+// counted.
 #include "bad_clouds.h"
 #include "node_client.h"
 
@@ -19,7 +20,8 @@ PointCloud2 makeStamped(int columns, int rows, const ros::Time& stamp) {
 }
 
 TEST(Clouds, StepsGoOnWhileALargeOneIsBuiltWhichThenTakesTheCommandsSinceItsStamp) {
-  NodeProcess process("/replaced", "{model: mass_spring, gravity: [0, 0, -0.1], activity: {sleep: never}, input: {policy: replace}}");
+  NodeProcess process("/replaced",
+                      "{model: mass_spring, gravity: [0, 0, -0.1], activity: {sleep: never}, input: {policy: replace}}");
   NodeClient client("/replaced");
   std::uint64_t step = 0;
   std::uint32_t points = 0;
@@ -61,7 +63,8 @@ TEST(Clouds, OfManyThatComeWhileOneIsBuiltTheNewestIsBuiltAndTheOthersAreCounted
     client.publish(makeStamped(20, 10 + k, ros::Time::now()));
   }
   ASSERT_TRUE(client.waitForDiagnostic("clouds received", 9.0)) << process.output();
-  ASSERT_TRUE(waitUntil([&] { return !client.frames.empty() && client.frames.back()->width * client.frames.back()->height == 20u * 18u; }, 120.0))
+  ASSERT_TRUE(waitUntil(
+      [&] { return !client.frames.empty() && client.frames.back()->width * client.frames.back()->height == 20u * 18u; }, 120.0))
       << process.output();
   ASSERT_TRUE(waitUntil([&] {
     return client.diagnostic("clouds accepted") + client.diagnostic("clouds replaced before they were built") == 9.0;

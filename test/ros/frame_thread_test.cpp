@@ -1,5 +1,5 @@
-// Moments are handed over without waiting for those that are shown: the newest is shown, those to be kept all are, and those that gave way are
-// counted.
+// Moments are handed over without waiting for those that are shown: the newest is shown, those to be kept all are, and those that
+// gave way are counted.
 #include "../../src/ros/frame_thread.h"
 
 #include <gtest/gtest.h>

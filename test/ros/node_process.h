@@ -1,5 +1,5 @@
-// A program of the package as a process of its own, with the parameters of a scene. Apart from the client that tests talk to it with,
-// because the benchmark over ROS starts its nodes in the same way.
+// A program of the package as a process of its own, with the parameters of a scene. Apart from the client that tests talk to it
+// with, because the benchmark over ROS starts its nodes in the same way.
 #pragma once
 
 #include "deformable_surface/io/scene.h"

@@ -38,7 +38,8 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
   EXPECT_LE(with, 1);
 
   std::size_t frames = 0;
-  ros::Subscriber deformed = node.subscribe<PointCloud2>("deformed", 10, [&](const sensor_msgs::PointCloud2ConstPtr&) { ++frames; });
+  ros::Subscriber deformed =
+      node.subscribe<PointCloud2>("deformed", 10, [&](const sensor_msgs::PointCloud2ConstPtr&) { ++frames; });
   ASSERT_TRUE(waitUntil([&] { return frames > 2; }));
   with = without = 0;
   ASSERT_TRUE(waitUntil([&] { return with + without > 20; }));
@@ -68,8 +69,9 @@ TEST(Publishing, SendsACloudThatHasNotChangedToWhoIsNewOnly) {
 
   // The latched one, and the surface of now.
   NodeClient late("/resting");
-  ASSERT_TRUE(waitUntil([&] { return !late.frames.empty() && late.frames.back()->header.stamp > client.frames.front()->header.stamp; }))
-      << process.output();
+  ASSERT_TRUE(waitUntil([&] {
+    return !late.frames.empty() && late.frames.back()->header.stamp > client.frames.front()->header.stamp;
+  })) << process.output();
 
   const std::size_t at_rest = client.frames.size();
   client.publish(makeForce("pull", Vec3(0.1, 0.05, 0.0), Vec3(0.0, 0.0, 1e-3)));
@@ -85,14 +87,15 @@ TEST(Publishing, UpdatesPutTogetherAreTheSurface) {
   std::map<ros::Time, std::vector<std::uint8_t>> surfaces;
   PointCloud2 surface;
   std::vector<std::uint32_t> sequence;
-  const ros::Subscriber updates = client.handle().subscribe<DeformedUpdate>("deformed_update", 100, [&](const DeformedUpdateConstPtr& m) {
-    sequence.push_back(m->sequence);
-    if (m->whole) surface = m->points;
-    for (std::size_t k = 0; k < m->indices.size(); ++k)
-      std::copy_n(m->points.data.begin() + k * surface.point_step, surface.point_step,
-                  surface.data.begin() + std::size_t{m->indices[k]} * surface.point_step);
-    surfaces[m->header.stamp] = surface.data;
-  });
+  const ros::Subscriber updates =
+      client.handle().subscribe<DeformedUpdate>("deformed_update", 100, [&](const DeformedUpdateConstPtr& m) {
+        sequence.push_back(m->sequence);
+        if (m->whole) surface = m->points;
+        for (std::size_t k = 0; k < m->indices.size(); ++k)
+          std::copy_n(m->points.data.begin() + k * surface.point_step, surface.point_step,
+                      surface.data.begin() + std::size_t{m->indices[k]} * surface.point_step);
+        surfaces[m->header.stamp] = surface.data;
+      });
   ASSERT_TRUE(waitUntil([&] { return !surfaces.empty(); })) << process.output();  // whole, though nothing moves
   ASSERT_TRUE(client.pause(false).success);
   ASSERT_TRUE(waitUntil([&] { return surfaces.size() > 20; })) << process.output();

@@ -36,8 +36,10 @@ class RobotToolsTest : public testing::Test {
   std::string makeUrdf() const {
     return "<robot name='arm'><link name='base'/>"
            "<link name='hand.1'>"
-           "<collision><origin xyz='0 0 0.5' rpy='0 1.5707963267948966 0'/><geometry><cylinder radius='0.1' length='0.4'/></geometry></collision>"
-           "<collision><origin xyz='0 0 1'/><geometry><mesh filename='file://" + (folder_ / "tip.stl").string() +
+           "<collision><origin xyz='0 0 0.5' rpy='0 1.5707963267948966 0'/><geometry><cylinder radius='0.1' "
+           "length='0.4'/></geometry></collision>"
+           "<collision><origin xyz='0 0 1'/><geometry><mesh filename='file://" +
+           (folder_ / "tip.stl").string() +
            "' scale='0.1 0.1 0.1'/></geometry></collision></link>"
            "<joint name='wrist' type='fixed'><parent link='base'/><child link='hand.1'/></joint></robot>";
   }
@@ -122,7 +124,8 @@ TEST_F(RobotToolsTest, WhatIsNotThereIsRefusedWithItsName) {
   EXPECT_NE(refusal(makeUrdf(), "foot").find("no link 'foot'"), std::string::npos);
   EXPECT_NE(refusal(makeUrdf(), "base").find("no collision geometry"), std::string::npos);
   const std::string missing =
-      "<robot name='a'><link name='l'><collision><geometry><mesh filename='file:///nowhere.stl'/></geometry></collision></link></robot>";
+      "<robot name='a'><link name='l'><collision><geometry><mesh "
+      "filename='file:///nowhere.stl'/></geometry></collision></link></robot>";
   EXPECT_NE(refusal(missing, "l").find("nowhere.stl"), std::string::npos) << refusal(missing, "l");
   EXPECT_THROW(readDescription("/nowhere.urdf"), InputError);
 }

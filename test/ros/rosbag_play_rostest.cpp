@@ -1,5 +1,5 @@
-// A recording through `rosbag play` and the node, in real time, against the same through `simulate`, offline: hash for hash. What is
-// played comes by several connections at once, and the node keeps it in order by stamps alone.
+// A recording through `rosbag play` and the node, in real time, against the same through `simulate`, offline: hash for hash. What
+// is played comes by several connections at once, and the node keeps it in order by stamps alone.
 #include "bad_clouds.h"
 #include "node_client.h"
 
@@ -80,8 +80,9 @@ std::map<std::uint64_t, std::uint64_t> simulateBag(const std::string& file) {
   const std::string scene = file + ".yaml", output = file + ".out.bag";
   std::ofstream(scene) << kScene;
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "simulate";
-  const std::string command = program + " " + scene + " --bag_in " + file + " --bag_out " + output +
-                              " --topic cloud_in=/played/cloud_in --topic force=/played/force --topic tools=/played/tools --duration 2 --quiet";
+  const std::string command =
+      program + " " + scene + " --bag_in " + file + " --bag_out " + output +
+      " --topic cloud_in=/played/cloud_in --topic force=/played/force --topic tools=/played/tools --duration 2 --quiet";
   EXPECT_EQ(std::system(command.c_str()), 0) << command;
   std::map<std::uint64_t, std::uint64_t> hashes;
   {

@@ -185,7 +185,8 @@ TEST_F(RunTimeControlTest, ARolloutShowsWhatTheSurfaceThenDoesAndDoesNotDisturbI
   const Client::GoalHandle touched = rollouts_->sendGoal(plain), still = rollouts_->sendGoal(makeGoal(0.1));
   // The surface steps while they run, once their copies are made.
   const auto has_begun = [](const Client::GoalHandle& goal) {
-    return goal.getCommState() != actionlib::CommState::WAITING_FOR_GOAL_ACK && goal.getCommState() != actionlib::CommState::PENDING;
+    return goal.getCommState() != actionlib::CommState::WAITING_FOR_GOAL_ACK &&
+           goal.getCommState() != actionlib::CommState::PENDING;
   };
   ASSERT_TRUE(waitUntil([&] { return has_begun(pushed) && has_begun(touched) && has_begun(still); })) << process_->output();
   std::vector<std::uint64_t> hashes;
@@ -298,14 +299,16 @@ TEST_F(RunTimeControlTest, ParametersChangeWhileItRunsOrStayWithAWarning) {
   ASSERT_TRUE(client_->waitForDiagnostic("commands refused", 0));
   EXPECT_EQ(set("material.young_modulus", -1.0), 1e5);
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 1)) << process_->output();
-  EXPECT_NE(process_->output().find("the old ones stay: material.young_modulus: found -1"), std::string::npos) << process_->output();
+  EXPECT_NE(process_->output().find("the old ones stay: material.young_modulus: found -1"), std::string::npos)
+      << process_->output();
 
   // A snapshot brings back what held when it was made, and says so.
   dynamic_reconfigure::Config now;
   const ros::Subscriber updates = client_->handle().subscribe<dynamic_reconfigure::Config>(
       "parameter_updates", 10, [&](const dynamic_reconfigure::ConfigConstPtr& m) { now = *m; });
   const auto has_gravity = [&](double z) {
-    return std::any_of(now.doubles.begin(), now.doubles.end(), [&](const auto& d) { return d.name == "gravity.z" && d.value == z; });
+    return std::any_of(now.doubles.begin(), now.doubles.end(),
+                       [&](const auto& d) { return d.name == "gravity.z" && d.value == z; });
   };
   EXPECT_TRUE(waitUntil([&] { return has_gravity(-3.0); }));
   ASSERT_TRUE(restore("start").success);

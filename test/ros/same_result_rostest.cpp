@@ -1,4 +1,5 @@
-// One scene through `simulate` and through the node gives the same bits; and a real scan goes through the node as a client would send it.
+// One scene through `simulate` and through the node gives the same bits; and a real scan goes through the node as a client would
+// send it.
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/ros/encode.h"
@@ -16,7 +17,8 @@
 namespace deformable_surface::node::test {
 namespace {
 
-const char* const kScene = R"({model: mass_spring, cloud: {shape: cap, points: 3000, radius: 0.25, angle: 0.7}, simplification: {target_points: 300},
+const char* const kScene =
+    R"({model: mass_spring, cloud: {shape: cap, points: 3000, radius: 0.25, angle: 0.7}, simplification: {target_points: 300},
   gravity: [0, 0, -1], pins: [{box: {min: [-0.3, -0.3, -0.2194], max: [0.3, 0.3, 0.0]}}], duration: 0.4, material: {damping: 5},
   forces: [{id: pull, point: [0, 0, -0.25], force: [0, 0, 8], radius: 0.08, start: 0.05, end: 0.3}]})";
 
@@ -150,7 +152,8 @@ TEST(RealScan, KeepsItsOrderItsHolesAndItsColoursAndMovesWhereItIsPulled) {
   message.header.frame_id = "camera";
   message.header.stamp = ros::Time::now();
 
-  NodeProcess process("/scan", "{model: mass_spring, gravity: [0, 0, 0], simplification: {target_points: 400}, material: {damping: 5}}");
+  NodeProcess process("/scan",
+                      "{model: mass_spring, gravity: [0, 0, 0], simplification: {target_points: 400}, material: {damping: 5}}");
   NodeClient client("/scan");
   ASSERT_TRUE(client.waitForNode());
   ASSERT_TRUE(client.pause(true).success);
@@ -177,7 +180,8 @@ TEST(RealScan, KeepsItsOrderItsHolesAndItsColoursAndMovesWhereItIsPulled) {
     }
     for (const cloud::ExtraField& field : scan.extra_fields) {
       if (field.type != cloud::ScalarType::kFloat32 || field.count != 1) continue;
-      const auto found = std::find_if(deformed.fields.begin(), deformed.fields.end(), [&](const auto& f) { return f.name == field.name; });
+      const auto found =
+          std::find_if(deformed.fields.begin(), deformed.fields.end(), [&](const auto& f) { return f.name == field.name; });
       ASSERT_NE(found, deformed.fields.end()) << field.name;
       ASSERT_EQ(0, std::memcmp(&field.bytes[4 * i], &deformed.data[i * deformed.point_step + found->offset], 4)) << field.name;
     }

@@ -37,7 +37,9 @@ inline std::string readFile(const std::string& file) {
   return {std::istreambuf_iterator<char>(stream), {}};
 }
 
-inline std::size_t countLines(const std::string& text) { return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')); }
+inline std::size_t countLines(const std::string& text) {
+  return static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n'));
+}
 
 class Simulate : public testing::Test {
  protected:

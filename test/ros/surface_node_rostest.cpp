@@ -1,4 +1,5 @@
-// What a client meets: the cloud that comes back, steps, files, failures and the end, with the node running in a process of its own.
+// What a client meets: the cloud that comes back, steps, files, failures and the end, with the node running in a process of its
+// own.
 #include "surface_node_fixture.h"
 
 #include <algorithm>

@@ -168,9 +168,19 @@ TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
       {[](Tool& t) { t.mode = 6; }, "mode: found 6"},
       {[](Tool& t) { t.mode = Tool::ERASE; }, "mode"},  // a sheet of springs has no particles
       {[](Tool& t) { t.shape = Tool::MESH; }, "mesh: found 0 triangles"},
-      {[](Tool& t) { t.shape = Tool::MESH; t.mesh = makeTetrahedron(); t.mesh.triangles.pop_back(); t.mesh.triangles.push_back(t.mesh.triangles[0]); },
+      {[](Tool& t) {
+         t.shape = Tool::MESH;
+         t.mesh = makeTetrahedron();
+         t.mesh.triangles.pop_back();
+         t.mesh.triangles.push_back(t.mesh.triangles[0]);
+       },
        "same direction"},
-      {[](Tool& t) { t.shape = Tool::MESH; t.mesh = makeTetrahedron(); t.mesh.triangles[0].vertex_indices[0] = 0xffffffffu; }, "found the corner"},
+      {[](Tool& t) {
+         t.shape = Tool::MESH;
+         t.mesh = makeTetrahedron();
+         t.mesh.triangles[0].vertex_indices[0] = 0xffffffffu;
+       },
+       "found the corner"},
       {[](Tool& t) { t.shape = 3; }, "shape: found 3"},
       {[](Tool& t) { t.primitive.type = 0; }, "primitive.type: found 0"},
       {[](Tool& t) { t.primitive.dimensions.clear(); }, "found 0 numbers; accepted: 1"},
@@ -178,7 +188,11 @@ TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
       {[&](Tool& t) { t.primitive.dimensions[0] = nan; }, "radius"},
       {[](Tool& t) { t.primitive.dimensions[0] = 0.0; }, "radius"},
       {[](Tool& t) { t.shape = Tool::PLANE; }, "normal"},
-      {[&](Tool& t) { t.shape = Tool::PLANE; t.plane.coef = {0, 0, 1, nan}; }, "offset"},
+      {[&](Tool& t) {
+         t.shape = Tool::PLANE;
+         t.plane.coef = {0, 0, 1, nan};
+       },
+       "offset"},
       {[&](Tool& t) { t.pose.position.x = nan; }, "pose"},
       {[](Tool& t) { t.pose.orientation.w = 2.0; }, "orientation of length 2"},
       {[&](Tool& t) { t.twist.linear.z = nan; }, "twist.linear"},
@@ -187,9 +201,18 @@ TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
       {[](Tool& t) { t.friction = -1.0; }, "friction"},
       {[&](Tool& t) { t.strength = nan; }, "strength"},
       {[](Tool& t) { t.mode = Tool::ATTRACT; }, "strength"},
-      {[](Tool& t) { t.mode = Tool::ATTRACT; t.shape = Tool::PLANE; t.plane.coef = {0, 0, 1, 0}; }, "PLANE that is to ATTRACT"},
+      {[](Tool& t) {
+         t.mode = Tool::ATTRACT;
+         t.shape = Tool::PLANE;
+         t.plane.coef = {0, 0, 1, 0};
+       },
+       "PLANE that is to ATTRACT"},
       {[](Tool& t) { t.header.frame_id = "nowhere"; }, "nowhere"},
-      {[](Tool& t) { t.action = Tool::DELETE; t.id = "other"; }, "no such tool"},
+      {[](Tool& t) {
+         t.action = Tool::DELETE;
+         t.id = "other";
+       },
+       "no such tool"},
   };
   for (std::size_t i = 0; i < wrong.size(); ++i) {
     Tool tool = makeBall("ball", Vec3(9, 9, 9));

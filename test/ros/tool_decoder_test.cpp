@@ -74,7 +74,8 @@ TEST(ToolDecoder, SurvivesAnyLengthAnywhere) {
       const DecodedTools decoded = decode(bytes);
       // Numbers may be any; lengths may not, and no tool has more than it was sent.
       for (const Tool& tool : decoded.tools) EXPECT_LE(tool.primitive.dimensions.size(), 16u) << at;
-      for (const Tool& tool : decoded.tools) EXPECT_LE(tool.mesh.triangles.size() + tool.mesh.vertices.size(), whole.size()) << at;
+      for (const Tool& tool : decoded.tools)
+        EXPECT_LE(tool.mesh.triangles.size() + tool.mesh.vertices.size(), whole.size()) << at;
       EXPECT_TRUE(at != 0 || !decoded.ok());
     }
 }

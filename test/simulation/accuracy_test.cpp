@@ -120,8 +120,8 @@ TEST(ErrorEstimate, FollowsTheCommandsThatTheSimulationGets) {
   p.gravity.setZero();
   Simulation s(p, strip());
   run(s, 2);
-  // Nothing moves but the twin, by up to a thousandth of the spacing along each axis; where a step has but one sub-step, time's factor
-  // makes four times as much of it.
+  // Nothing moves but the twin, by up to a thousandth of the spacing along each axis; where a step has but one sub-step, time's
+  // factor makes four times as much of it.
   EXPECT_LT(s.statistics().error_estimate, 5e-4);
   s.setGravity(Vec3(0.0, 0.0, -9.81));
   run(s, 20);
@@ -256,7 +256,8 @@ TEST(ErrorEstimate, OfImplicitStepsIsFromHalvedOnesWhereVerletsDoNotFitAndSaysSo
 }
 
 TEST(ErrorEstimate, OfImplicitStepsIsInfiniteWhereVerletsAreChaotic) {
-  // A jerk, in which a disturbance of the full surface grows more than a thousandfold: implicit steps damp the waves that it does so in.
+  // A jerk, in which a disturbance of the full surface grows more than a thousandfold: implicit steps damp the waves that it does
+  // so in.
   SceneParams p = saggingStrip(IntegratorType::kImplicit);
   p.simplification.target_points = 150;
   p.forces.push_back({"jerk", Vec3(0.5, 0.0, 0.0), Vec3(150.0, 0.0, 0.0), 0.1, 0.05, 1e300});
@@ -268,7 +269,8 @@ TEST(ErrorEstimate, OfImplicitStepsIsInfiniteWhereVerletsAreChaotic) {
 }
 
 TEST(ErrorEstimate, SurvivesThatAutoLeavesVerlet) {
-  // The strip is pulled so hard that it gets too stiff for the sub-steps that are allowed, and not so hard that its motion is chaotic.
+  // The strip is pulled so hard that it gets too stiff for the sub-steps that are allowed, and not so hard that its motion is
+  // chaotic.
   SceneParams p = saggingStrip(IntegratorType::kAuto);
   p.simplification.target_points = 150;
   Simulation s(p, strip());

@@ -1,5 +1,5 @@
-// What is at rest is left out of the steps: it falls asleep where it would lie without, and wakes of every cause. Parts of a surface:
-// sleeping_parts_test.cpp.
+// What is at rest is left out of the steps: it falls asleep where it would lie without, and wakes of every cause. Parts of a
+// surface: sleeping_parts_test.cpp.
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -209,7 +209,8 @@ TEST_P(ActivityCauses, WakesWhatSleeps) {
   }
 }
 
-INSTANTIATE_TEST_SUITE_P(, ActivityCauses, testing::ValuesIn(kCauses), [](const auto& info) { return std::string(info.param.name); });
+INSTANTIATE_TEST_SUITE_P(, ActivityCauses, testing::ValuesIn(kCauses),
+                         [](const auto& info) { return std::string(info.param.name); });
 
 TEST(Activity, ForcesThatEndOrAreTakenAwayAndPinsThatGoWake) {
   SceneParams p = sheetInBalance();

@@ -1,5 +1,5 @@
-// A step allocates nothing after the first, also while the surface changes so much that the stable step is measured again; nor does
-// the surface after it was asked for once.
+// A step allocates nothing after the first, also while the surface changes so much that the stable step is measured again; nor
+// does the surface after it was asked for once.
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 

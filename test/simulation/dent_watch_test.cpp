@@ -104,7 +104,8 @@ TEST(DentWatch, HasNoLoadOfShellsWhoseDentsThePointsShow) {
 // A square of 400 points that is pushed together along x.
 TEST(DentWatch, SeesFoldsOfAFlatSheetThatGrowFarUnlessTheyAreAllPoints) {
   const Surface sheet = makeSheet(20, 20, 1.0, 1.0);
-  const double shortening = 0.01, force = kStretching * (shortening - 0.5 * shortening * shortening) / (1.0 - kPoisson * kPoisson);
+  const double shortening = 0.01,
+               force = kStretching * (shortening - 0.5 * shortening * shortening) / (1.0 - kPoisson * kPoisson);
   const double k = 2.0 * 3.14159265358979 / 0.14;  // 1/m: between four spacings of the points and four of 1600 points
   model::MaterialParams m;
   m.thickness = 0.001;

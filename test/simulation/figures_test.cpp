@@ -1,5 +1,5 @@
-// The figures of the paper on meshfree elasticity with point cloud geodesics: parts of a body that are close in space move on their
-// own, and stick together where neighbours are the nearest in space.
+// The figures of the paper on meshfree elasticity with point cloud geodesics: parts of a body that are close in space move on
+// their own, and stick together where neighbours are the nearest in space.
 #include "support/figures.h"
 
 #include "deformable_surface/cloud/kd_tree.h"
@@ -34,7 +34,8 @@ TEST_P(TwoBars, TheLowerBarBendsDownUnlessNeighboursAreTheNearestInSpace) {
   SceneParams scene = loadScene(GetParam());
   scene.duration = 0.6;  // by then it has bent most of the way
   const Vec3 low(0.9, -kFar, -kFar), high(kFar, kFar, 0.0);  // the tip of the lower bar
-  Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished), euclidean = runFigure(scene, kEuclidean);
+  Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished),
+             euclidean = runFigure(scene, kEuclidean);
   const double bent = findLargestMotion(by_auto, low, high);
   EXPECT_GT(bent, 0.2);
   // With 15 true links lose a fifth of their weight (docs/geodesics.md), so that it is a softer bar.
@@ -63,7 +64,8 @@ TEST(Figures, PullingOneLegOfTrousersLeavesTheOtherWhereItIs) {
   const SceneParams scene = loadScene("trousers");
   const Vec3 low(-kFar, -kFar, -kFar), high(-0.01, 0.7, kFar);
   constexpr double kPull = 0.1;
-  Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished), euclidean = runFigure(scene, kEuclidean);
+  Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished),
+             euclidean = runFigure(scene, kEuclidean);
   EXPECT_LT(findLargestMotion(by_auto, low, high), 0.01 * kPull);
   EXPECT_LT(findLargestMotion(published, low, high), 0.01 * kPull);
   EXPECT_GT(findLargestMotion(euclidean, low, high), 0.1 * kPull);
@@ -74,7 +76,8 @@ TEST(Figures, AnArmOfTheOctopusWavesOnItsOwn) {
   const SceneParams scene = loadScene("octopus");
   const Vec3 low(-kFar, -kFar, -kFar), high(0.115, 0.0, kFar);  // the other five arms
   constexpr double kPull = 0.15;
-  Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished), euclidean = runFigure(scene, kEuclidean);
+  Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished),
+             euclidean = runFigure(scene, kEuclidean);
   EXPECT_LT(findLargestMotion(by_auto, low, high), 0.01 * kPull);
   EXPECT_LT(findLargestMotion(published, low, high), 0.01 * kPull);
   EXPECT_GT(findLargestMotion(euclidean, low, high), 0.1 * kPull);
@@ -172,7 +175,8 @@ simplification: {target_points: )") + c.points + "}");
 }
 
 // Over the edges of the faces from a point, as far as reach.
-std::map<Index, double> measureWays(const std::vector<std::vector<Index>>& edges, const Points& points, Index from, double reach) {
+std::map<Index, double> measureWays(const std::vector<std::vector<Index>>& edges, const Points& points, Index from,
+                                    double reach) {
   std::map<Index, double> ways;
   std::set<std::pair<double, Index>> open{{0.0, from}};
   while (!open.empty()) {

@@ -103,7 +103,8 @@ Off measureOff(const Points& positions, double spacing) {
   return off;
 }
 
-// How far particles stand off the mean distance of those around them (rms), in spacings: what is left of short waves of the noise.
+// How far particles stand off the mean distance of those around them (rms), in spacings: what is left of short waves of the
+// noise.
 double measureRoughness(const Points& positions, double spacing) {
   constexpr double kAround = 1.5;  // spacings
   const cloud::KdTree tree(positions);

@@ -1,5 +1,5 @@
-// A wish for an accuracy also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one whose
-// estimate stays below the wish, until what was tried has come to an end.
+// A wish for an accuracy also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one
+// whose estimate stays below the wish, until what was tried has come to an end.
 #include "../../src/simulation/integrator_choice.h"
 #include "clouds.h"
 
@@ -14,8 +14,8 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using solve::IntegratorType;
 
-// A stiff plate, clamped at one end, that a ball presses down slowly at the other: no softer membrane may stand for it, its sub-steps are
-// short, and what happens is slow.
+// A stiff plate, clamped at one end, that a ball presses down slowly at the other: no softer membrane may stand for it, its
+// sub-steps are short, and what happens is slow.
 SceneParams pressedPlate() {
   SceneParams p = hangingSheet();
   p.pins[0].region.max[0] = 0.3;

@@ -1,5 +1,5 @@
-// A wish for an accuracy also chooses how stiff the membrane acts: what that changes is part of the estimate, is below the wish, and ends
-// where it is no longer known to be.
+// A wish for an accuracy also chooses how stiff the membrane acts: what that changes is part of the estimate, is below the wish,
+// and ends where it is no longer known to be.
 #include "clouds.h"
 
 #include <gtest/gtest.h>

@@ -33,7 +33,10 @@ TEST(ParticleLife, AKnifeHeatsWhatItTouchesToItsTemperatureOrMeltsIt) {
     for (Index i = 0; i < s.state().size(); ++i) {
       const double far = (before[i] - p.tools[0].path[0].position).norm();
       const double reach = 0.2 + 0.5 * s.particles()->lattice().spacing;
-      EXPECT_EQ(s.state().traits[i].temperature, far > reach ? 0.0 : strength > 0.0 ? strength : p.oriented_particles.melting) << far;
+      EXPECT_EQ(s.state().traits[i].temperature, far > reach      ? 0.0
+                                                 : strength > 0.0 ? strength
+                                                                  : p.oriented_particles.melting)
+          << far;
       touched += far <= reach;
     }
     EXPECT_GT(touched, 10);

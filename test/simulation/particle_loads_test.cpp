@@ -65,7 +65,8 @@ TEST(ParticleLoads, PressureBlowsUpAClosedSurfaceOfThem) {
     for (const Vec3& x : s.state().positions) sum += x.norm() / static_cast<double>(s.state().size());
     radius[blown] = sum;
   }
-  // A thin sphere's strain is p R (1 - nu) / (2 E h), with nu a third. No sphere is a lattice: its defects change that by some per cent.
+  // A thin sphere's strain is p R (1 - nu) / (2 E h), with nu a third. No sphere is a lattice: its defects change that by some
+  // per cent.
   const double strain = 10.0 * 0.5 * (2.0 / 3.0) / (2.0 * p.material.young_modulus * p.material.thickness);
   EXPECT_NEAR(radius[1] / radius[0] - 1.0, strain, 0.15 * strain);
 }

@@ -54,8 +54,8 @@ double meanShift(const Simulation& s, double x) {
   return sum / count;
 }
 
-// In series the soft half takes all of the strain: F L / (E h w). The triangles at the border, a spacing wide, are as good as stiff,
-// wherever in them the border lies.
+// In series the soft half takes all of the strain: F L / (E h w). The triangles at the border, a spacing wide, are as good as
+// stiff, wherever in them the border lies.
 TEST(Regions, ASheetWithAMuchStifferHalfStretchesInTheOtherHalf) {
   constexpr Index n = 21;
   for (const double ratio : {1e6, 1e-4}) {
@@ -68,7 +68,8 @@ TEST(Regions, ASheetWithAMuchStifferHalfStretchesInTheOtherHalf) {
       s.setForce({"draw" + std::to_string(k), Vec3(1.0, y, 0.0), Vec3(pull * kPull * share, 0.0, 0.0), 0.0, 0.0, 1e300});
     }
     run(s, 1);
-    const double spacing = 1.0 / (n - 1), strain = pull * kPull / soft, expected = ratio > 1.0 ? (0.5 - spacing) * strain : 0.5 * strain;
+    const double spacing = 1.0 / (n - 1), strain = pull * kPull / soft,
+                 expected = ratio > 1.0 ? (0.5 - spacing) * strain : 0.5 * strain;
     // Geometry is not linear, by the strain.
     EXPECT_NEAR(meanShift(s, 1.0), expected, 2.0 * strain * expected) << ratio;
     const double stiff_part = ratio > 1.0 ? meanShift(s, 1.0) - meanShift(s, 0.5) : meanShift(s, 0.45);

@@ -55,7 +55,8 @@ int countCarriedAlong(const RestSurface& s) {
 }
 
 bool hasNoteOfGaps(const RestSurface& s) {
-  return std::any_of(s.notes.begin(), s.notes.end(), [](const std::string& note) { return note.find("gap") != std::string::npos; });
+  return std::any_of(s.notes.begin(), s.notes.end(),
+                     [](const std::string& note) { return note.find("gap") != std::string::npos; });
 }
 
 TEST(RestSurface, AGapNarrowerThanTheSimulationPointsAreApartStaysOpen) {

@@ -85,7 +85,8 @@ TEST(Simulation, HolesStayHolesAndCoincidentPointsMoveTogether) {
   run(s, 20);
   const simulation::Surface& surface = s.surface(true);
   ASSERT_EQ(surface.positions.size(), cloud.positions.size());
-  EXPECT_TRUE(std::isnan(surface.positions[hole].x()) && std::isnan(surface.normals[hole].x()) && std::isnan(surface.displacement[hole]));
+  EXPECT_TRUE(std::isnan(surface.positions[hole].x()) && std::isnan(surface.normals[hole].x()) &&
+              std::isnan(surface.displacement[hole]));
   EXPECT_EQ(surface.positions[twin], surface.positions[400]);
   EXPECT_GT(surface.displacement[400], 0.0f);
 }
@@ -179,7 +180,8 @@ TEST(Simulation, IsNotBuiltToTheEndWhenThatIsInterrupted) {
   cloud::PointCloud cloud;
   for (int row = 0; row < 100; ++row)
     for (int column = 0; column < 100; ++column) cloud.positions.emplace_back(0.01 * column, 0.01 * row, 0.0);
-  for (const auto kind : {simulation::ModelKind::kMassSpring, simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
+  for (const auto kind :
+       {simulation::ModelKind::kMassSpring, simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
     SceneParams params;
     params.model = kind;
     std::atomic<bool> flag{true};
@@ -279,8 +281,8 @@ TEST(Simulation, TransferAndNormalsAreSkippedUntilAskedFor) {
   EXPECT_TRUE(skips("transfer"));
 }
 
-// Beside terms of next to no weight, which are evaluated, and of which nothing is left but where there is an exact zero. Without bending,
-// since outer steps are not taken beside forces that dissipate, however little; and awake, since these terms wake.
+// Beside terms of next to no weight, which are evaluated, and of which nothing is left but where there is an exact zero. Without
+// bending, since outer steps are not taken beside forces that dissipate, however little; and awake, since these terms wake.
 TEST(Simulation, TermsOfNoWeightAreLeftOutAndNothingElseChangesUntilTheyHaveOne) {
   SceneParams p = hangingSheet();
   p.gravity.setZero();

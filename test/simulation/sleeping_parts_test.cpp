@@ -1,5 +1,5 @@
-// Inside one sheet the region around a poke is awake and the rest is not: with what it costs in exactness, for every number of threads,
-// and through snapshots.
+// Inside one sheet the region around a poke is awake and the rest is not: with what it costs in exactness, for every number of
+// threads, and through snapshots.
 #include "sleeping.h"
 
 #include <gtest/gtest.h>

@@ -59,8 +59,8 @@ TEST(SolidEstimate, CoversTheErrorAgainstTheoryWhereEveryPointIsSimulated) {
     const double estimates[2] = {pulled.statistics().error_estimate, hanging.statistics().error_estimate};
     EXPECT_LE(std::abs(findMeanMotion(pulled).x() - stretched), estimates[0]) << points;
     EXPECT_LE(std::abs(-findMeanMotion(hanging).z() - bent), estimates[1]) << points;
-    // And says something: a bent bar a few points thick is right to a good part of its motion. For one that is pulled the estimate
-    // is larger than its motion, as the copy of fewer points is lopsided and bends.
+    // And says something: a bent bar a few points thick is right to a good part of its motion. For one that is pulled the
+    // estimate is larger than its motion, as the copy of fewer points is lopsided and bends.
     EXPECT_LT(estimates[1], 0.6 * bent) << points;
   }
 }

@@ -53,7 +53,8 @@ TEST(SolidPlasticity, KeepsTheAccountOfTheEnergy) {
     run(s, 1);
     const simulation::Statistics now = s.statistics();
     largest = std::max(largest, now.kinetic_energy);
-    EXPECT_NEAR(now.kinetic_energy + now.elastic_energy + now.potential_energy + s.state().dissipated, before, 0.02 * largest + 1e-9);
+    EXPECT_NEAR(now.kinetic_energy + now.elastic_energy + now.potential_energy + s.state().dissipated, before,
+                0.02 * largest + 1e-9);
   }
   EXPECT_GT(s.state().dissipated, 0.1 * largest);
 }

@@ -1,4 +1,5 @@
-// Elastic solids of hardly any points, at random ones, of extreme materials and under absurd loads: a sentence, or a sound result.
+// Elastic solids of hardly any points, at random ones, of extreme materials and under absurd loads: a sentence, or a sound
+// result.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/scene.h"
@@ -57,13 +58,15 @@ void expectFreeFall(const SceneParams& scene, const Points& points, const Vec3& 
   Simulation s(scene, asCloud(points));
   run(s, 10);
   for (Index i = 0; i < s.input().size(); ++i)
-    EXPECT_LT((s.surface(false).positions[i] - s.input().positions[i] - way).norm(), rounding) << points.size() << " points, " << i;
+    EXPECT_LT((s.surface(false).positions[i] - s.input().positions[i] - way).norm(), rounding)
+        << points.size() << " points, " << i;
 }
 
 TEST(SolidRobustness, RefusesFewerPointsThanMakeABody) {
   for (const Index n : {0, 1, 2})
     EXPECT_NE(problemOf(makeScene(), asCloud(makeRandomPoints(n, 1.0, 1))).find("accepted: at least 3"), std::string::npos) << n;
-  EXPECT_NE(problemOf(makeScene(), asCloud(Points(20, Vec3(1.0, 2.0, 3.0)))).find("found 1 finite distinct points"), std::string::npos);
+  EXPECT_NE(problemOf(makeScene(), asCloud(Points(20, Vec3(1.0, 2.0, 3.0)))).find("found 1 finite distinct points"),
+            std::string::npos);
   Points line;
   for (int k = 0; k < 20; ++k) line.push_back(k * Vec3(1.0, 2.0, 3.0));
   EXPECT_NE(problemOf(makeScene(), asCloud(line)).find("lie on a line"), std::string::npos);
@@ -73,7 +76,8 @@ TEST(SolidRobustness, RefusesFewerPointsThanMakeABody) {
     EXPECT_NE(problemOf(filled, asCloud(makeRandomPoints(n, 1.0, 1))).find("no place inside"), std::string::npos) << n;
 }
 
-// A triangle is a planar solid, and so is a cloud in a plane that no axis is along; points at random leave some with one neighbour.
+// A triangle is a planar solid, and so is a cloud in a plane that no axis is along; points at random leave some with one
+// neighbour.
 TEST(SolidRobustness, AHandfulOfPointsAndPointsAtRandomFallFreely) {
   SceneParams scene = makeScene();
   const Vec3 way = 0.5 * 0.01 * scene.gravity;
@@ -100,7 +104,8 @@ TEST(SolidRobustness, TwoBodiesOfOneCloudMoveAsTwo) {
   for (const double offset : {0.0, 5.0})
     for (int x = 0; x < 6; ++x)
       for (int y = 0; y < 5; ++y)
-        for (int z = 0; z < 5; ++z) points.push_back(0.1 * (Vec3(x, y, z) + 0.2 * randomVector(generator)) + Vec3(offset, 0.0, 0.0));
+        for (int z = 0; z < 5; ++z)
+          points.push_back(0.1 * (Vec3(x, y, z) + 0.2 * randomVector(generator)) + Vec3(offset, 0.0, 0.0));
   const SceneParams scene = makeScene();
   expectFreeFall(scene, points, 0.5 * 0.01 * scene.gravity, 1e-9);
 }
@@ -117,9 +122,11 @@ TEST(SolidRobustness, TakesTheSoftestAndTheStiffestMaterialAndRefusesWhatIsNone)
       const double fallen = s.input().positions.back().z() - s.surface(false).positions.back().z();
       EXPECT_NEAR(fallen, young_modulus < 1.0 ? 0.5 * 9.81 * 0.05 * 0.05 : 0.0, 1e-5) << young_modulus << " " << poisson_ratio;
     }
-  for (const char* material : {"{young_modulus: 0.0}", "{young_modulus: -1.0}", "{young_modulus: 1.0e+16}", "{poisson_ratio: 0.5}",
-                               "{poisson_ratio: -1.0}", "{poisson_ratio: .nan}"})
-    EXPECT_THROW(io::readScene(io::parseYaml("model: elastic_solid\nmaterial: " + std::string(material) + "\n", "scene")), InputError) << material;
+  for (const char* material : {"{young_modulus: 0.0}", "{young_modulus: -1.0}", "{young_modulus: 1.0e+16}",
+                               "{poisson_ratio: 0.5}", "{poisson_ratio: -1.0}", "{poisson_ratio: .nan}"})
+    EXPECT_THROW(io::readScene(io::parseYaml("model: elastic_solid\nmaterial: " + std::string(material) + "\n", "scene")),
+                 InputError)
+        << material;
 }
 
 // However large a load is, the state stays finite: a step either takes it or is refused and leaves everything as it was.

@@ -154,7 +154,8 @@ TEST(SolidSimulation, TellsAVonMisesStressThatIsLargestAtTheClamp) {
 // The largest distance between the same points of two simulations.
 double findDistance(const Simulation& a, const Simulation& b) {
   double largest = 0.0;
-  for (Index i = 0; i < a.state().size(); ++i) largest = std::max(largest, (a.state().positions[i] - b.state().positions[i]).norm());
+  for (Index i = 0; i < a.state().size(); ++i)
+    largest = std::max(largest, (a.state().positions[i] - b.state().positions[i]).norm());
   return largest;
 }
 
@@ -173,8 +174,8 @@ TEST(SolidSimulation, FindsTheEquilibriumThatItSettlesTo) {
   EXPECT_LT(findDistance(solved, settled), 1e-4);
 }
 
-// The fall of a clamped bar with steps forty times as long as Verlet's: no energy is made, and it ends where the bar does, but for
-// exp(-8) of the way.
+// The fall of a clamped bar with steps forty times as long as Verlet's: no energy is made, and it ends where the bar does, but
+// for exp(-8) of the way.
 TEST(SolidSimulation, TakesLongImplicitStepsWithoutMakingEnergy) {
   SceneParams scene = makeBarScene();
   scene.material.damping = 8.0;

@@ -1,5 +1,5 @@
-// What breaks simulators: stiffness and steps of every size, collapsed and scattered starts, blows, far origins. Passing means finite,
-// within the energy that was there, and said when a method had to be changed.
+// What breaks simulators: stiffness and steps of every size, collapsed and scattered starts, blows, far origins. Passing means
+// finite, within the energy that was there, and said when a method had to be changed.
 #include "clouds.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "deformable_surface/solve/integrator.h"

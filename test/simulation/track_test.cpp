@@ -61,8 +61,8 @@ double track(Simulation& s, int frames, double hole) {
 TEST(Track, FollowsADeformingCloudWithinTheLagOfItsGain) {
   Simulation s(trackedSheet(), sheetCloud());
   const double amount = track(s, 30, 0.0);
-  // A critically damped pull with gain g towards what moves with v lags by 2 v / sqrt(g); the edge rises by 0.15 m in a second. What the
-  // sheet's own stiffness adds is less than as much again.
+  // A critically damped pull with gain g towards what moves with v lags by 2 v / sqrt(g); the edge rises by 0.15 m in a second.
+  // What the sheet's own stiffness adds is less than as much again.
   const double lag = 2.0 * 0.15 / std::sqrt(s.params().input.track_gain);
   EXPECT_GT(largestError(s, 0.0), 0.1);
   EXPECT_LT(largestError(s, amount), 2.0 * lag);

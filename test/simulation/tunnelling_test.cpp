@@ -59,7 +59,8 @@ std::vector<std::pair<std::string, Solid>> listSolids() {
 double findLowest(const simulation::Simulation& s, const Points& rest, double height) {
   double lowest = 1e300;
   for (std::size_t i = 0; i < rest.size(); ++i)
-    if ((rest[i] - Vec3(0.5, 0.0, 0.0)).cwiseAbs().maxCoeff() < 0.075) lowest = std::min(lowest, s.state().positions[i].z() - height);
+    if ((rest[i] - Vec3(0.5, 0.0, 0.0)).cwiseAbs().maxCoeff() < 0.075)
+      lowest = std::min(lowest, s.state().positions[i].z() - height);
   return lowest;
 }
 
@@ -75,7 +76,8 @@ TEST(Tunnelling, NoSolidGoesThroughASheetHoweverFastOrThin) {
       EXPECT_GT(findLowest(s, rest, 0.15), -0.01) << name << " at " << speed << " m/s";
       const simulation::ToolReaction reaction = s.toolReactions()[0];
       EXPECT_LT(reaction.force.z(), -0.1) << name << " at " << speed << " m/s";
-      // At rest the point that bears the most is in by its load over the penalty; a quarter of the spacing between points bounds it.
+      // At rest the point that bears the most is in by its load over the penalty; a quarter of the spacing between points bounds
+      // it.
       EXPECT_LT(reaction.penetration, 0.25 / std::sqrt(250.0)) << name << " at " << speed << " m/s";
     }
 }

@@ -301,8 +301,12 @@ TEST(StableStep, VerletIsStableBelowItAndNotAbove) {
     World world({100.0}, 1.0, viscosity);
     solve::StableStep stable;
     const double limit = stable.estimate(0.0, startAt(Vec3::Zero(), Vec3::Zero()), world.system);
-    EXPECT_LT(world.run(IntegratorType::kVerlet, 2000 * 0.98 * limit, 2000, startAt(Vec3::UnitX(), Vec3::Zero())).positions[0].norm(), 20.0);
-    EXPECT_GT(world.run(IntegratorType::kVerlet, 100 * 1.6 * limit, 100, startAt(Vec3::UnitX(), Vec3::Zero())).positions[0].norm(), 1e3);
+    EXPECT_LT(
+        world.run(IntegratorType::kVerlet, 2000 * 0.98 * limit, 2000, startAt(Vec3::UnitX(), Vec3::Zero())).positions[0].norm(),
+        20.0);
+    EXPECT_GT(
+        world.run(IntegratorType::kVerlet, 100 * 1.6 * limit, 100, startAt(Vec3::UnitX(), Vec3::Zero())).positions[0].norm(),
+        1e3);
   }
 }
 

@@ -1,4 +1,5 @@
-// How long the sub-steps of a step are, and in how many of them slow forces act, as the stable step and the energy account change.
+// How long the sub-steps of a step are, and in how many of them slow forces act, as the stable step and the energy account
+// change.
 #include "deformable_surface/solve/time_march.h"
 #include "oscillators.h"
 

@@ -1,4 +1,5 @@
-// Scenes of the package with their clouds, run without the readers of the room io that need PCL: what tests of whole figures share.
+// Scenes of the package with their clouds, run without the readers of the room io that need PCL: what tests of whole figures
+// share.
 #pragma once
 
 #include "deformable_surface/base/error.h"
@@ -46,7 +47,8 @@ inline std::vector<std::vector<Index>> readSharedFaces(const std::string& name) 
     if (line.compare(0, 2, "f ") != 0) continue;
     std::istringstream words(line.substr(2));
     faces.emplace_back();
-    for (std::string word; words >> word;) faces.back().push_back(static_cast<Index>(std::stol(word)) - 1);  // "1/2/3": position first
+    for (std::string word; words >> word;)
+      faces.back().push_back(static_cast<Index>(std::stol(word)) - 1);  // "1/2/3": position first
   }
   return faces;
 }

@@ -33,8 +33,8 @@ class Jitter {
   std::mt19937 random_;
 };
 
-/// Two bars of five rows and fifty columns in the x-z plane, joined over the first five columns; spacing 1, `layers` of them in y.
-/// Rows beside the gap are not moved across it, so that it is as wide as it says.
+/// Two bars of five rows and fifty columns in the x-z plane, joined over the first five columns; spacing 1, `layers` of them in
+/// y. Rows beside the gap are not moved across it, so that it is as wide as it says.
 inline Gapped makeTwoBars(double gap, double share, int layers = 1, unsigned seed = 1) {
   constexpr int kColumns = 50, kRows = 5, kFarFromJoint = 18;
   Gapped bars;
@@ -113,8 +113,8 @@ inline Gapped makeLegs(double radius, double along, double gap, double share, un
       for (int k = 0; k < around; ++k) {
         const double angle = turn * (k + 0.5 * (row % 2) + jitter.draw()) / around;
         const Vec3 outward(std::cos(angle), std::sin(angle), 0.0), beside(radius + 0.5 * gap, 0.0, 0.0);
-        legs.add((leg == 0 ? -1.0 : 1.0) * beside + radius * outward + Vec3(0.0, 0.0, along * (row + jitter.draw())), outward, leg,
-                 std::min(row, kRows - 1 - row) >= kFarFromEnd);
+        legs.add((leg == 0 ? -1.0 : 1.0) * beside + radius * outward + Vec3(0.0, 0.0, along * (row + jitter.draw())), outward,
+                 leg, std::min(row, kRows - 1 - row) >= kFarFromEnd);
       }
     }
   }
@@ -131,9 +131,9 @@ inline Gapped dropPoints(const Gapped& cloud, double share, unsigned seed = 1) {
   return left;
 }
 
-/// What is left of the coupling of neighbours, (sum of kernel times weight) / (sum of kernel), over pairs that are asked: within a
-/// part, and across. The kernel is Wendland's C2, as wide as the longest pair of a point: models couple near pairs more than far
-/// ones.
+/// What is left of the coupling of neighbours, (sum of kernel times weight) / (sum of kernel), over pairs that are asked: within
+/// a part, and across. The kernel is Wendland's C2, as wide as the longest pair of a point: models couple near pairs more than
+/// far ones.
 struct Coupling {
   double within = 0.0, across = 0.0;
 };

@@ -23,9 +23,9 @@ struct StabilityCase {
 };
 
 inline const std::vector<std::string>& stabilityFamilies() {
-  static const std::vector<std::string> names{"time_step", "stiffness", "stiffness_ratio", "mass_ratio", "density_spike", "collapse",
-                                              "stretch",   "pins",      "clouds",          "gravity",    "blow",          "pressure",
-                                              "membrane_ratio"};
+  static const std::vector<std::string> names{
+      "time_step", "stiffness", "stiffness_ratio", "mass_ratio", "density_spike", "collapse",      "stretch",
+      "pins",      "clouds",    "gravity",         "blow",       "pressure",      "membrane_ratio"};
   return names;
 }
 
@@ -124,7 +124,8 @@ class StabilityGenerator {
     case_.steps = 20;
   }
 
-  // A part of the sheet is up to a million times stiffer or softer than the rest, from the beginning or from the middle of the run on.
+  // A part of the sheet is up to a million times stiffer or softer than the rest, from the beginning or from the middle of the
+  // run on.
   void makeMembraneRatio() {
     takePinnedSheet();
     simulation::SceneParams& p = case_.params;

@@ -33,7 +33,8 @@ class StabilityJudge {
   }
 
  private:
-  StabilityJudge(const StabilityCase& scene, solve::IntegratorType type) : simulation_(withType(scene.params, type), scene.cloud) {
+  StabilityJudge(const StabilityCase& scene, solve::IntegratorType type)
+      : simulation_(withType(scene.params, type), scene.cloud) {
     for (const simulation::AnchorParams& anchor : scene.params.anchors) {
       const Points& x = simulation_.state().positions;
       const auto nearest = std::min_element(x.begin(), x.end(), [&](const Vec3& a, const Vec3& b) {
@@ -150,8 +151,8 @@ class StabilityJudge {
     return energy;
   }
 
-  // What explicit Euler cannot but gain where a load sets in: in its first step nothing moves along with the velocity. Points with
-  // an anchor have no such excuse, because its energy counts.
+  // What explicit Euler cannot but gain where a load sets in: in its first step nothing moves along with the velocity. Points
+  // with an anchor have no such excuse, because its energy counts.
   double kickOf(const model::State& before) const {
     if (simulation_.params().integrator.type != solve::IntegratorType::kExplicitEuler) return 0.0;
     double kick = 0.0;

@@ -40,8 +40,8 @@ inline Surface connect(Points points, Points normals, Index k = 16) {
   return s;
 }
 
-/// nx x ny points on [0, length] x [-width / 2, width / 2] in z = 0; jitter in shares of the spacing moves interior points, and boundary
-/// points along the boundary.
+/// nx x ny points on [0, length] x [-width / 2, width / 2] in z = 0; jitter in shares of the spacing moves interior points, and
+/// boundary points along the boundary.
 inline Surface makeSheet(Index nx, Index ny, double length, double width, double jitter = 0.0, unsigned seed = 1) {
   std::mt19937 generator(seed);
   Points points;

@@ -415,7 +415,8 @@ struct Strip {
 
 TEST(TransferTiles, OneMovedPointMakesTheTilesThatFollowItAloneToTheBit) {
   Strip strip;
-  Points positions = moved(strip.simulation.positions, [](const Vec3& p) { return Vec3(p + Vec3(0.1 * p.y(), 0.0, 0.05 * p.x() * p.x())); });
+  Points positions =
+      moved(strip.simulation.positions, [](const Vec3& p) { return Vec3(p + Vec3(0.1 * p.y(), 0.0, 0.05 * p.x() * p.x())); });
   EXPECT_EQ(strip.update(positions), strip.transfer.numTiles());
   strip.expectWhole(positions);
   EXPECT_EQ(strip.update(positions), 0);

@@ -52,7 +52,8 @@ class Lanczos {
   }
 
  private:
-  static constexpr int kSteps = 30;  // the largest eigenvalue of meshes is then known to about a percent, and bounded by the residual
+  static constexpr int kSteps =
+      30;  // the largest eigenvalue of meshes is then known to about a percent, and bounded by the residual
   Eigen::VectorXd v_, w_, previous_;
 };
 

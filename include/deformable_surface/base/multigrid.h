@@ -1,5 +1,5 @@
-// An approximate inverse of matrices of springs between points, for the three coordinates at once. Beside scalar_cholesky.h, as what
-// it stores and does is in proportion to the points, where the factor of a compact body is not.
+// An approximate inverse of matrices of springs between points, for the three coordinates at once. Beside scalar_cholesky.h, as
+// what it stores and does is in proportion to the points, where the factor of a compact body is not.
 #pragma once
 
 #include "deformable_surface/base/scalar_cholesky.h"

@@ -14,7 +14,8 @@ int numThreads();
 
 namespace internal {
 /// Calls run(context, block) for block = 0 .. num_blocks - 1 on the pool's threads and the caller's; returns when all are done.
-/// An exception in a block is rethrown here (that of the lowest block). Nested calls run in the calling thread. Nothing is allocated.
+/// An exception in a block is rethrown here (that of the lowest block). Nested calls run in the calling thread. Nothing is
+/// allocated.
 void runBlocks(Index num_blocks, void (*run)(const void* context, Index block), const void* context);
 
 template <class Run>

@@ -1,5 +1,6 @@
-// Solves symmetric positive definite systems with one number for each pair of points, for the three coordinates of points at once.
-// Beside block_cholesky.h, as a matrix of numbers has another cost: nine times fewer to read, and no dense panels to gain by.
+// Solves symmetric positive definite systems with one number for each pair of points, for the three coordinates of points at
+// once. Beside block_cholesky.h, as a matrix of numbers has another cost: nine times fewer to read, and no dense panels to gain
+// by.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -8,7 +9,8 @@
 
 namespace deformable_surface {
 
-/// P A P^T = L D L^T with P a fill-reducing permutation [Amestoy et al. 1996], row by row along the elimination tree [Davis 2005].
+/// P A P^T = L D L^T with P a fill-reducing permutation [Amestoy et al. 1996], row by row along the elimination tree [Davis
+/// 2005].
 class ScalarCholesky {
  public:
   /// The pattern: each pair i != j that the (n x n) matrix couples, once. Allocates all memory.

@@ -13,8 +13,8 @@
 #define DEFORMABLE_SURFACE_WIDE
 #endif
 
-/// Helpers of such functions must become part of them. They take vectors by reference: by value those have another binary interface
-/// with and without the wider instructions.
+/// Helpers of such functions must become part of them. They take vectors by reference: by value those have another binary
+/// interface with and without the wider instructions.
 #define DEFORMABLE_SURFACE_INLINE inline __attribute__((always_inline))
 
 namespace deformable_surface {
@@ -27,7 +27,9 @@ namespace internal {
 using Unaligned4 = double __attribute__((vector_size(4 * sizeof(double)), aligned(alignof(double)), may_alias));
 }  // namespace internal
 
-DEFORMABLE_SURFACE_INLINE void load(const double* from, Double4& to) { to = *reinterpret_cast<const internal::Unaligned4*>(from); }
+DEFORMABLE_SURFACE_INLINE void load(const double* from, Double4& to) {
+  to = *reinterpret_cast<const internal::Unaligned4*>(from);
+}
 DEFORMABLE_SURFACE_INLINE void store(const Double4& from, double* to) { *reinterpret_cast<internal::Unaligned4*>(to) = from; }
 
 /// Rows become columns.

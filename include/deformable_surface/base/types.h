@@ -8,7 +8,8 @@
 #include <vector>
 
 // Eigen's alignment is part of the binary interface: a program built with -mavx and a library built without it disagree on the
-// layout of fixed-size matrices and corrupt memory silently. Define DEFORMABLE_SURFACE_ALLOW_AVX if every library involved agrees.
+// layout of fixed-size matrices and corrupt memory silently. Define DEFORMABLE_SURFACE_ALLOW_AVX if every library involved
+// agrees.
 #if !defined(DEFORMABLE_SURFACE_ALLOW_AVX) && EIGEN_MAX_ALIGN_BYTES > 16
 #error "deformable_surface and the distribution's libraries are built without AVX: remove -march=native, -mavx or -mavx2"
 #endif

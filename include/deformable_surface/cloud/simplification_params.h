@@ -12,7 +12,8 @@ enum class SimplificationMethod { kDelaunay, kNone };
 struct SimplificationParams {
   SimplificationMethod method = SimplificationMethod::kDelaunay;
   Index target_points = 0;   // >= 0; 0 = by threshold
-  OrAuto<double> threshold;  // m, > 0: the ring diameter up to which points are removed; auto: see accuracy; without a wish min(n, 1000) points are kept
+  OrAuto<double> threshold;  // m, > 0: the ring diameter up to which points are removed; auto: see accuracy; without a wish
+                             // min(n, 1000) points are kept
 };
 
 inline void visit(Fields& fields, SimplificationParams& p) {
@@ -21,9 +22,11 @@ inline void visit(Fields& fields, SimplificationParams& p) {
   fields.integer("target_points", p.target_points, "", between(0, kMaxPoints), "simulation points to keep; 0 = by threshold");
   fields.require(p.target_points == 0 || p.target_points >= 3, "target_points",
                  "found " + std::to_string(p.target_points) + "; accepted: 0 for the threshold, or at least 3, a triangle");
-  fields.number("threshold", p.threshold, "m", between(1e-9, kMaxLength),
-                "ring diameter up to which points are removed; `auto` keeps what `accuracy` leads to; without a wish a thousand points, or all if "
-                "there are fewer");
+  fields.number(
+      "threshold", p.threshold, "m", between(1e-9, kMaxLength),
+      "ring diameter up to which points are removed; `auto` keeps what `accuracy` leads to; without a wish a thousand points, "
+      "or all if "
+      "there are fewer");
 }
 
 }  // namespace deformable_surface::cloud

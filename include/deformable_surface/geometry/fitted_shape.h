@@ -14,8 +14,8 @@ struct FittedShape {
   double largest = 0.0;
 };
 
-/// Gauss-Newton's method for the centre and the radius, from the sphere of least squares of squared distances on. Refuses fewer than four points and such
-/// as are not finite.
+/// Gauss-Newton's method for the centre and the radius, from the sphere of least squares of squared distances on. Refuses fewer
+/// than four points and such as are not finite.
 FittedShape fitSphere(const Points& points);
 
 /// The same for the centre, the axis and both radii. The axis is at first the direction in which the points vary least, as those

@@ -12,10 +12,11 @@ namespace deformable_surface::geometry {
 class Polyhedron {
  public:
   using Triangle = std::array<Index, 3>;
-  static constexpr Index kMaxTriangles = 1000000;  // beyond what a tool is looked at for, but for a scan that was meant as a cloud
+  static constexpr Index kMaxTriangles =
+      1000000;  // beyond what a tool is looked at for, but for a scan that was meant as a cloud
 
-  /// vertices (n x 3) m, in the solid's frame; triangles by their corners, counted from 0. Vertices at the same place are one, and
-  /// triangles that this leaves without a third corner go. Triangles may be wound either way, but all alike: where the volume
+  /// vertices (n x 3) m, in the solid's frame; triangles by their corners, counted from 0. Vertices at the same place are one,
+  /// and triangles that this leaves without a third corner go. Triangles may be wound either way, but all alike: where the volume
   /// comes out negative all are turned. Throws InputError for corners that are no vertex, triangles without area, and edges that
   /// are not passed by two triangles in opposite directions: an open mesh, one that is wound inconsistently, or one that touches
   /// itself along an edge. That it does not cut through itself is not checked. O(n log n).

@@ -1,5 +1,5 @@
-// The solids that tools are made of, as signed distances: how far a point is outside (or, negative, how deep inside), and in which
-// direction it gets out.
+// The solids that tools are made of, as signed distances: how far a point is outside (or, negative, how deep inside), and in
+// which direction it gets out.
 #pragma once
 
 #include "deformable_surface/geometry/signed_distance.h"
@@ -9,12 +9,12 @@
 
 namespace deformable_surface::geometry {
 
-/// Exact signed distance of a point (m, in the solid's frame). Of points outside beyond a limit, m, it may be any value beyond it, with
-/// any normal: what is far need not be looked at closely.
+/// Exact signed distance of a point (m, in the solid's frame). Of points outside beyond a limit, m, it may be any value beyond
+/// it, with any normal: what is far need not be looked at closely.
 SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double limit = std::numeric_limits<double>::infinity());
 
-/// The largest extent, m: the diameter of a sphere, the longest edge of a box, the larger of height and diameter of a cylinder or cone, the
-/// longest edge of the box around a mesh; infinite for a plane.
+/// The largest extent, m: the diameter of a sphere, the longest edge of a box, the larger of height and diameter of a cylinder or
+/// cone, the longest edge of the box around a mesh; infinite for a plane.
 double findLargestExtent(const Solid& solid);
 /// The smallest, in the same way.
 double findSmallestExtent(const Solid& solid);

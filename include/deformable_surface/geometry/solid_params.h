@@ -35,7 +35,8 @@ inline Points toRows(const std::vector<Polyhedron::Triangle>& triangles) {
 inline std::string setMesh(const Points& vertices, const Points& rows, Solid& solid) {
   std::vector<Polyhedron::Triangle> triangles;
   for (const Vec3& row : rows) {
-    if (row != row.array().floor().matrix()) return "triangles: found a corner that is no whole number; accepted: places of vertices, from 0";
+    if (row != row.array().floor().matrix())
+      return "triangles: found a corner that is no whole number; accepted: places of vertices, from 0";
     triangles.push_back({static_cast<Index>(row[0]), static_cast<Index>(row[1]), static_cast<Index>(row[2])});
   }
   try {
@@ -94,15 +95,18 @@ inline void visit(Fields& fields, Solid& p) {
     fields.text("file", p.mesh_file, "`.ply`, `.stl`, `.obj`, `.off` or `.dae`; `package://PACKAGE/PATH` is found");
     fields.number("scale", p.mesh_scale, "", between(1e-9, 1e9), "units of the file to metres");
     fields.rows("vertices", vertices, "m", between(-kMaxLength, kMaxLength), "corners, in place of a file");
-    fields.rows("triangles", triangles, "", between(0.0, kMaxPoints), "each by three places in vertices, counted from 0; all wound alike");
-    fields.require(p.mesh_file.empty() != vertices.empty(), "", "found both or neither of file and vertices; accepted: one of them");
+    fields.rows("triangles", triangles, "", between(0.0, kMaxPoints),
+                "each by three places in vertices, counted from 0; all wound alike");
+    fields.require(p.mesh_file.empty() != vertices.empty(), "",
+                   "found both or neither of file and vertices; accepted: one of them");
     if (!vertices.empty() && (!p.mesh || vertices != vertices_before || triangles != triangles_before)) {
       const std::string problem = setMesh(vertices, triangles, p);
       fields.require(problem.empty(), "", problem);
     }
     fields.end();
   }
-  fields.require(given == 1, "", "found " + std::to_string(given) + " of sphere, box, cylinder, cone, plane and mesh; accepted: one");
+  fields.require(given == 1, "",
+                 "found " + std::to_string(given) + " of sphere, box, cylinder, cone, plane and mesh; accepted: one");
 }
 
 }  // namespace deformable_surface::geometry

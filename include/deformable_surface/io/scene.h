@@ -23,8 +23,8 @@ void setByPath(Value& root, const std::string& assignment);
 /// The scene that a map describes. Throws InputError with all problems at once.
 simulation::SceneParams readScene(const Value& value);
 
-/// Further rules for a run without a node: the scene gives a cloud if it needs one, and the duration is a multiple of the time step.
-/// Throws InputError.
+/// Further rules for a run without a node: the scene gives a cloud if it needs one, and the duration is a multiple of the time
+/// step. Throws InputError.
 void checkForSimulate(const simulation::SceneParams& params, bool needs_cloud = true);
 
 /// Every value of the scene as YAML that readScene() takes.

@@ -51,8 +51,9 @@ struct WeightedTriangle {
   double weight;    // 0 .. 1
 };
 
-/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, so that a descent direction is
-/// certain. kExact: as it is, up to terms that a model says it leaves out; it converges faster where it happens to be definite.
+/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, so that a descent direction
+/// is certain. kExact: as it is, up to terms that a model says it leaves out; it converges faster where it happens to be
+/// definite.
 enum class Hessian { kPositive, kExact };
 
 /// What a point is made of, in shares of the material that its model was made with; all positive.
@@ -79,8 +80,8 @@ class DeformableModel {
   /// Returns whether forces and stiffness are others than before.
   virtual bool setHeld(const std::vector<char>& /*held*/) { return false; }
 
-  /// From now on its points are made of these, (n): what lies between points takes the mean of theirs. Forces stay the gradient of the
-  /// energy, and the stiffness keeps its pattern. Throws InputError, and changes nothing, if the model cannot.
+  /// From now on its points are made of these, (n): what lies between points takes the mean of theirs. Forces stay the gradient
+  /// of the energy, and the stiffness keeps its pattern. Throws InputError, and changes nothing, if the model cannot.
   virtual void setMaterial(const std::vector<PointMaterial>& /*materials*/) {
     throw InputError("material: found values that differ from those the model was made with; accepted: those, for this model");
   }
@@ -114,21 +115,22 @@ class DeformableModel {
   /// Makes links and triangles those of this state, where they change.
   virtual void refreshDisplay(const State& /*state*/) const {}
 
-  /// Of a model whose elements are those that its state makes: from now on it is taken in parts as this state has them, and these hold
-  /// while no point moves farther than maxPartMotion(). Returns whether it is such a model.
+  /// Of a model whose elements are those that its state makes: from now on it is taken in parts as this state has them, and these
+  /// hold while no point moves farther than maxPartMotion(). Returns whether it is such a model.
   virtual bool followPartners(const State& /*state*/) { return false; }
   /// m; infinite of other models.
   virtual double maxPartMotion() const { return std::numeric_limits<double>::infinity(); }
-  /// Marks (n, 1) all points that share an element with one of these: those whose positions the forces on them depend on. False: the
-  /// model cannot be taken in parts, and nothing is marked.
+  /// Marks (n, 1) all points that share an element with one of these: those whose positions the forces on them depend on. False:
+  /// the model cannot be taken in parts, and nothing is marked.
   virtual bool markPartners(const std::vector<Index>& /*points*/, std::vector<char>& /*marked*/) const { return false; }
   /// A model of a part of the points.
   struct Part {
     std::unique_ptr<DeformableModel> model;  // null: it cannot be taken in parts
     std::vector<Index> points;               // ascending: which of the whole each of its points is
   };
-  /// The elements that touch a wanted point, wanted (n), with all points of theirs. On wanted points its forces are those of the whole
-  /// model, bit for bit (to rounding, of solids and of links without length); it is open, and its points are held as now for good.
+  /// The elements that touch a wanted point, wanted (n), with all points of theirs. On wanted points its forces are those of the
+  /// whole model, bit for bit (to rounding, of solids and of links without length); it is open, and its points are held as now
+  /// for good.
   virtual Part makePart(const std::vector<char>& /*wanted*/) const { return {}; }
 
   /// The largest step, s, with which explicit integrators are stable at this state; 0: to be measured from the stiffness.
@@ -137,7 +139,8 @@ class DeformableModel {
   /// Elastic energy in joules; zero in the rest state.
   virtual double elasticEnergy(const State& state) const = 0;
 
-  /// Size of the terms of which elasticEnergy() is the small difference, J: what its rounding is in proportion to. 0: it is no difference.
+  /// Size of the terms of which elasticEnergy() is the small difference, J: what its rounding is in proportion to. 0: it is no
+  /// difference.
   virtual double energyScale() const { return 0.0; }
 
   /// Takes from forces (n x 3) on the points what these cannot follow, as they stay in a plane.
@@ -149,7 +152,8 @@ class DeformableModel {
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
   virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;
 
-  /// True: the stiffness is known by its products with vectors alone, as its matrix would be too full; addStiffness() adds nothing.
+  /// True: the stiffness is known by its products with vectors alone, as its matrix would be too full; addStiffness() adds
+  /// nothing.
   virtual bool hasStiffnessProducts() const { return false; }
   /// Remembers, as scratch, the Hessian of the elastic energy at a state: products are with it until the next call.
   virtual void prepareStiffness(const State& /*state*/, Hessian /*hessian*/) const {}
@@ -160,8 +164,8 @@ class DeformableModel {
     Index i, j;
     double stiffness;  // N/m
   };
-  /// Springs between near points that together resist much as the stiffness does, fixed at rest: a solver's guess of what lies behind
-  /// the products. Each pair once, i < j.
+  /// Springs between near points that together resist much as the stiffness does, fixed at rest: a solver's guess of what lies
+  /// behind the products. Each pair once, i < j.
   virtual const std::vector<Coupling>& couplings() const {
     static const std::vector<Coupling> none;
     return none;
@@ -180,7 +184,8 @@ class DeformableModel {
 
   /// True if the surface has no boundary.
   virtual bool isClosed() const = 0;
-  /// Volume enclosed by a closed surface, m^3, and its gradient by the positions, m^2, which sums to zero exactly: (n x 3), overwritten.
+  /// Volume enclosed by a closed surface, m^3, and its gradient by the positions, m^2, which sums to zero exactly: (n x 3),
+  /// overwritten.
   virtual double enclosedVolume(const State& state) const = 0;
   virtual void computeVolumeGradient(const State& state, Points& gradient) const = 0;
 

@@ -12,8 +12,9 @@ namespace deformable_surface::node {
 
 class CloudUpdates {
  public:
-  /// Fills the message with the rows of the cloud that differ from those of the cloud before, in any bit, or with all of them: if whole,
-  /// if the layout is another, or if there was none before. Returns whether there is anything to send; only then it is counted.
+  /// Fills the message with the rows of the cloud that differ from those of the cloud before, in any bit, or with all of them: if
+  /// whole, if the layout is another, or if there was none before. Returns whether there is anything to send; only then it is
+  /// counted.
   bool make(const sensor_msgs::PointCloud2ConstPtr& cloud, bool whole, DeformedUpdate& message);
   /// The cloud before is let go of, so that the next message is whole.
   void forget() { last_.reset(); }

@@ -48,7 +48,8 @@ visualization_msgs::Marker makeStatisticsMarker(const std_msgs::Header& header, 
                                                 const Vec3& place, double height);
 
 /// Appends one marker per tool that acts at the time (s), in the colour of what it does: the primitive, a cone as triangles, a
-/// plane as a thin plate of the extent (m, > 0); and deletes those left over from the `num_before` of last time. Returns how many there are.
+/// plane as a thin plate of the extent (m, > 0); and deletes those left over from the `num_before` of last time. Returns how many
+/// there are.
 int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolParams>& tools, double time, double extent,
                    int num_before, visualization_msgs::MarkerArray& markers);
 
@@ -64,8 +65,9 @@ visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const 
 // RViz draws a few hundred arrows smoothly, thousands of them at a crawl.
 constexpr int kMaxArrows = 100;
 
-/// All of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what it does
-/// to each tool, at its origin), statistics and, of oriented particles, discs and axes. Particles may be born and go; what was not there at first is grey where displacements are shown.
+/// All of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what it
+/// does to each tool, at its origin), statistics and, of oriented particles, discs and axes. Particles may be born and go; what
+/// was not there at first is grey where displacements are shown.
 class SimulationMarkers {
  public:
   /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.

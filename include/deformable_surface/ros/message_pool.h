@@ -1,5 +1,5 @@
-// Large messages that are used again once nobody holds them any more. A file of its own, because a message that was published in its
-// process without a copy belongs to whoever still looks at it.
+// Large messages that are used again once nobody holds them any more. A file of its own, because a message that was published in
+// its process without a copy belongs to whoever still looks at it.
 #pragma once
 
 #include <boost/make_shared.hpp>

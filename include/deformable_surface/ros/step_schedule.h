@@ -8,8 +8,8 @@ namespace deformable_surface::node {
 
 inline double toSeconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
-/// The stamp that makes a command which arrived at a time, without a stamp, count from the step in which it arrived: one that begins then
-/// is the next one's.
+/// The stamp that makes a command which arrived at a time, without a stamp, count from the step in which it arrived: one that
+/// begins then is the next one's.
 inline std::int64_t stampOfArrival(std::int64_t arrival, std::int64_t time_step) { return arrival - time_step + 1; }
 
 /// What the ROS clock did since it was last asked.

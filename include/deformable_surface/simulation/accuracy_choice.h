@@ -25,8 +25,8 @@ struct AccuracyChoice {
   Index points = 0;          // simulation points chosen
   double membrane_share = 1.0;  // of the stated membrane stiffness, chosen (docs/accuracy_control.md)
   solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // chosen in the place of auto; else that of the scene
-  std::vector<double> softening;  // m, by step: how far a point of the trial had been from where it was with the stated membrane and
-                                  // verlet; empty if those are taken
+  std::vector<double> softening;  // m, by step: how far a point of the trial had been from where it was with the stated membrane
+                                  // and verlet; empty if those are taken
   double error = 0.0;        // m, largest estimate of its trial; 0 if it was chosen by its time
   double work = 0.0;         // of its trial, as a candidate's
   std::vector<Candidate> candidates;  // in the order of trying

@@ -1,5 +1,5 @@
-// Contact with tools that push or pull by where a point is: solid ones (and knives, which are solid) and attracting ones, as a load on
-// the simulation points.
+// Contact with tools that push or pull by where a point is: solid ones (and knives, which are solid) and attracting ones, as a
+// load on the simulation points.
 #pragma once
 
 #include "deformable_surface/simulation/tool_reaction.h"
@@ -11,11 +11,11 @@
 
 namespace deformable_surface::simulation {
 
-/// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2 / 2. Being
-/// in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and at rest a point is as
-/// deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between them.
-/// A point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came in by, is pushed
-/// back along the latter, with d the depth below the plane there, until it is out or beside the tool.
+/// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2
+/// / 2. Being in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and at rest a
+/// point is as deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between them. A
+/// point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came in by,
+/// is pushed back along the latter, with d the depth below the plane there, until it is out or beside the tool.
 ///
 /// An attracting tool draws the points within its reach R on either side to its surface: F = -k s d (1 - (d / R)^2)^2 n at the
 /// distance d, s the point's share of the mass of all; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
@@ -39,8 +39,8 @@ class ContactLoad : public solve::ExternalLoad {
   };
   const std::vector<Body>& all() const { return bodies_; }
   void restore(const std::vector<Body>& bodies) { bodies_ = bodies; }
-  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again. held: those that
-  /// cannot be pushed. Returns whether any were or are passed over.
+  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again. held: those
+  /// that cannot be pushed. Returns whether any were or are passed over.
   bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
   /// After it: which points they did pass over though it was not foreseen. Returns what a user should know.
   std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
@@ -60,7 +60,8 @@ class ContactLoad : public solve::ExternalLoad {
   /// What tools in motion do: the potential's gain at the points before and at those after, whichever is more.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
-  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
+                    std::vector<double>& damping) const override;
 
   /// s of wall time that contact and friction have taken since the last call, but for energies and stiffness.
   double takeSeconds() const { return std::exchange(seconds_, 0.0); }
@@ -68,7 +69,8 @@ class ContactLoad : public solve::ExternalLoad {
   /// Adds what each tool feels, friction included, to those of its id.
   void addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const;
   /// Appends the touches of the tool of that id, if it is one of these, as those of the tool in that place.
-  void appendContacts(double time, const model::State& state, const std::string& id, Index place, std::vector<Contact>& contacts) const;
+  void appendContacts(double time, const model::State& state, const std::string& id, Index place,
+                      std::vector<Contact>& contacts) const;
 
  private:
   friend class FrictionLoad;
@@ -92,9 +94,9 @@ class ContactLoad : public solve::ExternalLoad {
   std::vector<std::string> told_;  // ids of tools whose passing between points was told
 };
 
-/// Coulomb's friction of the points that a solid tool touches: mu F_n against the sliding velocity v, but at most m r v. The limit keeps it
-/// stable beside the contact's own rate r, and means that a point held by friction alone creeps, at the speed F / (m r) of the
-/// force F that pulls at it.
+/// Coulomb's friction of the points that a solid tool touches: mu F_n against the sliding velocity v, but at most m r v. The
+/// limit keeps it stable beside the contact's own rate r, and means that a point held by friction alone creeps, at the speed F /
+/// (m r) of the force F that pulls at it.
 class FrictionLoad : public solve::ExternalLoad {
  public:
   explicit FrictionLoad(const ContactLoad& contact) : contact_(contact) {}
@@ -104,11 +106,13 @@ class FrictionLoad : public solve::ExternalLoad {
   /// It takes energy but where a tool's own motion drags points along: at most friction times the tool's way.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
-  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
+  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
+                    std::vector<double>& damping) const override;
 
  private:
   friend class ContactLoad;
-  static Vec3 findForce(const ContactLoad& contact, const tool::ToolParams& tool, const ContactLoad::Touch& touch, const Vec3& sliding);
+  static Vec3 findForce(const ContactLoad& contact, const tool::ToolParams& tool, const ContactLoad::Touch& touch,
+                        const Vec3& sliding);
 
   const ContactLoad& contact_;
 };

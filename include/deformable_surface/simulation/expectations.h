@@ -10,10 +10,10 @@ namespace deformable_surface::simulation {
 
 /// The quantity of that name now; the names are those of expectQuantities(). Displacements and bounds are those of all finite
 /// points of the full cloud; volume_ratio is the volume that the simulation points enclose now over that at rest. Distances
-/// (m) are those of the simulation points: to the shape that the scene's cloud was made on, to tangent planes of the input, to the
-/// sphere or round torus nearest to them (geometry/fitted_shape.h, as its radii are), and signed to the nearest solid tool;
-/// `touching` are the particles within a twentieth of a spacing of one. Throws InputError for an unknown name and for what there is
-/// not: the volume of an open surface, a distance to no tool.
+/// (m) are those of the simulation points: to the shape that the scene's cloud was made on, to tangent planes of the input, to
+/// the sphere or round torus nearest to them (geometry/fitted_shape.h, as its radii are), and signed to the nearest solid tool;
+/// `touching` are the particles within a twentieth of a spacing of one. Throws InputError for an unknown name and for what there
+/// is not: the volume of an open surface, a distance to no tool.
 double computeQuantity(const std::string& name, Simulation& simulation);
 
 /// One sentence for each bound of params().expect that does not hold; NaN holds none.

@@ -1,5 +1,5 @@
-// Tools that carry: what is inside such a tool when it begins goes where it goes. Apart from contact, because a grip remembers what
-// it holds.
+// Tools that carry: what is inside such a tool when it begins goes where it goes. Apart from contact, because a grip remembers
+// what it holds.
 #pragma once
 
 #include "deformable_surface/simulation/tool_reaction.h"
@@ -9,9 +9,9 @@
 
 namespace deformable_surface::simulation {
 
-/// Gripped points are held (see solve::System) and move with the tool: in every step straight from where they are to their place in
-/// the tool at its end. Where the force that the grip has to bear exceeds the tool's strength at the beginning of a step it lets go
-/// of all, and does not take hold again.
+/// Gripped points are held (see solve::System) and move with the tool: in every step straight from where they are to their place
+/// in the tool at its end. Where the force that the grip has to bear exceeds the tool's strength at the beginning of a step it
+/// lets go of all, and does not take hold again.
 class Grips {
  public:
   /// What a snapshot must hold.
@@ -30,10 +30,9 @@ class Grips {
   /// Lets go of everything, to take hold anew.
   void reset();
 
-  /// At the beginning of a step: tools whose time has come take hold of the points inside them that are not pinned, those whose time
-  /// is over or whose grip is too weak let go. forces (n x 3): what acts on every point, N. slack, s: by which a
-  /// beginning may lie ahead: rounding of times must not lose a step. Returns whether any did, and what a
-  /// user should know.
+  /// At the beginning of a step: tools whose time has come take hold of the points inside them that are not pinned, those whose
+  /// time is over or whose grip is too weak let go. forces (n x 3): what acts on every point, N. slack, s: by which a beginning
+  /// may lie ahead: rounding of times must not lose a step. Returns whether any did, and what a user should know.
   struct Update {
     bool changed = false;
     std::string notice;

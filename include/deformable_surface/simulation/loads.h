@@ -26,8 +26,8 @@ class GravityLoad : public solve::ExternalLoad {
   const std::vector<double>& masses_;
 };
 
-/// Pressure along the outward normal on the current area: F = p a with the area vector a = A n. In a closed surface it pushes along
-/// the gradient of the volume: no net force, and a potential.
+/// Pressure along the outward normal on the current area: F = p a with the area vector a = A n. In a closed surface it pushes
+/// along the gradient of the volume: no net force, and a potential.
 class PressureLoad : public solve::ExternalLoad {
  public:
   PressureLoad(const model::DeformableModel& model, double pressure) : model_(model), pressure_(pressure) {}
@@ -106,8 +106,8 @@ class NamedForces : public solve::ExternalLoad {
     told_.clear();
   }
 
-  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. The notice is
-  /// what a user should know of those that begin: a force that takes its points far from where it was put, or pinned ones
+  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. The notice
+  /// is what a user should know of those that begin: a force that takes its points far from where it was put, or pinned ones
   /// only, is told of once, until one of its id is placed well.
   struct Update {
     bool changed = false;  // any began or left

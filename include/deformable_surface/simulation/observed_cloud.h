@@ -1,5 +1,5 @@
-// A cloud that a surface is to be drawn towards, made ready to be looked into. Apart from the load that draws, because this takes long for
-// large clouds and may be done by any thread beforehand.
+// A cloud that a surface is to be drawn towards, made ready to be looked into. Apart from the load that draws, because this takes
+// long for large clouds and may be done by any thread beforehand.
 #pragma once
 
 #include "deformable_surface/cloud/kd_tree.h"

@@ -1,4 +1,5 @@
-// What a user does to single oriented particles, as data. Apart from the simulation that carries it out, because services fill it.
+// What a user does to single oriented particles, as data. Apart from the simulation that carries it out, because services fill
+// it.
 #pragma once
 
 #include "deformable_surface/base/types.h"

@@ -1,5 +1,5 @@
-// What happens to oriented particles between steps: they cool and are heated, are born where there is room and go where tools take
-// them. Apart from their model, which knows forces only, and from the simulation, which only says when.
+// What happens to oriented particles between steps: they cool and are heated, are born where there is room and go where tools
+// take them. Apart from their model, which knows forces only, and from the simulation, which only says when.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/growth.h"
@@ -33,13 +33,13 @@ class ParticleLife {
     std::string notice;
   };
 
-  /// Before the step from time (s) to time + step: temperatures, then who goes, then who is born. looks: whether it is time to look
-  /// for room to be born in.
+  /// Before the step from time (s) to time + step: temperatures, then who goes, then who is born. looks: whether it is time to
+  /// look for room to be born in.
   Changes update(double time, double step, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state) const;
 
-  /// Grows a surface through the particles there are (sec. 7 of [Szeliski 1991]), with relaxation in between; held (n, 1 = fixed in
-  /// place) stay in any case. is_start: all take the shape that is found for their rest shape, and the model the spacing with which it has no
-  /// tension; else the new ones alone take theirs. Returns what it did as one sentence, and the changes.
+  /// Grows a surface through the particles there are (sec. 7 of [Szeliski 1991]), with relaxation in between; held (n, 1 = fixed
+  /// in place) stay in any case. is_start: all take the shape that is found for their rest shape, and the model the spacing with
+  /// which it has no tension; else the new ones alone take theirs. Returns what it did as one sentence, and the changes.
   Changes fit(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start, model::State& state);
 
   /// Does the edit wholly, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and

@@ -1,5 +1,5 @@
-// What regions of a surface are made of when they differ from the rest: values by point, and their shares of the material that the
-// model was made with. Apart from the simulation, because the rest surface and its coarser copies need them, too.
+// What regions of a surface are made of when they differ from the rest: values by point, and their shares of the material that
+// the model was made with. Apart from the simulation, because the rest surface and its coarser copies need them, too.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"

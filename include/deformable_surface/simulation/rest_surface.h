@@ -52,11 +52,12 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
 /// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
 RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);
 
-/// The same of an elastic solid, on the farthest of its simulation points; across: of its model. Its dense points are those of `of`:
-/// dense_index and solid_transfer are of them. Masses are those of the hull of so few points. Throws InputError.
+/// The same of an elastic solid, on the farthest of its simulation points; across: of its model. Its dense points are those of
+/// `of`: dense_index and solid_transfer are of them. Masses are those of the hull of so few points. Throws InputError.
 RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, const Vec3& across, Index target);
 
-/// A coarser surface or solid once more, for another simulation: the same points with a model of its own, at a fraction of the cost.
+/// A coarser surface or solid once more, for another simulation: the same points with a model of its own, at a fraction of the
+/// cost.
 RestSurface copyCoarser(const SceneParams& params, const RestSurface& of);
 
 }  // namespace deformable_surface::simulation

@@ -1,5 +1,5 @@
-// The values of a scene that may change while its surface runs. In a file of its own, because the simulation takes them, snapshots
-// hold them and the node offers them by the same list.
+// The values of a scene that may change while its surface runs. In a file of its own, because the simulation takes them,
+// snapshots hold them and the node offers them by the same list.
 #pragma once
 
 #include "deformable_surface/simulation/scene_params.h"

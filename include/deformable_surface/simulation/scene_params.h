@@ -41,7 +41,8 @@ struct CloudParams {
   std::string file;            // path or package://deformable_surface/...; .pcd .ply .xyz
   Shape shape = Shape::kNone;  // a generated one instead of a file
   Index points = 4096;         // >= 4
-  Vec2 size{1.0, 1.0};         // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
+  Vec2 size{1.0,
+            1.0};  // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
   double height = 0.1;         // m, bar: along z
   double radius = 0.5;         // m, sphere and cap
   double angle = 1.0;          // rad, cap: from its lowest point to its rim
@@ -65,7 +66,8 @@ struct PinParams {
   bool orientation = false;  // also clamp the tangent plane (models with orientation)
 };
 
-/// Particles whose rest position lies in the region are not smooth: only their spacing is kept, so that the surface can bend there.
+/// Particles whose rest position lies in the region are not smooth: only their spacing is kept, so that the surface can bend
+/// there.
 struct CreaseParams {
   geometry::Region region;
 };
@@ -119,7 +121,7 @@ struct InputParams {
   Index max_points = 20000000;  // >= 3
   double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
-  double delay = 0.0;               // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
+  double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
 };
 
 /// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
@@ -199,13 +201,15 @@ inline void visit(Fields& fields, CloudParams& p) {
                 "a generated cloud instead of a file");
   fields.require(p.file.empty() || p.shape == Shape::kNone, "shape", "found beside a file; accepted: one of the two");
   fields.integer("points", p.points, "", between(4, kMaxPoints), "shapes: how many points, about; the count made is printed");
-  fields.vector("size", p.size, "m", between(1e-6, kMaxLength),
-                "sheet, sine and lattice (the hexagonal one): extent in x and y; strip: length and width; chain: length along x; two_bars: "
-                "length and the height of one bar; bar (filled with points): extent in x, from 0 on, and in y");
+  fields.vector(
+      "size", p.size, "m", between(1e-6, kMaxLength),
+      "sheet, sine and lattice (the hexagonal one): extent in x and y; strip: length and width; chain: length along x; two_bars: "
+      "length and the height of one bar; bar (filled with points): extent in x, from 0 on, and in y");
   fields.number("height", p.height, "m", between(1e-6, kMaxLength), "bar: extent in z");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength), "sphere and cap: radius");
   fields.number("angle", p.angle, "rad", between(1e-3, 3.1), "cap: the lower part of a sphere, from its lowest point to its rim");
-  fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength), "sine: height of the crests; one of them runs along x = 0");
+  fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength),
+                "sine: height of the crests; one of them runs along x = 0");
   fields.number("wavelength", p.wavelength, "m", between(1e-6, kMaxLength), "sine: from crest to crest, along x");
   fields.number("gap", p.gap, "m", between(1e-9, kMaxLength), "two_bars: free space between the bars");
   fields.number("jitter", p.jitter, "", between(0.0, 0.5),
@@ -216,9 +220,10 @@ inline void visit(Fields& fields, CloudParams& p) {
 }
 
 inline void visit(Fields& fields, AccuracyParams& p) {
-  fields.number("position_error", p.position_error, "m", between(0.0, kMaxLength),
-                "`simplification.threshold: auto` keeps the fewest points, and then the softest membrane, whose estimated error stays "
-                "below it over `duration`; 0 = not controlled");
+  fields.number(
+      "position_error", p.position_error, "m", between(0.0, kMaxLength),
+      "`simplification.threshold: auto` keeps the fewest points, and then the softest membrane, whose estimated error stays "
+      "below it over `duration`; 0 = not controlled");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
                 "`simplification.threshold: auto` keeps the most points whose step takes no longer than this wall time; gives up "
                 "bit-identical repeats; 0 = not controlled");
@@ -310,15 +315,18 @@ inline void visit(Fields& fields, InputParams& p) {
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
   fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
                 "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
-  fields.number("track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
-                "`track`: points of the surface farther from the cloud were not seen; `auto` = three spacings of the simulation points");
-  fields.number("delay", p.delay, "s", between(0.0, 10.0),
-                "the node: steps stay this far behind the clock, so that messages and transforms on their way come in time for theirs");
+  fields.number(
+      "track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
+      "`track`: points of the surface farther from the cloud were not seen; `auto` = three spacings of the simulation points");
+  fields.number(
+      "delay", p.delay, "s", between(0.0, 10.0),
+      "the node: steps stay this far behind the clock, so that messages and transforms on their way come in time for theirs");
 }
 
 /// Why a scene's model cannot have this change; empty if it can.
 inline std::string findMaterialProblem(const SceneParams& p, const MaterialChangeParams& change) {
-  if (p.model != ModelKind::kMassSpring) return "found values of a material by region, but only mass_spring surfaces have them; accepted: none";
+  if (p.model != ModelKind::kMassSpring)
+    return "found values of a material by region, but only mass_spring surfaces have them; accepted: none";
   if (!change.young_modulus.is_auto && p.mass_spring.stiffness == model::Stiffness::kUniform)
     return "young_modulus: found one with mass_spring.stiffness: uniform; accepted: material";
   const bool is_plate = p.mass_spring.bending == model::Bending::kCurvature && p.material.bendingRigidity() > 0.0;
@@ -331,7 +339,8 @@ inline std::string findMaterialProblem(const SceneParams& p, const MaterialChang
 /// Whether a mass-spring surface can come apart in this scene.
 inline bool canBeCut(const SceneParams& p) {
   const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
-  return p.model == ModelKind::kMassSpring && (p.mass_spring.tear_strain > 0.0 || std::any_of(p.tools.begin(), p.tools.end(), isKnife));
+  return p.model == ModelKind::kMassSpring &&
+         (p.mass_spring.tear_strain > 0.0 || std::any_of(p.tools.begin(), p.tools.end(), isKnife));
 }
 
 inline void visit(Fields& fields, SceneParams& p) {
@@ -360,13 +369,15 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "spring_damping above 0");
   fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
-  fields.section("oriented_particles", p.oriented_particles, "Choices within the model of oriented particles (docs/oriented_particles.md).");
+  fields.section("oriented_particles", p.oriented_particles,
+                 "Choices within the model of oriented particles (docs/oriented_particles.md).");
   fields.section("elastic_solid", p.elastic_solid, "Choices within the model of elastic solids (docs/elastic_solid.md).");
   const bool is_solid = p.model == ModelKind::kElasticSolid;
   fields.require(!is_solid || p.material.spring_damping == 0.0, "material.spring_damping",
                  "found one, but elastic_solid has no springs; accepted: 0");
   fields.section("integrator", p.integrator, "How time is stepped.");
-  const bool has_method = p.integrator.type == solve::IntegratorType::kAuto || p.integrator.type == solve::IntegratorType::kVerlet ||
+  const bool has_method = p.integrator.type == solve::IntegratorType::kAuto ||
+                          p.integrator.type == solve::IntegratorType::kVerlet ||
                           p.integrator.type == solve::IntegratorType::kStatic;
   fields.require(p.model != ModelKind::kOrientedParticles || has_method, "integrator.type",
                  "found one that oriented_particles has not; accepted: auto, verlet, static");
@@ -386,11 +397,14 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.text("gravity_frame", p.gravity_frame, "empty = frame_id; else looked up in tf by the node");
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");
   fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "on the current area along the outward normal");
-  fields.require(!is_solid || p.viscous_drag == 0.0, "viscous_drag", "found one, but the points of elastic_solid have no sides; accepted: 0");
-  fields.require(!is_solid || p.pressure == 0.0, "pressure", "found one, but the points of elastic_solid have no sides; accepted: 0");
+  fields.require(!is_solid || p.viscous_drag == 0.0, "viscous_drag",
+                 "found one, but the points of elastic_solid have no sides; accepted: 0");
+  fields.require(!is_solid || p.pressure == 0.0, "pressure",
+                 "found one, but the points of elastic_solid have no sides; accepted: 0");
   fields.list("pins", p.pins, "Each fixes the simulation points whose rest position lies in a closed box or sphere.");
   for (std::size_t i = 0; i < p.pins.size(); ++i)
-    fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles, "pins[" + std::to_string(i) + "].orientation",
+    fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles,
+                   "pins[" + std::to_string(i) + "].orientation",
                    "found true, but only oriented_particles have an orientation; accepted: false");
   fields.list("creases", p.creases, "Particles that lie in one of these at rest keep their spacing but no smoothness.");
   fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
@@ -424,7 +438,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");
   fields.section("output", p.output, "What is computed and published.");
-  fields.require(!is_solid || !p.output.resample, "output.resample", "found true, but points are inserted in surfaces only; accepted: false");
+  fields.require(!is_solid || !p.output.resample, "output.resample",
+                 "found true, but points are inserted in surfaces only; accepted: false");
   fields.section("input", p.input, "What clouds are taken.");
   fields.require(p.model != ModelKind::kElasticSolid || p.input.policy != InputPolicy::kTrack, "input.policy",
                  "found track, but an elastic_solid has no sides that a cloud could show; accepted: ignore, replace");
@@ -433,8 +448,9 @@ inline void visit(Fields& fields, SceneParams& p) {
   std::vector<NamedBounds> bounds;
   for (const ExpectParams& expect : p.expect) bounds.push_back({expect.quantity, expect.min, expect.max});
   fields.bounds("expect", bounds, expectQuantities(), "what a test checks after the run");
-  fields.require(!p.output.resample || !canBeCut(p), "output.resample",
-                 "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");
+  fields.require(
+      !p.output.resample || !canBeCut(p), "output.resample",
+      "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");
   p.expect.clear();
   for (const NamedBounds& bound : bounds) p.expect.push_back({bound.name, bound.min, bound.max});
 }

@@ -36,13 +36,13 @@ struct Surface {
   Points positions;                      // m; NaN for holes
   std::vector<Eigen::Vector3f> normals;  // unit; NaN for holes; empty if not wanted
   std::vector<float> displacement;       // m, distance from rest; NaN for holes
-  std::vector<Index> source;             // the input point whose extra fields each inserted row takes; empty without inserted rows
+  std::vector<Index> source;  // the input point whose extra fields each inserted row takes; empty without inserted rows
   Index num_input = 0;
 };
 
-/// Everything that a simulation needs to go on from where it was, bit for bit: positions, velocities, steps, pins, gravity, forces with
-/// the points they took, what the integrator and the energy account remember, inserted points, the error estimate with its copies.
-/// Copies of a snapshot share it.
+/// Everything that a simulation needs to go on from where it was, bit for bit: positions, velocities, steps, pins, gravity,
+/// forces with the points they took, what the integrator and the energy account remember, inserted points, the error estimate
+/// with its copies. Copies of a snapshot share it.
 class Snapshot {
  public:
   Snapshot() = default;  // of nothing
@@ -71,8 +71,8 @@ class Simulation {
 
   /// Advances by exactly params.integrator.time_step.
   StepOutcome step();
-  /// Once this is true, a step that is under way ends soon, between two sub-steps or iterations, as one that failed; the state before it
-  /// is kept. Null = never. It must outlive the simulation; forks have none.
+  /// Once this is true, a step that is under way ends soon, between two sub-steps or iterations, as one that failed; the state
+  /// before it is kept. Null = never. It must outlive the simulation; forks have none.
   void setInterrupt(const std::atomic<bool>* interrupt);
   double time() const;           // s since rest
   std::uint64_t stepCount() const;
@@ -86,23 +86,23 @@ class Simulation {
   /// Back to the snapshot's moment. Throws InputError, and changes nothing, if it is not of this surface in this scene (another
   /// cloud, material or way to step; a simulation made anew from the same cloud and scene is the same).
   void restore(const Snapshot& snapshot);
-  /// Another simulation in the state of this one, which goes on as this one would, bit for bit, and takes commands of its own. They
-  /// share the cloud and what was made from it at rest, so that it costs next to nothing beside building one, and each may be used
-  /// by a thread of its own; making a fork is a matter of the thread that steps this one. Throws InputError if the model cannot be
-  /// copied.
+  /// Another simulation in the state of this one, which goes on as this one would, bit for bit, and takes commands of its own.
+  /// They share the cloud and what was made from it at rest, so that it costs next to nothing beside building one, and each may
+  /// be used by a thread of its own; making a fork is a matter of the thread that steps this one. Throws InputError if the model
+  /// cannot be copied.
   Simulation fork() const;
-  /// A fork that takes no steps (step() fails) but shows, in a thread of its own, what this one was: restore() of each sight() gives it
-  /// everything that is there to be seen. It has no error estimate of its own and tells that of the sight.
+  /// A fork that takes no steps (step() fails) but shows, in a thread of its own, what this one was: restore() of each sight()
+  /// gives it everything that is there to be seen. It has no error estimate of its own and tells that of the sight.
   Simulation viewer() const;
   /// A snapshot for viewers alone, without what only steps need: it costs a copy of the state. The scene's output.normals and
   /// publish_rate are not in it.
   Snapshot sight() const;
 
-  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. Of a solid that flows it takes
-  /// what has flowed as well, unless the state leaves that empty; orientations and traits stay. What the energy was before
-  /// is forgotten, and the error estimate begins anew at zero, for the state that was given. Throws InputError, and changes nothing,
-  /// on another number of points, on values that are not finite or beyond any surface's (more than kMaxLength, a third of the speed
-  /// of light), on a velocity of a pinned point, and on what cannot have flowed.
+  /// Places the simulation points and gives them velocities, pinned ones included; time and loads stay. Of a solid that flows it
+  /// takes what has flowed as well, unless the state leaves that empty; orientations and traits stay. What the energy was before
+  /// is forgotten, and the error estimate begins anew at zero, for the state that was given. Throws InputError, and changes
+  /// nothing, on another number of points, on values that are not finite or beyond any surface's (more than kMaxLength, a third
+  /// of the speed of light), on a velocity of a pinned point, and on what cannot have flowed.
   void setState(const model::State& state);
 
   // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
@@ -119,36 +119,37 @@ class Simulation {
   std::vector<ToolReaction> toolReactions() const;
   /// Every touch of solid, cut and attract now, tool by tool, points ascending.
   std::vector<Contact> contacts() const;
-  /// What the surface does to its pins now: the scene's regions in their order, a point of several to the first; then kOtherPins, if
-  /// commands have pinned any. Particles that were born in a pinned region are no part of it.
+  /// What the surface does to its pins now: the scene's regions in their order, a point of several to the first; then kOtherPins,
+  /// if commands have pinned any. Particles that were born in a pinned region are no part of it.
   std::vector<PinReaction> pinReactions() const;
-  /// Fixes (or frees) the simulation points whose current position lies in the region, where they are; orientation: and their orientations, where they have any. Returns how many.
+  /// Fixes (or frees) the simulation points whose current position lies in the region, where they are; orientation: and their
+  /// orientations, where they have any. Returns how many.
   Index pin(const geometry::Region& region, bool orientation = false);
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
   /// Gives the simulation points that lie in the region now (null: all of them) other values of their material, until the next
-  /// reset. Velocities stay, also where masses change. The stable step is measured anew. Throws InputError, and changes nothing, if
-  /// the scene's model has no such values. Returns how many points.
+  /// reset. Velocities stay, also where masses change. The stable step is measured anew. Throws InputError, and changes nothing,
+  /// if the scene's model has no such values. Returns how many points.
   Index setMaterial(const geometry::Region* region, const MaterialChangeParams& change);
   /// Simulation points with values of their own, by the scene's regions or by setMaterial().
   Index numOwnMaterial() const;
   /// 1/s, of everything, until the next reset.
   void setDamping(double damping);
-  /// Draws the surface towards this cloud from now on, where it was seen, with input.track_gain (track_load.h); instead of the cloud
-  /// before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes nothing,
-  /// for clouds of fewer than three points.
+  /// Draws the surface towards this cloud from now on, where it was seen, with input.track_gain (track_load.h); instead of the
+  /// cloud before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes
+  /// nothing, for clouds of fewer than three points.
   void observe(const cloud::PointCloud& cloud);
   /// The same of one that was made ready before, which is most of the work.
   void observe(const ObservedCloud& cloud);
-  /// Takes the values that may change while a surface runs (run_time_params.h), from the next step on and through resets; points with
-  /// a Young's modulus of their own keep it. Throws InputError, and changes nothing, for values that are not accepted and where any other
-  /// value is not as in params().
+  /// Takes the values that may change while a surface runs (run_time_params.h), from the next step on and through resets; points
+  /// with a Young's modulus of their own keep it. Throws InputError, and changes nothing, for values that are not accepted and
+  /// where any other value is not as in params().
   void setParams(const SceneParams& params);
   // Of oriented particles only; at once, and wholly or not at all: InputError says why not.
   /// Returns the ids of the particles that were added.
   std::vector<Index> editParticles(const ParticleEdit& edit);
-  /// Grows a surface through the particles that there are (sec. 7 of [Szeliski 1991]); growth.chain is the model's. Returns what it
-  /// did as a sentence.
+  /// Grows a surface through the particles that there are (sec. 7 of [Szeliski 1991]); growth.chain is the model's. Returns what
+  /// it did as a sentence.
   std::string fit(const model::GrowthParams& growth);
 
   // For probes and the error estimate.
@@ -158,8 +159,9 @@ class Simulation {
   void disturb(double size);
   /// A step goes by in which nothing happens: time alone passes.
   void passStep();
-  /// Only this share, in (0, 1], of the stated membrane stiffness acts from now on and after resets, which is at rest; bending and masses
-  /// are as stated. It ends, until the next reset, where it is no longer known to be good: see docs/accuracy_control.md.
+  /// Only this share, in (0, 1], of the stated membrane stiffness acts from now on and after resets, which is at rest; bending
+  /// and masses are as stated. It ends, until the next reset, where it is no longer known to be good: see
+  /// docs/accuracy_control.md.
   void softenMembrane(double share);
   void stiffenMembrane();        // all of it acts, until the next reset
   double membraneShare() const;  // that acts now

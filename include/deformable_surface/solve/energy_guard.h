@@ -52,11 +52,11 @@ class EnergyGuard {
   static constexpr Allowance kDescending{1e-3, 1e-5};  // implicit and static: they never gain but by the error of the work put in
   static constexpr Allowance kPublished{1.0, 1e-3};    // explicit Euler drifts
 
-  /// At its end: false if the energy is not finite or has grown beyond what is allowed. substep, s, is that of the integrator; work, J,
-  /// that of loads without a potential in this step. Changes no memory.
+  /// At its end: false if the energy is not finite or has grown beyond what is allowed. substep, s, is that of the integrator;
+  /// work, J, that of loads without a potential in this step. Changes no memory.
   bool accepts(const System& system, double time, const State& state, double substep, double work, const Allowance& allowance);
-  /// Whether the excess is at most this share of the energy in motion and stretch (beside the error of a first step), as accepts() saw
-  /// it last.
+  /// Whether the excess is at most this share of the energy in motion and stretch (beside the error of a first step), as
+  /// accepts() saw it last.
   bool isCalm(double share) const { return excess_ <= share * next_.vibration + kick_; }
   /// Whether the kinetic energy is at most this share of the same.
   bool isNearRest(double share) const { return kinetic_ <= share * next_.vibration; }
@@ -74,7 +74,8 @@ class EnergyGuard {
  private:
   Memory memory_, next_;
   bool elastic_known_ = false;
-  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, gain_ = 0.0, excess_ = 0.0, kick_ = 0.0, kinetic_ = 0.0;
+  double elastic_ = 0.0, next_elastic_ = 0.0, before_ = 0.0, after_ = 0.0, gain_ = 0.0, excess_ = 0.0, kick_ = 0.0,
+         kinetic_ = 0.0;
   Points forces_;
 };
 

@@ -24,7 +24,8 @@ class ExternalLoad {
   /// Energy that the load puts in between two times (s) while the points move straight from one state to another, J: the work of
   /// forces without a potential, and at least what a potential gains by changing in time; 0 will do if it only ever takes
   /// energy. Infinite, the default without a potential, if it cannot be said: no step is then refused for its energy.
-  virtual double estimateWork(double /*from*/, double /*to*/, const model::State& /*before*/, const model::State& /*after*/) const {
+  virtual double estimateWork(double /*from*/, double /*to*/, const model::State& /*before*/,
+                              const model::State& /*after*/) const {
     return isConservative() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 

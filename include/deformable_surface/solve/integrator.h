@@ -28,8 +28,9 @@ class Integrator {
   /// step is cut in equal sub-steps no longer than a safe share of it. Implicit methods do not read it.
   virtual SolveReport advance(const System& system, double time, double step, double max_substep, State& state) = 0;
 
-  /// Allows the model's slow forces (see DeformableModel) to act once in up to most_inner sub-steps, as long as those together stay
-  /// within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every sub-step.
+  /// Allows the model's slow forces (see DeformableModel) to act once in up to most_inner sub-steps, as long as those together
+  /// stay within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every
+  /// sub-step.
   virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
   /// The model's forces are not those that the last step ended with, though the positions may be.
   virtual void forgetForces() {}
@@ -51,7 +52,8 @@ Index countSubsteps(double step, double max_substep);
 struct Substeps {
   Index outer, inner;
 };
-/// The cheapest cut of a step into sub-steps and outer steps that are both short enough, at most most_inner sub-steps an outer step.
+/// The cheapest cut of a step into sub-steps and outer steps that are both short enough, at most most_inner sub-steps an outer
+/// step.
 Substeps chooseSubsteps(double step, double max_substep, double max_slow_step, Index most_inner);
 
 /// type: not kAuto, which the simulation resolves; oriented: for a system that isOriented(), which has kVerlet and kStatic only.

@@ -10,9 +10,9 @@ using model::State;
 
 class System {
  public:
-  /// The model, the loads and held (n, 1 = no force moves the point: it keeps its velocity) are kept by reference: what they say may change between steps.
-  /// damping, 1/s: force = -damping * mass * velocity, torque = -damping * inertia * spin; explicit integrators apply it exactly.
-  /// held_turns (n, 1 = the point does not turn): null if none is held so.
+  /// The model, the loads and held (n, 1 = no force moves the point: it keeps its velocity) are kept by reference: what they say
+  /// may change between steps. damping, 1/s: force = -damping * mass * velocity, torque = -damping * inertia * spin; explicit
+  /// integrators apply it exactly. held_turns (n, 1 = the point does not turn): null if none is held so.
   System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
          double damping, const std::vector<char>* held_turns = nullptr);
 
@@ -35,12 +35,13 @@ class System {
   void computeForces(double time, const State& state, Points& forces) const;
   /// The same on held points too: what those that hold them have to bear.
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
-  /// The same as the first, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not turn.
+  /// The same as the first, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not
+  /// turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
   /// The same on held points too, and on those that do not turn.
   void computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const;
-  /// Forces in parts: the fast and the slow ones of the model alone (see DeformableModel), on held points too, overwritten; and the
-  /// loads added, zero on held points.
+  /// Forces in parts: the fast and the slow ones of the model alone (see DeformableModel), on held points too, overwritten; and
+  /// the loads added, zero on held points.
   bool hasSlowForces() const { return model_.hasSlowForces(); }
   void computeFastForces(const State& state, Points& forces) const;
   void computeSlowForces(const State& state, Points& forces) const;
@@ -62,8 +63,8 @@ class System {
   double loadPotential(double time, const State& state) const;
   /// The part of it that is stored as in springs, J.
   double storedEnergy(double time, const State& state) const;
-  /// The energy that loads put in between two times while the points move straight from one state to another, J, see ExternalLoad; and
-  /// that of what moves held points, by the trapezoidal rule.
+  /// The energy that loads put in between two times while the points move straight from one state to another, J, see
+  /// ExternalLoad; and that of what moves held points, by the trapezoidal rule.
   double estimateWork(double from, double to, const State& before, const State& after) const;
   /// The latter alone, J.
   double carryingWork(double from, double to, const State& before, const State& after) const;
@@ -76,8 +77,8 @@ class System {
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
 
-  /// Of a model that hasStiffnessProducts(), see there; the products are zero on held points, v is zero there. Those of the loads are
-  /// in addStiffness().
+  /// Of a model that hasStiffnessProducts(), see there; the products are zero on held points, v is zero there. Those of the loads
+  /// are in addStiffness().
   bool hasStiffnessProducts() const { return model_.hasStiffnessProducts(); }
   void prepareStiffness(const State& state, model::Hessian hessian) const { model_.prepareStiffness(state, hessian); }
   void computeStiffnessProduct(const Points& v, Points& product) const;

@@ -1,5 +1,5 @@
-// How a step of the caller is taken: by which method, in how many sub-steps, and again with more care where it went wrong. It is a
-// file of its own because it knows neither scenes nor clouds, only forces, energies and a state.
+// How a step of the caller is taken: by which method, in how many sub-steps, and again with more care where it went wrong. It is
+// a file of its own because it knows neither scenes nor clouds, only forces, energies and a state.
 #pragma once
 
 #include "deformable_surface/solve/energy_guard.h"
@@ -13,8 +13,8 @@
 
 namespace deformable_surface::solve {
 
-/// A step that gives values that are not finite, leaves all bounds or makes energy out of nothing is taken again with finer sub-steps,
-/// then, by `auto`, with the implicit method. If nothing helps the state stays as it was.
+/// A step that gives values that are not finite, leaves all bounds or makes energy out of nothing is taken again with finer
+/// sub-steps, then, by `auto`, with the implicit method. If nothing helps the state stays as it was.
 class TimeMarch {
  public:
   /// All are kept by reference: what they say may change between steps.
@@ -43,8 +43,8 @@ class TimeMarch {
   void restart();
   /// Estimates the stable step of a state from which no step is taken yet.
   void prepare(double time, const State& state);
-  /// The state was brought on by another march over the same forces (of a part): the account begins anew, but the stable step that was
-  /// estimated holds as long as it would have.
+  /// The state was brought on by another march over the same forces (of a part): the account begins anew, but the stable step
+  /// that was estimated holds as long as it would have.
   void resume();
   /// As restart(), of forces and energy alone, in a solid that has flowed: the account stays.
   void forcesChanged();
@@ -60,12 +60,14 @@ class TimeMarch {
   /// Advances the state from time (s) by params.time_step.
   Outcome step(double time, State& state);
 
-  /// System::computeForcesOnAll(), to the bit, of the state that the last step ended with: what the integrator knows of it is not evaluated again.
+  /// System::computeForcesOnAll(), to the bit, of the state that the last step ended with: what the integrator knows of it is not
+  /// evaluated again.
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
 
   /// Takes every step in so many times as many sub-steps, n >= 1.
   void setFineness(Index n) { fineness_ = n; }
-  /// A step ends between two of its parts, portions of sub-steps or iterations, as one that failed, once this is true; null = never.
+  /// A step ends between two of its parts, portions of sub-steps or iterations, as one that failed, once this is true; null =
+  /// never.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
   /// How the last step was taken; not kAuto once there was one.
   IntegratorType lastType() const { return memory_.type; }

@@ -5,16 +5,17 @@
 
 namespace deformable_surface::tool {
 
-/// Whether a solid lies across the straight way between two points (m, in its frame): the way goes in on one side of it and comes out on an
-/// opposite one. A point inside counts as being where it would be pushed out.
+/// Whether a solid lies across the straight way between two points (m, in its frame): the way goes in on one side of it and comes
+/// out on an opposite one. A point inside counts as being where it would be pushed out.
 bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b);
 
 /// The way of a tool through a step, looked at so often that it moves by no more than a resolution between two looks.
 class BladeSweep {
  public:
-  /// before, after (n x 3) m: points that move straight and evenly through the step, world; only those that the tool may come as near to as
-  /// reach, m, count for how fast it is. resolution, m.
-  BladeSweep(const ToolParams& tool, double time, double step, const Points& before, const Points& after, double reach, double resolution);
+  /// before, after (n x 3) m: points that move straight and evenly through the step, world; only those that the tool may come as
+  /// near to as reach, m, count for how fast it is. resolution, m.
+  BladeSweep(const ToolParams& tool, double time, double step, const Points& before, const Points& after, double reach,
+             double resolution);
 
   /// Whether it came so near to any of the points; to one that is there at the beginning of the step.
   bool isNear() const { return !poses_.empty(); }

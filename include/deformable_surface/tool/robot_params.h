@@ -27,7 +27,8 @@ inline void visit(Fields& fields, RobotLinkParams& p) {
 
 inline void visit(Fields& fields, RobotParams& p) {
   fields.text("description", p.description, "the ROS parameter that holds the URDF");
-  fields.text("file", p.file, "a URDF in its place: a path or `package://PACKAGE/PATH`; what `simulate` needs, with a bag that has tf");
+  fields.text("file", p.file,
+              "a URDF in its place: a path or `package://PACKAGE/PATH`; what `simulate` needs, with a bag that has tf");
   fields.list("links", p.links, "Their collision geometry is solid and follows their frames.");
 }
 

@@ -33,7 +33,8 @@ std::string findProblem(const std::vector<WaypointParams>& path);
 
 inline bool isActive(const ToolParams& tool, double time) { return tool.start <= time && time < tool.end; }
 
-/// Distance (m, negative inside) and outward normal of a solid at a pose, in the world; beyond the limit (m) as that of the solid.
+/// Distance (m, negative inside) and outward normal of a solid at a pose, in the world; beyond the limit (m) as that of the
+/// solid.
 inline geometry::SignedDistance findSignedDistance(const geometry::Solid& solid, const Pose& pose, const Vec3& point,
                                                    double limit = std::numeric_limits<double>::infinity()) {
   geometry::SignedDistance d = geometry::findSignedDistance(solid, pose.orientation.conjugate() * (point - pose.position), limit);

@@ -27,7 +27,7 @@ struct ToolParams {
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
   double friction = 0.0;               // Coulomb's coefficient, >= 0: solid, cut
-  double strength = 0.0;               // >= 0; attract: N/m; move: N at which the grip lets go, 0 = never; heat, cut: K above ambient
+  double strength = 0.0;  // >= 0; attract: N/m; move: N at which the grip lets go, 0 = never; heat, cut: K above ambient
   double reach = 0.0;                  // m, > 0: attract: how far from its surface it is felt
   double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
   std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between and held outside
@@ -44,27 +44,32 @@ inline void visit(Fields& fields, WaypointParams& p) {
 inline void visit(Fields& fields, ToolParams& p) {
   fields.required().text("id", p.id, "its name, not empty; no two tools share one");
   fields.require(!p.id.empty(), "id", "found empty text; accepted: a name");
-  fields.choice("mode", p.mode,
-                {{"solid", Mode::kSolid},
-                 {"attract", Mode::kAttract},
-                 {"move", Mode::kMove},
-                 {"erase", Mode::kErase},
-                 {"cut", Mode::kCut},
-                 {"heat", Mode::kHeat}},
-                "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
-                "begins; `cut` cuts what it goes between (mass_spring), or is solid and heats what it touches (oriented particles); "
-                "`erase` takes away what is inside, `heat` warms it (oriented particles)");
-  fields.section("shape", p.shape,
-                 "One of sphere, box, cylinder, cone, plane and mesh (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
-                 "is up).");
+  fields.choice(
+      "mode", p.mode,
+      {{"solid", Mode::kSolid},
+       {"attract", Mode::kAttract},
+       {"move", Mode::kMove},
+       {"erase", Mode::kErase},
+       {"cut", Mode::kCut},
+       {"heat", Mode::kHeat}},
+      "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
+      "begins; `cut` cuts what it goes between (mass_spring), or is solid and heats what it touches (oriented particles); "
+      "`erase` takes away what is inside, `heat` warms it (oriented particles)");
+  fields.section(
+      "shape", p.shape,
+      "One of sphere, box, cylinder, cone, plane and mesh (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
+      "is up).");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid and cut");
-  fields.number("strength", p.strength, "", between(0.0, 1e12),
-                "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat and cut: K above "
-                "ambient, with cut 0 = where bonds are gone");
+  fields.number(
+      "strength", p.strength, "", between(0.0, 1e12),
+      "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat and cut: K above "
+      "ambient, with cut 0 = where bonds are gone");
   const bool needs_strength = p.mode == Mode::kAttract || p.mode == Mode::kHeat;
-  fields.require(!needs_strength || p.strength > 0.0, "strength", "found 0, with which attract and heat do nothing; accepted: above 0");
+  fields.require(!needs_strength || p.strength > 0.0, "strength",
+                 "found 0, with which attract and heat do nothing; accepted: above 0");
   fields.number("reach", p.reach, "m", between(0.0, kMaxLength), "attract: how far from its surface it is felt");
-  fields.require(p.mode != Mode::kAttract || p.reach > 0.0, "reach", "found 0, with which attract does nothing; accepted: above 0");
+  fields.require(p.mode != Mode::kAttract || p.reach > 0.0, "reach",
+                 "found 0, with which attract does nothing; accepted: above 0");
   fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
   fields.number("end", p.end, "s", anyFinite(), "the default never ends");
   fields.require(p.start < p.end, "end",
@@ -73,7 +78,8 @@ inline void visit(Fields& fields, ToolParams& p) {
   fields.require(!p.path.empty(), "path", "found no waypoint; accepted: at least one");
   for (std::size_t i = 1; i < p.path.size(); ++i)
     fields.require(p.path[i - 1].time < p.path[i].time, "path[" + std::to_string(i) + "].time",
-                   "found " + formatReal(p.path[i].time) + " after " + formatReal(p.path[i - 1].time) + "; accepted: ascending times");
+                   "found " + formatReal(p.path[i].time) + " after " + formatReal(p.path[i - 1].time) +
+                       "; accepted: ascending times");
 }
 
 }  // namespace deformable_surface::tool

@@ -23,15 +23,15 @@ class Transfer {
 
   /// dense (n x 3), normals (n x 3, unit), simulation (m x 3): all at rest. Only simulation points with usable[j] != 0 are
   /// taken. InputError if arrays do not fit, points are not finite or an option is out of range. Parallel; O(n (log m + k)).
-  /// followed: (n) the simulation points that each dense point follows, at most k, nearest first, all usable; if null, they are the
-  /// k nearest in space.
+  /// followed: (n) the simulation points that each dense point follows, at most k, nearest first, all usable; if null, they are
+  /// the k nearest in space.
   Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
            const TransferParams& params, const Lists* followed = nullptr);
 
   /// The simulation points that a dense point follows, nearest first.
   std::vector<Index> sourcesOf(Index dense) const;
-  /// Makes some dense points (ascending) follow other simulation points: followed (as many lists as points), as in the constructor; the rest of
-  /// the operator stays bit for bit. normals (n x 3) and params as there.
+  /// Makes some dense points (ascending) follow other simulation points: followed (as many lists as points), as in the
+  /// constructor; the rest of the operator stays bit for bit. normals (n x 3) and params as there.
   void refit(const std::vector<Index>& dense, const Lists& followed, const Points& normals, const TransferParams& params);
 
   /// positions (m x 3) of the simulation points now -> dense positions (n x 3) and, if wanted, unit normals (n x 3 float).
@@ -57,9 +57,10 @@ class Transfer {
   /// Dense points that are made together, as they lie behind each other.
   static constexpr Index kTilePoints = 1024;
   Index numTiles() const { return static_cast<Index>(tile_sources_.size()); }
-  /// The same as apply(), bit for bit, where dense_now and normals_now (null: none) are as the last update of this frame left them: only tiles
-  /// that follow a simulation point which has moved since are made. after(begin, end) is called for each of them, in parallel, while
-  /// its points are at hand. Returns how many tiles were made. The operator must be the one of the last update.
+  /// The same as apply(), bit for bit, where dense_now and normals_now (null: none) are as the last update of this frame left
+  /// them: only tiles that follow a simulation point which has moved since are made. after(begin, end) is called for each of
+  /// them, in parallel, while its points are at hand. Returns how many tiles were made. The operator must be the one of the last
+  /// update.
   Index update(const Points& simulation_now, Frame& frame, Points& dense_now, std::vector<Eigen::Vector3f>* normals_now,
                const std::function<void(Index begin, Index end)>& after) const;
 
@@ -73,7 +74,8 @@ class Transfer {
 
  private:
   // Fills row i of the operator from the neighbours of dense point i; true if they span its plane.
-  bool fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found, const TransferParams& params);
+  bool fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found,
+              const TransferParams& params);
 
   // Displacements (max(m, 1) x 4) less a reference near their mean, which small motions of few points leave as it is.
   void findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const;

@@ -16,7 +16,8 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr int kMostIterations = 400;  // what is left then is smooth, and small
 constexpr double kEnough = 1e-11;     // of the first residual: rounding
-constexpr double kAstray = 1e6;       // of the least squared residual: they vary by less from one iteration to the next where there is a solution
+constexpr double kAstray =
+    1e6;  // of the least squared residual: they vary by less from one iteration to the next where there is a solution
 
 using Map3 = Eigen::Map<const Vec3>;
 
@@ -128,12 +129,14 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
     }
   for (const std::vector<Index>& body : findBodies(fit.pairs)) balance(points, cells.outside, body, r);
 
-  // Conjugate gradients. Where points have too few neighbours the theorem cannot hold, and they would go astray: the best is kept.
+  // Conjugate gradients. Where points have too few neighbours the theorem cannot hold, and they would go astray: the best is
+  // kept.
   Points l(n, Vec3::Zero()), best = l, p = r, product(n);
   std::vector<Mat3> gradient(n);
   const double first = dot(r, r), first_largest = largestOf(r);
   double squared = first, least = first, least_largest = first_largest;
-  for (int iteration = 0; iteration < kMostIterations && squared > kEnough * kEnough * first && squared < kAstray * least; ++iteration) {
+  for (int iteration = 0; iteration < kMostIterations && squared > kEnough * kEnough * first && squared < kAstray * least;
+       ++iteration) {
     applyResiduals(fit, p, gradient, product);
     const double curvature = dot(p, product);
     if (!(curvature > 0.0)) break;
@@ -158,7 +161,8 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
   for (Index i = 0; i < n; ++i) {
     const Mat3 inverse = fit.inverseAt(i);
     // Where neighbours span no volume the correction stays in what they span.
-    const Mat3 span = fit.rank[i] == 3 ? Mat3(Mat3::Identity()) : Mat3(inverse * inverse.completeOrthogonalDecomposition().pseudoInverse());
+    const Mat3 span =
+        fit.rank[i] == 3 ? Mat3(Mat3::Identity()) : Mat3(inverse * inverse.completeOrthogonalDecomposition().pseudoInverse());
     for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k) {
       const Index j = fit.pairs.items[k];
       const double* m = pairAt(fit, k);

@@ -29,12 +29,14 @@ double findLambda(const MaterialParams& m, bool is_plate) {
 }
 
 // s = stiffness sum_i V_i / sum_i (tr K'_i / d): a deviation of the size of a strain costs what the strain would.
-double findStabilization(const PairFit& near, const Points& points, const std::vector<double>& volumes, double stiffness, int dimension) {
+double findStabilization(const PairFit& near, const Points& points, const std::vector<double>& volumes, double stiffness,
+                         int dimension) {
   double volume = 0.0, spread = 0.0;
   for (Index i = 0; i < near.size(); ++i) {
     volume += volumes[i];
     for (Index k = near.pairs.offsets[i]; k < near.pairs.offsets[i + 1]; ++k)
-      spread += Eigen::Map<const Vec3>(near.m.data() + 4 * static_cast<std::size_t>(k)).dot(points[near.pairs.items[k]] - points[i]);
+      spread +=
+          Eigen::Map<const Vec3>(near.m.data() + 4 * static_cast<std::size_t>(k)).dot(points[near.pairs.items[k]] - points[i]);
   }
   return spread > 0.0 ? stiffness * volume * dimension / spread : 0.0;
 }
@@ -62,7 +64,8 @@ SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vecto
     for (double& v : rest.volumes) v *= material.thickness;
   rest.mu = findMu(material);
   rest.lambda = findLambda(material, is_planar && params.plane == PlaneKind::kStress);
-  rest.stabilization = findStabilization(rest.near, points, rest.volumes, params.stabilization * material.young_modulus, is_planar ? 2 : 3);
+  rest.stabilization =
+      findStabilization(rest.near, points, rest.volumes, params.stabilization * material.young_modulus, is_planar ? 2 : 3);
   rest.across = across;
   return rest;
 }
@@ -117,7 +120,9 @@ void ElasticSolid::findRowBounds() {
   row_bounds_.assign(n, 0.0);
   for (Index i = 0; i < n; ++i) {
     double sum = rest.gradients.own[i].norm(), near_sum = 0.0, weights = 0.0;
-    const auto gradientAt = [&](Index k) { return Eigen::Map<const Vec3>(rest.gradients.row.data() + 3 * static_cast<std::size_t>(k)).norm(); };
+    const auto gradientAt = [&](Index k) {
+      return Eigen::Map<const Vec3>(rest.gradients.row.data() + 3 * static_cast<std::size_t>(k)).norm();
+    };
     const auto near = [&](Index k) { return rest.near.m.data() + 4 * static_cast<std::size_t>(k); };
     const Mat3 inverse = rest.near.inverseAt(i);
     for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) sum += gradientAt(k);
@@ -127,7 +132,8 @@ void ElasticSolid::findRowBounds() {
     }
     const double strained = rest.volumes[i] * stiffness * sum, deviated = s * near_sum;
     row_bounds_[i] += strained * rest.gradients.own[i].norm() + 4.0 * s * weights;
-    for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) row_bounds_[rest.fit.pairs.items[k]] += strained * gradientAt(k);
+    for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k)
+      row_bounds_[rest.fit.pairs.items[k]] += strained * gradientAt(k);
     for (Index k = rest.near.pairs.offsets[i]; k < rest.near.pairs.offsets[i + 1]; ++k) {
       const double part = deviated * Eigen::Map<const Vec3>(near(k)).norm();
       row_bounds_[rest.near.pairs.items[k]] += part;
@@ -136,8 +142,8 @@ void ElasticSolid::findRowBounds() {
   }
 }
 
-// The energy of each point, with |grad u|^2 in place of its strain's, spread over those nearest neighbours that weigh most in its fit:
-// sum_j w'_ij |u_j - u_i|^2 is |grad u|^2 sum_j w'_ij |X_j - X_i|^2 / d for a linear u, on average over its directions.
+// The energy of each point, with |grad u|^2 in place of its strain's, spread over those nearest neighbours that weigh most in its
+// fit: sum_j w'_ij |u_j - u_i|^2 is |grad u|^2 sum_j w'_ij |X_j - X_i|^2 / d for a linear u, on average over its directions.
 void ElasticSolid::findCouplings() {
   const SolidRest& rest = passes_.rest;
   const Lists& pairs = rest.near.pairs;
@@ -155,7 +161,8 @@ void ElasticSolid::findCouplings() {
   }
   for (Index i = 0; i < n; ++i)
     for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k)
-      if (const Index j = pairs.items[k]; i < j && isKept(i, k)) couplings_.push_back({i, j, 0.5 * (share[i] + share[j]) * rowOf(k)[3]});
+      if (const Index j = pairs.items[k]; i < j && isKept(i, k))
+        couplings_.push_back({i, j, 0.5 * (share[i] + share[j]) * rowOf(k)[3]});
 }
 
 void ElasticSolid::findStableStep() {

@@ -13,7 +13,8 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;           // points a task
-constexpr double kClearlyBelow = 0.5;   // of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing
+constexpr double kClearlyBelow =
+    0.5;  // of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing
 
 constexpr double kRounding = 1e-12;     // relative: where the largest strain is reached already nothing flows
 
@@ -74,7 +75,8 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
   const Vec3 logarithm = svd.singularValues().array().log();
   const double strain = std::sqrt(2.0 / 3.0) * logarithm.norm();
   if (strain > params_.max_strain)
-    plastic = svd.matrixU() * Vec3((params_.max_strain / strain * logarithm).array().exp()).asDiagonal() * svd.matrixV().transpose();
+    plastic =
+        svd.matrixU() * Vec3((params_.max_strain / strain * logarithm).array().exp()).asDiagonal() * svd.matrixV().transpose();
   return !plastic.isApprox(before, kRounding);
 }
 

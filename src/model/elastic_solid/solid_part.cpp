@@ -1,5 +1,5 @@
-// Parts of an elastic solid: the same fits with the same numbers on fewer points, so that a step costs what is in the part. A file of its
-// own, because only sleeping needs it.
+// Parts of an elastic solid: the same fits with the same numbers on fewer points, so that a step costs what is in the part. A
+// file of its own, because only sleeping needs it.
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 
 namespace deformable_surface::model {

@@ -15,9 +15,11 @@ namespace {
 constexpr Index kConstants = 13;
 constexpr Index kTangents = 15;
 constexpr Index kEnergies = 256;       // points whose energies stand on the stack
-constexpr int kMostIterations = 9;     // of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one
+constexpr int kMostIterations =
+    9;  // of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one
 constexpr double kConverged = 1e-14;   // squared change after which the next iterate is exact to rounding, as the order is two
-constexpr double kMostTangent = 1e3;   // of mu: the derivative has poles where two stretches cancel, and no more than that is taken there
+constexpr double kMostTangent =
+    1e3;  // of mu: the derivative has poles where two stretches cancel, and no more than that is taken there
 constexpr double kSmallest = 1e-3;     // determinant of F below which iterations may not end in a rotation
 
 // Of four points side by side, F or what is made of it: entry [row][column].
@@ -27,8 +29,8 @@ struct Four {
 
 // Sums over the neighbours j of (x_j - x_i) row_j[c] for c < kCount, x y z 0 each; rows of kWidth numbers.
 template <int kCount, int kWidth>
-DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* items, const double* rows, const double* positions,
-                                           Index i, Double4* columns) {
+DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* items, const double* rows,
+                                           const double* positions, Index i, Double4* columns) {
   Double4 here, a[kCount]{}, b[kCount]{};
   load(positions + 4 * static_cast<std::ptrdiff_t>(i), here);
   Index k = begin;
@@ -168,7 +170,8 @@ DEFORMABLE_SURFACE_INLINE void addAcross(const PassArrays& a, Four& F) {
 }
 
 // One column of four points, to their columns behind each other, x y z 0.
-DEFORMABLE_SURFACE_INLINE void storeColumn(const Double4& x, const Double4& y, const Double4& z, Index lanes, Index stride, double* to) {
+DEFORMABLE_SURFACE_INLINE void storeColumn(const Double4& x, const Double4& y, const Double4& z, Index lanes, Index stride,
+                                           double* to) {
   Double4 rows[4] = {x, y, z, Double4{}};
   transpose(rows[0], rows[1], rows[2], rows[3]);
   for (Index lane = 0; lane < lanes; ++lane) store(rows[lane], to + stride * lane);
@@ -230,7 +233,8 @@ DEFORMABLE_SURFACE_INLINE void addProducts(Index begin, Index end, const Index* 
   Index k = begin;
   for (; k + 1 < end; k += 2) {
     const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
-    const double *p = from + 24 * static_cast<std::ptrdiff_t>(items[k]), *q = from + 24 * static_cast<std::ptrdiff_t>(items[k + 1]);
+    const double *p = from + 24 * static_cast<std::ptrdiff_t>(items[k]),
+                 *q = from + 24 * static_cast<std::ptrdiff_t>(items[k + 1]);
     for (int c = 0; c < 3; ++c) {
       Double4 at, next;
       load(p + 4 * c, at);
@@ -311,8 +315,8 @@ DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end,
 }
 
 // R and M of four points at a time; is_sound (end - begin, filled up to fours) is false for those that are to be done one by one.
-DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index begin, Index end, const PassArrays& a, double* tangent,
-                                          bool* is_sound) {
+DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index begin, Index end, const PassArrays& a,
+                                          double* tangent, bool* is_sound) {
   for (Index i = begin; i < end; i += 4) {
     Four F, R, S, H;
     Double4 sums[3];
@@ -343,15 +347,18 @@ DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index
       }
     for (int k = 0; k < 9; ++k) store(R.at[k / 3][k % 3], to + 4 * k);
     // Minors of M / mu + I.
-    const Double4 a0 = M[0] / a.mu + 1.0, a1 = M[1] / a.mu, a2 = M[2] / a.mu, a3 = M[3] / a.mu + 1.0, a4 = M[4] / a.mu, a5 = M[5] / a.mu + 1.0;
+    const Double4 a0 = M[0] / a.mu + 1.0, a1 = M[1] / a.mu, a2 = M[2] / a.mu, a3 = M[3] / a.mu + 1.0, a4 = M[4] / a.mu,
+                  a5 = M[5] / a.mu + 1.0;
     const Double4 second = a0 * a3 - a1 * a1;
     const Double4 third = a0 * (a3 * a5 - a4 * a4) - a1 * (a1 * a5 - a2 * a4) + a2 * (a1 * a4 - a2 * a3);
     for (int lane = 0; lane < 4; ++lane)
-      sound[lane] = sound[lane] && law == StressLaw::kCorotated && (!is_positive || (a0[lane] > 0.0 && second[lane] > 0.0 && third[lane] > 0.0));
+      sound[lane] = sound[lane] && law == StressLaw::kCorotated &&
+                    (!is_positive || (a0[lane] > 0.0 && second[lane] > 0.0 && third[lane] > 0.0));
   }
 }
 
-PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, const std::vector<double>& tangent, const double* positions) {
+PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, const std::vector<double>& tangent,
+                    const double* positions) {
   return {s.fit.size(), s.fit.pairs.offsets.data(), s.fit.pairs.items.data(), s.gradients.row.data(), s.gradients.column.data(),
           s.near.pairs.offsets.data(), s.near.pairs.items.data(), s.near.m.data(), constants.data(), tangent.data(), positions,
           s.mu, s.lambda, s.stabilization, {s.across.x(), s.across.y(), s.across.z()}};
@@ -393,7 +400,8 @@ Mat3 complete(const Mat3& F, const Mat3& inverse, int rank) {
   const Eigen::JacobiSVD<Mat3> at_rest(inverse, Eigen::ComputeFullU);
   const Mat3 axes = at_rest.matrixU();
   if (rank == 2) {
-    const Vec3 normal = axes.col(2), image = (F * axes.col(0)).cross(F * axes.col(1)) * (axes.col(0).cross(axes.col(1)).dot(normal));
+    const Vec3 normal = axes.col(2),
+               image = (F * axes.col(0)).cross(F * axes.col(1)) * (axes.col(0).cross(axes.col(1)).dot(normal));
     const double length = image.norm();
     return length > 0.0 ? Mat3(F + image / length * normal.transpose()) : F;
   }
@@ -437,13 +445,15 @@ void SolidPasses::spreadStress(StressLaw law, Index begin, Index end, const doub
   const bool any_unsound = spread(law, begin, end, arraysOf(rest, constants_, tangent_, positions), spread_.data(), own_.data());
   if (!any_unsound && !(law == StressLaw::kLinear && any_deficient_)) return;
   for (Index i = begin; i < end; ++i)
-    if (own_[4 * static_cast<std::size_t>(i) + 3] != 0.0 || (law == StressLaw::kLinear && isDeficient(i))) repair(law, i, positions);
+    if (own_[4 * static_cast<std::size_t>(i) + 3] != 0.0 || (law == StressLaw::kLinear && isDeficient(i)))
+      repair(law, i, positions);
 }
 
 void SolidPasses::repair(StressLaw law, Index i, const double* positions) {
   const Mat3 N = -rest.stabilization * sumPairs(rest.near.pairs, rest.near.m, 4, i, positions) * rest.near.inverseAt(i);
   const Mat3 Q = rest.fit.rank[i] > 0 ? Mat3(rest.volumes[i] * findStress(law, fitGradient(i, positions))) : Mat3(Mat3::Zero());
-  const Vec3 own = Q * rest.gradients.own[i] + N * sumMoments(rest.near, i) + 2.0 * rest.stabilization * sumWeighted(rest.near, i, positions);
+  const Vec3 own =
+      Q * rest.gradients.own[i] + N * sumMoments(rest.near, i) + 2.0 * rest.stabilization * sumWeighted(rest.near, i, positions);
   double* to = spread_.data() + 24 * static_cast<std::size_t>(i);
   for (int c = 0; c < 3; ++c) {
     Eigen::Map<Vec3>(to + 4 * c) = Q.col(c);
@@ -518,7 +528,8 @@ double SolidPasses::findDensity(StressLaw law, const Mat3& F) const {
   return rest.mu * strain.squaredNorm() + 0.5 * rest.lambda * trace * trace;
 }
 
-void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse, const Mat3& inverse) {
+void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse,
+                             const Mat3& inverse) {
   const auto at = [](auto& rows, Index k) { return rows.data() + 3 * static_cast<std::size_t>(k); };
   for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) {
     const Vec3 row = inverse.transpose() * Eigen::Map<const Vec3>(at(at_rest.row, k));

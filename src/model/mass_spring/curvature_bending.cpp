@@ -365,8 +365,8 @@ CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const State& state) c
 // f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A (n . b - II0): by the fits, then gathered by the points.
 void CurvatureBending::addForces(const PaddedPoints& positions, Points& forces) const {
   parallelFor(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
-    computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data(), along_.data(),
-                   normals_.data());
+    computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data(),
+                   along_.data(), normals_.data());
   });
   parallelFor(neighbors_.size(), kBlock, [&](Index begin, Index end) {
     gatherForces(begin, end, users_.offsets.data(), users_.items.data(), along_.data(), normals_.data(), forces.data()->data());
@@ -381,7 +381,8 @@ double CurvatureBending::energy(const PaddedPoints& positions) const {
 
 // With k_ab = n . b_ab - II0_ab and M = D A k (each component as often as it stands in the sum), the Hessian is the sum of
 //   D A dk_ab dk_ab,           dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
-//   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),  dp = M_ab (db_ab - Gamma^d_ab dt_d).
+//   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),  dp = M_ab (db_ab -
+//   Gamma^d_ab dt_d).
 void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
   std::array<Vec3, kFitPoints + 1> change;   // of k_ab by the normal motion of each neighbour
   std::array<double, kFitPoints + 1> along;  // dp by the motion of each neighbour
@@ -393,7 +394,8 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
     const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(shape.change);
     const double pull = moment.dot(shape.curvature);
     Mat2 metric;
-    metric << shape.dual[0].squaredNorm(), shape.dual[0].dot(shape.dual[1]), shape.dual[0].dot(shape.dual[1]), shape.dual[1].squaredNorm();
+    metric << shape.dual[0].squaredNorm(), shape.dual[0].dot(shape.dual[1]), shape.dual[0].dot(shape.dual[1]),
+        shape.dual[1].squaredNorm();
     const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
     for (Index r = begin; r < end; ++r) {
       change[r - begin] = rows_[r].second - shape.christoffel.transpose() * rows_[r].first;
@@ -416,9 +418,9 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
   }
 }
 
-// x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no eigenvalue
-// of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of the 3 x 3 matrix
-// D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
+// x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no
+// eigenvalue of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of the 3
+// x 3 matrix D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
 double CurvatureBending::boundRate(const State& state, const std::vector<double>& masses) const {
   rate_.assign(masses.size(), 0.0);
   for (Index i = 0; i < neighbors_.size(); ++i) {
@@ -426,7 +428,8 @@ double CurvatureBending::boundRate(const State& state, const std::vector<double>
     const Shape shape = shapeAt(i, state);
     Mat3 matrix = Mat3::Zero();
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-      const Vec3 change = kMultiplicity.cwiseSqrt().cwiseProduct(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
+      const Vec3 change =
+          kMultiplicity.cwiseSqrt().cwiseProduct(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
       matrix += change * change.transpose() / masses[neighbors_.items[r]];
     }
     const double largest = weight_[i] * matrix.norm();

@@ -19,7 +19,8 @@ Vec3 fixedDirection(Index i, Index j) {
   // Three small integers from a multiplicative hash; never all zero since the middle one is odd.
   std::uint32_t h = static_cast<std::uint32_t>(i) * 2654435761u + static_cast<std::uint32_t>(j) * 2246822519u;
   h ^= h >> 15;
-  const Vec3 v(static_cast<int>(h & 255u) - 128, static_cast<int>((h >> 8) & 255u) * 2 - 255, static_cast<int>((h >> 16) & 255u) - 128);
+  const Vec3 v(static_cast<int>(h & 255u) - 128, static_cast<int>((h >> 8) & 255u) * 2 - 255,
+               static_cast<int>((h >> 16) & 255u) - 128);
   return v.normalized();
 }
 

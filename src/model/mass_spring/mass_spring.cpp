@@ -111,7 +111,8 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   std::vector<Link> across;
   if (params.bending == Bending::kSprings) across = bendingLinks(rings, stretching);
   std::vector<double> k_across(across.size(), params.bending_spring_ratio * mean);
-  const double affine = sumOfSquares(stretching, k, rest) + (membrane_ == Membrane::kSprings ? sumOfSquares(across, k_across, rest) : 0.0);
+  const double affine =
+      sumOfSquares(stretching, k, rest) + (membrane_ == Membrane::kSprings ? sumOfSquares(across, k_across, rest) : 0.0);
   const double scale = affine > 0.0 ? 3.0 * ring_area * membrane_stiffness / affine : 0.0;
   for (double& stiffness : k) stiffness *= scale;
   for (double& stiffness : k_across) stiffness *= scale;
@@ -236,8 +237,8 @@ void MassSpring::computeAreaVectors(const State& state, Points& area_vectors) co
   });
 }
 
-// The volume is measured from the mean of the points: where Delaunay stars disagree and the triangles do not quite close, it still
-// does not notice rigid motion, and its gradient keeps momentum.
+// The volume is measured from the mean of the points: where Delaunay stars disagree and the triangles do not quite close, it
+// still does not notice rigid motion, and its gradient keeps momentum.
 double MassSpring::enclosedVolume(const State& state) const {
   const Vec3 apex = meanOf(state.positions);
   return parallelSum(static_cast<Index>(triangles_.size()), kBlock, [&](Index begin, Index end) {
@@ -260,7 +261,8 @@ void MassSpring::computeVolumeGradient(const State& state, Points& gradient) con
       Vec3 sum = Vec3::Zero();
       for (const Index* c = triangle_corners_.begin(i); c != triangle_corners_.end(i); ++c) {
         const WeightedTriangle& t = triangles_[*c / 3];
-        sum += t.weight / 6.0 * (state.positions[t.corner[(*c + 1) % 3]] - apex).cross(state.positions[t.corner[(*c + 2) % 3]] - apex);
+        sum += t.weight / 6.0 *
+               (state.positions[t.corner[(*c + 1) % 3]] - apex).cross(state.positions[t.corner[(*c + 2) % 3]] - apex);
       }
       gradient[i] = sum;
     }

@@ -1,5 +1,5 @@
-// What cuts and other materials make of a mass-spring surface. Apart from the model's forces, which know nothing of them: elements that
-// are cut are not there, and the others have other constants.
+// What cuts and other materials make of a mass-spring surface. Apart from the model's forces, which know nothing of them:
+// elements that are cut are not there, and the others have other constants.
 #include "deformable_surface/model/mass_spring/incidence.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
@@ -78,7 +78,8 @@ void MassSpring::rebuild() {
     std::vector<WeightedTriangle> scaled = triangles_;
     if (!materials_.empty())
       for (WeightedTriangle& t : scaled)
-        t.weight *= (materials_[t.corner[0]].stretching + materials_[t.corner[1]].stretching + materials_[t.corner[2]].stretching) / 3.0;
+        t.weight *=
+            (materials_[t.corner[0]].stretching + materials_[t.corner[1]].stretching + materials_[t.corner[2]].stretching) / 3.0;
     membrane_triangles_ = TriangleMembrane(scaled, made_.points, made_.membrane_stiffness, made_.poisson_ratio);
   }
   for (std::size_t i = 0; i < materials_.size(); ++i) masses_[i] = made_.masses[i] * materials_[i].density;
@@ -97,7 +98,8 @@ void MassSpring::setCuts(const std::vector<Link>& links) {
   cuts_ = links;
   triangles_.clear();
   for (const WeightedTriangle& t : made_.triangles)
-    if (!isCut(t.corner[0], t.corner[1]) && !isCut(t.corner[1], t.corner[2]) && !isCut(t.corner[2], t.corner[0])) triangles_.push_back(t);
+    if (!isCut(t.corner[0], t.corner[1]) && !isCut(t.corner[1], t.corner[2]) && !isCut(t.corner[2], t.corner[0]))
+      triangles_.push_back(t);
   if (membrane_ == Membrane::kTriangles && !cuts_.empty()) {
     // Links that only held together what is gone.
     const std::vector<Link> before = collectEdges(made_.triangles), after = collectEdges(triangles_);

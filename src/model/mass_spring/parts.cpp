@@ -1,5 +1,5 @@
-// Parts of a mass-spring surface: the same elements with the same numbers in the same order, on fewer points, so that a step costs what
-// is in the part and every force comes out as in the whole. A file of its own, because only sleeping needs it.
+// Parts of a mass-spring surface: the same elements with the same numbers in the same order, on fewer points, so that a step
+// costs what is in the part and every force comes out as in the whole. A file of its own, because only sleeping needs it.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
 #include "deformable_surface/model/mass_spring/incidence.h"
@@ -53,7 +53,8 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
 
 void CurvatureBending::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (neighbors_.size() == 0) return;
-  // Each fit once, though all its points use it. Kept by the thread, so that nothing is allocated in later calls, and clear between them.
+  // Each fit once, though all its points use it. Kept by the thread, so that nothing is allocated in later calls, and clear
+  // between them.
   static thread_local std::vector<char> is_seen;
   static thread_local std::vector<Index> seen;
   if (is_seen.size() < static_cast<std::size_t>(neighbors_.size())) is_seen.resize(neighbors_.size(), 0);
@@ -137,7 +138,8 @@ DeformableModel::Part MassSpring::makePart(const std::vector<char>& wanted) cons
   part->membrane_triangles_ = membrane_triangles_.makePart(index);
   part->bending_ = bending_.makePart(index);
   part->bending_rest_.rigidity = bending_rest_.rigidity;
-  const std::vector<Index> found = findElements(index.wanted, triangle_corners_, 1, [&](Index k) { return triangle_corners_.items[k] / 3; });
+  const std::vector<Index> found =
+      findElements(index.wanted, triangle_corners_, 1, [&](Index k) { return triangle_corners_.items[k] / 3; });
   std::vector<std::pair<Index, Index>> corners;
   corners.reserve(3 * found.size());
   part->triangles_.reserve(found.size());

@@ -24,8 +24,8 @@ DEFORMABLE_SURFACE_INLINE void loadDifferences(const double* points, const Index
   transpose(difference[0], difference[1], difference[2], difference[3]);
 }
 
-// Tension over length of the groups of four springs from begin to end: k (1 - l0 / l), if elastic, plus beta k (dl/dt) / l. Springs of
-// no length get zero. velocities: null = no damping. Returns true if a spring has no length.
+// Tension over length of the groups of four springs from begin to end: k (1 - l0 / l), if elastic, plus beta k (dl/dt) / l.
+// Springs of no length get zero. velocities: null = no damping. Returns true if a spring has no length.
 DEFORMABLE_SURFACE_WIDE bool computePull(Index begin, Index end, const Index* ends, const double* constants,
                                          const double* positions, const double* velocities, double elasticity, double beta,
                                          double* pull) {
@@ -118,7 +118,8 @@ void Springs::addForces(const State& state, const PaddedPoints& positions, bool 
       collapsed = true;
   });
   parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
-    gatherPull(begin, end, incidence_.offsets.data(), incidence_.items.data(), pull_.data(), positions.data(), forces.data()->data());
+    gatherPull(begin, end, incidence_.offsets.data(), incidence_.items.data(), pull_.data(), positions.data(),
+               forces.data()->data());
   });
   if (!collapsed) return;
   for (std::size_t s = 0; s < links_.size(); ++s) {
@@ -126,7 +127,8 @@ void Springs::addForces(const State& state, const PaddedPoints& positions, bool 
     double length;
     const Vec3 d = direction(s, state, length);
     if (length > 0.0) continue;
-    const Vec3 tension = stiffness_[s] * (-elasticity * rest_length_[s] + beta * (state.velocities[j] - state.velocities[i]).dot(d)) * d;
+    const Vec3 tension =
+        stiffness_[s] * (-elasticity * rest_length_[s] + beta * (state.velocities[j] - state.velocities[i]).dot(d)) * d;
     forces[i] += tension;
     forces[j] -= tension;
   }

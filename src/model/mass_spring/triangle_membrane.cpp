@@ -114,8 +114,9 @@ DEFORMABLE_SURFACE_INLINE void storeForces(const Group& group, double* corner_fo
   }
 }
 
-// The forces of the groups of four triangles from begin to end, in the terms of the header. Returns true if a triangle is collapsed;
-// its forces are then not finite. In three loops over a few groups, so that the roots and divisions of one do not wait for another's.
+// The forces of the groups of four triangles from begin to end, in the terms of the header. Returns true if a triangle is
+// collapsed; its forces are then not finite. In three loops over a few groups, so that the roots and divisions of one do not wait
+// for another's.
 DEFORMABLE_SURFACE_WIDE bool computeCornerForces(Index begin, Index end, const Index* corners, const double* constants,
                                                  const double* positions, double lambda, double mu, double* corner_force) {
   Group groups[kBatch];

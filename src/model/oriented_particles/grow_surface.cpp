@@ -10,9 +10,10 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kNearest = 4;          // whose distance tells how densely there are samples: all around, and not by one close pair
+constexpr Index kNearest = 4;  // whose distance tells how densely there are samples: all around, and not by one close pair
 constexpr double kLeastReach = 2.5;    // spacings: what is published
-constexpr Index kMostReleases = 6;     // of noisy samples: what more of them take is less than what the defects of a lattice add at rest
+constexpr Index kMostReleases =
+    6;  // of noisy samples: what more of them take is less than what the defects of a lattice add at rest
 
 // The widest gaps, m, that samples close; none if that is the same for all.
 std::vector<double> findReaches(const Points& samples, double spacing, const GrowthParams& params) {
@@ -72,7 +73,8 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
 
   for (;;) {
     endIfInterrupted();
-    std::vector<NewParticle> found = proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
+    std::vector<NewParticle> found =
+        proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
     leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     if (found.empty()) {
       found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
@@ -96,7 +98,8 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
     const std::vector<char> none(surface.positions.size(), 0);
     Index releases = 0;
     do relax(surface.positions, surface.orientations, none);
-    while (++releases < kMostReleases && measureRise(positions, surface.positions, surface.orientations) < params.noise * spacing);
+    while (++releases < kMostReleases &&
+           measureRise(positions, surface.positions, surface.orientations) < params.noise * spacing);
   }
   return surface;
 }

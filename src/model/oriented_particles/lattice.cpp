@@ -81,8 +81,8 @@ void setCutoff(double cutoff, PairPotentials& unit) {
 void shortenTo(double tear_strain, PairPotentials& unit) {
   const double most = findStrongestStretch(unit);
   if (!(tear_strain <= most))
-    throw InputError("oriented_particles.tear_strain: found " + formatReal(tear_strain) + "; accepted: up to " + formatShort(most) +
-                     ", where bonds of these exponents and this cutoff carry most");
+    throw InputError("oriented_particles.tear_strain: found " + formatReal(tear_strain) + "; accepted: up to " +
+                     formatShort(most) + ", where bonds of these exponents and this cutoff carry most");
   double low = 1.0 + tear_strain, high = unit.cutoff;
   for (int k = 0; k < 30; ++k) {
     setCutoff(0.5 * (low + high), unit);
@@ -137,8 +137,8 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
   const double by_normals = (is_row ? 2.0 : 1.0) / area * sum([&](double d) { return d * d * weigh(d); });
   const double by_planes = (is_row ? 0.5 : 3.0 / 16.0) / area * sum([&](double d) { return d * d * d * d * weigh(d); });
   const double depth = material.young_modulus * material.thickness / by_depth;
-  // Beyond first neighbours the outer bonds pull and the inner ones push: bent, when chords are shorter than arcs, that gives back
-  // energy, for which the other potentials make up.
+  // Beyond first neighbours the outer bonds pull and the inner ones push: bent, when chords are shorter than arcs, that gives
+  // back energy, for which the other potentials make up.
   const double given_back = (is_row ? 1.0 / 12.0 : 1.0 / 32.0) / area * sum([&](double d) {
     double value, slope;
     evaluate(pair, d, value, slope);

@@ -7,10 +7,11 @@ namespace deformable_surface::model {
 
 constexpr double kHalfLog2E = 0.5 * 1.4426950408889634;  // e^(x / 2) = 2^(this times x)
 
-// 2^x and 2^y for x, y <= 0, to 1.1e-12 of them: four of each at once, and, unlike the library's, with the same bits on every processor;
-// both together, since they share their constants. The polynomial of what is left of x beside a whole number goes through 2^rest at
-// Chebyshev's points; the whole number goes to the exponent's bits. Smaller than any that counts: kLeast. Forces are the gradient
-// of what they are computed from to the slope of that error, some 1e-11, of which tests allow ten thousand times.
+// 2^x and 2^y for x, y <= 0, to 1.1e-12 of them: four of each at once, and, unlike the library's, with the same bits on every
+// processor; both together, since they share their constants. The polynomial of what is left of x beside a whole number goes
+// through 2^rest at Chebyshev's points; the whole number goes to the exponent's bits. Smaller than any that counts: kLeast.
+// Forces are the gradient of what they are computed from to the slope of that error, some 1e-11, of which tests allow ten
+// thousand times.
 DEFORMABLE_SURFACE_INLINE void raiseTwo(Double4& x, Double4& y) {
   using Bits = long long __attribute__((vector_size(4 * sizeof(long long))));
   constexpr double kLeast = -1000.0, kRounder = 6755399441055744.0;  // 1.5 * 2^52: a sum with it ends in the nearest whole number

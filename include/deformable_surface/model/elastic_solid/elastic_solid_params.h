@@ -25,17 +25,19 @@ struct ElasticSolidParams {
 };
 
 inline void visit(Fields& fields, ElasticSolidParams& p) {
-  fields.choice("dimension", p.dimension,
-                {{"auto", SolidDimension::kAuto}, {"planar", SolidDimension::kPlanar}, {"volume", SolidDimension::kVolume}},
-                "what the cloud fills; `auto` = a part of a plane if it lies in one, else of space. A planar solid moves in its own "
-                "plane only");
+  fields.choice(
+      "dimension", p.dimension,
+      {{"auto", SolidDimension::kAuto}, {"planar", SolidDimension::kPlanar}, {"volume", SolidDimension::kVolume}},
+      "what the cloud fills; `auto` = a part of a plane if it lies in one, else of space. A planar solid moves in its own "
+      "plane only");
   fields.choice("plane", p.plane, {{"stress", PlaneKind::kStress}, {"strain", PlaneKind::kStrain}},
                 "of a planar solid: without `stress` across it, as a plate of the material's thickness, or without `strain`");
   fields.choice("law", p.law, {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}},
                 "`linear` strain, as published, takes a rotation for strain: half a per cent at 6 degrees, 13 at 30");
-  fields.number("stabilization", p.stabilization, "", between(0.0, 10.0),
-                "stiffness, over Young's modulus, against motions from point to point that the fitted strain does not show; 0 leaves "
-                "them free");
+  fields.number(
+      "stabilization", p.stabilization, "", between(0.0, 10.0),
+      "stiffness, over Young's modulus, against motions from point to point that the fitted strain does not show; 0 leaves "
+      "them free");
   fields.flag("fill", p.fill,
               "the cloud is the closed surface of a body: points are made inside, which are simulated and in no output cloud");
   fields.require(!p.fill || p.dimension != SolidDimension::kPlanar, "fill",

@@ -21,8 +21,8 @@ class PlasticFlow {
 
   /// What has flowed by a state with plastic (n) is measured against that.
   void apply(const std::vector<Mat3>& plastic, SolidPasses& passes) const;
-  /// One step dt (s) of flow at positions (4 x n padded), in passes and in the state, whose dissipated grows by the elastic energy
-  /// that is lost. Returns whether anything flowed. Parallel.
+  /// One step dt (s) of flow at positions (4 x n padded), in passes and in the state, whose dissipated grows by the elastic
+  /// energy that is lost. Returns whether anything flowed. Parallel.
   bool flow(double dt, const double* positions, SolidPasses& passes, State& state) const;
 
  private:

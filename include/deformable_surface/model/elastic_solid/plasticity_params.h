@@ -1,4 +1,5 @@
-// When an elastic solid keeps a part of its deformation. It is a file of its own because the flow needs no other choice of the model.
+// When an elastic solid keeps a part of its deformation. It is a file of its own because the flow needs no other choice of the
+// model.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -15,12 +16,14 @@ struct PlasticityParams {
 };
 
 inline void visit(Fields& fields, PlasticityParams& p) {
-  fields.number("yield_stress", p.yield_stress, "Pa", between(0.0, 1e15),
-                "equivalent stress (von Mises; of a planar solid Tresca's in its plane) beyond which a part of the deformation stays; "
-                "0 = nothing does");
+  fields.number(
+      "yield_stress", p.yield_stress, "Pa", between(0.0, 1e15),
+      "equivalent stress (von Mises; of a planar solid Tresca's in its plane) beyond which a part of the deformation stays; "
+      "0 = nothing does");
   fields.number("creep", p.creep, "1/s", between(1e-9, 1e12),
                 "rate at which what is beyond the yield flows; `auto` = all of it in every step");
-  fields.number("max_strain", p.max_strain, "", between(1e-6, 10.0), "equivalent plastic strain (logarithmic) at which flow ends");
+  fields.number("max_strain", p.max_strain, "", between(1e-6, 10.0),
+                "equivalent plastic strain (logarithmic) at which flow ends");
 }
 
 }  // namespace deformable_surface::model

@@ -9,7 +9,8 @@ namespace deformable_surface::model {
 /// What each point stands for. Of a planar body area and length take the place of volume and area.
 struct PointCells {
   std::vector<double> volume;  // (n) m^3, or m^2
-  Points outside;              // (n x 3) outward area vector of its part of the body's outside, m^2, or m; zero inside, also where a cell just reaches the surface
+  Points outside;  // (n x 3) outward area vector of its part of the body's outside, m^2, or m; zero inside, also where a cell
+                   // just reaches the surface
 };
 
 /// Voronoi cells among neighbours, cut by the convex hull of a point and them: a point on a flat face has half a cell, on a

@@ -11,7 +11,8 @@ namespace deformable_surface::model {
 ///   kBound       P = 2 mu F + lambda tr(F) I, linear in F: of motions instead of places, at least as stiff as the others are
 /// while
 ///                lambda tr(R^T F - I) <= 2 mu,
-///   kTangent     P = 2 mu F + lambda tr(R^T F) R + R [M a]x, a the axial vector of R^T F - F^T R: of motions, the derivative of one of
+///   kTangent     P = 2 mu F + lambda tr(R^T F) R + R [M a]x, a the axial vector of R^T F - F^T R: of motions, the derivative of
+///   one of
 ///                the first two where SolidPasses::prepareTangent() was called.
 /// R is the rotation nearest to F (a proper one, also where F turns the body inside out).
 enum class StressLaw { kCorotated, kLinear, kBound, kTangent };
@@ -41,9 +42,9 @@ class SolidPasses {
   /// Second pass: adds the force on each point, its own and sum_j (N_j m'_ij - Q_j g_ji), N. forces: (n x 3). After all blocks
   /// of the first.
   void gatherForces(Index begin, Index end, double* forces) const;
-  /// Keeps R and M of every point for kTangent. Of kCorotated M = (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1 with S = R^T F, what turns
-  /// with F; of kLinear -mu. is_positive: eigenvalues of M below -mu are raised to it, so that no motion of the point
-  /// gains energy. What completes a deficient F is taken as constant. begin and end as of the first pass.
+  /// Keeps R and M of every point for kTangent. Of kCorotated M = (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1 with S = R^T F, what
+  /// turns with F; of kLinear -mu. is_positive: eigenvalues of M below -mu are raised to it, so that no motion of the point gains
+  /// energy. What completes a deficient F is taken as constant. begin and end as of the first pass.
   void prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions);
   /// Before it: makes room.
   void beginTangent();
@@ -58,8 +59,8 @@ class SolidPasses {
   Mat3 findStress(StressLaw law, const Mat3& F) const;
   /// psi by law (not kBound) of one F, J/m^3.
   double findDensity(StressLaw law, const Mat3& F) const;
-  /// From now on F_i is what it was by the rows (at_rest) with a matrix behind it: g_ij = inverse^T g_ij at rest. reverse: of every
-  /// pair i, j the place of j, i. Different points may be turned at once.
+  /// From now on F_i is what it was by the rows (at_rest) with a matrix behind it: g_ij = inverse^T g_ij at rest. reverse: of
+  /// every pair i, j the place of j, i. Different points may be turned at once.
   void setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse, const Mat3& inverse);
   /// Neighbours that span less than the solid.
   bool isDeficient(Index i) const { return rest.fit.rank[i] < (rest.across.isZero(0.0) ? 3 : 2); }

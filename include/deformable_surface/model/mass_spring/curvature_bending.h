@@ -1,5 +1,6 @@
 // A bending energy of the point set that converges to a stated rigidity, holds curved rest shapes and needs nothing special at
-// free edges. The published bending springs have no stiffness at a flat rest state: their energy grows with the fourth power of curvature.
+// free edges. The published bending springs have no stiffness at a flat rest state: their energy grows with the fourth power of
+// curvature.
 #pragma once
 
 #include "deformable_surface/base/padded_points.h"
@@ -19,9 +20,10 @@ class CurvatureBending {
 
   /// rings: neighbours of neighbours are the fit's points. areas (n) m^2; rigidity D, N m. Points whose neighbourhood does
   /// not determine a quadratic (fewer than five neighbours, collinear) get no bending energy; numWithoutFit() counts them.
-  /// held (n), or empty: points that do not move. At the edge of a held patch fits stay on one side and the patch gives the slope.
-  CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas, double rigidity,
-                   const std::vector<char>& held = {});
+  /// held (n), or empty: points that do not move. At the edge of a held patch fits stay on one side and the patch gives the
+  /// slope.
+  CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas,
+                   double rigidity, const std::vector<char>& held = {});
 
   /// Marks the other points of the fits that use points.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;

@@ -19,7 +19,8 @@ namespace deformable_surface::model {
 class MassSpring : public DeformableModel {
  public:
   /// rest, normals (n x 3): the simulation points; rings: theirs. surface_area, m^2: of the full cloud, so that the masses sum
-  /// to the surface's however few points are simulated. closed: it has no boundary. Throws InputError if volume_stiffness is asked of an open surface.
+  /// to the surface's however few points are simulated. closed: it has no boundary. Throws InputError if volume_stiffness is
+  /// asked of an open surface.
   ///
   /// Springs: stretching springs along the rings, bending springs across (r to r + 2) [Su 2007, sec. 4.1], each pair once. Their
   /// stiffness is k = E h sum A_T / l^2 over the triangles at the spring, bending springs get bending_spring_ratio of the mean,
@@ -32,8 +33,8 @@ class MassSpring : public DeformableModel {
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<MassSpring>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
   bool setHeld(const std::vector<char>& held) override;
-  /// Springs and triangles by the stretching of their ends or corners, curvature fits by the bending of their point (that of bending
-  /// springs: by stretching), masses by density.
+  /// Springs and triangles by the stretching of their ends or corners, curvature fits by the bending of their point (that of
+  /// bending springs: by stretching), masses by density.
   void setMaterial(const std::vector<PointMaterial>& materials) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
@@ -62,9 +63,10 @@ class MassSpring : public DeformableModel {
   const Springs& stretchingSprings() const { return stretching_; }
 
   using Link = std::pair<Index, Index>;  // the smaller index first
-  /// The links that are cut from now on, ascending, in place of those that were: all others are whole. With a link go its springs, the triangles
-  /// that have it as an edge, and its place in the rings that curvature is fitted to; and where the membrane is of triangles, links that are
-  /// left without any. Masses stay: what is cut loses stiffness, not weight. Nothing is allocated or slower while nothing is cut. O(n).
+  /// The links that are cut from now on, ascending, in place of those that were: all others are whole. With a link go its
+  /// springs, the triangles that have it as an edge, and its place in the rings that curvature is fitted to; and where the
+  /// membrane is of triangles, links that are left without any. Masses stay: what is cut loses stiffness, not weight. Nothing is
+  /// allocated or slower while nothing is cut. O(n).
   void setCuts(const std::vector<Link>& links);
   /// Those links, the ones that were left without triangles included: given back to setCuts() they give the same surface.
   const std::vector<Link>& cuts() const { return cuts_; }

@@ -57,7 +57,8 @@ inline void visit(Fields& fields, MassSpringParams& p) {
   fields.number("volume_stiffness", p.volume_stiffness, "Pa", between(0.0, 1e15), "keeps the volume of a closed surface");
   fields.number("bending_spring_ratio", p.bending_spring_ratio, "", between(1e-9, 1e6),
                 "stiffness of the published bending springs over that of the stretching springs");
-  fields.number("tear_strain", p.tear_strain, "", between(0.0, 1e6), "l / l0 - 1 beyond which a link is cut for good, after each step; 0 = never");
+  fields.number("tear_strain", p.tear_strain, "", between(0.0, 1e6),
+                "l / l0 - 1 beyond which a link is cut for good, after each step; 0 = never");
   fields.require(!(p.tear_strain > 0.0) || p.volume_stiffness == 0.0, "tear_strain",
                  "found one beside a volume_stiffness, which a torn surface cannot have; accepted: one of them, the other 0");
 }

@@ -32,8 +32,8 @@ class Springs {
   /// sum of k/2 (|I| - l0)^2, J.
   double energy(const State& state) const;
 
-  /// Adds k [d d^T + (1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T; kPositive leaves out the second term of springs
-  /// under compression, where it is negative.
+  /// Adds k [d d^T + (1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T; kPositive leaves out the second term of
+  /// springs under compression, where it is negative.
   void addStiffness(const State& state, bool elastic, double beta, double step, Hessian hessian, BlockSparse& stiffness) const;
 
   /// Adds beta k / step in every direction: the damping matrix of addRelativeDamping() over the step.

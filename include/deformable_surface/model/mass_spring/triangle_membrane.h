@@ -12,8 +12,8 @@ namespace deformable_surface::model {
 /// (polar decomposition) and S = R^T F:
 ///   W = w A [ mu |S - I|^2 + lambda/2 tr(S - I)^2 ],  mu = E h / (2 (1 + nu)), lambda = E h nu / (1 - nu^2)   (plane stress).
 /// With J = |f1 x f2| = det S and T = tr S = sqrt(|F|^2 + 2 J): R = (F + cof F) / T, where cof F = dJ/dF, so that no
-/// eigenvalues are needed for the forces. With F = E D, where E = (e1 e2) are the edges from the first corner and D the inverse of
-/// theirs at rest, G = D D^T and L = |e1 x e2|:
+/// eigenvalues are needed for the forces. With F = E D, where E = (e1 e2) are the edges from the first corner and D the inverse
+/// of theirs at rest, G = D D^T and L = |e1 x e2|:
 ///   J = L det D,  T^2 = sum_ab G_ab e_a.e_b + 2 J,  s = lambda - 2 (lambda + mu) / T,
 ///   force on corner a = -sum_b K_ab e_b,  K = w A [ (2 mu + s) G + s det D / L ( e2.e2  -e1.e2 ; -e1.e2  e1.e1 ) ].
 class TriangleMembrane {

@@ -30,13 +30,13 @@ struct NewParticle {
 /// from the plane of the mean normal; so must each of them and the new one. Of candidates closer than d_min / 2 to each other
 /// the one with the smaller d stays, then that with the smaller indices.
 ///
-/// params.witnessed, of either rule: all within one and a half spacings of a new particle who face its way have to see it. And of a
-/// pair farther apart than min_gap nobody may lie above or below the new one, within d / 2: where the line of sight goes over a
+/// params.witnessed, of either rule: all within one and a half spacings of a new particle who face its way have to see it. And of
+/// a pair farther apart than min_gap nobody may lie above or below the new one, within d / 2: where the line of sight goes over a
 /// valley or through a ridge there is no gap.
 ///
-/// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0; reaches (n or none): the widest gap, m, that a particle closes
-/// if that is less than max_gap. In the order of acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap. Throws
-/// InputError.
+/// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0; reaches (n or none): the widest gap, m, that a particle
+/// closes if that is less than max_gap. In the order of acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap.
+/// Throws InputError.
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
                                           const std::vector<char>& flags, double spacing, const GrowthParams& params,
                                           const std::vector<double>& reaches = {});

@@ -20,7 +20,7 @@ struct GrowthParams {
   Index max_particles = 20000;
   bool fix_samples = true;      // the given particles stay where they are while the surface grows
   bool release_samples = true;  // they move in a last relaxation
-  double noise = 0.0;           // spacings, >= 0: root mean square by which samples are off the surface; the last relaxation takes that
+  double noise = 0.0;  // spacings, >= 0: root mean square by which samples are off the surface; the last relaxation takes that
   bool witnessed = false;       // the surroundings must agree to what is born (growth.h); growSurface() asks for it, no field
   bool chain = false;           // particles of a curve in the plane y = 0; follows from the model's mode, no field
 };
@@ -29,9 +29,10 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "particles this far apart get one between them");
   fields.number("max_gap", p.max_gap, "spacings", between(1.0, 100.0), "the widest gap that is closed");
   fields.require(p.min_gap <= p.max_gap, "max_gap", "found less than min_gap; accepted: at least min_gap");
-  fields.number("sample_gap", p.sample_gap, "", between(0.0, 100.0),
-                "of `fit`: beside a sample gaps are closed up to this times the distance of its fourth nearest (and up to 2.5 spacings), "
-                "at most max_gap: where samples are dense, features may be small; 0 = max_gap everywhere");
+  fields.number(
+      "sample_gap", p.sample_gap, "", between(0.0, 100.0),
+      "of `fit`: beside a sample gaps are closed up to this times the distance of its fourth nearest (and up to 2.5 spacings), "
+      "at most max_gap: where samples are dense, features may be small; 0 = max_gap everywhere");
   fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours grow nothing");
   fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours grow nothing");
   fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: as many or more");
@@ -46,10 +47,11 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.integer("max_particles", p.max_particles, "", between(1, kMaxPoints), "growth ends at so many particles at the latest");
   fields.flag("fix_samples", p.fix_samples, "the given particles keep their places while others grow");
   fields.flag("release_samples", p.release_samples, "the given particles move in a last relaxation");
-  fields.number("noise", p.noise, "spacings", between(0.0, 1.0),
-                "of `fit`: how far samples are off the surface (root mean square): let go, it is smoothed until they have moved that far "
-                "along their normals, or no more, and curvatures at rest are means over a few spacings; 0 = as little as makes the surface "
-                "even, for noise cannot be told from features as small as the distance of samples");
+  fields.number(
+      "noise", p.noise, "spacings", between(0.0, 1.0),
+      "of `fit`: how far samples are off the surface (root mean square): let go, it is smoothed until they have moved that far "
+      "along their normals, or no more, and curvatures at rest are means over a few spacings; 0 = as little as makes the surface "
+      "even, for noise cannot be told from features as small as the distance of samples");
   fields.require(!(p.noise > 0.0) || p.release_samples, "noise",
                  "found " + formatReal(p.noise) + " with release_samples: false; accepted: 0, or samples that are let go");
 }

@@ -15,8 +15,8 @@ namespace deformable_surface::model {
 /// A state of this model holds orientations, spins and traits of every particle.
 class OrientedParticles : public DeformableModel {
  public:
-  /// rest, normals: (n x 3), unit, where the particles are at first; they are flat at rest (but see setRest()). spacing: m, that of the
-  /// cloud, for params.spacing: auto. apart: as NeighborList takes it; no force acts between such particles, nor between
+  /// rest, normals: (n x 3), unit, where the particles are at first; they are flat at rest (but see setRest()). spacing: m, that
+  /// of the cloud, for params.spacing: auto. apart: as NeighborList takes it; no force acts between such particles, nor between
   /// those that descend from them. Throws InputError if a surface of these potentials would collapse.
   OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,
                     const OrientedParticlesParams& params, Lists apart = {});
@@ -37,11 +37,12 @@ class OrientedParticles : public DeformableModel {
   void setRest(const State& state);
   /// Every smooth particle is at rest as it is now bent, as its neighbours tell, up to a radian from neighbour to neighbour.
   void keepShape(State& state) const;
-  /// Rest curvatures become the means of those of each particle and its neighbours who face the same way, moved along the surface; so many
-  /// times. What noise, and the places where a lattice cannot be regular, make of them goes; those of spheres and cylinders stay.
+  /// Rest curvatures become the means of those of each particle and its neighbours who face the same way, moved along the
+  /// surface; so many times. What noise, and the places where a lattice cannot be regular, make of them goes; those of spheres
+  /// and cylinders stay.
   void smoothShape(Index times, State& state) const;
-  /// The spacing, m, with which the surface would have no tension as it is: sum of d phi'(d) over all pairs = 0, which is what gives a
-  /// flat lattice its own. That of lattice() if there is none as near as the lists reach beyond the cutoff.
+  /// The spacing, m, with which the surface would have no tension as it is: sum of d phi'(d) over all pairs = 0, which is what
+  /// gives a flat lattice its own. That of lattice() if there is none as near as the lists reach beyond the cutoff.
   double findSpacingWithoutTension(const State& state) const;
   /// From now on the lattice has this spacing, m. The state is to be adopted.
   void setSpacing(double spacing);

@@ -24,8 +24,8 @@ enum class PrincipalDirection { kSigned, kAbsolute };
 /// Where particles are born by themselves: nowhere, in gaps that face another side, or at open edges as well.
 enum class Growing { kNone, kGaps, kEdges };
 
-/// What is at rest: the flat lattice, as published, so that other clouds move from the beginning; or the cloud as it is given. auto: the
-/// cloud where particles can remember a shape.
+/// What is at rest: the flat lattice, as published, so that other clouds move from the beginning; or the cloud as it is given.
+/// auto: the cloud where particles can remember a shape.
 enum class RestShape { kAuto, kFlat, kCloud };
 
 struct OrientedParticlesParams {
@@ -40,7 +40,8 @@ struct OrientedParticlesParams {
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};       // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
-  double tear_strain = 0.0;       // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it
+  double tear_strain =
+      0.0;  // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
@@ -85,11 +86,13 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                      "; accepted: whole numbers, the first the larger");
   fields.number("cutoff", p.cutoff, "", between(1.05, 4.0),
                 "distance, in that of a pair's least energy, beyond which particles do not feel each other: a bond is then gone");
-  fields.number("tear_strain", p.tear_strain, "", between(0.0, 4.0),
-                "stretch l / l0 - 1 at which a bond carries most: drawn further it lets go, as the cutoff is then so much shorter; 0 = as "
-                "exponents and cutoff make it (0.42 by default), which is the most that there is");
+  fields.number(
+      "tear_strain", p.tear_strain, "", between(0.0, 4.0),
+      "stretch l / l0 - 1 at which a bond carries most: drawn further it lets go, as the cutoff is then so much shorter; 0 = as "
+      "exponents and cutoff make it (0.42 by default), which is the most that there is");
   fields.require(!(p.tear_strain > 0.0) || p.tear_strain >= 0.1, "tear_strain",
-                 "found " + formatReal(p.tear_strain) + "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
+                 "found " + formatReal(p.tear_strain) +
+                     "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
   fields.choice("weighting", p.weighting,
                 {{"isotropic", ParticleWeighting::kIsotropic}, {"anisotropic", ParticleWeighting::kAnisotropic}},
                 "of the forces between orientations: by distance, or more near the tangent plane (as published)");
@@ -99,10 +102,11 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.require(p.weighting_height <= p.weighting_width, "weighting_height",
                  "found " + formatReal(p.weighting_height) + " above weighting_width: " + formatReal(p.weighting_width) +
                      "; accepted: at most the width");
-  fields.choice("rest_shape", p.rest_shape, {{"auto", RestShape::kAuto}, {"flat", RestShape::kFlat}, {"cloud", RestShape::kCloud}},
-                "what is at rest: `flat` = an even, flat sheet, as published: other clouds move from the beginning; `cloud` = the cloud: "
-                "before time 0 particles slide over it until they are even, and keep its curvature; `auto` = `cloud` but for "
-                "weighting: anisotropic and mode: plane");
+  fields.choice(
+      "rest_shape", p.rest_shape, {{"auto", RestShape::kAuto}, {"flat", RestShape::kFlat}, {"cloud", RestShape::kCloud}},
+      "what is at rest: `flat` = an even, flat sheet, as published: other clouds move from the beginning; `cloud` = the cloud: "
+      "before time 0 particles slide over it until they are even, and keep its curvature; `auto` = `cloud` but for "
+      "weighting: anisotropic and mode: plane");
   fields.require(p.rest_shape != RestShape::kCloud || p.remembersShape(), "rest_shape",
                  "found cloud with weighting: anisotropic or mode: plane, which remember no shape; accepted: flat, auto");
   fields.number("melting", p.melting, "K", between(1e-6, 1e9),
@@ -117,9 +121,10 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                      "shape; accepted: 0");
   fields.flag("delete_trapped", p.delete_trapped, "particles that are inside two solid tools at once go");
   fields.flag("stretching", p.stretching, "particles are born between neighbours that were drawn apart (the stretching rule)");
-  fields.choice("growing", p.growing, {{"none", Growing::kNone}, {"gaps", Growing::kGaps}, {"edges", Growing::kEdges}},
-                "particles are born around those with few neighbours (the growing rule): in `gaps` that face another side, or at open "
-                "`edges` too");
+  fields.choice(
+      "growing", p.growing, {{"none", Growing::kNone}, {"gaps", Growing::kGaps}, {"edges", Growing::kEdges}},
+      "particles are born around those with few neighbours (the growing rule): in `gaps` that face another side, or at open "
+      "`edges` too");
   fields.number("growth_interval", p.growth_interval, "s", between(1e-9, 1e9), "between two looks for room to be born in");
   fields.flag("fit", p.fit, "before time 0 a surface is grown through the particles, as by `~fit`");
   fields.section("growth", p.growth, "The two rules: lengths in spacings of the particles.");
