@@ -75,18 +75,6 @@ TEST(ConsistentGradients, LeaveTheAreaOfTheOutside) {
     EXPECT_LT((after[j] - g.cells.outside[j]).norm(), 0.02 * g.cells.outside[j].norm() + 1e-12) << j;
 }
 
-TEST(ConsistentGradients, KnowEachPairFromBothEnds) {
-  const Gradients g = makeGradients(0.3);
-  for (Index i = 0; i < g.fit.size(); ++i)
-    for (Index k = g.fit.pairs.offsets[i]; k < g.fit.pairs.offsets[i + 1]; ++k) {
-      const Index j = g.fit.pairs.items[k];
-      const Index* back = std::find(g.fit.pairs.begin(j), g.fit.pairs.end(j), i);
-      ASSERT_NE(back, g.fit.pairs.end(j));
-      EXPECT_EQ(Vec3(rowAt(g.corrected.column, k)),
-                Vec3(rowAt(g.corrected.row, static_cast<Index>(back - g.fit.pairs.items.data()))));
-    }
-}
-
 Gradients makeGradientsOf(Points points, const Vec3& across) {
   Gradients g;
   g.points = std::move(points);

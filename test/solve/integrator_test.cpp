@@ -218,7 +218,7 @@ TEST(Integrators, ALooseToleranceLeavesNoStageOfAFastMotionWithoutAnIteration) {
   tight.tolerance = 1e-12;
   const State a = world.run(IntegratorType::kImplicit, 1.0, 100, start, loose);
   const State b = world.run(IntegratorType::kImplicit, 1.0, 100, start, tight);
-  EXPECT_NEAR(a.positions[0].x(), b.positions[0].x(), 1e-9);  // linear: one iteration is all
+  EXPECT_NEAR(a.positions[0].x(), b.positions[0].x(), 1e-6);  // linear: one iteration leaves what regularises the matrix
 }
 
 TEST(Integrators, ImplicitIsStableAtEveryStep) {

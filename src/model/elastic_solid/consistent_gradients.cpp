@@ -115,7 +115,6 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
   const Index n = fit.size();
   ConsistentGradients result;
   result.row.assign(3 * fit.pairs.items.size(), 0.0);
-  result.column.assign(3 * fit.pairs.items.size(), 0.0);
   result.own.assign(n, Vec3::Zero());
   const auto fittedAt = [&](Index i, Index k) { return Vec3(fit.inverseAt(i) * Map3(pairAt(fit, k))); };
 
@@ -170,8 +169,6 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
       const Vec3 g = inverse * Map3(m) + span * rest / cells.volume[i];
       Eigen::Map<Vec3>(result.row.data() + 3 * static_cast<std::size_t>(k)) = g;
       result.own[i] += g;
-      const Index* back = std::lower_bound(fit.pairs.begin(j), fit.pairs.end(j), i);
-      Eigen::Map<Vec3>(result.column.data() + 3 * (back - fit.pairs.items.data())) = g;
     }
   }
   return result;

@@ -47,6 +47,25 @@ Points flatten(Points points, const Vec3& across) {
   return points;
 }
 
+// The pairs of the narrow fit come first in the wide one, in its order, so that loops over both run once.
+void putNearFirst(SolidRest& rest) {
+  PairFit& fit = rest.fit;
+  for (Index i = 0; i < fit.size(); ++i) {
+    Index next = fit.pairs.offsets[i];
+    for (const Index* j = rest.near.pairs.begin(i); j != rest.near.pairs.end(i); ++j, ++next) {
+      // Both ascend: what is passed over moves up by one place.
+      const Index k =
+          static_cast<Index>(std::find(fit.pairs.items.begin() + next, fit.pairs.items.end(), *j) - fit.pairs.items.begin());
+      const auto rotate = [next, k](auto& values, Index width) {
+        std::rotate(values.begin() + std::ptrdiff_t{width} * next, values.begin() + std::ptrdiff_t{width} * k,
+                    values.begin() + std::ptrdiff_t{width} * (k + 1));
+      };
+      rotate(fit.pairs.items, 1);
+      rotate(rest.gradients.row, 3);
+    }
+  }
+}
+
 SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
                    const MaterialParams& material, const ElasticSolidParams& params) {
   const bool is_planar = !across.isZero(0.0);
@@ -59,6 +78,8 @@ SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vecto
   rest.fit = fitPairs(points, neighbors, detours, kReach);
   rest.gradients = makeConsistent(points, rest.fit, cells);
   rest.near = fitPairs(points, neighbors, detours, kNearReach);
+  rest.fit.m = std::vector<double>();  // strain is measured by the gradients made of it
+  putNearFirst(rest);
   rest.volumes = cells.volume;
   if (is_planar)
     for (double& v : rest.volumes) v *= material.thickness;
@@ -195,7 +216,7 @@ double ElasticSolid::findStableStep(const State& state) const {
 
 void ElasticSolid::addPassForces(StressLaw law, const double* positions, Points& forces) const {
   const Index n = passes_.size();
-  parallelFor(n, kBlock, [&](Index begin, Index end) { passes_.spreadStress(law, begin, end, positions); });
+  parallelFor(n, PointRooms::kPoints, [&](Index begin, Index end) { passes_.spreadStress(law, begin, end, positions); });
   parallelFor(n, kBlock, [&](Index begin, Index end) { passes_.gatherForces(begin, end, forces.data()->data()); });
 }
 

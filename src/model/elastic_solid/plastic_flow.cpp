@@ -26,13 +26,6 @@ Row deviatorOf(const Row& v) { return v.array() - v.mean(); }
 }  // namespace
 
 PlasticFlow::PlasticFlow(const SolidRest& rest, const PlasticityParams& params) : params_(params), at_rest_(rest.gradients) {
-  const Lists& pairs = rest.fit.pairs;
-  reverse_.resize(pairs.items.size());
-  for (Index i = 0; i < pairs.size(); ++i)
-    for (Index k = pairs.offsets[i]; k < pairs.offsets[i + 1]; ++k) {
-      const Index j = pairs.items[k];
-      reverse_[k] = static_cast<Index>(std::lower_bound(pairs.begin(j), pairs.end(j), i) - pairs.items.data());
-    }
   const bool is_planar = !rest.across.isZero(0.0);
   axes_ = Mat3::Identity();
   if (is_planar) {
@@ -45,7 +38,7 @@ PlasticFlow::PlasticFlow(const SolidRest& rest, const PlasticityParams& params) 
 
 void PlasticFlow::apply(const std::vector<Mat3>& plastic, SolidPasses& passes) const {
   parallelFor(passes.size(), kBlock, [&](Index begin, Index end) {
-    for (Index i = begin; i < end; ++i) passes.setPlastic(i, at_rest_, reverse_, plastic[i]);
+    for (Index i = begin; i < end; ++i) passes.setPlastic(i, at_rest_, plastic[i]);
   });
 }
 
@@ -92,7 +85,7 @@ bool PlasticFlow::flow(double dt, const double* positions, SolidPasses& passes, 
       if (!flowAt(i, share, F, passes.rest, plastic)) continue;
       any = true;
       const double before = passes.findDensity(StressLaw::kCorotated, F);
-      passes.setPlastic(i, at_rest_, reverse_, plastic);
+      passes.setPlastic(i, at_rest_, plastic);
       state.plastic[i] = plastic;
       sum += passes.rest.volumes[i] * (before - passes.findDensity(StressLaw::kCorotated, passes.fitGradient(i, positions)));
     }

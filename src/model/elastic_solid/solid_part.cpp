@@ -38,13 +38,13 @@ PairFit select(const PairFit& whole, const Selection& part) {
   std::size_t num_pairs = 0;
   for (std::size_t p = 0; p < part.points.size(); ++p) num_pairs += part.has_fit[p] ? whole.pairs.count(part.points[p]) : 0;
   fit.pairs.items.reserve(num_pairs);
-  fit.m.reserve(4 * num_pairs);
+  fit.m.reserve(whole.m.empty() ? 0 : 4 * num_pairs);
   for (std::size_t p = 0; p < part.points.size(); ++p) {
     const Index i = part.points[p];
     if (part.has_fit[p]) {
       for (Index k = whole.pairs.offsets[i]; k < whole.pairs.offsets[i + 1]; ++k) {
         fit.pairs.items.push_back(part.new_index[whole.pairs.items[k]]);
-        appendRow(whole.m, 4, k, fit.m);
+        if (!whole.m.empty()) appendRow(whole.m, 4, k, fit.m);
       }
     }
     fit.pairs.offsets.push_back(static_cast<Index>(fit.pairs.items.size()));
@@ -60,13 +60,10 @@ SolidRest select(const SolidRest& whole, const Selection& part) {
   rest.near = select(whole.near, part);
   rest.gradients.residual = whole.gradients.residual;
   rest.gradients.row.reserve(3 * rest.fit.pairs.items.size());
-  rest.gradients.column.reserve(3 * rest.fit.pairs.items.size());
   for (std::size_t p = 0; p < part.points.size(); ++p) {
     const Index i = part.points[p];
-    for (Index k = whole.fit.pairs.offsets[i]; part.has_fit[p] && k < whole.fit.pairs.offsets[i + 1]; ++k) {
+    for (Index k = whole.fit.pairs.offsets[i]; part.has_fit[p] && k < whole.fit.pairs.offsets[i + 1]; ++k)
       appendRow(whole.gradients.row, 3, k, rest.gradients.row);
-      appendRow(whole.gradients.column, 3, k, rest.gradients.column);
-    }
     rest.gradients.own.push_back(whole.gradients.own[i]);
     rest.volumes.push_back(whole.volumes[i]);
   }

@@ -10,8 +10,21 @@
 #include <limits>
 
 namespace deformable_surface::model {
+
+// The arrays of both fits; those of the near one have a dash in the header.
+struct PassArrays {
+  Index n;
+  const Index *offsets, *items, *places;
+  const double* row;
+  const Index *near_offsets, *near_items;
+  const double *m, *constants, *tangent, *positions;
+  const char* deficient;
+  double mu, lambda, stabilization, across[3];
+};
+
 namespace {
 
+constexpr Index kRoom = PointRooms::kNumbers;
 constexpr Index kConstants = 13;
 constexpr Index kTangents = 15;
 constexpr Index kEnergies = 256;       // points whose energies stand on the stack
@@ -154,36 +167,93 @@ DEFORMABLE_SURFACE_INLINE void findTangentStresses(double mu, double lambda, con
   }
 }
 
-// The arrays of both fits; those of the near one have a dash in the header.
-struct PassArrays {
-  Index n;
-  const Index *offsets, *items;
-  const double *row, *column;
-  const Index *near_offsets, *near_items;
-  const double *m, *constants, *tangent, *positions;
-  double mu, lambda, stabilization, across[3];
-};
-
 DEFORMABLE_SURFACE_INLINE void addAcross(const PassArrays& a, Four& F) {
   for (int r = 0; r < 3; ++r)
     for (int c = 0; c < 3; ++c) F.at[r][c] += a.across[r] * a.across[c];
 }
 
-// One column of four points, to their columns behind each other, x y z 0.
-DEFORMABLE_SURFACE_INLINE void storeColumn(const Double4& x, const Double4& y, const Double4& z, Index lanes, Index stride,
-                                           double* to) {
-  Double4 rows[4] = {x, y, z, Double4{}};
-  transpose(rows[0], rows[1], rows[2], rows[3]);
-  for (Index lane = 0; lane < lanes; ++lane) store(rows[lane], to + stride * lane);
+// Of one point: sums over the neighbours j of (x_j - x_i) row_j[c], c < 3, and over the near ones, which come first, of
+// (x_j - x_i) m_j[c], c < 4. places: of the neighbours in the room.
+DEFORMABLE_SURFACE_INLINE void gatherOne(const PassArrays& a, const double* room, Index place, Index i, Double4* strained,
+                                         Double4* near) {
+  const Index* places = a.places;
+  const double *row = a.row + 3 * static_cast<std::ptrdiff_t>(a.offsets[i]),
+               *m = a.m + 4 * static_cast<std::ptrdiff_t>(a.near_offsets[i]);
+  Double4 here, f[3]{}, g[3]{}, sums[4]{};
+  load(room + kRoom * static_cast<std::ptrdiff_t>(place), here);
+  Index k = a.offsets[i];
+  const Index near_end = k + a.near_offsets[i + 1] - a.near_offsets[i], end = a.offsets[i + 1];
+  for (; k < near_end; ++k, row += 3, m += 4) {
+    Double4 d;
+    load(room + kRoom * static_cast<std::ptrdiff_t>(places[k]), d);
+    d -= here;
+    for (int c = 0; c < 3; ++c) f[c] += d * row[c];
+    for (int c = 0; c < 4; ++c) sums[c] += d * m[c];
+  }
+  for (; k + 1 < end; k += 2, row += 6) {
+    Double4 d, e;
+    load(room + kRoom * static_cast<std::ptrdiff_t>(places[k]), d);
+    load(room + kRoom * static_cast<std::ptrdiff_t>(places[k + 1]), e);
+    d -= here;
+    e -= here;
+    for (int c = 0; c < 3; ++c) {
+      f[c] += d * row[c];
+      g[c] += e * row[3 + c];
+    }
+  }
+  if (k < end) {
+    Double4 d;
+    load(room + kRoom * static_cast<std::ptrdiff_t>(places[k]), d);
+    d -= here;
+    for (int c = 0; c < 3; ++c) f[c] += d * row[c];
+  }
+  for (int c = 0; c < 3; ++c) strained[c] = f[c] + g[c];
+  for (int c = 0; c < 4; ++c) near[c] = sums[c];
 }
 
-// Returns whether any point is left to be done one by one; those are marked in the fourth number of own.
-DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const PassArrays& a, double* spread_to, double* own) {
+// Adds what one point does to its neighbours, -(Q row_j + N m_j), Q and N by columns x y z 0.
+DEFORMABLE_SURFACE_INLINE void scatterOne(const PassArrays& a, double* room, Index i, const Double4* Q, const Double4* N) {
+  const Index* places = a.places;
+  const double *row = a.row + 3 * static_cast<std::ptrdiff_t>(a.offsets[i]),
+               *m = a.m + 4 * static_cast<std::ptrdiff_t>(a.near_offsets[i]);
+  Index k = a.offsets[i];
+  const Index near_end = k + a.near_offsets[i + 1] - a.near_offsets[i], end = a.offsets[i + 1];
+  const Double4 q0 = Q[0], q1 = Q[1], q2 = Q[2], n0 = N[0], n1 = N[1], n2 = N[2];
+  for (; k < near_end; ++k, row += 3, m += 4) {
+    double* to = room + kRoom * static_cast<std::ptrdiff_t>(places[k]) + 4;
+    Double4 force;
+    load(to, force);
+    force -= (q0 * row[0] + q1 * row[1] + q2 * row[2]) + (n0 * m[0] + n1 * m[1] + n2 * m[2]);
+    store(force, to);
+  }
+  for (; k < end; ++k, row += 3) {
+    double* to = room + kRoom * static_cast<std::ptrdiff_t>(places[k]) + 4;
+    Double4 force;
+    load(to, force);
+    force -= q0 * row[0] + q1 * row[1] + q2 * row[2];
+    store(force, to);
+  }
+}
+
+// What the points [begin, end), those of a room, do to themselves and to their neighbours. Returns whether any is left to be done
+// one by one; those are marked in the fourth number of their force.
+DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const PassArrays& a, double* room) {
   bool any_unsound = false;
   for (Index i = begin; i < end; i += 4) {
     Four F, R, Q, A, N;
-    Double4 sums[3];
-    gatherFour<3, 3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    Double4 strained[4][3], near[4][4], sums[3];
+    for (Index lane = 0; lane < 4; ++lane) {
+      const Index j = i + lane < end ? i + lane : end - 1;  // the last group is filled up
+      gatherOne(a, room, j - begin, j, strained[lane], near[lane]);
+    }
+    for (int c = 0; c < 3; ++c) {
+      transpose(strained[0][c], strained[1][c], strained[2][c], strained[3][c]);
+      for (int r = 0; r < 3; ++r) F.at[r][c] = strained[r][c];
+    }
+    for (int c = 0; c < 4; ++c) {
+      transpose(near[0][c], near[1][c], near[2][c], near[3][c]);
+      for (int r = 0; r < 3; ++r) (c < 3 ? A.at[r][c] : sums[r]) = near[r][c];
+    }
     if (law == StressLaw::kCorotated || law == StressLaw::kLinear) addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
     if (law == StressLaw::kCorotated) findRotations(F, R, is_sound);
@@ -195,7 +265,6 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
     const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
     Double4 volume, g[3], m[3];
     load(constants, volume);
-    gatherFour<4, 4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
     multiplyByInverse(A, constants + 16, N);
     for (int c = 0; c < 3; ++c) {
       load(constants + 4 * (1 + c), g[c]);
@@ -205,66 +274,37 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
         N.at[r][c] *= -a.stabilization;
       }
     }
-    const Index lanes = a.n - i < 4 ? a.n - i : 4;
-    for (int c = 0; c < 3; ++c) {
-      storeColumn(Q.at[0][c], Q.at[1][c], Q.at[2][c], lanes, 24, spread_to + 24 * static_cast<std::ptrdiff_t>(i) + 4 * c);
-      storeColumn(N.at[0][c], N.at[1][c], N.at[2][c], lanes, 24, spread_to + 24 * static_cast<std::ptrdiff_t>(i) + 12 + 4 * c);
-    }
-    Double4 force[3];
+    Double4 own[4]{};
     for (int r = 0; r < 3; ++r) {
-      force[r] = 2.0 * a.stabilization * sums[r];
-      for (int c = 0; c < 3; ++c) force[r] += Q.at[r][c] * g[c] + N.at[r][c] * m[c];
+      own[r] = 2.0 * a.stabilization * sums[r];
+      for (int c = 0; c < 3; ++c) own[r] += Q.at[r][c] * g[c] + N.at[r][c] * m[c];
     }
-    storeColumn(force[0], force[1], force[2], lanes, 4, own + 4 * static_cast<std::ptrdiff_t>(i));
-    for (Index lane = 0; lane < lanes; ++lane) {
-      if (is_sound[lane]) continue;
-      any_unsound = true;
-      own[4 * static_cast<std::ptrdiff_t>(i + lane) + 3] = 1.0;
+    transpose(own[0], own[1], own[2], own[3]);
+    Double4 Q_columns[3][4]{}, N_columns[3][4]{};
+    for (int c = 0; c < 3; ++c) {
+      for (int r = 0; r < 3; ++r) {
+        Q_columns[c][r] = Q.at[r][c];
+        N_columns[c][r] = N.at[r][c];
+      }
+      transpose(Q_columns[c][0], Q_columns[c][1], Q_columns[c][2], Q_columns[c][3]);
+      transpose(N_columns[c][0], N_columns[c][1], N_columns[c][2], N_columns[c][3]);
+    }
+    for (Index lane = 0; lane < 4 && i + lane < end; ++lane) {
+      double* to = room + kRoom * static_cast<std::ptrdiff_t>(i + lane - begin) + 4;
+      if (!is_sound[lane] || (a.deficient && law == StressLaw::kLinear && a.deficient[i + lane])) {
+        any_unsound = true;
+        to[3] = 1.0;
+        continue;
+      }
+      Double4 force;
+      load(to, force);
+      store(force + own[lane], to);
+      const Double4 Q_lane[3] = {Q_columns[0][lane], Q_columns[1][lane], Q_columns[2][lane]};
+      const Double4 N_lane[3] = {N_columns[0][lane], N_columns[1][lane], N_columns[2][lane]};
+      scatterOne(a, room, i + lane, Q_lane, N_lane);
     }
   }
   return any_unsound;
-}
-
-// Adds sum_j M_j rows_j of one point, M_j the matrices (columns x y z 0) that stand at from, 24 numbers a point.
-template <int kWidth>
-DEFORMABLE_SURFACE_INLINE void addProducts(Index begin, Index end, const Index* items, const double* rows, const double* from,
-                                           Double4& sum) {
-  Double4 f[3]{}, g[3]{};
-  Index k = begin;
-  for (; k + 1 < end; k += 2) {
-    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
-    const double *p = from + 24 * static_cast<std::ptrdiff_t>(items[k]),
-                 *q = from + 24 * static_cast<std::ptrdiff_t>(items[k + 1]);
-    for (int c = 0; c < 3; ++c) {
-      Double4 at, next;
-      load(p + 4 * c, at);
-      load(q + 4 * c, next);
-      f[c] += at * u[c];
-      g[c] += next * u[kWidth + c];
-    }
-  }
-  if (k < end) {
-    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
-    const double* p = from + 24 * static_cast<std::ptrdiff_t>(items[k]);
-    for (int c = 0; c < 3; ++c) {
-      Double4 at;
-      load(p + 4 * c, at);
-      f[c] += at * u[c];
-    }
-  }
-  sum += (f[0] + g[0]) + (f[1] + g[1]) + (f[2] + g[2]);
-}
-
-DEFORMABLE_SURFACE_WIDE void gather(Index begin, Index end, const PassArrays& a, const double* spread_from, const double* own,
-                                    double* forces) {
-  for (Index i = begin; i < end; ++i) {
-    Double4 sum, stress{};
-    load(own + 4 * static_cast<std::ptrdiff_t>(i), sum);
-    addProducts<3>(a.offsets[i], a.offsets[i + 1], a.items, a.column, spread_from, stress);
-    addProducts<4>(a.near_offsets[i], a.near_offsets[i + 1], a.near_items, a.m, spread_from + 12, sum);
-    sum -= stress;
-    for (int c = 0; c < 3; ++c) forces[3 * static_cast<std::ptrdiff_t>(i) + c] += sum[c];
-  }
 }
 
 // Energies of four points at a time, J; NaN for those that are to be done one by one. energies: (end - begin, filled up to
@@ -357,13 +397,6 @@ DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index
   }
 }
 
-PassArrays arraysOf(const SolidRest& s, const std::vector<double>& constants, const std::vector<double>& tangent,
-                    const double* positions) {
-  return {s.fit.size(), s.fit.pairs.offsets.data(), s.fit.pairs.items.data(), s.gradients.row.data(), s.gradients.column.data(),
-          s.near.pairs.offsets.data(), s.near.pairs.items.data(), s.near.m.data(), constants.data(), tangent.data(), positions,
-          s.mu, s.lambda, s.stabilization, {s.across.x(), s.across.y(), s.across.z()}};
-}
-
 // Sum over the neighbours of (x_j - x_i) row_j^T; rows of so many numbers.
 Mat3 sumPairs(const Lists& pairs, const std::vector<double>& rows, int width, Index i, const double* positions) {
   Mat3 A = Mat3::Zero();
@@ -422,7 +455,7 @@ Mat3 findRotation(const Mat3& F) {
   return U * svd.matrixV().transpose();
 }
 
-SolidPasses::SolidPasses(SolidRest given) : rest(std::move(given)) {
+SolidPasses::SolidPasses(SolidRest given) : rest(std::move(given)), rooms_(rest.fit.pairs) {
   const Index n = size();
   const std::size_t groups = (static_cast<std::size_t>(n) + 3) / 4;
   constants_.assign(4 * kConstants * groups, 0.0);
@@ -436,37 +469,58 @@ SolidPasses::SolidPasses(SolidRest given) : rest(std::move(given)) {
       for (int c = 0; c < 3; ++c) values[10 + c] = sumMoments(rest.near, i)[c];
       for (Index k = 0; k < kConstants; ++k) constants_[4 * (kConstants * g + k) + lane] = values[k];
     }
-  for (Index i = 0; i < n; ++i) any_deficient_ = any_deficient_ || isDeficient(i);
-  spread_.resize(24 * static_cast<std::size_t>(n));
-  own_.resize(4 * static_cast<std::size_t>(n));
+  for (Index i = 0; i < n; ++i) {
+    if (!isDeficient(i)) continue;
+    is_deficient_.resize(n, 0);
+    is_deficient_[i] = 1;
+  }
+}
+
+PassArrays SolidPasses::arraysOf(const double* positions) const {
+  return {size(),
+          rest.fit.pairs.offsets.data(),
+          rest.fit.pairs.items.data(),
+          rooms_.places().data(),
+          rest.gradients.row.data(),
+          rest.near.pairs.offsets.data(),
+          rest.near.pairs.items.data(),
+          rest.near.m.data(),
+          constants_.data(),
+          tangent_.data(),
+          positions,
+          is_deficient_.empty() ? nullptr : is_deficient_.data(),
+          rest.mu,
+          rest.lambda,
+          rest.stabilization,
+          {rest.across.x(), rest.across.y(), rest.across.z()}};
 }
 
 void SolidPasses::spreadStress(StressLaw law, Index begin, Index end, const double* positions) {
-  const bool any_unsound = spread(law, begin, end, arraysOf(rest, constants_, tangent_, positions), spread_.data(), own_.data());
-  if (!any_unsound && !(law == StressLaw::kLinear && any_deficient_)) return;
+  double* room = rooms_.fill(begin, end, positions);
+  if (!spread(law, begin, end, arraysOf(positions), room)) return;
   for (Index i = begin; i < end; ++i)
-    if (own_[4 * static_cast<std::size_t>(i) + 3] != 0.0 || (law == StressLaw::kLinear && isDeficient(i)))
-      repair(law, i, positions);
+    if (room[kRoom * static_cast<std::ptrdiff_t>(i - begin) + 7] != 0.0) spreadOne(law, i, i - begin, positions, room);
 }
 
-void SolidPasses::repair(StressLaw law, Index i, const double* positions) {
+void SolidPasses::spreadOne(StressLaw law, Index i, Index place, const double* positions, double* room) const {
   const Mat3 N = -rest.stabilization * sumPairs(rest.near.pairs, rest.near.m, 4, i, positions) * rest.near.inverseAt(i);
   const Mat3 Q = rest.fit.rank[i] > 0 ? Mat3(rest.volumes[i] * findStress(law, fitGradient(i, positions))) : Mat3(Mat3::Zero());
-  const Vec3 own =
+  const auto forceAt = [room](Index at) { return Eigen::Map<Vec3>(room + kRoom * static_cast<std::ptrdiff_t>(at) + 4); };
+  forceAt(place) +=
       Q * rest.gradients.own[i] + N * sumMoments(rest.near, i) + 2.0 * rest.stabilization * sumWeighted(rest.near, i, positions);
-  double* to = spread_.data() + 24 * static_cast<std::size_t>(i);
-  for (int c = 0; c < 3; ++c) {
-    Eigen::Map<Vec3>(to + 4 * c) = Q.col(c);
-    Eigen::Map<Vec3>(to + 12 + 4 * c) = N.col(c);
-  }
-  Eigen::Map<Vec4>(own_.data() + 4 * static_cast<std::size_t>(i)) << own, 0.0;
+  const Index first = rest.fit.pairs.offsets[i], near = rest.near.pairs.offsets[i];
+  for (Index k = first; k < rest.fit.pairs.offsets[i + 1]; ++k)
+    forceAt(rooms_.places()[k]) -= Q * Eigen::Map<const Vec3>(rest.gradients.row.data() + 3 * static_cast<std::size_t>(k));
+  for (Index k = near; k < rest.near.pairs.offsets[i + 1]; ++k)
+    forceAt(rooms_.places()[first + k - near]) -=
+        N * Eigen::Map<const Vec3>(rest.near.m.data() + 4 * static_cast<std::size_t>(k));
 }
 
 void SolidPasses::beginTangent() { tangent_.resize(4 * kTangents * ((static_cast<std::size_t>(size()) + 3) / 4)); }
 
 void SolidPasses::prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions) {
   bool is_sound[kEnergies];
-  const PassArrays arrays = arraysOf(rest, constants_, tangent_, positions);
+  const PassArrays arrays = arraysOf(positions);
   for (Index first = begin; first < end; first += kEnergies) {
     const Index last = std::min(end, first + kEnergies);
     findTangents(law, is_positive, first, last, arrays, tangent_.data(), is_sound);
@@ -499,10 +553,6 @@ void SolidPasses::prepareOne(StressLaw law, bool is_positive, Index i, const dou
     for (int c = r; c < 3; ++c, ++k) to[4 * k] = M(r, c);
 }
 
-void SolidPasses::gatherForces(Index begin, Index end, double* forces) const {
-  gather(begin, end, arraysOf(rest, constants_, tangent_, nullptr), spread_.data(), own_.data(), forces);
-}
-
 Mat3 SolidPasses::fitGradient(Index i, const double* positions) const {
   const Mat3 F = sumPairs(rest.fit.pairs, rest.gradients.row, 3, i, positions);
   const bool is_planar = !rest.across.isZero(0.0);
@@ -528,12 +578,10 @@ double SolidPasses::findDensity(StressLaw law, const Mat3& F) const {
   return rest.mu * strain.squaredNorm() + 0.5 * rest.lambda * trace * trace;
 }
 
-void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse,
-                             const Mat3& inverse) {
+void SolidPasses::setPlastic(Index i, const ConsistentGradients& at_rest, const Mat3& inverse) {
   const auto at = [](auto& rows, Index k) { return rows.data() + 3 * static_cast<std::size_t>(k); };
   for (Index k = rest.fit.pairs.offsets[i]; k < rest.fit.pairs.offsets[i + 1]; ++k) {
-    const Vec3 row = inverse.transpose() * Eigen::Map<const Vec3>(at(at_rest.row, k));
-    Eigen::Map<Vec3>(at(rest.gradients.row, k)) = Eigen::Map<Vec3>(at(rest.gradients.column, reverse[k])) = row;
+    Eigen::Map<Vec3>(at(rest.gradients.row, k)) = inverse.transpose() * Eigen::Map<const Vec3>(at(at_rest.row, k));
   }
   rest.gradients.own[i] = inverse.transpose() * at_rest.own[i];
   double* constants = constants_.data() + 4 * kConstants * static_cast<std::size_t>(i / 4);
@@ -556,7 +604,7 @@ double SolidPasses::findEnergy(StressLaw law, Index i, const double* positions) 
 
 double SolidPasses::sumEnergy(StressLaw law, Index begin, Index end, const double* positions) const {
   double energies[kEnergies], sum = 0.0;
-  const PassArrays arrays = arraysOf(rest, constants_, tangent_, positions);
+  const PassArrays arrays = arraysOf(positions);
   for (Index first = begin; first < end; first += kEnergies) {
     const Index last = std::min(end, first + kEnergies);
     findEnergies(law, first, last, arrays, energies);

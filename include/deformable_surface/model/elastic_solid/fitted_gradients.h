@@ -33,10 +33,9 @@ PairFit fitPairs(const Points& points, const Lists& neighbors, const std::vector
 /// irregular points, and no refinement helps [Krongauz and Belytschko 1997; Chen et al. 2013]. Outside, a_j is shifted so that
 /// the theorem can hold at all.
 struct ConsistentGradients {
-  std::vector<double> row;      // (3 x pairs) g_ij, 1/m; pairs as in the fit
-  std::vector<double> column;   // (3 x pairs) g_ji of the same pair
-  Points own;                   // (n x 3) sum_j g_ij
-  double residual = 0.0;        // of the theorem, the largest over the points, over the largest there was without correction
+  std::vector<double> row;  // (3 x pairs) g_ij, 1/m; pairs as in the fit
+  Points own;               // (n x 3) sum_j g_ij
+  double residual = 0.0;    // of the theorem, the largest over the points, over the largest there was without correction
 };
 
 /// O(n k) for every iteration of conjugate gradients, of which there are a few hundred at most.

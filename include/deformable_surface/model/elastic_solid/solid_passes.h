@@ -2,6 +2,7 @@
 #pragma once
 
 #include "deformable_surface/model/elastic_solid/fitted_gradients.h"
+#include "deformable_surface/model/elastic_solid/point_rooms.h"
 
 namespace deformable_surface::model {
 
@@ -19,14 +20,16 @@ enum class StressLaw { kCorotated, kLinear, kBound, kTangent };
 
 /// What an elastic solid is, fixed at rest, but for the gradients of points that have flowed.
 struct SolidRest {
-  PairFit fit;                    // whose corrected gradients strain is measured by
+  PairFit fit;                    // whose corrected gradients strain is measured by; its m is no longer needed
   ConsistentGradients gradients;
-  PairFit near;                   // the fit that motions from point to point are compared with
+  PairFit near;                   // the fit that motions from point to point are compared with; its pairs are the first in fit
   std::vector<double> volumes;    // (n) m^3
   double mu = 0.0, lambda = 0.0;  // Lame's, Pa
   double stabilization = 0.0;     // s, Pa m^3
   Vec3 across = Vec3::Zero();     // the normal of a planar solid
 };
+
+struct PassArrays;
 
 class SolidPasses {
  public:
@@ -35,16 +38,15 @@ class SolidPasses {
   SolidRest rest;
   Index size() const { return rest.fit.size(); }
 
-  /// First pass: of each point in [begin, end), begin a multiple of four, what it spreads: Q_i = V_i P_i and N_i = -s F'_i, and
-  /// the force on itself, Q_i sum_j g_ij + N_i sum_j m'_ij + 2 s sum_j w'_ij (x_j - x_i); with a dash what belongs to `near`.
-  /// positions: (4 x n) padded.
+  /// First pass: with Q_i = V_i P_i and N_i = -s F'_i of each point in a block of PointRooms, what it does to its neighbours,
+  /// -Q_i g_ij - N_i m'_ij, and to itself, Q_i sum_j g_ij + N_i sum_j m'_ij + 2 s sum_j w'_ij (x_j - x_i); with a dash what
+  /// belongs to `near`. positions: (4 x n) padded.
   void spreadStress(StressLaw law, Index begin, Index end, const double* positions);
-  /// Second pass: adds the force on each point, its own and sum_j (N_j m'_ij - Q_j g_ji), N. forces: (n x 3). After all blocks
-  /// of the first.
-  void gatherForces(Index begin, Index end, double* forces) const;
+  /// Second pass: adds the force on each point, N. forces: (n x 3). After all blocks of the first.
+  void gatherForces(Index begin, Index end, double* forces) const { rooms_.addForces(begin, end, forces); }
   /// Keeps R and M of every point for kTangent. Of kCorotated M = (lambda tr(S - I) - 2 mu) (tr(S) I - S)^-1 with S = R^T F, what
   /// turns with F; of kLinear -mu. is_positive: eigenvalues of M below -mu are raised to it, so that no motion of the point gains
-  /// energy. What completes a deficient F is taken as constant. begin and end as of the first pass.
+  /// energy. What completes a deficient F is taken as constant. begin: a multiple of four.
   void prepareTangent(StressLaw law, bool is_positive, Index begin, Index end, const double* positions);
   /// Before it: makes room.
   void beginTangent();
@@ -59,22 +61,22 @@ class SolidPasses {
   Mat3 findStress(StressLaw law, const Mat3& F) const;
   /// psi by law (not kBound) of one F, J/m^3.
   double findDensity(StressLaw law, const Mat3& F) const;
-  /// From now on F_i is what it was by the rows (at_rest) with a matrix behind it: g_ij = inverse^T g_ij at rest. reverse: of
-  /// every pair i, j the place of j, i. Different points may be turned at once.
-  void setPlastic(Index i, const ConsistentGradients& at_rest, const std::vector<Index>& reverse, const Mat3& inverse);
+  /// From now on F_i is what it was by the rows (at_rest) with a matrix behind it: g_ij = inverse^T g_ij at rest. Different
+  /// points may be turned at once.
+  void setPlastic(Index i, const ConsistentGradients& at_rest, const Mat3& inverse);
   /// Neighbours that span less than the solid.
   bool isDeficient(Index i) const { return rest.fit.rank[i] < (rest.across.isZero(0.0) ? 3 : 2); }
 
  private:
-  void repair(StressLaw law, Index i, const double* positions);
+  PassArrays arraysOf(const double* positions) const;
+  void spreadOne(StressLaw law, Index i, Index place, const double* positions, double* room) const;
   void prepareOne(StressLaw law, bool is_positive, Index i, const double* positions);
   double findEnergy(StressLaw law, Index i, const double* positions) const;
 
   std::vector<double> constants_;  // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
-  std::vector<double> spread_;     // (n x 6 x 4) columns of Q and of N
-  std::vector<double> own_;        // (n x 4) N, and 0
   std::vector<double> tangent_;    // (n / 4 x 15 x 4): R by rows, M xx xy xz yy yz zz; empty until it is asked for
-  bool any_deficient_ = false;
+  std::vector<char> is_deficient_;  // (n) or empty: none is
+  PointRooms rooms_;
 };
 
 /// The rotation nearest to F, also where F is singular or turns inside out; of several always the same.
