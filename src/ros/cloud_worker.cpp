@@ -67,8 +67,9 @@ void CloudWorker::begin(CloudWork&& work) {
 
 std::optional<CloudResult> CloudWorker::take() {
   const std::lock_guard<std::mutex> lock(mutex_);
-  if (result_) is_busy_ = false;
+  if (!result_) return std::nullopt;
   // Clouds that came meanwhile are decoded from now on.
+  is_busy_ = false;
   came_.notify_one();
   return std::exchange(result_, std::nullopt);
 }
