@@ -45,7 +45,9 @@ def main():
     with open(sys.argv[1], newline="", encoding="utf-8") as file:
         rows = list(csv.DictReader(file))
     scenes = list(dict.fromkeys(r["scene"] for r in rows))
-    figure, axes = plt.subplots(-(-len(scenes) // 3), min(3, len(scenes)), figsize=(4.2 * min(3, len(scenes)), 4.0 * -(-len(scenes) // 3)), squeeze=False)
+    columns, lines = min(3, len(scenes)), -(-len(scenes) // 3)
+    height = 4.0 * lines + 0.6  # inches, the legend with it
+    figure, axes = plt.subplots(lines, columns, figsize=(4.2 * columns, height), squeeze=False)
     for panel, scene in zip(axes.flat, scenes):
         draw_scene(panel, scene, [r for r in rows if r["scene"] == scene])
     used = [m for m in COLOURS if any(r["method"] == m for r in rows)]
@@ -53,7 +55,7 @@ def main():
     handles.append(plt.Line2D([], [], linestyle="", marker="o", color="grey", markerfacecolor="none", label="not sound"))
     handles.append(plt.Line2D([], [], color="black", linewidth=0.8, label="front"))
     figure.legend(handles=handles, loc="lower center", ncol=4)
-    figure.tight_layout(rect=(0, 0.08, 1, 1))
+    figure.tight_layout(rect=(0, 0.6 / height, 1, 1))
     figure.savefig(sys.argv[2], dpi=110)
 
 
