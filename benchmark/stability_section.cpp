@@ -62,8 +62,8 @@ void runLongSwing(Report& report) {
     }
     if (steps % kEvery != 0) continue;
     const simulation::Statistics now = s.statistics();
-    const double energy =
-        now.kinetic_energy + now.elastic_energy + now.potential_energy;  // zero at the start: all points at z = 0
+    // Zero at the start: all points at z = 0.
+    const double energy = now.kinetic_energy + now.elastic_energy + now.potential_energy;
     lowest = std::min(lowest, energy);
     highest = std::max(highest, energy);
     exchanged = std::max(exchanged, now.kinetic_energy + now.elastic_energy);

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks that the folders below include/deformable_surface and src look only into those that the table of rooms in
-CONTRIBUTING.md allows, that ROS, PCL and YAML stay at the border, and that no line of a source is too long. It is a file of its own
-because no compiler says this.
+CONTRIBUTING.md allows, that ROS, PCL and YAML stay at the border, and that no line of a source is too long. It is a file of its
+own because no compiler says this.
   check_rooms.py [REPOSITORY]    one line for each forbidden include and long line; status 1 if there is any
   check_rooms.py --self-test     shows on made-up files that each rule can fail"""
 import os
@@ -85,8 +85,9 @@ def check_tree(repository):
                     continue
                 with open(file, encoding="utf-8") as stream:
                     for number, line in enumerate(stream, 1):
-                        if len(line.rstrip("\n")) > LONGEST:
-                            problems.append("%s/%s:%d: %d characters; accepted: %d" % (top, path, number, len(line.rstrip("\n")), LONGEST))
+                        length = len(line.rstrip("\n"))
+                        if length > LONGEST:
+                            problems.append("%s/%s:%d: %d characters; accepted: %d" % (top, path, number, length, LONGEST))
                         match = INCLUDE.match(line) if in_rooms else None
                         if not match:
                             continue

@@ -283,8 +283,8 @@ class Run {
     std::snprintf(
         text, sizeof text,
         "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
-        "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\nstate hash       "
-        "     %016llx\n",
+        "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\n"
+        "state hash            %016llx\n",
         statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
         static_cast<unsigned long long>(statistics.state_hash));
     terminal_.out << text << std::flush;

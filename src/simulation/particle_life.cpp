@@ -18,8 +18,8 @@ using tool::ToolParams;
 
 constexpr Index kSweeps = 20;               // between two passes of growth: near equilibrium is enough
 constexpr Index kSmoothings = 4;            // of rest curvatures where samples are noisy: as far as samples are apart
-constexpr double kDensity =
-    0.95;  // of the spacing: what the rules leave is looser than a lattice, and would contract when let go
+// Of the spacing: what the rules leave is looser than a lattice, and would contract when let go.
+constexpr double kDensity = 0.95;
 constexpr Index kLastIterations = 40;       // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;     // of its first force
 

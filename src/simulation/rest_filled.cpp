@@ -16,8 +16,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kMostDoubtful =
-    0.2;  // of the inside: a scan with an open base has a seventh of it in doubt, a hemisphere two thirds
+// Of the inside: a scan with an open base has a seventh of it in doubt, a hemisphere two thirds.
+constexpr double kMostDoubtful = 0.2;
 
 struct Hull {
   std::vector<double> areas;        // (n) m^2

@@ -160,8 +160,8 @@ double findLatticeSpacing(Index k, const RestSurface& s) {
 // What will make particles move or come apart from the beginning.
 void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   constexpr double kFar = 1.3;         // of the spacing, either way: bonds of that length are broken or crushed
-  constexpr double kSoftest =
-      0.02;  // of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
+  // Of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
+  constexpr double kSoftest = 0.02;
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
   const double median = findMedianDistance(s.points);
   if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))

@@ -13,8 +13,8 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr Index kMaxSweeps = 400;         // uneven scans are even after about half as many
 constexpr double kStill = 1e-3;           // spacings in one sweep: below it sliding has ended
-constexpr double kAtRest =
-    1e-6;  // spacings that a first sweep would move: rounding of a lattice is far below, any scan far above
+// Spacings that a first sweep would move: rounding of a lattice is far below, any scan far above.
+constexpr double kAtRest = 1e-6;
 constexpr double kLongestSlide = 0.1;     // spacings in one sweep: no particle passes another
 constexpr double kRelaxed = 0.25;         // of the way to where springs of the lattice would end; 1 is the limit of stability
 constexpr Index kAround = 3;              // dense points that say where the surface is: the least that span it

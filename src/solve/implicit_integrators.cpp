@@ -9,8 +9,8 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kUntouched =
-    1e-6;  // of the forces, the most a stage may leave without an iteration: the momentum brought along hides more
+// Of the forces, the most a stage may leave without an iteration: the momentum brought along hides more.
+constexpr double kUntouched = 1e-6;
 constexpr double kGrowth = 10.0;       // of the pseudo time step after a full Newton step
 constexpr double kShrink = 0.1;        // after a step that had to be cut or failed
 constexpr double kFirstStep = 1.0;     // of the caller's step
@@ -66,7 +66,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   const double rounding = system.roundingForce(time, state);
   const double enough = std::max(params_.tolerance * scale, rounding);
   const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
-  const NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
+  NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
   // Where the search begins.
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i)) state.positions[i] = target_[i];
@@ -79,9 +79,12 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
-    if (report.residual <= (report.iterations == first ? untouched : enough)) break;
-    if (report.iterations == last || newton_.isInterrupted() || newton_.descend(problem, state).fraction == 0.0) {
-      report.converged = false;
+    const bool is_enough = report.residual <= enough, is_untouched = report.iterations == first;
+    if (is_enough && (!is_untouched || report.residual <= untouched)) break;
+    problem.enough = is_enough ? untouched : enough;  // of a direction that is not needed for more than its motion
+    const bool is_over = report.iterations == last || newton_.isInterrupted();
+    if (is_over || newton_.descend(problem, state).fraction == 0.0) {
+      report.converged = report.converged && is_enough;
       break;
     }
     ++report.iterations;

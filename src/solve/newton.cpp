@@ -12,8 +12,8 @@ constexpr int kPatience = 2;           // projected matrices in a row after whic
 constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
 constexpr double kRaise = 10.0;        // of a shift that was not enough
 constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
-constexpr double kLoosest =
-    0.05;  // of the gradient, left by a direction by products: the next iteration has to find the rest anyway
+// Of the gradient, left by a direction by products: the next iteration has to find the rest anyway.
+constexpr double kLoosest = 0.05;
 constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, left by the next direction
 constexpr double kOversolved = 0.3;    // of what ends the search: a direction that leaves no more is good for nothing else
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion

@@ -8,8 +8,8 @@ namespace {
 
 constexpr int kMostProducts = 1000;       // far more than any matrix needs that the preconditioner knows anything of
 constexpr double kLeast = 1e-8;  // of the first residual: what rounding may leave, and the next direction finds what is less
-constexpr double kRegularization =
-    1e-9;  // of the largest stiffness of a point, where neither weight nor stiffness resists a motion
+// Of the largest stiffness of a point, where neither weight nor stiffness resists a motion.
+constexpr double kRegularization = 1e-9;
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
   return {points.data()->data(), 3 * static_cast<Eigen::Index>(points.size())};

@@ -15,13 +15,16 @@ constexpr double kWider = 1.2;           // by which the stable step must exceed
 constexpr Index kWideFor = 100;          // for so many steps: the stretch of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
-constexpr double kCalm = 0.01;  // of the energy in motion and stretch: what the account may be off for bold steps to go on
+// Of the energy in motion and stretch: what the account may be off for bold steps to go on.
+constexpr double kCalm = 0.01;
 constexpr double kCalmSlow = 0.001;      // the same for outer steps, whose resonances then heat the surface by no more
 constexpr double kRest = 1e-6;           // of the same in motion: such a surface settles, and outer steps hold it off its balance
-constexpr Index kCautious = 100;  // steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %
-constexpr double kForget = 0.1;  // per step, of what outer steps put in and damping took out: such a balance settles in ten steps
-constexpr double kHeated =
-    0.1;  // of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007
+// Steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %.
+constexpr Index kCautious = 100;
+// Per step, of what outer steps put in and damping took out: such a balance settles in ten steps.
+constexpr double kForget = 0.1;
+// Of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007.
+constexpr double kHeated = 0.1;
 constexpr Index kResonant = 1000;        // steps before outer steps are tried again
 constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more

@@ -79,6 +79,28 @@ TEST(ElasticSolid, DoesNotNoticeRigidMotion) {
 }
 
 // By central differences of fourth order: what is left is rounding.
+void checkForcesAreTheGradient(const model::ElasticSolid& solid, const Points& at, bool is_planar) {
+  const Points forces = forcesAt(solid, stateAt(at));
+  std::mt19937 generator(5);
+  const double h = 1e-3 * kSpacing;
+  for (int trial = 0; trial < 4; ++trial) {
+    Points direction;
+    double expected = 0.0;
+    for (const Vec3& f : forces) {
+      direction.push_back(randomVector(generator));
+      if (is_planar) direction.back().z() = 0.0;
+      expected -= f.dot(direction.back());
+    }
+    const auto energyAt = [&](double t) {
+      Points moved = at;
+      for (std::size_t i = 0; i < at.size(); ++i) moved[i] += t * direction[i];
+      return solid.elasticEnergy(stateAt(moved));
+    };
+    const double slope = (8.0 * (energyAt(h) - energyAt(-h)) - (energyAt(2.0 * h) - energyAt(-2.0 * h))) / (12.0 * h);
+    EXPECT_NEAR(slope, expected, 1e-7 * std::abs(expected)) << is_planar << " trial " << trial;
+  }
+}
+
 TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergy) {
   for (const bool is_planar : {false, true})
     for (const model::SolidLaw law : {model::SolidLaw::kCorotated, model::SolidLaw::kLinear}) {
@@ -88,25 +110,24 @@ TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergy) {
       const Points at =
           mapAll(deform(body, is_planar),
                  Eigen::AngleAxisd(0.8, is_planar ? Vec3(Vec3::UnitZ()) : Vec3(Vec3(1, 2, 3).normalized())).toRotationMatrix());
-      const Points forces = forcesAt(body.solid, stateAt(at));
-      std::mt19937 generator(5);
-      const double h = 1e-3 * kSpacing;
-      for (int trial = 0; trial < 4; ++trial) {
-        Points direction;
-        double expected = 0.0;
-        for (const Vec3& f : forces) {
-          direction.push_back(randomVector(generator));
-          if (is_planar) direction.back().z() = 0.0;
-          expected -= f.dot(direction.back());
-        }
-        const auto energyAt = [&](double t) {
-          Points moved = at;
-          for (std::size_t i = 0; i < at.size(); ++i) moved[i] += t * direction[i];
-          return body.solid.elasticEnergy(stateAt(moved));
-        };
-        const double slope = (8.0 * (energyAt(h) - energyAt(-h)) - (energyAt(2.0 * h) - energyAt(-2.0 * h))) / (12.0 * h);
-        EXPECT_NEAR(slope, expected, 1e-7 * std::abs(expected)) << is_planar << " trial " << trial;
-      }
+      checkForcesAreTheGradient(body.solid, at, is_planar);
+    }
+}
+
+// Several blocks of points; turned inside out, points are done one by one.
+TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergyAcrossBlocksAndInsideOut) {
+  const Points rest = makeBox(12, 8, 7, kSpacing, 0.2);
+  ASSERT_GT(static_cast<Index>(rest.size()), 2 * model::PointRooms::kPoints);
+  std::mt19937 generator(6);
+  for (const double side : {1.0, -1.0})
+    for (const model::SolidLaw law : {model::SolidLaw::kCorotated, model::SolidLaw::kLinear}) {
+      SolidOptions options;
+      options.params.law = law;
+      const model::ElasticSolid solid = makeSolid(rest, options);
+      Points at = mapAll(rest, Mat3(Vec3(1.1 * side, 0.95, 1.03).asDiagonal()));
+      for (Vec3& p : at) p += 0.02 * kSpacing * randomVector(generator);
+      checkForcesAreTheGradient(solid, at, false);
+      checkMomentumIsKept(solid, stateAt(at));
     }
 }
 

@@ -215,6 +215,27 @@ TEST(SolidSimulation, ImplicitStepsAreOfSecondOrder) {
   EXPECT_GT(std::log2(coarse / fine), 1.5);
 }
 
+// The momentum of a fall hides what the body does: a tolerance is a share of it, too.
+TEST(SolidSimulation, ALooseToleranceLeavesNoMotionOutOfImplicitSteps) {
+  SceneParams scene = makeBarScene(300);
+  scene.gravity = Vec3(0.0, 0.0, -0.5);
+  scene.integrator.type = solve::IntegratorType::kImplicit;
+  const auto runFor = [&](double tolerance, double step) {
+    scene.integrator.tolerance = tolerance;
+    scene.integrator.time_step = step;
+    Simulation s = makeSimulation(scene);
+    for (int k = 0; k < std::lround(0.2 / step); ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      EXPECT_TRUE(outcome.ok) << outcome.problem;
+      EXPECT_EQ(outcome.notice, "");
+    }
+    return s;
+  };
+  const Simulation tight = runFor(1e-6, 1.0 / 120.0);
+  const double of_step = findDistance(tight, runFor(1e-6, 1.0 / 240.0));
+  for (const double tolerance : {1e-2, 0.1}) EXPECT_LT(findDistance(tight, runFor(tolerance, 1.0 / 120.0)), 3.0 * of_step);
+}
+
 TEST(SolidSimulation, AutoGoesOverToImplicitWhereVerletNeedsTooManySubsteps) {
   SceneParams scene = makeBarScene();
   scene.integrator.max_substeps = 2;

@@ -52,8 +52,8 @@ class Lanczos {
   }
 
  private:
-  static constexpr int kSteps =
-      30;  // the largest eigenvalue of meshes is then known to about a percent, and bounded by the residual
+  // The largest eigenvalue of meshes is then known to about a percent, and bounded by the residual.
+  static constexpr int kSteps = 30;
   Eigen::VectorXd v_, w_, previous_;
 };
 

@@ -78,8 +78,8 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
                                         Lists neighbors);
 
 /// Of every point those that are its nearest in space, as many as it has neighbours over the surface, but neighbours in neither
-/// of the two lists; either way round, ascending. For models that look for neighbours in space themselves. O(n (log n + k log
-/// k)).
+/// of the two lists; either way round, ascending. For models that look for neighbours in space themselves.
+/// O(n (log n + k log k)).
 Lists findRefusedPairs(const Points& positions, const Lists& over_surface);
 
 }  // namespace deformable_surface::cloud

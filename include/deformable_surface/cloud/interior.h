@@ -25,8 +25,8 @@ struct Interior {
   double doubtful = 0.0;  // share of the places found where, clearly off the surface, the winding number is neither zero nor one
 };
 
-/// Places of a cubic lattice that are inside, on whichever side the normals are, and keep clear of the points of the surface (n x
-/// 3) by a part of the spacing (m). Parallel; O(m) for every place of the box around the surface.
+/// Places of a cubic lattice that are inside, on whichever side the normals are, and keep clear of the points of the surface
+/// (n x 3) by a part of the spacing (m). Parallel; O(m) for every place of the box around the surface.
 Interior fillSurface(const SurfaceDipoles& dipoles, const Points& surface, double spacing);
 
 }  // namespace deformable_surface::cloud

@@ -12,8 +12,8 @@ namespace deformable_surface::geometry {
 class Polyhedron {
  public:
   using Triangle = std::array<Index, 3>;
-  static constexpr Index kMaxTriangles =
-      1000000;  // beyond what a tool is looked at for, but for a scan that was meant as a cloud
+  // Beyond what a tool is looked at for, but for a scan that was meant as a cloud.
+  static constexpr Index kMaxTriangles = 1000000;
 
   /// vertices (n x 3) m, in the solid's frame; triangles by their corners, counted from 0. Vertices at the same place are one,
   /// and triangles that this leaves without a third corner go. Triangles may be wound either way, but all alike: where the volume

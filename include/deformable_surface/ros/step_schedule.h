@@ -60,8 +60,8 @@ class StepSchedule {
   /// The stamp of the state before the step: the cloud's stamp plus simulation time.
   std::int64_t stamp(std::uint64_t step) const;
 
- private:
-  const double time_step_;  // s
+ // S.
+ private: const double time_step_;
   std::int64_t zero_ = 0, skipped_ = 0;
 };
 

@@ -11,11 +11,11 @@
 
 namespace deformable_surface::simulation {
 
-/// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential m r^2 d^2
-/// / 2. Being in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and at rest a
-/// point is as deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between them. A
-/// point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came in by,
-/// is pushed back along the latter, with d the depth below the plane there, until it is out or beside the tool.
+/// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential
+/// m r^2 d^2 / 2. Being in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and
+/// at rest a point is as deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between
+/// them. A point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came
+/// in by, is pushed back along the latter, with d the depth below the plane there, until it is out or beside the tool.
 ///
 /// An attracting tool draws the points within its reach R on either side to its surface: F = -k s d (1 - (d / R)^2)^2 n at the
 /// distance d, s the point's share of the mass of all; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
@@ -95,8 +95,8 @@ class ContactLoad : public solve::ExternalLoad {
 };
 
 /// Coulomb's friction of the points that a solid tool touches: mu F_n against the sliding velocity v, but at most m r v. The
-/// limit keeps it stable beside the contact's own rate r, and means that a point held by friction alone creeps, at the speed F /
-/// (m r) of the force F that pulls at it.
+/// limit keeps it stable beside the contact's own rate r, and means that a point held by friction alone creeps, at the speed
+/// F / (m r) of the force F that pulls at it.
 class FrictionLoad : public solve::ExternalLoad {
  public:
   explicit FrictionLoad(const ContactLoad& contact) : contact_(contact) {}

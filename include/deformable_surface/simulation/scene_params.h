@@ -41,8 +41,8 @@ struct CloudParams {
   std::string file;            // path or package://deformable_surface/...; .pcd .ply .xyz
   Shape shape = Shape::kNone;  // a generated one instead of a file
   Index points = 4096;         // >= 4
-  Vec2 size{1.0,
-            1.0};  // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
+  // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
+  Vec2 size{1.0, 1.0};
   double height = 0.1;         // m, bar: along z
   double radius = 0.5;         // m, sphere and cap
   double angle = 1.0;          // rad, cap: from its lowest point to its rim

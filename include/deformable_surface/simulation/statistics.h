@@ -28,8 +28,8 @@ struct Statistics {
   double time_input = 0.0, time_forces = 0.0, time_solve = 0.0, time_contact = 0.0, time_estimate = 0.0, time_transfer = 0.0,
          time_normals = 0.0, time_publish = 0.0, time_total = 0.0;
   double real_time_factor = 0.0;  // time step over time_total
-  double track_residual =
-      std::numeric_limits<double>::quiet_NaN();  // m, rms distance from the cloud that is tracked; NaN: from none
+  // M, rms distance from the cloud that is tracked; NaN: from none.
+  double track_residual = std::numeric_limits<double>::quiet_NaN();
   std::uint32_t track_points = 0;                                    // simulation points that it shows
   std::uint64_t state_hash = 0;
   std::vector<std::string> skipped;  // stages that were not run because nobody needed them

@@ -27,7 +27,8 @@ struct ToolParams {
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
   double friction = 0.0;               // Coulomb's coefficient, >= 0: solid, cut
-  double strength = 0.0;  // >= 0; attract: N/m; move: N at which the grip lets go, 0 = never; heat, cut: K above ambient
+  // >= 0; attract: N/m; move: N at which the grip lets go, 0 = never; heat, cut: K above ambient.
+  double strength = 0.0;
   double reach = 0.0;                  // m, > 0: attract: how far from its surface it is felt
   double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
   std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between and held outside

@@ -16,8 +16,8 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr int kMostIterations = 400;  // what is left then is smooth, and small
 constexpr double kEnough = 1e-11;     // of the first residual: rounding
-constexpr double kAstray =
-    1e6;  // of the least squared residual: they vary by less from one iteration to the next where there is a solution
+// Of the least squared residual: they vary by less from one iteration to the next where there is a solution.
+constexpr double kAstray = 1e6;
 
 using Map3 = Eigen::Map<const Vec3>;
 

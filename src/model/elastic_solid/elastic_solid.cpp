@@ -47,15 +47,15 @@ Points flatten(Points points, const Vec3& across) {
   return points;
 }
 
-// The pairs of the narrow fit come first in the wide one, in its order, so that loops over both run once.
+// The pairs of the narrow fit, all of which are in the wide one, come first in it, in order, so that one loop runs over both.
 void putNearFirst(SolidRest& rest) {
   PairFit& fit = rest.fit;
   for (Index i = 0; i < fit.size(); ++i) {
     Index next = fit.pairs.offsets[i];
     for (const Index* j = rest.near.pairs.begin(i); j != rest.near.pairs.end(i); ++j, ++next) {
       // Both ascend: what is passed over moves up by one place.
-      const Index k =
-          static_cast<Index>(std::find(fit.pairs.items.begin() + next, fit.pairs.items.end(), *j) - fit.pairs.items.begin());
+      Index k = next;
+      while (fit.pairs.items[k] != *j) ++k;
       const auto rotate = [next, k](auto& values, Index width) {
         std::rotate(values.begin() + std::ptrdiff_t{width} * next, values.begin() + std::ptrdiff_t{width} * k,
                     values.begin() + std::ptrdiff_t{width} * (k + 1));

@@ -12,11 +12,10 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 256;           // points a task
-constexpr double kClearlyBelow =
-    0.5;  // of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing
-
-constexpr double kRounding = 1e-12;     // relative: where the largest strain is reached already nothing flows
+constexpr Index kBlock = 256;        // points a task
+// Of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing.
+constexpr double kClearlyBelow = 0.5;
+constexpr double kRounding = 1e-12;  // relative: where the largest strain is reached already nothing flows
 
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;

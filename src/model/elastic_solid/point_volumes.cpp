@@ -10,10 +10,10 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 64;        // points a task: a millisecond or so
-constexpr double kNearest =
-    1e-4;  // of the farthest neighbour's distance: facets of the hull nearer to its middle are those of a flat set
-constexpr double kGrazes =
-    0.1;  // of a cell's size squared: what a point under the surface may have of it, where its cell just reaches it
+// Of the farthest neighbour's distance: facets of the hull nearer to its middle are those of a flat set.
+constexpr double kNearest = 1e-4;
+// Of a cell's size squared: what a point under the surface may have of it, where its cell just reaches it.
+constexpr double kGrazes = 0.1;
 enum Facet { kBetween, kOutside };  // to a neighbour, or of the hull
 
 // The origin's cell among those beside it, within the hull of it and those around it, all relative to it and within reach.

@@ -28,11 +28,11 @@ constexpr Index kRoom = PointRooms::kNumbers;
 constexpr Index kConstants = 13;
 constexpr Index kTangents = 15;
 constexpr Index kEnergies = 256;       // points whose energies stand on the stack
-constexpr int kMostIterations =
-    9;  // of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one
+// Of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one.
+constexpr int kMostIterations = 9;
 constexpr double kConverged = 1e-14;   // squared change after which the next iterate is exact to rounding, as the order is two
-constexpr double kMostTangent =
-    1e3;  // of mu: the derivative has poles where two stretches cancel, and no more than that is taken there
+// Of mu: the derivative has poles where two stretches cancel, and no more than that is taken there.
+constexpr double kMostTangent = 1e3;
 constexpr double kSmallest = 1e-3;     // determinant of F below which iterations may not end in a rotation
 
 // Of four points side by side, F or what is made of it: entry [row][column].
@@ -40,11 +40,11 @@ struct Four {
   Double4 at[3][3];
 };
 
-// Sums over the neighbours j of (x_j - x_i) row_j[c] for c < kCount, x y z 0 each; rows of kWidth numbers.
-template <int kCount, int kWidth>
+// Sums over the neighbours j of (x_j - x_i) row_j[c] for c < 3, x y z 0 each; rows of kWidth numbers.
+template <int kWidth>
 DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* items, const double* rows,
                                            const double* positions, Index i, Double4* columns) {
-  Double4 here, a[kCount]{}, b[kCount]{};
+  Double4 here, a[3]{}, b[3]{};
   load(positions + 4 * static_cast<std::ptrdiff_t>(i), here);
   Index k = begin;
   for (; k + 1 < end; k += 2) {
@@ -54,7 +54,7 @@ DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* 
     load(positions + 4 * static_cast<std::ptrdiff_t>(items[k + 1]), e);
     d -= here;
     e -= here;
-    for (int c = 0; c < kCount; ++c) {
+    for (int c = 0; c < 3; ++c) {
       a[c] += d * u[c];
       b[c] += e * u[kWidth + c];
     }
@@ -64,23 +64,23 @@ DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* 
     Double4 d;
     load(positions + 4 * static_cast<std::ptrdiff_t>(items[k]), d);
     d -= here;
-    for (int c = 0; c < kCount; ++c) a[c] += d * u[c];
+    for (int c = 0; c < 3; ++c) a[c] += d * u[c];
   }
-  for (int c = 0; c < kCount; ++c) columns[c] = a[c] + b[c];
+  for (int c = 0; c < 3; ++c) columns[c] = a[c] + b[c];
 }
 
-// The same of four points in a row, side by side; sums are those with the fourth number of a row.
-template <int kCount, int kWidth>
+// The same of four points in a row, side by side.
+template <int kWidth>
 DEFORMABLE_SURFACE_INLINE void gatherFour(Index first, Index n, const Index* offsets, const Index* items, const double* rows,
-                                          const double* positions, Four& A, Double4* sums) {
-  Double4 columns[4][kCount];
+                                          const double* positions, Four& A) {
+  Double4 columns[4][3];
   for (Index lane = 0; lane < 4; ++lane) {
     const Index i = first + lane < n ? first + lane : n - 1;  // the last group is filled up
-    gatherPairs<kCount, kWidth>(offsets[i], offsets[i + 1], items, rows, positions, i, columns[lane]);
+    gatherPairs<kWidth>(offsets[i], offsets[i + 1], items, rows, positions, i, columns[lane]);
   }
-  for (int c = 0; c < kCount; ++c) {
+  for (int c = 0; c < 3; ++c) {
     transpose(columns[0][c], columns[1][c], columns[2][c], columns[3][c]);
-    for (int r = 0; r < 3; ++r) (c < 3 ? A.at[r][c] : sums[r]) = columns[r][c];
+    for (int r = 0; r < 3; ++r) A.at[r][c] = columns[r][c];
   }
 }
 
@@ -312,10 +312,9 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
 DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end, const PassArrays& a, double* energies) {
   for (Index i = begin; i < end; i += 4) {
     Four A, F, R, N;
-    Double4 sums[3];
     const double* constants = a.constants + kConstants * static_cast<std::ptrdiff_t>(i);
-    gatherFour<3, 3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
-    gatherFour<3, 4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A, sums);
+    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F);
+    gatherFour<4>(i, a.n, a.near_offsets, a.near_items, a.m, a.positions, A);
     multiplyByInverse(A, constants + 16, N);
     addAcross(a, F);
     bool is_sound[4] = {true, true, true, true};
@@ -359,8 +358,7 @@ DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index
                                           double* tangent, bool* is_sound) {
   for (Index i = begin; i < end; i += 4) {
     Four F, R, S, H;
-    Double4 sums[3];
-    gatherFour<3, 3>(i, a.n, a.offsets, a.items, a.row, a.positions, F, sums);
+    gatherFour<3>(i, a.n, a.offsets, a.items, a.row, a.positions, F);
     addAcross(a, F);
     bool* sound = is_sound + (i - begin);
     findRotations(F, R, sound);

@@ -381,8 +381,8 @@ double CurvatureBending::energy(const PaddedPoints& positions) const {
 
 // With k_ab = n . b_ab - II0_ab and M = D A k (each component as often as it stands in the sum), the Hessian is the sum of
 //   D A dk_ab dk_ab,           dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
-//   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),  dp = M_ab (db_ab -
-//   Gamma^d_ab dt_d).
+//   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),
+//   dp = M_ab (db_ab - Gamma^d_ab dt_d).
 void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
   std::array<Vec3, kFitPoints + 1> change;   // of k_ab by the normal motion of each neighbour
   std::array<double, kFitPoints + 1> along;  // dp by the motion of each neighbour
@@ -419,8 +419,8 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
 }
 
 // x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no
-// eigenvalue of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of the 3
-// x 3 matrix D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
+// eigenvalue of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of
+// the 3 x 3 matrix D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
 double CurvatureBending::boundRate(const State& state, const std::vector<double>& masses) const {
   rate_.assign(masses.size(), 0.0);
   for (Index i = 0; i < neighbors_.size(); ++i) {

@@ -12,8 +12,8 @@ namespace {
 
 constexpr Index kNearest = 4;  // whose distance tells how densely there are samples: all around, and not by one close pair
 constexpr double kLeastReach = 2.5;    // spacings: what is published
-constexpr Index kMostReleases =
-    6;  // of noisy samples: what more of them take is less than what the defects of a lattice add at rest
+// Of noisy samples: what more of them take is less than what the defects of a lattice add at rest.
+constexpr Index kMostReleases = 6;
 
 // The widest gaps, m, that samples close; none if that is the same for all.
 std::vector<double> findReaches(const Points& samples, double spacing, const GrowthParams& params) {

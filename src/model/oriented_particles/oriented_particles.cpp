@@ -15,8 +15,8 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr double kSkin = 0.3;         // of the distance r0: a good trade between listing too much and listing too often
 constexpr double kLinkLength = 1.3;   // of the spacing: between the first neighbours of a lattice and the second
-constexpr double kLongestEdge =
-    1.75;  // of the spacing, of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is
+// Of the spacing, of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is.
+constexpr double kLongestEdge = 1.75;
 constexpr double kTurn = 6.283185307179586, kGoldenAngle = 2.399963229728653;  // rad
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
 

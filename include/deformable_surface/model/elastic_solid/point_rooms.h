@@ -10,7 +10,7 @@ namespace deformable_surface::model {
 
 class PointRooms {
  public:
-  static constexpr Index kPoints = 256;  // of a block, a multiple of four; not few beside those around them
+  static constexpr Index kPoints = 256;  // of a block, a multiple of four
   static constexpr Index kNumbers = 8;   // of a place in a room: x y z, one to spare, force, one to spare
 
   /// pairs: of each point with those that it exerts forces on, which may come twice.

@@ -10,17 +10,15 @@ namespace deformable_surface::model {
 ///   kCorotated   psi = mu |F - R|^2 + lambda/2 tr^2(R^T F - I),  P = 2 mu (F - R) + lambda tr(R^T F - I) R,
 ///   kLinear      psi = mu |e|^2 + lambda/2 tr^2(e), e = (F + F^T)/2 - I,  P = 2 mu e + lambda tr(e) I,
 ///   kBound       P = 2 mu F + lambda tr(F) I, linear in F: of motions instead of places, at least as stiff as the others are
-/// while
-///                lambda tr(R^T F - I) <= 2 mu,
-///   kTangent     P = 2 mu F + lambda tr(R^T F) R + R [M a]x, a the axial vector of R^T F - F^T R: of motions, the derivative of
-///   one of
-///                the first two where SolidPasses::prepareTangent() was called.
+///                while lambda tr(R^T F - I) <= 2 mu,
+///   kTangent     P = 2 mu F + lambda tr(R^T F) R + R [M a]x, a the axial vector of R^T F - F^T R: of motions, the derivative
+///                of one of the first two where SolidPasses::prepareTangent() was called.
 /// R is the rotation nearest to F (a proper one, also where F turns the body inside out).
 enum class StressLaw { kCorotated, kLinear, kBound, kTangent };
 
 /// What an elastic solid is, fixed at rest, but for the gradients of points that have flowed.
 struct SolidRest {
-  PairFit fit;                    // whose corrected gradients strain is measured by; its m is no longer needed
+  PairFit fit;                    // whose corrected gradients strain is measured by; its m is not kept, its pairs do not ascend
   ConsistentGradients gradients;
   PairFit near;                   // the fit that motions from point to point are compared with; its pairs are the first in fit
   std::vector<double> volumes;    // (n) m^3

@@ -40,8 +40,8 @@ struct OrientedParticlesParams {
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};       // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
-  double tear_strain =
-      0.0;  // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it
+  // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it.
+  double tear_strain = 0.0;
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10

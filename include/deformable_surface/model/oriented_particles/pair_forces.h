@@ -11,8 +11,8 @@ namespace deformable_surface::model {
 struct PackedParticles {
   std::vector<double> places;   // (4 n) x, y, z in m and the strength of bonds, 0 .. 1, by temperature
   std::vector<double> normals;  // (4 n) unit, and 1 if the particle is smooth, else 0
-  std::vector<double>
-      curvatures{};  // (8 n) 1/m, at rest: xx, yy, zz, yz, xz, xy, 0, 0 in the world; empty: the rest shape is flat
+  // (8 n) 1/m, at rest: xx, yy, zz, yz, xz, xy, 0, 0 in the world; empty: the rest shape is flat.
+  std::vector<double> curvatures{};
 
   const double* place(Index i) const { return places.data() + 4 * static_cast<std::ptrdiff_t>(i); }
   const double* curvature(Index i) const { return curvatures.data() + 8 * static_cast<std::ptrdiff_t>(i); }
@@ -27,8 +27,8 @@ struct PackedParticles {
 ///   E = 2 phi(d) + psi_i (aP u_i^2 + aN Q + aC s^2) + psi_j (aP u_j^2 + aN Q + aC s^2)
 /// [Szeliski 1991, eq. 5 to 8, 11]. The strength of the weaker particle's bonds multiplies psi and what attracts in phi: all of
 /// it beyond its minimum, and its depth; the repulsion nearer than that stays, so that melted particles do not come to lie in
-/// each other. psi is also times 0 if one is not smooth; psi_i = psi_j = psi(d), or [eq. 10] exp(-(d^2 - u^2) / 2 a^2 - u^2 / 2
-/// b^2) times the switch. Then
+/// each other. psi is also times 0 if one is not smooth; psi_i = psi_j = psi(d), or [eq. 10]
+/// exp(-(d^2 - u^2) / 2 a^2 - u^2 / 2 b^2) times the switch. Then
 ///   f_i = c_r r + c_i n_i + c_j n_j,  tau_i = (c_i r + 2 aN (psi_i + psi_j) (n_i - n_j)) x n_i,
 ///   c_k = 2 aP u_k psi_k + 2 aC s (psi_i + psi_j) + dE/dpsi_k dpsi_k/du_k,  c_r d = dE/dd.
 /// These are minus the gradient of E; the printed appendix B is not.
