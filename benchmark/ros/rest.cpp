@@ -40,7 +40,8 @@ void measureRest(const RosOptions& options, RosTable& table) {
   letIn(options.rest_seconds);
   const double seconds = (ros::WallTime::now() - begin).toSec();
   for (int k = 0; k < 3; ++k) used[k] = (readProcessorSeconds(processes[k]) - used[k]) / seconds;
-  const std::string beside = "an idle node of roscpp takes " + show(100.0 * used[0]) + " % of a core; over " + show(seconds) + " s";
+  const std::string beside =
+      "an idle node of roscpp takes " + show(100.0 * used[0]) + " % of a core; over " + show(seconds) + " s";
   const auto above = [&](double share) { return show(100.0 * (share - used[0])) + " % of a core above the idle node"; };
   table.add("processor time of a surface at rest, nobody listens", above(used[1]), "0.1 % above the idle node", beside);
   table.add("the same with a subscriber of ~deformed", above(used[2]), "0.1 % above the idle node",
