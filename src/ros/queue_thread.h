@@ -30,7 +30,7 @@ class QueueThread {
   }
 
  private:
-  static constexpr double kPatience = 1.0;  // s: how late the end of roscpp alone is noticed
+  static constexpr double kPatience = 5.0;  // s: how late the end of roscpp alone is noticed
 
   ros::CallbackQueue& queue_;
   std::atomic<bool> is_ended_{false};

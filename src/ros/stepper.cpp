@@ -26,8 +26,8 @@ constexpr milliseconds kPollPeriod(20);
 // More lag than this on the computer's clock would only be felt as delay; it is let go instead.
 constexpr std::int64_t kMaxLag = 250'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
-// Less than what is let go of, so that a step that wakes is caught up with.
-constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200);
+// Less than what is let go of, so that a step that wakes is caught up with, where one may.
+constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeriod(500);
 
 }  // namespace
 
@@ -78,7 +78,8 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
   if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
   if (canRest()) {
-    const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : kUnheardRestPeriod;
+    const milliseconds unheard = simulation_->isLeftAlone() ? kLeftAlonePeriod : kUnheardRestPeriod;
+    const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : unheard;
     return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + period));
   }
   if (isDue()) return now;

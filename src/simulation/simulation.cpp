@@ -72,6 +72,7 @@ const model::DeformableModel& Simulation::model() const { return *impl_->model; 
 const model::OrientedParticles* Simulation::particles() const { return impl_->particles; }
 Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
 bool Simulation::isAsleep() const { return impl_->activity.isAsleep(); }
+bool Simulation::isLeftAlone() const { return isAsleep() && impl_->forces.all().empty() && impl_->tools.empty(); }
 bool Simulation::isAwake(Index simulation_point) const { return impl_->activity.isMoving(simulation_point); }
 const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
 

@@ -218,6 +218,7 @@ TEST(Activity, ForcesThatEndOrAreTakenAwayAndPinsThatGoWake) {
   Simulation s(p, sheetCloud());
   run(s, 49);
   EXPECT_TRUE(isAsleep(s));
+  EXPECT_FALSE(s.isLeftAlone()) << "the force will wake it by itself";
   run(s, 2);
   EXPECT_FALSE(isAsleep(s)) << "a force of the scene has begun";
   runUntilAsleep(s, 1500);
@@ -243,12 +244,14 @@ TEST(Activity, AToolWakesWhatItComesNearNotWhatItPassesFarAway) {
   Simulation s(p, sheetCloud());
   run(s, 1);
   ASSERT_TRUE(isAsleep(s));
+  EXPECT_TRUE(s.isLeftAlone());
   tool::ToolParams ball = ballAt(Vec3(0.5, 0.0, 1.0));
   ball.path.push_back({1.0, Vec3(0.5, 0.0, 0.5), Vec4(0.0, 0.0, 0.0, 1.0)});
   ball.path.push_back({1.5, Vec3(0.5, 0.0, 0.05), Vec4(0.0, 0.0, 0.0, 1.0)});
   s.setTool(ball);
   run(s, 100);
   EXPECT_TRUE(isAsleep(s));
+  EXPECT_FALSE(s.isLeftAlone());
   run(s, 50);
   EXPECT_FALSE(isAsleep(s));
   EXPECT_GT(s.toolReactions()[0].contacts, 0);

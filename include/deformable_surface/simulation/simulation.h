@@ -190,6 +190,7 @@ class Simulation {
   const model::OrientedParticles* particles() const;
   bool isAwake(Index simulation_point) const;                // false: it is left out of the steps, see docs/activity.md
   bool isAsleep() const;                                     // all of it: steps pass in no time
+  bool isLeftAlone() const;                                  // asleep, without forces and tools: only a command can wake it
   Index numFirst() const;                                    // simulation points at time 0
   const std::vector<char>& pinned() const;                   // (m)
   void computeSimulationNormals(Points& normals) const;      // (m x 3)
