@@ -27,7 +27,7 @@ constexpr milliseconds kPollPeriod(20);
 constexpr std::int64_t kMaxLag = 250'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
 // Less than what is let go of, so that a step that wakes is caught up with, where one may.
-constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeriod(500);
+constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeriod(1000);
 
 }  // namespace
 
