@@ -1,0 +1,166 @@
+// Four points of an elastic solid side by side: what their strains are, and what stresses these make. A file of its own,
+// because forces, energies and tangents begin with it.
+#pragma once
+
+#include "deformable_surface/base/simd.h"
+#include "deformable_surface/model/elastic_solid/solid_passes.h"
+
+namespace deformable_surface::model {
+
+// The arrays of both fits; those of the near one have a dash in the header.
+struct PassArrays {
+  Index n;
+  const Index *offsets, *items, *places;
+  const double* row;
+  const Index *near_offsets, *near_items;
+  const double *m, *constants, *tangent, *positions;
+  const char* deficient;
+  double mu, lambda, stabilization, across[3];
+};
+
+namespace lanes {
+
+// Of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one.
+constexpr int kMostIterations = 9;
+constexpr double kConverged = 1e-14;  // squared change after which the next iterate is exact to rounding, as the order is two
+constexpr double kSmallest = 1e-3;    // determinant of F below which iterations may not end in a rotation
+
+// Of four points side by side, F or what is made of it: entry [row][column].
+struct Four {
+  Double4 at[3][3];
+};
+
+// Sums over the neighbours j of (x_j - x_i) row_j[c] for c < 3, x y z 0 each; rows of kWidth numbers, places of kStride.
+template <int kWidth, int kStride>
+DEFORMABLE_SURFACE_INLINE void gatherPairs(Index begin, Index end, const Index* items, const double* rows,
+                                           const double* positions, Index i, Double4* columns) {
+  Double4 here, a[3]{}, b[3]{};
+  load(positions + kStride * static_cast<std::ptrdiff_t>(i), here);
+  Index k = begin;
+  for (; k + 1 < end; k += 2) {
+    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
+    Double4 d, e;
+    load(positions + kStride * static_cast<std::ptrdiff_t>(items[k]), d);
+    load(positions + kStride * static_cast<std::ptrdiff_t>(items[k + 1]), e);
+    d -= here;
+    e -= here;
+    for (int c = 0; c < 3; ++c) {
+      a[c] += d * u[c];
+      b[c] += e * u[kWidth + c];
+    }
+  }
+  if (k < end) {
+    const double* u = rows + kWidth * static_cast<std::ptrdiff_t>(k);
+    Double4 d;
+    load(positions + kStride * static_cast<std::ptrdiff_t>(items[k]), d);
+    d -= here;
+    for (int c = 0; c < 3; ++c) a[c] += d * u[c];
+  }
+  for (int c = 0; c < 3; ++c) columns[c] = a[c] + b[c];
+}
+
+// The same of four points in a row, side by side.
+template <int kWidth>
+DEFORMABLE_SURFACE_INLINE void gatherFour(Index first, Index n, const Index* offsets, const Index* items, const double* rows,
+                                          const double* positions, Four& A) {
+  Double4 columns[4][3];
+  for (Index lane = 0; lane < 4; ++lane) {
+    const Index i = first + lane < n ? first + lane : n - 1;  // the last group is filled up
+    gatherPairs<kWidth, 4>(offsets[i], offsets[i + 1], items, rows, positions, i, columns[lane]);
+  }
+  for (int c = 0; c < 3; ++c) {
+    transpose(columns[0][c], columns[1][c], columns[2][c], columns[3][c]);
+    for (int r = 0; r < 3; ++r) A.at[r][c] = columns[r][c];
+  }
+}
+
+// product = a * K^-1, K^-1 symmetric.
+DEFORMABLE_SURFACE_INLINE void multiplyByInverse(const Four& a, const double* constants, Four& product) {
+  Double4 xx, xy, xz, yy, yz, zz;
+  load(constants, xx);
+  load(constants + 4, xy);
+  load(constants + 8, xz);
+  load(constants + 12, yy);
+  load(constants + 16, yz);
+  load(constants + 20, zz);
+  for (int r = 0; r < 3; ++r) {
+    product.at[r][0] = a.at[r][0] * xx + a.at[r][1] * xy + a.at[r][2] * xz;
+    product.at[r][1] = a.at[r][0] * xy + a.at[r][1] * yy + a.at[r][2] * yz;
+    product.at[r][2] = a.at[r][0] * xz + a.at[r][1] * yz + a.at[r][2] * zz;
+  }
+}
+
+// The rotations nearest to four F by Newton's iteration R <- (R + R^-T) / 2 [Higham 1986]. A lane is left out (not sound) where F
+// is nearly singular, inside out or not finite.
+DEFORMABLE_SURFACE_INLINE void findRotations(const Four& F, Four& R, bool* is_sound) {
+  R = F;
+  Double4 first{}, change{};
+  for (int iteration = 0; iteration < kMostIterations; ++iteration) {
+    Four C;  // cofactors
+    for (int r = 0; r < 3; ++r) {
+      const int s = (r + 1) % 3, t = (r + 2) % 3;
+      for (int c = 0; c < 3; ++c) {
+        const int d = (c + 1) % 3, e = (c + 2) % 3;
+        C.at[r][c] = R.at[s][d] * R.at[t][e] - R.at[s][e] * R.at[t][d];
+      }
+    }
+    const Double4 determinant = R.at[0][0] * C.at[0][0] + R.at[0][1] * C.at[0][1] + R.at[0][2] * C.at[0][2];
+    if (iteration == 0) first = determinant;
+    const Double4 half = 0.5 / determinant;
+    change = Double4{};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) {
+        const Double4 next = 0.5 * R.at[r][c] + half * C.at[r][c], d = next - R.at[r][c];
+        change += d * d;
+        R.at[r][c] = next;
+      }
+    if (change[0] < kConverged && change[1] < kConverged && change[2] < kConverged && change[3] < kConverged) break;
+  }
+  for (int lane = 0; lane < 4; ++lane) is_sound[lane] = change[lane] < kConverged && first[lane] > kSmallest;
+}
+
+// P by law; of kCorotated with the rotations.
+DEFORMABLE_SURFACE_INLINE void findStresses(StressLaw law, double mu, double lambda, const Four& F, const Four& R, Four& P) {
+  if (law == StressLaw::kCorotated) {
+    Double4 trace{};
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) trace += R.at[r][c] * F.at[r][c];
+    const Double4 turned = lambda * (trace - 3.0) - 2.0 * mu;
+    for (int r = 0; r < 3; ++r)
+      for (int c = 0; c < 3; ++c) P.at[r][c] = 2.0 * mu * F.at[r][c] + turned * R.at[r][c];
+    return;
+  }
+  const double rest = law == StressLaw::kLinear ? 1.0 : 0.0;
+  const Double4 trace = (F.at[0][0] - rest) + (F.at[1][1] - rest) + (F.at[2][2] - rest);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) {
+      P.at[r][c] = law == StressLaw::kLinear ? mu * (F.at[r][c] + F.at[c][r]) : 2.0 * mu * F.at[r][c];
+      if (r == c) P.at[r][c] += lambda * trace - 2.0 * mu * rest;
+    }
+}
+
+// P of a motion by kTangent, from R and M of four points.
+DEFORMABLE_SURFACE_INLINE void findTangentStresses(double mu, double lambda, const Four& F, const double* tangent, Four& P) {
+  Four R, A;
+  Double4 M[6], trace{};
+  for (int k = 0; k < 9; ++k) load(tangent + 4 * k, R.at[k / 3][k % 3]);
+  for (int k = 0; k < 6; ++k) load(tangent + 36 + 4 * k, M[k]);
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) A.at[r][c] = R.at[0][r] * F.at[0][c] + R.at[1][r] * F.at[1][c] + R.at[2][r] * F.at[2][c];
+  const Double4 x = A.at[2][1] - A.at[1][2], y = A.at[0][2] - A.at[2][0], z = A.at[1][0] - A.at[0][1];
+  const Double4 u = M[0] * x + M[1] * y + M[2] * z, v = M[1] * x + M[3] * y + M[4] * z, w = M[2] * x + M[4] * y + M[5] * z;
+  trace = lambda * (A.at[0][0] + A.at[1][1] + A.at[2][2]);
+  for (int r = 0; r < 3; ++r) {
+    P.at[r][0] = 2.0 * mu * F.at[r][0] + trace * R.at[r][0] + w * R.at[r][1] - v * R.at[r][2];
+    P.at[r][1] = 2.0 * mu * F.at[r][1] + trace * R.at[r][1] + u * R.at[r][2] - w * R.at[r][0];
+    P.at[r][2] = 2.0 * mu * F.at[r][2] + trace * R.at[r][2] + v * R.at[r][0] - u * R.at[r][1];
+  }
+}
+
+DEFORMABLE_SURFACE_INLINE void addAcross(const PassArrays& a, Four& F) {
+  for (int r = 0; r < 3; ++r)
+    for (int c = 0; c < 3; ++c) F.at[r][c] += a.across[r] * a.across[c];
+}
+
+}  // namespace lanes
+}  // namespace deformable_surface::model
