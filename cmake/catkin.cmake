@@ -85,8 +85,8 @@ install(FILES LICENSE nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DES
 if(CATKIN_ENABLE_TESTING)
   find_package(rostest REQUIRED)
   find_package(roslaunch REQUIRED)
-  # With something for the arguments that have no default.
-  roslaunch_add_file_check(launch bag:=a columns:=3 output:=a scan:=a topic:=a)
+  # With something for the arguments that have no default; unattended, since tests do without rviz.
+  roslaunch_add_file_check(launch bag:=a columns:=3 output:=a scan:=a topic:=a unattended:=true)
 
   # Without gtest, catkin_add_gtest only warns and makes no target.
   function(add_unit_test name library)
