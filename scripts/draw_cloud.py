@@ -136,7 +136,7 @@ def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size
 def main():
     parser = argparse.ArgumentParser(description="Draw clouds of points as shaded surfaces, side by side.")
     parser.add_argument("picture", help="the PNG to write")
-    parser.add_argument("clouds", nargs="+", help=".ply, .pcd, .off or .xyz, the rest shape first")
+    parser.add_argument("clouds", nargs="+", help=".ply, .pcd, .obj, .off or .xyz, the rest shape first")
     parser.add_argument("--azimuth", type=float, default=-60.0, help="where the viewer stands, degrees about z from x")
     parser.add_argument("--elevation", type=float, default=15.0, help="how high the viewer stands, degrees")
     arguments = parser.parse_args()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Reads the points of a .ply, .pcd, .off or .xyz file into arrays. It is a file of its own because the demo and the pictures
+"""Reads the points of a .ply, .pcd, .obj, .off or .xyz file into arrays. It is a file of its own because the demo and the pictures
 need it and neither should depend on the other; the node and `simulate` have their own reader in C++."""
 import re
 
@@ -23,7 +23,7 @@ def read_points(path):
 
 def read_rows(path):
     """Coordinates (n x 3), normals (n x 3, or None where the file has none) and all columns by their names, of every point."""
-    readers = {".ply": read_ply, ".pcd": read_pcd, ".off": read_off, ".xyz": read_xyz}
+    readers = {".ply": read_ply, ".pcd": read_pcd, ".obj": read_obj, ".off": read_off, ".xyz": read_xyz}
     suffix = path[path.rfind("."):].lower() if "." in path else ""
     if suffix not in readers:
         raise ValueError("%s: unknown kind of file '%s'; accepted: %s" % (path, suffix, ", ".join(sorted(readers))))
@@ -108,6 +108,14 @@ def read_off(data):
     rest = lines[1:] if first else lines[2:]
     count = int((first or lines[1].split())[0])
     return read_table(rest[:count], count, ["x", "y", "z"])
+
+
+def read_obj(data):
+    """The vertices; their normals, which belong to corners of faces and not to vertices, are left."""
+    lines = [line.split(None, 1)[1] for line in data.splitlines() if re.match(rb"\s*v\s+\S", line)]
+    if not lines:
+        raise ValueError("no line that begins with 'v', a vertex")
+    return read_table(lines, len(lines), ["x", "y", "z"])
 
 
 def read_xyz(data):

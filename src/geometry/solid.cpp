@@ -53,6 +53,10 @@ SignedDistance fromProfile(const Vec2 (&corners)[n], const Vec3& p) {
   return {outside ? nearest : deepest, normal.x() * radial + normal.y() * Vec3::UnitZ()};
 }
 
+bool isSame(const Polyhedron* a, const Polyhedron* b) {
+  return a == b || (a && b && a->vertices() == b->vertices() && a->triangles() == b->triangles());
+}
+
 }  // namespace
 
 SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double limit) {
@@ -70,6 +74,11 @@ SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double 
   }
   const Vec3 normal = solid.normal.normalized();
   return {normal.dot(point) - solid.offset, normal};
+}
+
+bool isSame(const Solid& a, const Solid& b) {
+  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal &&
+         a.offset == b.offset && isSame(a.mesh.get(), b.mesh.get());
 }
 
 double findLargestExtent(const Solid& solid) {

@@ -107,8 +107,10 @@ cloud::PointCloud readPointFile(const std::string& file, double scale, Index max
     cloud = toCloud(path, readPly(path, max_points));
   } else if (extension == ".xyz") {
     cloud = readXyz(path, max_points);
+  } else if (extension == ".obj") {
+    cloud = readObj(path, max_points);
   } else {
-    refuse(file, "found the extension " + quote(extension) + "; accepted: .pcd, .ply, .xyz");
+    refuse(file, "found the extension " + quote(extension) + "; accepted: .pcd, .ply, .obj, .xyz");
   }
   // All-zero normals are how some writers say that there are none.
   const auto is_zero = [](const Vec3& normal) { return normal == Vec3::Zero(); };

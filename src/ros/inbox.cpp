@@ -84,16 +84,22 @@ void Inbox::wake() {
   came_.notify_one();
 }
 
-std::string Inbox::perform(const std::function<void()>& work) {
+void Inbox::updateEndsStep() {
+  ends_step_ = closed_ || std::any_of(jobs_.begin(), jobs_.end(), [](const Job* job) { return job->ends_step; });
+}
+
+std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
   std::unique_lock<std::mutex> lock(mutex_);
   if (closed_) return "the node is shutting down";
   if (jobs_.size() >= kMaxJobs) return "busy: too many calls wait already";
-  Job job{&work};
+  Job job{&work, ends_step};
   jobs_.push_back(&job);
+  updateEndsStep();
   came_.notify_one();
   answered_.wait_for(lock, kPatience, [&] { return job.state != Job::State::kWaiting; });
   if (job.state == Job::State::kWaiting) {
     jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
+    updateEndsStep();
     return "busy: the simulation did not get to it in time; try again";
   }
   // Work that has begun uses what its caller holds, and must be waited for; it looks at isClosed() itself.
@@ -106,6 +112,7 @@ void Inbox::doJobs() {
   while (!jobs_.empty() && !closed_) {
     Job& job = *jobs_.front();
     jobs_.pop_front();
+    updateEndsStep();
     job.state = Job::State::kRunning;
     lock.unlock();
     (*job.work)();
@@ -120,6 +127,7 @@ void Inbox::close() {
   closed_ = true;
   for (Job* job : jobs_) job->state = Job::State::kRefused;
   jobs_.clear();
+  updateEndsStep();
   came_.notify_all();
   answered_.notify_all();
 }

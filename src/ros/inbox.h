@@ -46,6 +46,7 @@ class Inbox {
   struct Job {
     enum class State { kWaiting, kRunning, kDone, kRefused };
     const std::function<void()>* work;
+    bool ends_step;
     State state = State::kWaiting;
   };
 
@@ -74,8 +75,9 @@ class Inbox {
   void wantFrame();
   /// Has the simulation thread look around, for the diagnostics.
   void wake();
-  /// Has the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done.
-  std::string perform(const std::function<void()>& work);
+  /// Has the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done. ends_step: a step that
+  /// is under way is worth nothing any more and need not be waited for.
+  std::string perform(const std::function<void()>& work, bool ends_step = false);
   /// Ends the simulation thread; whoever waits is refused.
   void close();
 
@@ -85,8 +87,10 @@ class Inbox {
   /// Does the jobs that wait.
   void doJobs();
   bool isClosed() const { return closed_; }
-  /// The same, for a step that looks at it.
+  /// The same, for what looks at it while it works.
   const std::atomic<bool>* closing() const { return &closed_; }
+  /// Whether a step that is under way is to end, for it to look at: the inbox is closed, or work waits that ends it.
+  const std::atomic<bool>* endingStep() const { return &ends_step_; }
 
   int numCloudsReplaced() const;
   int numCommandsDropped() const;
@@ -94,6 +98,8 @@ class Inbox {
  private:
   void putCommand(Command command);
   // With the mutex held:
+  /// After what it depends on has changed.
+  void updateEndsStep();
   /// The computer's clock is looked at; /clock has been observed already.
   std::int64_t readClock();
   void observe(std::int64_t now, std::int64_t steady);
@@ -105,7 +111,7 @@ class Inbox {
   std::deque<Command> commands_;
   std::deque<Job*> jobs_;
   bool was_woken_ = false, frame_wanted_ = false;
-  std::atomic<bool> closed_{false};
+  std::atomic<bool> closed_{false}, ends_step_{false};
   int num_clouds_replaced_ = 0, num_commands_dropped_ = 0;
 };
 

@@ -14,20 +14,40 @@ using std::chrono::steady_clock;
 // Diagnostics are expected about once a second; news come sooner, but not so often that a flood of bad clouds becomes one of
 // reports.
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
+constexpr double kWatchPeriod = 1.0;  // s
+constexpr double kLongStep = 1.0;     // s of wall time: one that takes longer is told of while it goes on
 
 }  // namespace
 
-NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const Stepper& stepper,
-                                 const Inbox& inbox, const Complaints& complaints)
+NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
+                                 const ros::NodeHandle& watch_node, const Stepper& stepper, const Inbox& inbox,
+                                 Complaints& complaints)
     : stepper_(stepper),
       inbox_(inbox),
       complaints_(complaints),
+      name_(private_node.getNamespace().substr(1)),
       updater_(node, private_node, private_node.getNamespace()),
       last_time_(steady_clock::now()) {
   topic_ = ros::NodeHandle(node).advertise<diagnostic_msgs::DiagnosticArray>("/diagnostics", 1);
   updater_.setHardwareID("none");
   updater_.add("input", [this](Status& status) { describeInput(status); });
   updater_.add("simulation", [this](Status& status) { describeSimulation(status); });
+  watch_ = watch_node.createWallTimer(ros::WallDuration(kWatchPeriod), [this](const ros::WallTimerEvent&) { watchStep(); });
+}
+
+// In the place of what the updater would say, which only the simulation thread may ask.
+void NodeDiagnostics::watchStep() {
+  const double seconds = stepper_.secondsInStep();
+  if (!(seconds > kLongStep)) return;
+  diagnostic_msgs::DiagnosticArray message;
+  message.header.stamp = ros::Time::now();
+  message.status.resize(1);
+  message.status[0].name = name_ + ": simulation";
+  message.status[0].hardware_id = "none";
+  message.status[0].level = DiagnosticStatus::WARN;
+  message.status[0].message = "a step has been going on for " + formatShort(seconds) + " s";
+  topic_.publish(message);
+  complaints_.report(Complaint::kBehind, message.status[0].message + "; ~reset ends it");
 }
 
 NodeDiagnostics::Happened NodeDiagnostics::observe() const {

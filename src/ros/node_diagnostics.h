@@ -14,11 +14,12 @@
 
 namespace deformable_surface::node {
 
-/// To be used by the simulation thread.
+/// To be used by the simulation thread. While a step takes long, which this thread then waits for, a timer says so on the queue of
+/// watch_node.
 class NodeDiagnostics {
  public:
-  NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const Stepper& stepper, const Inbox& inbox,
-                  const Complaints& complaints);
+  NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const ros::NodeHandle& watch_node,
+                  const Stepper& stepper, const Inbox& inbox, Complaints& complaints);
 
   /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or
   /// jumps back must be reported too.
@@ -31,14 +32,17 @@ class NodeDiagnostics {
   // What is told soon: state, clouds accepted and refused, complaints, commands waiting.
   using Happened = std::tuple<std::string, int, int, std::string, int, int>;
 
+  void watchStep();
   void describeInput(Status& status) const;
   void describeSimulation(Status& status) const;
   Happened observe() const;
 
   const Stepper& stepper_;
   const Inbox& inbox_;
-  const Complaints& complaints_;
+  Complaints& complaints_;
+  const std::string name_;
   ros::Publisher topic_;  // of the updater's messages: who listens
+  ros::WallTimer watch_;
   diagnostic_updater::Updater updater_;
   Happened published_;
   Inbox::SteadyTime last_time_;

@@ -166,8 +166,8 @@ std::vector<std::string> Services::names() const {
 }
 
 template <class Response, class Work>
-bool Services::perform(Response& response, const Work& work) {
-  const std::string refusal = inbox_.perform([&] {
+bool Services::perform(Response& response, const Work& work, bool ends_step) {
+  const auto answer = [&] {
     try {
       response.message = work();
       response.success = true;
@@ -175,7 +175,8 @@ bool Services::perform(Response& response, const Work& work) {
       response.success = false;
       response.message = error.what();
     }
-  });
+  };
+  const std::string refusal = inbox_.perform(answer, ends_step);
   if (!refusal.empty()) {
     response.success = false;
     response.message = refusal;
@@ -185,12 +186,13 @@ bool Services::perform(Response& response, const Work& work) {
 }
 
 bool Services::reset(std_srvs::TriggerResponse& response) {
-  return perform(response, [&] {
+  const auto work = [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.reset();
     stepper_.show();
     return "the surface is at rest at time 0";
-  });
+  };
+  return perform(response, work, true);
 }
 
 bool Services::pause(bool paused, std_srvs::SetBoolResponse& response) {

@@ -40,7 +40,7 @@ class Services {
  private:
   /// Has the work done, which returns the message of success; failures become success = false with the reason.
   template <class Response, class Work>
-  bool perform(Response& response, const Work& work);
+  bool perform(Response& response, const Work& work, bool ends_step = false);
 
   bool reset(std_srvs::TriggerResponse& response);
   bool pause(bool paused, std_srvs::SetBoolResponse& response);

@@ -195,6 +195,7 @@ class Run {
     start_ = stamp;
     note(std::to_string(simulation_->input().size()) + " input points");
     for (const std::string& line : simulation_->buildNotes()) note(line);
+    for (const std::string& line : simulation_->buildWarnings()) warn(line);
     if (output_bag_) output_bag_->begin(frame_, *simulation_);
     writeState();
   }
@@ -330,6 +331,10 @@ class Run {
   double runTime() const { return static_cast<double>(start_ - run_start_) * 1e-9 + simulation_->time(); }
   static std::int64_t toNanoseconds(double seconds) { return std::llround(seconds * 1e9); }
 
+  void warn(const std::string& line) {
+    progress_.clear();
+    terminal_.out << "warning: " << line << '\n';
+  }
   void note(const std::string& line) {
     progress_.clear();
     if (!options_.quiet && line != last_note_) terminal_.out << "note: " << line << '\n';

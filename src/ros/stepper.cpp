@@ -162,7 +162,9 @@ void Stepper::letGoOfLag(double call_seconds) {
   }
   counts_.time_let_go += toSeconds(lag);
   const bool is_slow = step_seconds_ > params_.integrator.time_step;
-  complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time" : "the process did not get to run for a while") +
+  complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time (fewer simulation points are faster, and with the implicit method a "
+                                                        "larger integrator.tolerance)"
+                                                      : "the process did not get to run for a while") +
                                              std::string(": the last step took ") + formatShort(step_seconds_) + " s for " +
                                              formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
                                              " s are not caught up");
@@ -213,7 +215,7 @@ void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
   if (!is_held_valid_)
     throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
   simulation_ = std::move(simulation);
-  simulation_->setInterrupt(inbox_.closing());
+  simulation_->setInterrupt(inbox_.endingStep());
   is_as_built_ = false;
   show();
 }
@@ -256,6 +258,11 @@ void Stepper::setParams(const simulation::SceneParams& params) {
   publishWrenches();
 }
 
+double Stepper::secondsInStep() const {
+  const steady_clock::rep began = step_began_;
+  return began == 0 ? 0.0 : std::chrono::duration<double>(steady_clock::now().time_since_epoch() - steady_clock::duration(began)).count();
+}
+
 std::uint32_t Stepper::takeSteps(std::uint32_t count) {
   schedule_.skipTo(now_, simulation_->stepCount());
   std::uint32_t taken = 0;
@@ -274,10 +281,12 @@ bool Stepper::takeStep() {
   updateGravity();
   time_input_ = timer.seconds();
 
+  step_began_ = steady_clock::now().time_since_epoch().count();
   const simulation::StepOutcome outcome = simulation_->step();
+  step_began_ = 0;
   step_seconds_ = timer.seconds();
   if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
-  if (!outcome.ok && inbox_.isClosed()) return false;
+  if (!outcome.ok && *inbox_.endingStep()) return false;
   if (!outcome.ok) {
     is_failed_ = true;
     complaints_.report(Complaint::kStep,

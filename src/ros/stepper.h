@@ -17,6 +17,7 @@
 
 #include <tf2/buffer_core.h>
 
+#include <atomic>
 #include <chrono>
 #include <deque>
 #include <functional>
@@ -93,6 +94,9 @@ class Stepper {
   bool isBuilding() const { return building_.has_value(); }
 
   StepperStatus status() const;
+
+  /// For any thread: s of wall time since the step that is under way began; 0 if there is none.
+  double secondsInStep() const;
 
  private:
   void handleClock(const ClockNews& clock);
@@ -173,6 +177,7 @@ class Stepper {
   bool is_frame_due_ = false;
   std::uint64_t shown_revision_ = 0, shown_surface_revision_ = 0;  // of the simulation, when it was handed over last
   Inbox::SteadyTime last_turn_;
+  std::atomic<std::chrono::steady_clock::rep> step_began_{0};  // 0: none is under way
 
   StepperStatus counts_;
 };

@@ -150,7 +150,7 @@ bool Stepper::isAgain(const CloudWork& work) const {
 void Stepper::begin(CloudResult&& result) {
   const bool is_again = !result.simulation;
   if (!is_again) {
-    result.simulation->setInterrupt(inbox_.closing());
+    result.simulation->setInterrupt(inbox_.endingStep());
     // What may change while a surface runs may have changed while this one was built.
     if (params_revision_ != built_revision_)
       result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
@@ -184,8 +184,9 @@ void Stepper::begin(CloudResult&& result) {
   }
   const double behind = is_clock_simulated_ ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
   if (behind > kToldLag)
-    news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, which are not caught up";
+    news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
   ROS_INFO_STREAM(complaints_.name() << news);
+  for (const std::string& warning : simulation_->buildWarnings()) complaints_.report(Complaint::kNotice, warning);
   building_.reset();
   Moment moment = makeMoment();
   moment.viewer = std::move(result.viewer);

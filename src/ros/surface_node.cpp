@@ -139,7 +139,7 @@ struct SurfaceNode::Impl {
     services.onRestore([this] { reconfigure.store(); });
     reconfigure.onStore([this] { keepParameters(); });
     keepParameters();
-    if (params.diagnostics) diagnostics.emplace(given, given_private, stepper, inbox, complaints);
+    if (params.diagnostics) diagnostics.emplace(given, given_private, private_node, stepper, inbox, complaints);
     subscribe();
     simulation_thread = std::thread([this, num_threads = params.threads] {
       setNumThreads(num_threads);

@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/loads.h"
 
+#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/simd.h"
 #include "deformable_surface/base/value.h"
 
@@ -11,6 +12,7 @@ namespace {
 
 // Far more forces than a scene uses; names that keep changing must not fill the memory.
 constexpr std::size_t kMaxTold = 1000;
+constexpr double kRounding = 1e-9;  // of a force: what is dropped of it below that is rounding
 
 DEFORMABLE_SURFACE_WIDE void addWeights(Index size, const double* mass, double x, double y, double z, double* force) {
 #pragma GCC ivdep
@@ -168,7 +170,7 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
     for (Index i : f.points) f.shares.push_back(masses_[i] / total);
     update.points.insert(update.points.end(), f.points.begin(), f.points.end());
 
-    const std::string problem = findMisplacement(f, state, pinned);
+    const std::string problem = findProblem(f, state, pinned);
     if (problem.empty()) {
       told_.erase(f.params.id);
       continue;
@@ -178,6 +180,15 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
     update.notice += (update.notice.empty() ? "force " : "; force ") + quote(f.params.id) + ": " + problem;
   }
   return update;
+}
+
+std::string NamedForces::findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const {
+  std::string problem = findMisplacement(force, state, pinned);
+  const double dropped = std::abs(dropped_.dot(force.params.force));
+  if (dropped > kRounding * force.params.force.norm())
+    appendNotice(problem, formatShort(dropped) + " N of its " + formatShort(force.params.force.norm()) +
+                              " N are across the plane in which alone this model moves, and are dropped");
+  return problem;
 }
 
 std::string NamedForces::findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned) {

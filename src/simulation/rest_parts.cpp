@@ -92,7 +92,7 @@ void applyPins(const SceneParams& params, RestSurface& s) {
                        "accepted: a shape that holds a point of the surface");
   }
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
-    s.notes.push_back("pins hold every simulation point: nothing can move");
+    s.warnings.push_back("pins hold every simulation point: nothing can move");
   s.model->setHeld(s.pinned);
 }
 

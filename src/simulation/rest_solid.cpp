@@ -129,12 +129,11 @@ Index countNeighbors(const SceneParams& params, const Vec3& across) {
   return across.isZero(0.0) ? 2 * params.neighbors.k : params.neighbors.k;
 }
 
-void noteLoadsAcross(const SceneParams& params, const Vec3& across, RestSurface& s) {
+void noteGravityAcross(const SceneParams& params, const Vec3& across, RestSurface& s) {
   constexpr double kRounding = 1e-9;
   const auto leaves = [&](const Vec3& v) { return std::abs(across.dot(v)) > kRounding * v.norm(); };
-  if (leaves(params.gravity)) s.notes.push_back("the solid is planar and moves in its plane only: gravity across it is dropped");
-  for (const ForceParams& force : params.forces)
-    if (leaves(force.force)) s.notes.push_back("force " + quote(force.id) + ": what of it is across the planar solid is dropped");
+  if (leaves(params.gravity))
+    s.warnings.push_back("the solid is planar and moves in its plane only: gravity across it is dropped");
 }
 
 }  // namespace
@@ -167,7 +166,7 @@ void finishSolid(const SceneParams& params, const Lists& neighbors, const std::v
   s.solid_neighbors = neighbors;
   applyPins(params, s);
   const bool is_planar = !across.isZero(0.0);
-  if (is_planar) noteLoadsAcross(params, across, s);
+  if (is_planar) noteGravityAcross(params, across, s);
   const Index m = static_cast<Index>(s.points.size());
   // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
   const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);

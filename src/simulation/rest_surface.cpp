@@ -165,7 +165,7 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
   const double median = findMedianDistance(s.points);
   if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
-    s.notes.push_back("the cloud's nearest neighbours are " + formatShort(median) +
+    s.warnings.push_back("the cloud's nearest neighbours are " + formatShort(median) +
                       " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
   constexpr double kTheirs = 1.0 / 3.0,
@@ -176,9 +176,10 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
                       "particles has 1/3");
   const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
   if (m.bendingRigidity() < kSoftest * stiffness)
-    s.notes.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) + " N m is below a fiftieth of E h a^2, " +
-                      formatShort(kSoftest * stiffness) +
-                      " N m with this spacing a: the particles may crumple instead of staying a surface");
+    s.warnings.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) +
+                         " N m is below a fiftieth of E h a^2, " + formatShort(kSoftest * stiffness) +
+                         " N m with this spacing a: the particles may crumple instead of staying a surface; a larger "
+                         "bending_rigidity, a smaller young_modulus or a smaller spacing keeps them flat");
 }
 
 // Model and pins on the simulation points.

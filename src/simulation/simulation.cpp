@@ -87,5 +87,6 @@ void Simulation::computeSimulationNormals(Points& normals) const {
 std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return impl_->forces.active(impl_->state); }
 const AccuracyChoice& Simulation::accuracyChoice() const { return impl_->choice; }
 const std::vector<std::string>& Simulation::buildNotes() const { return impl_->notes; }
+const std::vector<std::string>& Simulation::buildWarnings() const { return impl_->rest.warnings; }
 
 }  // namespace deformable_surface::simulation

@@ -46,6 +46,8 @@ Simulation::Impl::Impl(const SceneParams& given, std::shared_ptr<const cloud::Po
                params.integrator.time_step, *model, canBeInParts()),
       surface(rest, input, params, solid),
       scene_hash(identify(rest, params)) {
+  if (solid) forces.setDropped(solid->across());
+  if (particles && params.oriented_particles.mode == model::ParticleMode::kPlane) forces.setDropped(Vec3::UnitY());
   if (auto* mass_spring = dynamic_cast<model::MassSpring*>(model.get()))
     cutting = std::make_unique<Cutting>(*mass_spring, params.mass_spring.tear_strain);
 }
@@ -111,6 +113,7 @@ void Simulation::Impl::giveContactTools() {
   std::vector<tool::ToolParams> pushing = tools;
   const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
   if (cutting) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
+  contact.setEasing(params.integrator.type != solve::IntegratorType::kStatic);
   contact.setTools(pushing);
 }
 

@@ -18,14 +18,9 @@ void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) 
 
 bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs(); }
 
-bool isSame(const geometry::Solid& a, const geometry::Solid& b) {
-  return a.kind == b.kind && a.radius == b.radius && a.height == b.height && a.size == b.size && a.normal == b.normal &&
-         a.offset == b.offset && a.mesh == b.mesh;
-}
-
 // But for the path and when it acts.
 bool isSame(const ToolParams& a, const ToolParams& b) {
-  return a.id == b.id && a.mode == b.mode && isSame(a.shape, b.shape) && a.friction == b.friction && a.strength == b.strength &&
+  return a.id == b.id && a.mode == b.mode && geometry::isSame(a.shape, b.shape) && a.friction == b.friction && a.strength == b.strength &&
          a.reach == b.reach;
 }
 

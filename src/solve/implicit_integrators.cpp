@@ -63,6 +63,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   // The forces to balance: what the material and the loads do, and the momentum brought along.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
+  report.scale = std::max(report.scale, scale);
   const double rounding = system.roundingForce(time, state);
   const double enough = std::max(params_.tolerance * scale, rounding);
   const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
@@ -204,6 +205,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     pseudo_step = std::min(pseudo_step, kLongestStep * step);
   }
   state.velocities = carried_;
+  report.scale = scale;
   report.finite = allFinite(state.positions);
   return report;
 }

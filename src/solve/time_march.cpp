@@ -29,6 +29,7 @@ constexpr Index kResonant = 1000;        // steps before outer steps are tried a
 constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
+constexpr double kFar = 0.01;            // of the largest force: what is left unbalanced is no matter of more iterations
 constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
 bool isExplicit(IntegratorType type) {
@@ -41,6 +42,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.substeps += part.substeps;
   total.iterations += part.iterations;
   total.residual = std::max(total.residual, part.residual);
+  total.scale = std::max(total.scale, part.scale);
   total.time_forces += part.time_forces;
 }
 
@@ -256,11 +258,24 @@ bool TimeMarch::isInSpace(const State& state) const {
 std::string TimeMarch::describeFailure(const SolveReport& report, const State& state) const {
   if (substeps_needed_ > 0)
     return "needs " + std::to_string(substeps_needed_) + " sub-steps, more than the " + std::to_string(kHopeless) +
-           " that can be waited for (the implicit method needs none),";
+           " that can be waited for (the implicit method needs none)";
   if (!report.finite) return "gave values that are not finite";
   if (!isInSpace(state)) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
-  return "raised the energy from " + formatReal(guard_.energyBefore()) + " to " + formatReal(guard_.energyAfter()) +
-         " J, and by " + formatReal(guard_.excess()) + " J in all beyond what was put in";
+  return "gained energy that nothing had put in (from " + formatReal(guard_.energyBefore()) + " to " +
+         formatReal(guard_.energyAfter()) + " J; with the steps before it " + formatReal(guard_.excess()) + " J too much)";
+}
+
+// Of a search that ended before the forces were balanced.
+std::string TimeMarch::describeUnbalance(const SolveReport& report) const {
+  const double share = report.residual / report.scale;
+  const bool is_far = !(share < kFar);
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (each of its searches takes at most " +
+         std::to_string(params_.max_iterations) + ", integrator.max_iterations) with " + formatShort(report.residual) +
+         " N unbalanced, " + formatShort(share) + " of the largest force in place of integrator.tolerance, " +
+         formatShort(params_.tolerance) +
+         (is_far ? ": far from balance, as where forces are more than the surface can bear; smaller ones, a smaller time_step or "
+                   "a reset help"
+                 : ": near balance; more iterations or a larger tolerance end this");
 }
 
 TimeMarch::Outcome TimeMarch::step(double time, State& state) {
@@ -311,7 +326,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     goBack(time, state);
     report = advance(time, share, state);
     sound = isSound(time, report, state);
-    retries = "a step " + failure + " and was taken again with " + std::to_string(report.substeps) + " sub-steps";
+    retries = "a step " + failure + ", and was taken again with " + std::to_string(report.substeps) + " sub-steps";
     was_implicit = is_too_stiff_;
   }
   const bool may_change =
@@ -320,7 +335,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
        parts *= 2) {
     // What the implicit method carries away is carried away: it does not overshoot.
     if (was_implicit && !isInSpace(state)) break;
-    retries = "a step " + describeFailure(report, state) + " and was taken with the implicit method, which damps";
+    retries = "a step " + describeFailure(report, state) + ", and was taken with the implicit method, which damps";
     goBack(time, state);
     report = advanceImplicitly(time, parts, state);
     sound = isSound(time, report, state);
@@ -341,9 +356,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     return outcome;
   }
   guard_.commit();
-  if (!report.converged)
-    appendNotice(outcome.notice, "the solver stopped after " + std::to_string(report.iterations) +
-                                     " iterations with an unbalanced force of " + std::to_string(report.residual) + " N");
+  if (!report.converged) appendNotice(outcome.notice, describeUnbalance(report));
   return outcome;
 }
 

@@ -219,6 +219,24 @@ TEST_F(PointFiles, RefusesBrokenPlainText) {
   EXPECT_TRUE(contains(problem("a.xyz", "1 2 3\n1 2 3\n1 2 3\n", 2), "at most 2"));
 }
 
+TEST_F(PointFiles, TakesTheVerticesOfAnObject) {
+  const std::string text = "# a triangle\no shirt\nv 0 0 0\n  v 1 0 0 1.0 # with a weight\nv\t0 1 0 0.5 0.5 0.5\r\n"
+                           "vn 0 0 1\nvt 0 0\nf 1//1 2//1 3//1\n";
+  const PointCloud cloud = readPointFile(write("a.obj", text), 2.0, kMany);
+  ASSERT_EQ(cloud.size(), 3);
+  EXPECT_EQ(cloud.positions[1], Vec3(2, 0, 0));
+  EXPECT_EQ(cloud.positions[2], Vec3(0, 2, 0));
+  EXPECT_TRUE(cloud.normals.empty());
+}
+
+TEST_F(PointFiles, RefusesBrokenObjects) {
+  EXPECT_TRUE(contains(problem("a.obj", "v 1 2 3\nv 1 2\n"), "line 2: found a vertex of 2 numbers"));
+  EXPECT_TRUE(contains(problem("a.obj", "v\n"), "line 1: found a vertex of 0 numbers"));
+  EXPECT_TRUE(contains(problem("a.obj", "v 1 2 x\n"), "line 1: found 'x'"));
+  EXPECT_TRUE(contains(problem("a.obj", "vn 0 0 1\nf 1 2 3\n"), "no points"));
+  EXPECT_TRUE(contains(problem("a.obj", "v 1 2 3\nv 1 2 3\nv 1 2 3\n", 2), "at most 2"));
+}
+
 TEST_F(PointFiles, RefusesHeadersThatPromiseMoreThanTheFileHolds) {
   for (const char* count : {"4000000000", "1000000000000", "99999999999999999999", "-1", "1e3", "x"}) {
     for (const char* data : {"ascii", "binary", "binary_compressed"}) {
@@ -250,7 +268,7 @@ TEST_F(PointFiles, RefusesFilesWithoutUsablePositions) {
   EXPECT_TRUE(contains(problem("a.pcd", makePcd("1", "zip", "1 2 3\n")), "'zip'"));
   EXPECT_TRUE(contains(problem("a.pcd", "hello\n"), "'DATA'"));
   EXPECT_TRUE(contains(problem("a.pcd", ""), "no bytes"));
-  EXPECT_TRUE(contains(problem("a.obj", "v 1 2 3"), "'.obj'; accepted: .pcd, .ply, .xyz"));
+  EXPECT_TRUE(contains(problem("a.stl", "v 1 2 3"), "'.stl'; accepted: .pcd, .ply, .obj, .xyz"));
 }
 
 TEST_F(PointFiles, RefusesPlyHeadersThatPclWouldTrust) {

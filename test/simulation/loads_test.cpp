@@ -187,6 +187,21 @@ TEST(NamedForces, TellOnceOfAForceThatActsFarAwayOrOnPinnedPointsOnly) {
   EXPECT_EQ(putAnew(Vec3(0.5, 0, 0), 0.5), "force 'a': all 2 simulation points that it acts on are pinned; it moves nothing");
 }
 
+TEST(NamedForces, TellOnceOfAPartThatTheModelDrops) {
+  const std::vector<double> masses{1.0, 2.0};
+  const State state = still({Vec3(0, 0, 0), Vec3(1, 0, 0)});
+  simulation::NamedForces forces(masses);
+  forces.setDropped(Vec3::UnitY());
+  const auto put = [&](const Vec3& force) {
+    forces.set({"a", Vec3::Zero(), force, 0.0, 0.0, 1e300});
+    return forces.update(0.0, state, {0, 0}).notice;
+  };
+  EXPECT_EQ(put(Vec3(3, 0, 4)), "");
+  EXPECT_EQ(put(Vec3(3, -4, 0)),
+            "force 'a': 4 N of its 5 N are across the plane in which alone this model moves, and are dropped");
+  EXPECT_EQ(put(Vec3(3, -4, 0)), "");  // told
+}
+
 TEST(NamedForces, ActInTheStepsThatBeginInTheirWindow) {
   const auto acts = [](double start, double end) {
     return simulation::actsInAStep({"a", Vec3::Zero(), Vec3::UnitZ(), 0.0, start, end}, 0.1, 1.0);

@@ -225,7 +225,7 @@ TEST(Simulation, AStepThatCannotBeTakenKeepsTheStateBeforeIt) {
   }
   EXPECT_FALSE(outcome.ok);
   // It is noticed long before the numbers overflow.
-  EXPECT_NE(outcome.problem.find("raised the energy"), std::string::npos) << outcome.problem;
+  EXPECT_NE(outcome.problem.find("gained energy"), std::string::npos) << outcome.problem;
   EXPECT_LT(s.statistics().max_speed, 100.0);
   EXPECT_EQ(s.stateHash(), before);
   EXPECT_EQ(s.stepCount(), steps);

@@ -13,6 +13,9 @@ namespace deformable_surface::geometry {
 /// it, with any normal: what is far need not be looked at closely.
 SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double limit = std::numeric_limits<double>::infinity());
 
+/// Whether they are the same, number by number.
+bool isSame(const Solid& a, const Solid& b);
+
 /// The largest extent, m: the diameter of a sphere, the longest edge of a box, the larger of height and diameter of a cylinder or
 /// cone, the longest edge of the box around a mesh; infinite for a plane.
 double findLargestExtent(const Solid& solid);

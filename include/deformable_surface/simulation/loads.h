@@ -97,6 +97,8 @@ class NamedForces : public solve::ExternalLoad {
   };
 
   explicit NamedForces(const std::vector<double>& masses) : masses_(masses) {}
+  /// Of a model that takes nothing along it: unit vector; forces that have a part along it are told of. Zero (default): none.
+  void setDropped(const Vec3& along) { dropped_ = along; }
 
   /// Adds the force or replaces the one of the same id; a zero force removes it.
   void set(const ForceParams& force);
@@ -108,7 +110,7 @@ class NamedForces : public solve::ExternalLoad {
 
   /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. The notice
   /// is what a user should know of those that begin: a force that takes its points far from where it was put, or pinned ones
-  /// only, is told of once, until one of its id is placed well.
+  /// only, or of which a part is dropped, is told of once, until one of its id is well.
   struct Update {
     bool changed = false;  // any began or left
     std::string notice;
@@ -132,7 +134,9 @@ class NamedForces : public solve::ExternalLoad {
  private:
   const std::vector<double>& masses_;
   static std::string findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned);
+  std::string findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const;
 
+  Vec3 dropped_ = Vec3::Zero();
   std::vector<Named> forces_;  // ascending id
   std::set<std::string> told_;
 };

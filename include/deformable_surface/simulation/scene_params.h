@@ -29,16 +29,14 @@ namespace deformable_surface::simulation {
 enum class ModelKind { kMassSpring, kOrientedParticles, kElasticSolid };
 
 /// Which tools a model knows.
-inline bool hasToolMode(ModelKind model, tool::Mode mode) {
-  return model == ModelKind::kOrientedParticles || mode == tool::Mode::kSolid || mode == tool::Mode::kAttract ||
-         mode == tool::Mode::kMove || (mode == tool::Mode::kCut && model == ModelKind::kMassSpring);
-}
-constexpr char kToolModes[] = "found one that this model does not have; accepted: solid, attract, move, and of mass_spring cut";
+bool hasToolMode(ModelKind model, tool::Mode mode);
+/// What is wrong with a mode that the model does not have: "found ...; accepted: ...".
+std::string describeWrongToolMode(ModelKind model, tool::Mode mode);
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
   enum class Shape { kNone, kSheet, kStrip, kLattice, kChain, kSine, kSphere, kCap, kTwoBars, kBar };
-  std::string file;            // path or package://deformable_surface/...; .pcd .ply .xyz
+  std::string file;            // path or package://deformable_surface/...; .pcd .ply .obj .xyz
   Shape shape = Shape::kNone;  // a generated one instead of a file
   Index points = 4096;         // >= 4
   // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
@@ -186,7 +184,7 @@ inline std::vector<std::string> expectQuantities() {
 
 inline void visit(Fields& fields, CloudParams& p) {
   using Shape = CloudParams::Shape;
-  fields.text("file", p.file, "a .pcd, .ply or .xyz file: a path or package://PACKAGE/PATH");
+  fields.text("file", p.file, "a .pcd, .ply, .obj or .xyz file: a path or package://PACKAGE/PATH");
   fields.choice("shape", p.shape,
                 {{"none", Shape::kNone},
                  {"sheet", Shape::kSheet},
@@ -433,7 +431,8 @@ inline void visit(Fields& fields, SceneParams& p) {
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
   for (std::size_t i = 0; i < p.tools.size(); ++i)
-    fields.require(hasToolMode(p.model, p.tools[i].mode), "tools[" + std::to_string(i) + "].mode", kToolModes);
+    fields.require(hasToolMode(p.model, p.tools[i].mode), "tools[" + std::to_string(i) + "].mode",
+                   describeWrongToolMode(p.model, p.tools[i].mode));
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");

@@ -199,6 +199,8 @@ class Simulation {
 
   /// Lines worth telling after construction: counts of dropped, coincident and degenerate points, rules used, choices of auto.
   const std::vector<std::string>& buildNotes() const;
+  /// What will not be as the scene says, or not go well.
+  const std::vector<std::string>& buildWarnings() const;
   /// What was chosen from params().accuracy, and why.
   const AccuracyChoice& accuracyChoice() const;
 

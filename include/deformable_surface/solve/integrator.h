@@ -16,6 +16,7 @@ struct SolveReport {
   Index substeps = 0;
   Index iterations = 0;      // Newton iterations
   double residual = 0.0;     // N, the largest unbalanced force on a free point
+  double scale = 0.0;        // N, implicit and static: the largest of the forces to balance, of which the tolerance is a share
   double dissipated = 0.0;   // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
   double time_forces = 0.0;  // s of wall time in force evaluations
 };

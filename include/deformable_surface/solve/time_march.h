@@ -90,6 +90,7 @@ class TimeMarch {
   bool isInSpace(const State& state) const;
   EnergyGuard::Allowance allowance() const;
   bool isInterrupted() const { return interrupt_ && *interrupt_; }
+  std::string describeUnbalance(const SolveReport& report) const;
   std::string describeFailure(const SolveReport& report, const State& state) const;
 
   const System& system_;
