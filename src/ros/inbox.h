@@ -75,8 +75,8 @@ class Inbox {
   void wantFrame();
   /// Has the simulation thread look around, for the diagnostics.
   void wake();
-  /// Has the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done. ends_step: a step that
-  /// is under way is worth nothing any more and need not be waited for.
+  /// Has the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done. ends_step: a step
+  /// that is under way is worth nothing any more and need not be waited for.
   std::string perform(const std::function<void()>& work, bool ends_step = false);
   /// Ends the simulation thread; whoever waits is refused.
   void close();

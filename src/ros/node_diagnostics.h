@@ -14,8 +14,8 @@
 
 namespace deformable_surface::node {
 
-/// To be used by the simulation thread. While a step takes long, which this thread then waits for, a timer says so on the queue of
-/// watch_node.
+/// To be used by the simulation thread. While a step takes long, which this thread then waits for, a timer says so on the queue
+/// of watch_node.
 class NodeDiagnostics {
  public:
   NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const ros::NodeHandle& watch_node,

@@ -161,11 +161,11 @@ void Stepper::letGoOfLag(double call_seconds) {
     return;
   }
   counts_.time_let_go += toSeconds(lag);
-  const bool is_slow = step_seconds_ > params_.integrator.time_step;
-  complaints_.report(Complaint::kBehind, (is_slow ? "slower than real time (fewer simulation points are faster, and with the implicit method a "
-                                                        "larger integrator.tolerance)"
-                                                      : "the process did not get to run for a while") +
-                                             std::string(": the last step took ") + formatShort(step_seconds_) + " s for " +
+  const std::string why = step_seconds_ > params_.integrator.time_step
+                              ? "slower than real time (fewer simulation points, or a larger integrator.tolerance of the "
+                                "implicit method, are faster)"
+                              : "the process did not get to run for a while";
+  complaints_.report(Complaint::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
                                              formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
                                              " s are not caught up");
 }
@@ -260,7 +260,8 @@ void Stepper::setParams(const simulation::SceneParams& params) {
 
 double Stepper::secondsInStep() const {
   const steady_clock::rep began = step_began_;
-  return began == 0 ? 0.0 : std::chrono::duration<double>(steady_clock::now().time_since_epoch() - steady_clock::duration(began)).count();
+  if (began == 0) return 0.0;
+  return std::chrono::duration<double>(steady_clock::now().time_since_epoch() - steady_clock::duration(began)).count();
 }
 
 std::uint32_t Stepper::takeSteps(std::uint32_t count) {

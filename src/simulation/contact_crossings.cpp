@@ -1,5 +1,5 @@
-// What solid tools pass over within a step, what of it is over again, and what they appear in. Apart from the forces of contact, which act in every
-// sub-step: this looks once before a step and once after it.
+// What solid tools pass over within a step, what of it is over again, and what they appear in. Apart from the forces of contact,
+// which act in every sub-step: this looks once before a step and once after it.
 #include "deformable_surface/simulation/contact_load.h"
 
 #include "deformable_surface/base/notice.h"

@@ -110,7 +110,8 @@ void Simulation::disturb(double size) {
 
 void Simulation::setTool(const tool::ToolParams& tool) {
   std::vector<std::string> problems = checkParams(tool);
-  if (!hasToolMode(impl_->params.model, tool.mode)) problems.push_back("mode: " + describeWrongToolMode(impl_->params.model, tool.mode));
+  const ModelKind model = impl_->params.model;
+  if (!hasToolMode(model, tool.mode)) problems.push_back("mode: " + describeWrongToolMode(model, tool.mode));
   for (std::string& problem : problems) problem = "tool " + quote(tool.id) + " " + problem;
   if (!problems.empty()) throw InputError(std::move(problems));
   std::vector<tool::ToolParams> tools = impl_->tools;

@@ -20,8 +20,8 @@ bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a
 
 // But for the path and when it acts.
 bool isSame(const ToolParams& a, const ToolParams& b) {
-  return a.id == b.id && a.mode == b.mode && geometry::isSame(a.shape, b.shape) && a.friction == b.friction && a.strength == b.strength &&
-         a.reach == b.reach;
+  return a.id == b.id && a.mode == b.mode && geometry::isSame(a.shape, b.shape) && a.friction == b.friction &&
+         a.strength == b.strength && a.reach == b.reach;
 }
 
 }  // namespace

@@ -91,8 +91,10 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
     const Index n = static_cast<Index>(surface.points.size());
     std::vector<double> masses;
     for (Index i = 0; i < n; ++i) masses.push_back(1.0 + 0.1 * (i % 7));
-    for (double amount : {0.0, 0.03}) {
-      const State state = stateAt(perturb(surface.points, amount));
+    for (const auto& [scale, amount] : {std::pair(1.0, 0.0), {1.0, 0.03}, {0.1, 0.003}}) {  // the last one crushed
+      Points positions = surface.points;
+      for (Vec3& x : positions) x *= scale;
+      const State state = stateAt(perturb(positions, amount));
       BlockSparse stiffness;
       stiffness.begin(n);
       bending.addStiffness(state, model::Hessian::kPositive, stiffness);
@@ -109,6 +111,57 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
       // No fit alone is stiffer than all of them, and about seventeen meet in a point.
       EXPECT_LE(bound, 17.0 * largest);
     }
+  }
+}
+
+// A normal of unit length would turn by any angle at no distance where the tangents vanish, and the forces with it.
+TEST(CrushedCurvature, ForcesAreMinusTheGradientAndHaveABound) {
+  const Surface surface = makeSheet(9, 8, 0.8, 0.7, 0.3);
+  const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0);
+  const auto energyAt = [&](const Points& positions) {
+    PaddedPoints padded;
+    padded.assign(positions);
+    return bending.energy(padded);
+  };
+  const auto forcesOf = [&](const Points& positions) {
+    PaddedPoints padded;
+    padded.assign(positions);
+    Points forces(positions.size(), Vec3::Zero());
+    bending.addForces(padded, forces);
+    return forces;
+  };
+  // To a fifth of its size, a line and a point; each a little rough.
+  for (const Vec3& scale : {Vec3(0.2, 0.2, 0.2), Vec3(1.0, 1e-3, 1e-3), Vec3(1e-9, 1e-9, 1e-9)}) {
+    Points positions = surface.points;
+    for (Vec3& x : positions) x = x.cwiseProduct(scale);
+    positions = perturb(positions, 0.01);
+    const Points forces = forcesOf(positions);
+    Vec3 sum = Vec3::Zero(), moment = Vec3::Zero();
+    for (std::size_t i = 0; i < forces.size(); ++i) {
+      sum += forces[i];
+      moment += positions[i].cross(forces[i]);
+    }
+    EXPECT_LT(sum.norm(), 1e-10 * largest(forces));
+    EXPECT_LT(moment.norm(), 1e-10 * largest(forces));
+    const double step = 1e-7;
+    for (Index i = 0; i < static_cast<Index>(positions.size()); i += 5)
+      for (int c = 0; c < 3; ++c) {
+        Points above = positions, below = positions;
+        above[i][c] += step;
+        below[i][c] -= step;
+        EXPECT_NEAR(forces[i][c], (energyAt(below) - energyAt(above)) / (2.0 * step), 1e-5 * largest(forces))
+            << scale.transpose();
+      }
+  }
+  // However near to the point at which the tangents vanish.
+  double before = 0.0;
+  for (const double amount : {1e-3, 1e-6, 1e-9, 0.0}) {
+    Points positions = perturb(Points(surface.points.size(), Vec3::Zero()), amount);
+    const double now = largest(forcesOf(positions));
+    if (before > 0.0) {
+      EXPECT_LE(now, 1.01 * before) << amount;
+    }
+    before = now;
   }
 }
 

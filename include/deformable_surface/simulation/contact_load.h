@@ -53,8 +53,8 @@ class ContactLoad : public solve::ExternalLoad {
   };
   const std::vector<Body>& all() const { return bodies_; }
   void restore(const std::vector<Body>& bodies) { bodies_ = bodies; }
-  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again; and those in
-  /// which a tool appears. held: those that cannot be pushed. Returns whether any were or are passed over, or appeared in.
+  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again; and those
+  /// in which a tool appears. held: those that cannot be pushed. Returns whether any were or are passed over, or appeared in.
   bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
   /// After it: which points they did pass over though it was not foreseen. Returns what a user should know of the step.
   std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <cstring>
 
@@ -20,6 +21,9 @@ constexpr Index kFitPoints = 16;   // neighbours in the fit: about two rings, en
 constexpr Index kSlots = kFitPoints + 1;  // with the point itself
 constexpr double kReach = 1.05;    // kernel support over the farthest neighbour's distance, so that it still counts
 constexpr double kRankTolerance = 1e-3;  // smallest pivot over the largest for a fit to count as determined
+
+// |t_1 x t_2|, the area that a unit of it at rest has now, below which a point counts as crushed, see the header.
+constexpr double kCrushed = 0.1;
 
 // How often each of b_11, b_12, b_22 stands in the sum over a and b.
 const Vec3 kMultiplicity(1.0, 2.0, 1.0);
@@ -80,13 +84,17 @@ DEFORMABLE_SURFACE_INLINE void multiplyCross(const Double4* a, const Double4* b,
   cross[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// Moments and normals of four points. Where the tangents have collapsed there is no normal, hence no force.
-DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, Moments& m, double* normals) {
-  Double4 n[4], area, weight, rest11, rest12, rest22;
+using Mask4 = decltype(Double4{} < Double4{});
+
+// Moments and normals of four points, of crushed ones as in the header.
+DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, Moments& m, Double4* n, Mask4& is_crushed) {
+  Double4 area, weight, rest11, rest12, rest22;
   multiplyCross(m.t1, m.t2, n);
   multiply(n, n, area);
+  const Double4 softened = (area + kCrushed * kCrushed) * (0.5 / kCrushed);
   takeRoots(area);
-  const Double4 inverse = area > 0.0 ? 1.0 / area : Double4{};
+  is_crushed = area < kCrushed;
+  const Double4 inverse = 1.0 / (is_crushed ? softened : area);
   for (int c = 0; c < 3; ++c) n[c] *= inverse;
   n[3] = Double4{};
   load(constants, weight);
@@ -109,8 +117,6 @@ DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, Moments& m, 
   multiply(turned, p, m.first[0]);
   multiplyCross(n, m.t1, turned);
   multiply(turned, p, m.first[1]);
-  transpose(n[0], n[1], n[2], n[3]);
-  for (int lane = 0; lane < 4; ++lane) store(n[lane], normals + 4 * lane);
 }
 
 // -M^ab c^ab + M^ab Gamma^c_ab g^c of each neighbour.
@@ -126,17 +132,29 @@ DEFORMABLE_SURFACE_INLINE void spreadMoments(const double* rows, const Moments& 
   }
 }
 
-// The groups from begin to end.
-DEFORMABLE_SURFACE_WIDE void computeMoments(Index begin, Index end, const Index* neighbors, const double* rows,
+// The groups from begin to end. Crushed points get no normal, hence no force. Returns whether any are.
+DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index* neighbors, const double* rows,
                                             const double* constants, const double* positions, double* along, double* normals) {
   Moments moments[kBatch];
+  bool any_crushed = false;
   for (Index batch = begin; batch < end; batch += kBatch) {
     const Index batch_end = batch + kBatch < end ? batch + kBatch : end;
     for (Index g = batch; g < batch_end; ++g)
       sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, moments[g - batch]);
-    for (Index g = batch; g < batch_end; ++g) findMoments(constants + 16 * g, moments[g - batch], normals + 16 * g);
+    for (Index g = batch; g < batch_end; ++g) {
+      Double4 n[4], weight;
+      Mask4 is_crushed;
+      findMoments(constants + 16 * g, moments[g - batch], n, is_crushed);
+      for (int c = 0; c < 3; ++c) n[c] = is_crushed ? Double4{} : n[c];
+      load(constants + 16 * g, weight);
+      is_crushed &= weight > 0.0;  // not where there is no fit
+      any_crushed |= is_crushed[0] || is_crushed[1] || is_crushed[2] || is_crushed[3];
+      transpose(n[0], n[1], n[2], n[3]);
+      for (int lane = 0; lane < 4; ++lane) store(n[lane], normals + 16 * g + 4 * lane);
+    }
     for (Index g = batch; g < batch_end; ++g) spreadMoments(rows + 20 * kSlots * g, moments[g - batch], along + 4 * kSlots * g);
   }
+  return any_crushed;
 }
 
 // The energy of the groups from begin to end, J.
@@ -145,9 +163,10 @@ DEFORMABLE_SURFACE_WIDE double sumEnergies(Index begin, Index end, const Index* 
   Double4 sum{};
   for (Index g = begin; g < end; ++g) {
     Moments m;
-    double normals[16];
+    Double4 normals[4];
+    Mask4 is_crushed;
     sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, m);
-    findMoments(constants + 16 * g, m, normals);
+    findMoments(constants + 16 * g, m, normals, is_crushed);
     for (int k = 0; k < 3; ++k) sum += 0.5 * m.second[k] * m.change[k];
   }
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
@@ -295,8 +314,8 @@ CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, co
     }
     neighbors_.offsets.push_back(static_cast<Index>(neighbors_.items.size()));
   }
-  State at_rest{rest, {}};
-  for (Index i = 0; i < n; ++i) rest_curvature_[i] = shapeAt(i, at_rest).change;
+  for (Index i = 0; i < n; ++i)
+    if (weight_[i] != 0.0) rest_curvature_[i] = shapeAt(i, sumDerivativesAt(i, rest.data()->data(), 3)).change;
   prepareForceLoop();
 }
 
@@ -336,41 +355,76 @@ void CurvatureBending::prepareForceLoop() {
   });
 }
 
-CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const State& state) const {
-  Vec3 t1 = Vec3::Zero(), t2 = t1, b11 = t1, b12 = t1, b22 = t1;
+CurvatureBending::Derivatives CurvatureBending::sumDerivativesAt(Index i, const double* positions, Index stride) const {
+  Derivatives d{{Vec3::Zero(), Vec3::Zero()}, Mat3::Zero()};
   for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-    const Vec3& x = state.positions[neighbors_.items[r]];
-    t1 += rows_[r].first[0] * x;
-    t2 += rows_[r].first[1] * x;
-    b11 += rows_[r].second[0] * x;
-    b12 += rows_[r].second[1] * x;
-    b22 += rows_[r].second[2] * x;
+    const Eigen::Map<const Vec3> x(positions + stride * neighbors_.items[r]);
+    for (int c = 0; c < 2; ++c) d.t[c] += rows_[r].first[c] * x;
+    for (int k = 0; k < 3; ++k) d.b.col(k) += rows_[r].second[k] * x;
   }
+  return d;
+}
+
+CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const Derivatives& d) const {
   Shape s;
-  const Vec3 cross = t1.cross(t2);
+  const Vec3 cross = d.t[0].cross(d.t[1]);
   const double area = cross.norm();
-  if (!(area > 0.0)) {  // tangents collapsed: no normal, hence no force
-    s = {Vec3::Zero(), -rest_curvature_[i], Vec3::Zero(), {Vec3::Zero(), Vec3::Zero()}, Eigen::Matrix<double, 2, 3>::Zero()};
-    return s;
-  }
   s.normal = cross / area;
-  s.curvature = Vec3(s.normal.dot(b11), s.normal.dot(b12), s.normal.dot(b22));
+  s.curvature = d.b.transpose() * s.normal;
   s.change = s.curvature - rest_curvature_[i];
-  s.dual[0] = t2.cross(s.normal) / area;
-  s.dual[1] = s.normal.cross(t1) / area;
-  for (int c = 0; c < 2; ++c) s.christoffel.row(c) << s.dual[c].dot(b11), s.dual[c].dot(b12), s.dual[c].dot(b22);
+  s.dual[0] = d.t[1].cross(s.normal) / area;
+  s.dual[1] = s.normal.cross(d.t[0]) / area;
+  for (int c = 0; c < 2; ++c) s.christoffel.row(c) = s.dual[c].transpose() * d.b;
   return s;
+}
+
+bool CurvatureBending::isCrushed(const Derivatives& d) { return d.t[0].cross(d.t[1]).norm() < kCrushed; }
+
+// With c = t_1 x t_2 and the softened length s = (|c|^2 + e^2) / (2 e): n = c / s and
+//   dn = P dc, P = (1 - 2 c c / (|c|^2 + e^2)) / s.
+CurvatureBending::CrushedShape CurvatureBending::crushedShapeAt(Index i, const Derivatives& d) const {
+  const Vec3 cross = d.t[0].cross(d.t[1]);
+  const double squares = cross.squaredNorm() + kCrushed * kCrushed, softened = 0.5 * squares / kCrushed;
+  CrushedShape s;
+  s.normal = cross / softened;
+  s.change = d.b.transpose() * s.normal - rest_curvature_[i];
+  for (int k = 0; k < 3; ++k) {
+    const Vec3 b = d.b.col(k), turned = (b - 2.0 * cross.dot(b) / squares * cross) / softened;
+    s.by_first[0].col(k) = d.t[1].cross(turned);
+    s.by_first[1].col(k) = turned.cross(d.t[0]);
+  }
+  return s;
+}
+
+Mat3 CurvatureBending::CrushedShape::changeBy(const Row& row) const {
+  return normal * row.second.transpose() + row.first[0] * by_first[0] + row.first[1] * by_first[1];
 }
 
 // f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A (n . b - II0): by the fits, then gathered by the points.
 void CurvatureBending::addForces(const PaddedPoints& positions, Points& forces) const {
+  std::atomic<bool> any_crushed{false};
   parallelFor(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
-    computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data(),
-                   along_.data(), normals_.data());
+    if (computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data(),
+                       along_.data(), normals_.data()))
+      any_crushed.store(true, std::memory_order_relaxed);
   });
   parallelFor(neighbors_.size(), kBlock, [&](Index begin, Index end) {
     gatherForces(begin, end, users_.offsets.data(), users_.items.data(), along_.data(), normals_.data(), forces.data()->data());
   });
+  if (any_crushed) addCrushedForces(positions, forces);
+}
+
+// Of the few that got none with the others, one by one.
+void CurvatureBending::addCrushedForces(const PaddedPoints& positions, Points& forces) const {
+  for (Index i = 0; i < neighbors_.size(); ++i) {
+    if (weight_[i] == 0.0) continue;
+    const Derivatives d = sumDerivativesAt(i, positions.data(), 4);
+    if (!isCrushed(d)) continue;
+    const CrushedShape s = crushedShapeAt(i, d);
+    const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(s.change);
+    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
+      forces[neighbors_.items[r]] -= s.changeBy(rows_[r]) * moment;
+  }
 }
 
 double CurvatureBending::energy(const PaddedPoints& positions) const {
@@ -383,12 +437,18 @@ double CurvatureBending::energy(const PaddedPoints& positions) const {
 //   D A dk_ab dk_ab,           dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
 //   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),
 //   dp = M_ab (db_ab - Gamma^d_ab dt_d).
+// Of crushed points it is the former part alone.
 void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
   std::array<Vec3, kFitPoints + 1> change;   // of k_ab by the normal motion of each neighbour
   std::array<double, kFitPoints + 1> along;  // dp by the motion of each neighbour
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
-    const Shape shape = shapeAt(i, state);
+    const Derivatives d = sumDerivativesAt(i, state.positions.data()->data(), 3);
+    if (isCrushed(d)) {
+      addCrushedStiffness(i, crushedShapeAt(i, d), stiffness);
+      continue;
+    }
+    const Shape shape = shapeAt(i, d);
     const Vec3& n = shape.normal;
     const Mat3 project = n * n.transpose();
     const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(shape.change);
@@ -418,6 +478,17 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
   }
 }
 
+void CurvatureBending::addCrushedStiffness(Index i, const CrushedShape& shape, BlockSparse& stiffness) const {
+  const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
+  std::array<Mat3, kFitPoints + 1> change;
+  for (Index r = begin; r < end; ++r) change[r - begin] = shape.changeBy(rows_[r]);
+  const Vec3 weights = weight_[i] * kMultiplicity;
+  for (Index j = begin; j < end; ++j)
+    for (Index k = begin; k <= j; ++k)
+      stiffness.add(neighbors_.items[j], neighbors_.items[k],
+                    change[j - begin] * weights.asDiagonal() * change[k - begin].transpose());
+}
+
 // x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no
 // eigenvalue of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of
 // the 3 x 3 matrix D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
@@ -425,12 +496,21 @@ double CurvatureBending::boundRate(const State& state, const std::vector<double>
   rate_.assign(masses.size(), 0.0);
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
-    const Shape shape = shapeAt(i, state);
+    const Derivatives d = sumDerivativesAt(i, state.positions.data()->data(), 3);
+    const Vec3 multiplicity = kMultiplicity.cwiseSqrt();
     Mat3 matrix = Mat3::Zero();
-    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-      const Vec3 change =
-          kMultiplicity.cwiseSqrt().cwiseProduct(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
-      matrix += change * change.transpose() / masses[neighbors_.items[r]];
+    if (isCrushed(d)) {
+      const CrushedShape shape = crushedShapeAt(i, d);
+      for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
+        const Mat3 change = shape.changeBy(rows_[r]) * multiplicity.asDiagonal();
+        matrix += change.transpose() * change / masses[neighbors_.items[r]];
+      }
+    } else {
+      const Shape shape = shapeAt(i, d);
+      for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
+        const Vec3 change = multiplicity.cwiseProduct(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
+        matrix += change * change.transpose() / masses[neighbors_.items[r]];
+      }
     }
     const double largest = weight_[i] * matrix.norm();
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) rate_[neighbors_.items[r]] += largest;

@@ -14,6 +14,10 @@ namespace deformable_surface::model {
 /// t_a = sum_j g^a_j x_j and second derivatives b_ab = sum_j c^ab_j x_j; with n = t_1 x t_2 / |.| the curvature is n . b_ab, and
 ///   W = D/2 sum_i A_i sum_ab (n . b_ab - II0_ab)^2,
 /// a plate of rigidity D with bending Poisson's ratio 0, so that a strip of any width has rigidity D per width.
+///
+/// Where the surface is crushed the direction of n means nothing and changes without bound. So where |t_1 x t_2| is below e, a
+/// tenth of what it is at rest, n = t_1 x t_2 / s with s = (|t_1 x t_2|^2 + e^2) / (2 e), which goes on smoothly and ends at
+/// zero.
 class CurvatureBending {
  public:
   CurvatureBending() = default;
@@ -54,7 +58,25 @@ class CurvatureBending {
     Vec3 dual[2];              // t^c: t^c . t_d = 1 if c = d, else 0
     Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab = t^c . b_ab
   };
-  Shape shapeAt(Index i, const State& state) const;
+  struct Derivatives {
+    Vec3 t[2];  // t_1, t_2
+    Mat3 b;     // b_11, b_12, b_22 in columns, 1/m
+  };
+  // The deformed shape at a crushed point.
+  struct CrushedShape {
+    Vec3 normal;       // n, no unit vector
+    Vec3 change;       // n . b_ab - II0_ab for ab = 11, 12, 22; 1/m
+    Mat3 by_first[2];  // by the tangents t_1, t_2: the gradients of the three in columns
+    /// The gradients of the three by the position of a neighbour, in columns.
+    Mat3 changeBy(const Row& row) const;
+  };
+  // Of positions that lie stride numbers apart.
+  Derivatives sumDerivativesAt(Index i, const double* positions, Index stride) const;
+  static bool isCrushed(const Derivatives& derivatives);
+  Shape shapeAt(Index i, const Derivatives& derivatives) const;
+  CrushedShape crushedShapeAt(Index i, const Derivatives& derivatives) const;
+  void addCrushedForces(const PaddedPoints& positions, Points& forces) const;
+  void addCrushedStiffness(Index i, const CrushedShape& shape, BlockSparse& stiffness) const;
   void prepareForceLoop();
 
   // Constants. The point itself is the first of its own list.
