@@ -19,13 +19,16 @@ struct StabilityCase {
   int steps = 60;
   std::function<void(const simulation::Simulation&, model::State&)> start;    // changes the state at rest; empty = none
   std::function<void(simulation::Simulation&, int step)> command;             // before each step; empty = none
+  // The first step of which the energy is accounted for: what a tool puts in before, only the simulation itself knows.
+  int account_from = 0;
   bool recovers = false;  // overdamped, no load, and its only equilibrium near the start is the rest shape: it must be reached
 };
 
 inline const std::vector<std::string>& stabilityFamilies() {
   static const std::vector<std::string> names{
       "time_step", "stiffness", "stiffness_ratio", "mass_ratio", "density_spike", "collapse",      "stretch",
-      "pins",      "clouds",    "gravity",         "blow",       "pressure",      "membrane_ratio"};
+      "pins",      "clouds",    "gravity",         "blow",       "pressure",      "membrane_ratio",
+      "tools"};
   return names;
 }
 
@@ -46,6 +49,7 @@ class StabilityGenerator {
     else if (family == "blow") g.makeBlow();
     else if (family == "pressure") g.makePressure();
     else if (family == "membrane_ratio") g.makeMembraneRatio();
+    else if (family == "tools") g.makeTools();
     else throw std::logic_error("no family " + family);
     return std::move(g.case_);
   }
@@ -313,6 +317,34 @@ class StabilityGenerator {
     const double largest = p.material.young_modulus * p.material.thickness;
     p.pressure = (chance(0.5) ? 1.0 : -1.0) * logBetween(1e-2 * largest, 0.5 * largest);
     if (chance(0.5)) p.viscous_drag = logBetween(1e-2, 1e2);
+  }
+
+  // Solids that appear in a surface, that jump through it, and that are gone again for the second half.
+  void makeTools() {
+    if (chance(0.3)) takeSphere(), varyMaterial(); else takePinnedSheet();
+    using Kind = geometry::Solid::Kind;
+    constexpr Kind kKinds[] = {Kind::kSphere, Kind::kBox, Kind::kCylinder, Kind::kCone};
+    std::vector<tool::ToolParams> tools(1 + pick(3));
+    for (std::size_t k = 0; k < tools.size(); ++k) {
+      tool::ToolParams& tool = tools[k];
+      tool.id = "tool_" + std::to_string(k);
+      tool.shape.kind = kKinds[pick(4)];
+      tool.shape.radius = tool.shape.height = logBetween(0.05, 0.6);
+      for (int c = 0; c < 3; ++c) tool.shape.size[c] = logBetween(0.02, 1.0);
+      tool.friction = chance(0.5) ? 0.0 : 0.5;
+      const Vec3& place = case_.cloud.positions[pick(static_cast<int>(case_.cloud.positions.size()))];
+      tool.path = {{0.0, place + 0.1 * randomVector(generator_)}};
+      if (chance(0.5)) tool.path.push_back({0.25, tool.path[0].position});
+      if (tool.path.size() > 1) tool.path.push_back({0.251, tool.path[0].position + 0.5 * randomVector(generator_)});
+    }
+    const int last = case_.steps / 2;
+    case_.account_from = last;
+    case_.command = [tools, last](simulation::Simulation& s, int step) {
+      for (const tool::ToolParams& tool : tools) {
+        if (step == 3) s.setTool(tool);
+        if (step == last) s.removeTool(tool.id);
+      }
+    };
   }
 
   std::mt19937 generator_;

@@ -103,6 +103,7 @@ class StabilityJudge {
     const double start = measure().moving;
     double gained = 0.0, largest = start, kick = 0.0;
     for (int k = 0; k < scene.steps; ++k) {
+      if (k == scene.account_from) gained = 0.0;
       if (scene.command) scene.command(simulation_, k);
       const model::State before = simulation_.state();
       const std::uint64_t hash = simulation_.stateHash();
@@ -127,6 +128,7 @@ class StabilityJudge {
       largest = std::max({largest, after.moving, energy_before.moving});
       gained += after.total - energy_before.total - pressureWork(before);
       gained = std::max(gained, 0.0);
+      if (k < scene.account_from) continue;
       verdict_.gain = std::max(verdict_.gain, largest > 0.0 ? gained / largest : 0.0);
       if (!(gained <= kSwingOfEnergy * largest + kick + roundingOf(before)))
         return fail("step " + std::to_string(k) + ": " + formatReal(gained) + " J were made of nothing, beside " +
