@@ -48,6 +48,8 @@ class MassSpring : public DeformableModel {
   Part makePart(const std::vector<char>& wanted) const override;
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
+  /// Of triangles with the curvature energy, or without bending.
+  bool findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
@@ -118,8 +120,16 @@ class MassSpring : public DeformableModel {
   double volume_stiffness_ = 0.0;
   double rest_volume_ = 0.0;
   Index num_mass_raised_ = 0, num_without_bending_ = 0;
+  // What findCouplings() begins with, made when it is first asked for.
+  struct Guess {
+    std::vector<Coupling> along, bending;  // bending: across, with the edges of all triangles too
+    std::vector<Index> edges;              // of each edge of each triangle its place in bending
+  };
+  mutable Guess guess_;
+  void makeGuess() const;
   // Scratch.
   mutable PaddedPoints positions_;
+  mutable std::vector<double> springs_across_;
   mutable Points volume_gradient_;
 };
 
