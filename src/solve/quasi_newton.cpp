@@ -102,7 +102,8 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
     findDirection(system);
     if (!search(system, time, state, report)) return false;
     ++report.iterations;
-    if (k % kScaleInterval == 0) scale = std::max(scale, system.largestForce(time, state));
+    // The largest force of another place says nothing: far from the equilibrium it is larger by far, at rest smaller.
+    if (isEnough() || k % kScaleInterval == 0) scale = system.largestForce(time, state);
     if (isEnough()) return system.potentialEnergy(time, state) <= energy + 1e-14 * std::abs(energy);
     if (k % kTrial == 0) {
       if (!(report.residual <= kFall * at_trial)) return false;

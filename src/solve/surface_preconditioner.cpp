@@ -9,13 +9,16 @@ constexpr double kRegularization = 1e-9;  // of the largest diagonal: of a surfa
 
 }  // namespace
 
+bool SurfacePreconditioner::Part::hasPairsOf(const std::vector<System::Coupling>& others) const {
+  return std::equal(pairs.begin(), pairs.end(), others.begin(), others.end(), [](const auto& pair, const auto& spring) {
+    return pair.first == spring.i && pair.second == spring.j;
+  });
+}
+
 // Held points become identity rows. Where nothing has changed the factor stays.
 bool SurfacePreconditioner::Part::factorize(const System& system) {
   const Index n = system.size();
-  const auto isSame = [](const std::pair<Index, Index>& pair, const System::Coupling& spring) {
-    return pair.first == spring.i && pair.second == spring.j;
-  };
-  if (!std::equal(pairs.begin(), pairs.end(), springs.begin(), springs.end(), isSame)) {
+  if (!hasPairsOf(springs)) {
     pairs.clear();
     for (const System::Coupling& spring : springs) pairs.emplace_back(spring.i, spring.j);
     factor.analyze(n, pairs);
@@ -38,13 +41,17 @@ bool SurfacePreconditioner::Part::factorize(const System& system) {
 }
 
 bool SurfacePreconditioner::prepare(const System& system, const State& state) {
-  if (!system.findCouplings(state, along_.springs, across_.springs)) return false;
+  if (!system.findCouplings(state, along_.springs, across_[used_].springs)) return false;
+  if (!across_[used_].hasPairsOf(across_[used_].springs) && !across_[used_].pairs.empty()) {
+    across_[1 - used_].springs.swap(across_[used_].springs);
+    used_ = 1 - used_;
+  }
   system.computeAreaVectors(state, normals_);
   for (Vec3& normal : normals_) {
     const double length = normal.norm();
     normal = length > 0.0 ? Vec3(normal / length) : Vec3::Zero();
   }
-  return along_.factorize(system) && across_.factorize(system);
+  return along_.factorize(system) && across_[used_].factorize(system);
 }
 
 void SurfacePreconditioner::apply(const System& system, const Eigen::VectorXd& force, Eigen::VectorXd& answer) {
@@ -58,7 +65,7 @@ void SurfacePreconditioner::apply(const System& system, const Eigen::VectorXd& f
     tangential_[i] = f - normal_[i] * normals_[i];
   }
   along_.factor.solve(tangential_, tangential_);
-  across_.factor.solve(normal_, normal_);
+  across_[used_].factor.solve(normal_, normal_);
   for (Index i = 0; i < n; ++i) {
     const Vec3 t = system.isHeld(i) ? Vec3::Zero() : tangential_[i];
     const double across = system.isHeld(i) ? 0.0 : normal_[i];

@@ -27,9 +27,12 @@ class SurfacePreconditioner {
     std::vector<double> diagonal, values;              // and of what it is
     std::vector<double> diagonal_before, values_before;  // scratch
     bool is_positive = false;
+    bool hasPairsOf(const std::vector<System::Coupling>& others) const;
     bool factorize(const System& system);
   };
-  Part along_, across_;
+  Part along_;
+  Part across_[2];  // of each set of pairs
+  Index used_ = 0;  // of across_
   Points normals_;
   // Scratch.
   Points tangential_;

@@ -67,7 +67,7 @@ void MassSpring::buildBending() {
     ring.offsets.push_back(static_cast<Index>(ring.items.size()));
   }
   bending_ = CurvatureBending(b.points, b.normals, ring, areas, b.rigidity, held_);
-  guess_ = {};
+  forgetGuesses();
 }
 
 void MassSpring::rebuild() {
@@ -85,7 +85,7 @@ void MassSpring::rebuild() {
   }
   for (std::size_t i = 0; i < materials_.size(); ++i) masses_[i] = made_.masses[i] * materials_[i].density;
   buildBending();
-  guess_ = {};
+  forgetGuesses();
 }
 
 void MassSpring::setMaterial(const std::vector<PointMaterial>& materials) {

@@ -39,6 +39,8 @@ class CurvatureBending {
   /// point j with points k > j.
   template <typename Visit>
   void forEachSpring(Index j, const Visit& visit) const;
+  /// All of them, N/m.
+  double sumSprings() const;
   /// Upper bound of the largest eigenvalue of M^-1 K, with K the Gauss-Newton part at a state, 1/s^2. masses (n), kg.
   double boundRate(const State& state, const std::vector<double>& masses) const;
 

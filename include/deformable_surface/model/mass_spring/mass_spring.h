@@ -122,11 +122,13 @@ class MassSpring : public DeformableModel {
   Index num_mass_raised_ = 0, num_without_bending_ = 0;
   // What findCouplings() begins with, made when it is first asked for.
   struct Guess {
-    std::vector<Coupling> along, bending;  // bending: across, with the edges of all triangles too
-    std::vector<Index> edges;              // of each edge of each triangle its place in bending
+    std::vector<Coupling> along, across;  // across: without tension; with the pairs of bending or, where it is weak, without
+    std::vector<Index> edges;             // of each edge of each triangle its place in across
   };
-  mutable Guess guess_;
-  void makeGuess() const;
+  mutable Guess stiff_guess_, slack_guess_;  // with the pairs of bending; without
+  mutable double bending_sum_ = -1.0;        // of its springs, N/m; below 0: not known
+  void forgetGuesses();
+  void makeGuess(bool has_bending, Guess& guess) const;
   // Scratch.
   mutable PaddedPoints positions_;
   mutable std::vector<double> springs_across_;
