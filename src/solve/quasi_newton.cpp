@@ -8,7 +8,7 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr Index kMemory = 12;       // pairs: more save few iterations, and each costs as much as a thirtieth of a pass of forces
+constexpr Index kMemory = 12;       // pairs: with 20 three iterations of 27 fewer, with 4 one more, and each pair costs time
 constexpr Index kMost = 120;        // iterations: more cost as much as Newton's method
 constexpr Index kTrial = 30;        // iterations, in each so many of which the largest force
 constexpr double kFall = 0.1;       // has to fall to this share of itself: where all is well it does so in ten
