@@ -33,6 +33,17 @@ DEFORMABLE_SURFACE_WIDE void substitute(Index n, const Index* starts, const Inde
   }
 }
 
+// The same, one number a row.
+void substituteOne(Index n, const Index* starts, const Index* rows, const double* factor, const double* inverse, double* work) {
+  for (Index j = 0; j < n; ++j)
+    for (Index k = starts[j]; k < starts[j + 1]; ++k) work[rows[k]] -= factor[k] * work[j];
+  for (Index j = n - 1; j >= 0; --j) {
+    double sum = 0.0;
+    for (Index k = starts[j]; k < starts[j + 1]; ++k) sum += factor[k] * work[rows[k]];
+    work[j] = work[j] * inverse[j] - sum;
+  }
+}
+
 }  // namespace
 
 void ScalarCholesky::analyze(Index n, const std::vector<std::pair<Index, Index>>& pairs) {
@@ -131,6 +142,14 @@ void ScalarCholesky::solve(const Points& b, Points& x) {
   x.resize(n);
   for (Index k = 0; k < n; ++k)
     for (int c = 0; c < 3; ++c) x[from_[k]][c] = work_[4 * static_cast<std::size_t>(k) + c];
+}
+
+void ScalarCholesky::solve(const std::vector<double>& b, std::vector<double>& x) {
+  const Index n = static_cast<Index>(from_.size());
+  for (Index k = 0; k < n; ++k) work_[k] = b[from_[k]];
+  substituteOne(n, starts_.data(), factor_rows_.data(), factor_.data(), inverse_.data(), work_.data());
+  x.resize(n);
+  for (Index k = 0; k < n; ++k) x[from_[k]] = work_[k];
 }
 
 }  // namespace deformable_surface

@@ -155,9 +155,15 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     carried_[i] = state.velocities[i];
     state.positions[i] += step * carried_[i];
   }
+  std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
+  const double rounding = system.roundingForce(time, state);
+  if (quasi_newton_.solve(system, time + step, params_.tolerance, rounding, interrupt_, state, report)) {
+    state.velocities = carried_;
+    report.finite = allFinite(state.positions);
+    return report;
+  }
   weight_.resize(n);
   double pseudo_step = kFirstStep * step;
-  const double rounding = system.roundingForce(time, state);
   double scale = 0.0, safe_energy = 0.0;
   Index trial = 0;       // iterations since safe_, as long as none has come below its energy
   bool careful = false;  // the last trial led nowhere

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/solve/integrator.h"
 #include "newton.h"
+#include "quasi_newton.h"
 
 namespace deformable_surface::solve {
 
@@ -53,9 +54,10 @@ class ImplicitSecondOrder : public Integrator {
   Points from_, velocity_;
 };
 
-/// Each step is the equilibrium under the loads at its end; velocities are zero. Newton steps in the energy with a proximal
-/// weight M / h^2 that is lowered while they succeed (pseudo-transient continuation), so that a flat sheet without stiffness
-/// against its load is led to the equilibrium instead of thrown. Where a whole step would raise the energy it is taken on trial,
+/// Each step is the equilibrium under the loads at its end; velocities are zero. Where QuasiNewton finds it, that is
+/// all. Else, from where that began, Newton steps in the energy with a proximal weight M / h^2 that is lowered while they succeed
+/// (pseudo-transient continuation), so that a flat sheet without stiffness against its load is led to the equilibrium instead of
+/// thrown. Where a whole step would raise the energy it is taken on trial,
 /// as what turns far stretches at first and the next steps take that back; if these do not end lower than before the trial, it is
 /// undone and the step is cut (the watchdog technique [Chamberlain et al. 1982]).
 class StaticSolver : public Integrator {
@@ -65,6 +67,7 @@ class StaticSolver : public Integrator {
 
  private:
   IntegratorParams params_;
+  QuasiNewton quasi_newton_;
   NewtonDescent newton_;
   Points carried_;        // velocities of held points, m/s
   Points anchor_, safe_;  // safe_: the last state whose energy is the lowest so far

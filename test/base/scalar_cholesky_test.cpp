@@ -55,6 +55,11 @@ TEST(ScalarCholesky, SolvesForThreeCoordinatesAtOnceAgainAndAgain) {
       cholesky.solve(b, x);
       const Eigen::MatrixXd expected = m.dense.llt().solve(right);
       for (Index i = 0; i < n; ++i) EXPECT_LT((x[i] - expected.row(i).transpose()).norm(), 1e-10 * expected.norm()) << n;
+      // One coordinate alone, in place.
+      std::vector<double> one(n);
+      for (Index i = 0; i < n; ++i) one[i] = b[i].y();
+      cholesky.solve(one, one);
+      for (Index i = 0; i < n; ++i) EXPECT_NEAR(one[i], expected(i, 1), 1e-10 * expected.norm()) << n;
       // Another matrix with the same pattern.
       for (Index i = 0; i < n; ++i) m.dense(i, i) = m.diagonal[i] *= 1.7;
     }

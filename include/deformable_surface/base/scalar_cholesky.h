@@ -23,6 +23,9 @@ class ScalarCholesky {
   /// x = A^-1 b for each coordinate, (n x 3) each. Allocates nothing.
   void solve(const Points& b, Points& x);
 
+  /// The same of one number a point, (n) each; x may be b.
+  void solve(const std::vector<double>& b, std::vector<double>& x);
+
   /// Numbers stored below the diagonal of L.
   std::size_t factorSize() const { return factor_.size(); }
 

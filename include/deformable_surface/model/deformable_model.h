@@ -171,6 +171,13 @@ class DeformableModel {
     return none;
   }
 
+  /// Of a surface, springs between near points, some of them negative, that together resist much as the stiffness at a state
+  /// does: `along` what moves in the surface, fixed at rest, and `across` what moves out of it. Each pair once, i < j, one of two
+  /// sets of pairs until the model is changed; overwritten, no motion gains energy from them. False: none are known.
+  virtual bool findCouplings(const State& /*state*/, std::vector<Coupling>& /*along*/, std::vector<Coupling>& /*across*/) const {
+    return false;
+  }
+
   /// The part of the Hessian that couples all points, c v v^T (a volume that is kept): returns c >= 0 and, if it is not zero,
   /// overwrites v (n x 3); c |v|^2 is in N/m.
   virtual double rankOneStiffness(const State& /*state*/, Points& /*v*/) const { return 0.0; }

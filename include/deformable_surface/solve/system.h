@@ -82,7 +82,12 @@ class System {
   bool hasStiffnessProducts() const { return model_.hasStiffnessProducts(); }
   void prepareStiffness(const State& state, model::Hessian hessian) const { model_.prepareStiffness(state, hessian); }
   void computeStiffnessProduct(const Points& v, Points& product) const;
-  const std::vector<model::DeformableModel::Coupling>& couplings() const { return model_.couplings(); }
+  using Coupling = model::DeformableModel::Coupling;
+  const std::vector<Coupling>& couplings() const { return model_.couplings(); }
+  bool findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
+    return model_.findCouplings(state, along, across);
+  }
+  void computeAreaVectors(const State& state, Points& area_vectors) const { model_.computeAreaVectors(state, area_vectors); }
   /// See DeformableModel.
   void confine(Points& forces) const { model_.confine(forces); }
 

@@ -527,4 +527,13 @@ void CurvatureBending::addRowBounds(std::vector<double>& stiffness) const {
   }
 }
 
+// Each is on the diagonal twice.
+double CurvatureBending::sumSprings() const {
+  double trace = 0.0;
+  for (Index i = 0; i < neighbors_.size(); ++i)
+    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
+      trace += weight_[i] * rows_[r].second.dot(kMultiplicity.cwiseProduct(rows_[r].second));
+  return 0.5 * trace;
+}
+
 }  // namespace deformable_surface::model

@@ -67,6 +67,7 @@ void MassSpring::buildBending() {
     ring.offsets.push_back(static_cast<Index>(ring.items.size()));
   }
   bending_ = CurvatureBending(b.points, b.normals, ring, areas, b.rigidity, held_);
+  forgetGuesses();
 }
 
 void MassSpring::rebuild() {
@@ -84,6 +85,7 @@ void MassSpring::rebuild() {
   }
   for (std::size_t i = 0; i < materials_.size(); ++i) masses_[i] = made_.masses[i] * materials_[i].density;
   buildBending();
+  forgetGuesses();
 }
 
 void MassSpring::setMaterial(const std::vector<PointMaterial>& materials) {

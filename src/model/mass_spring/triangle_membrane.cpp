@@ -5,6 +5,7 @@
 #include "deformable_surface/model/mass_spring/incidence.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 
@@ -48,6 +49,11 @@ Polar decompose(const Mat32& F, Index element) {
     p.rotation << first, p.normal.cross(first);
   }
   return p;
+}
+
+// Of the three corners in the plane at rest, where inverse is that of the edges from the first.
+std::array<Vec2, 3> findShapeGradients(const Mat2& inverse) {
+  return {Vec2(-(inverse.row(0) + inverse.row(1))), Vec2(inverse.row(0)), Vec2(inverse.row(1))};
 }
 
 // Four triangles side by side: edges from the first corner, their products, L^2, then K.
@@ -326,6 +332,54 @@ void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSp
         for (int k = 0; k < 2; ++k) block += tilt[k] * v[k].dot(g[a]) * v[k].dot(g[b]) * p.normal * p.normal.transpose();
         stiffness.add(e.corner[a], e.corner[b], e.area * block);
       }
+  }
+}
+
+std::vector<std::pair<Index, Index>> TriangleMembrane::findEdges() const {
+  std::vector<std::pair<Index, Index>> edges;
+  for (const Element& e : elements_)
+    for (int c = 0; c < 3; ++c) edges.push_back(std::minmax({e.corner[c], e.corner[(c + 1) % 3]}));
+  return edges;
+}
+
+// Of a wave in the plane 2 mu + lambda resists its stretching and mu its shearing: their mean.
+void TriangleMembrane::computeSpringsAlong(std::vector<double>& stiffness) const {
+  stiffness.clear();
+  for (const Element& e : elements_) {
+    const auto g = findShapeGradients(e.inverse);
+    for (int c = 0; c < 3; ++c) stiffness.push_back(-0.5 * (3.0 * mu_ + lambda_) * e.area * g[c].dot(g[(c + 1) % 3]));
+  }
+}
+
+// The tilt modes of addStiffness() without their direction. Pressure, which would buckle, counts as nothing, and everywhere the
+// mean tension is added: where next to nothing resists buckling, hundreds of steps go into which folds there are.
+void TriangleMembrane::computeSpringsAcross(const State& state, std::vector<double>& stiffness) const {
+  stiffness.resize(3 * elements_.size());
+  double sum = 0.0, area = 0.0;
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const Element& e = elements_[t];
+    const Mat32 F = gradient(e, state);
+    const double J = F.col(0).cross(F.col(1)).norm(), trace = std::sqrt(F.squaredNorm() + 2.0 * J);
+    // The squares of the stretches are the eigenvalues of F^T F.
+    const Mat2 C = F.transpose() * F;
+    const double mean = 0.5 * (C(0, 0) + C(1, 1)), radius = std::hypot(0.5 * (C(0, 0) - C(1, 1)), C(0, 1));
+    const double c = 2.0 * mu_ - lambda_ * (trace - 2.0);
+    const auto findTension = [&](double squared) {
+      return squared > 1e-18 ? std::max(0.0, 2.0 * mu_ - c / std::sqrt(squared)) : 0.0;
+    };
+    const double large = findTension(mean + radius), small = findTension(mean - radius);
+    // The tensor with these eigenvalues in the directions of those of C.
+    const double slope = radius > 0.0 ? 0.5 * (large - small) / radius : 0.0;
+    const Mat2 H = slope * (C - mean * Mat2::Identity()) + 0.5 * (large + small) * Mat2::Identity();
+    const auto g = findShapeGradients(e.inverse);
+    for (int k = 0; k < 3; ++k) stiffness[3 * t + k] = -e.area * g[k].dot(H * g[(k + 1) % 3]);
+    sum += e.area * 0.5 * (large + small);
+    area += e.area;
+  }
+  const double mean_tension = area > 0.0 ? sum / area : 0.0;
+  for (std::size_t t = 0; t < elements_.size(); ++t) {
+    const auto g = findShapeGradients(elements_[t].inverse);
+    for (int k = 0; k < 3; ++k) stiffness[3 * t + k] -= mean_tension * elements_[t].area * g[k].dot(g[(k + 1) % 3]);
   }
 }
 

@@ -39,6 +39,12 @@ class CurvatureBending {
   /// kPositive: the Gauss-Newton part alone, which is positive semidefinite.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
+  /// Springs across the surface that together are the stiffness at rest of a flat one: visit(k, N/m) for what each fit couples
+  /// point j with points k > j.
+  template <typename Visit>
+  void forEachSpring(Index j, const Visit& visit) const;
+  /// All of them, N/m.
+  double sumSprings() const;
   /// Upper bound of the largest eigenvalue of M^-1 K, with K the Gauss-Newton part at a state, 1/s^2. masses (n), kg.
   double boundRate(const State& state, const std::vector<double>& masses) const;
 
@@ -96,5 +102,21 @@ class CurvatureBending {
   mutable std::vector<double> along_, normals_;
   mutable std::vector<double> rate_;  // (n)
 };
+
+// A fit's energy is D A / 2 |sum_j c^ab_j w_j|^2 with w the motion along its normal: entry jk is D A c^ab_j c^ab_k, and as the
+// rows sum to zero it is that of springs of minus the entries.
+template <typename Visit>
+void CurvatureBending::forEachSpring(Index j, const Visit& visit) const {
+  if (neighbors_.size() == 0) return;
+  for (const Index* user = users_.begin(j); user != users_.end(j); user += 2) {
+    const Index i = user[1] / 4, begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
+    Index own = begin;
+    while (neighbors_.items[own] != j) ++own;
+    const Vec3& row = rows_[own].second;
+    const Vec3 scaled = -weight_[i] * Vec3(row[0], 2.0 * row[1], row[2]);  // 12 and 21
+    for (Index r = begin; r < end; ++r)
+      if (neighbors_.items[r] > j) visit(neighbors_.items[r], scaled.dot(rows_[r].second));
+  }
+}
 
 }  // namespace deformable_surface::model

@@ -48,6 +48,8 @@ class MassSpring : public DeformableModel {
   Part makePart(const std::vector<char>& wanted) const override;
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
+  /// Of triangles with the curvature energy, or without bending.
+  bool findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
@@ -118,8 +120,18 @@ class MassSpring : public DeformableModel {
   double volume_stiffness_ = 0.0;
   double rest_volume_ = 0.0;
   Index num_mass_raised_ = 0, num_without_bending_ = 0;
+  // What findCouplings() begins with, made when it is first asked for.
+  struct Guess {
+    std::vector<Coupling> along, across;  // across: without tension; with the pairs of bending or, where it is weak, without
+    std::vector<Index> edges;             // of each edge of each triangle its place in across
+  };
+  mutable Guess stiff_guess_, slack_guess_;  // with the pairs of bending; without
+  mutable double bending_sum_ = -1.0;        // of its springs, N/m; below 0: not known
+  void forgetGuesses();
+  void makeGuess(bool has_bending, Guess& guess) const;
   // Scratch.
   mutable PaddedPoints positions_;
+  mutable std::vector<double> springs_across_;
   mutable Points volume_gradient_;
 };
 

@@ -36,6 +36,12 @@ class TriangleMembrane {
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
 
+  /// The three edges of each triangle, the smaller index first; and springs in them, N/m, that resist as the membrane does what
+  /// moves in it, but for the direction, and what its tension at a state does across. (3 x triangles) each, overwritten.
+  std::vector<std::pair<Index, Index>> findEdges() const;
+  void computeSpringsAlong(std::vector<double>& stiffness) const;
+  void computeSpringsAcross(const State& state, std::vector<double>& stiffness) const;
+
  private:
   using Mat32 = Eigen::Matrix<double, 3, 2>;
   struct Element {

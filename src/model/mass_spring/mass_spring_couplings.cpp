@@ -1,0 +1,72 @@
+// A guess of the stiffness in one number a pair of points, for solvers that cannot pay for the matrix of blocks. A file of its
+// own because no force depends on it.
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+
+#include <algorithm>
+#include <numeric>
+
+namespace deformable_surface::model {
+namespace {
+
+// Of the springs along, so that a motion that nothing resists is not answered by one without bound.
+constexpr double kLeastAcross = 1e-6;
+// Of the springs of tension: less of bending is left out, as its pairs are eight times as many and fill the factor.
+constexpr double kSlack = 0.5;
+
+}  // namespace
+
+bool MassSpring::findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
+  if (membrane_ != Membrane::kTriangles || !bending_springs_.links().empty() || volume_stiffness_ > 0.0) return false;
+  membrane_triangles_.computeSpringsAcross(state, springs_across_);
+  if (bending_sum_ < 0.0) bending_sum_ = bending_.sumSprings();
+  const bool has_bending = bending_sum_ > kSlack * std::accumulate(springs_across_.begin(), springs_across_.end(), 0.0);
+  Guess& guess = has_bending ? stiff_guess_ : slack_guess_;
+  if (guess.along.empty()) makeGuess(has_bending, guess);
+  along = guess.along;
+  across = guess.across;
+  for (std::size_t e = 0; e < guess.edges.size(); ++e) across[guess.edges[e]].stiffness += springs_across_[e];
+  return true;
+}
+
+void MassSpring::forgetGuesses() {
+  stiff_guess_ = slack_guess_ = {};
+  bending_sum_ = -1.0;
+}
+
+// Row by row: the points k > j that a fit or an edge couples with j, each once.
+void MassSpring::makeGuess(bool has_bending, Guess& guess) const {
+  const Index n = static_cast<Index>(masses_.size());
+  const std::vector<Link> edges = membrane_triangles_.findEdges();
+  std::vector<double> springs;
+  membrane_triangles_.computeSpringsAlong(springs);
+  Lists of_point;  // its edges to points of larger index
+  of_point.offsets.assign(n + 1, 0);
+  for (const Link& edge : edges) ++of_point.offsets[edge.first + 1];
+  std::partial_sum(of_point.offsets.begin(), of_point.offsets.end(), of_point.offsets.begin());
+  of_point.items.resize(edges.size());
+  std::vector<Index> next(of_point.offsets.begin(), of_point.offsets.end() - 1);
+  for (std::size_t e = 0; e < edges.size(); ++e) of_point.items[next[edges[e].first]++] = static_cast<Index>(e);
+
+  guess.edges.resize(edges.size());
+  std::vector<Index> place_along(n, -1), place_across(n, -1);  // of the pair (j, k), if it has one in this row
+  for (Index j = 0; j < n; ++j) {
+    const Index begin_along = static_cast<Index>(guess.along.size()), begin_across = static_cast<Index>(guess.across.size());
+    const auto add = [j](Index k, double stiffness, Index begin, std::vector<Index>& place, std::vector<Coupling>& to) {
+      if (place[k] < begin) {
+        place[k] = static_cast<Index>(to.size());
+        to.push_back({j, k, 0.0});
+      }
+      to[place[k]].stiffness += stiffness;
+    };
+    if (has_bending)
+      bending_.forEachSpring(j, [&](Index k, double stiffness) { add(k, stiffness, begin_across, place_across, guess.across); });
+    for (const Index* e = of_point.begin(j); e != of_point.end(j); ++e) {
+      const Index k = edges[*e].second;
+      add(k, springs[*e], begin_along, place_along, guess.along);
+      add(k, kLeastAcross * springs[*e], begin_across, place_across, guess.across);
+      guess.edges[*e] = place_across[k];
+    }
+  }
+}
+
+}  // namespace deformable_surface::model

@@ -1,0 +1,48 @@
+// Equilibria of surfaces by steps that cost a few passes of forces each, where Newton's cost a hundred. Apart from the static
+// solver, which knows what to do where they lead nowhere.
+#pragma once
+
+#include "deformable_surface/solve/integrator.h"
+#include "surface_preconditioner.h"
+
+namespace deformable_surface::solve {
+
+/// L-BFGS [Nocedal 1980; Liu and Nocedal 1989] on the free points, whose first matrix is SurfacePreconditioner's. The length of a
+/// step is found from forces alone, by the approximate conditions of Wolfe [Hager and Zhang 2005]: they ask for no energy, and
+/// near an equilibrium energies differ by less than their rounding.
+class QuasiNewton {
+ public:
+  /// Moves state.positions until no force on a free point exceeds tolerance times the largest force there is (System::
+  /// largestForce()), or rounding, N. True: it did, and the potential energy is no higher than before; adds to
+  /// report.iterations and report.time_forces, and sets report.residual. False: the positions are as before, because a force has
+  /// no potential or another stiffness than the surface's, nothing is known to precondition with, interrupt came true, or the
+  /// forces fell too slowly. The velocities must be zero. Allocates nothing after the first time.
+  bool solve(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
+             State& state, SolveReport& report);
+
+ private:
+  // What a step has told of the stiffness.
+  struct Pair {
+    Eigen::VectorXd step, change;  // of the positions, m, and the gradient's change by it, N; (3 n)
+    double inverse = 0.0;          // 1 / (step . change)
+    double share = 0.0;            // scratch
+  };
+  bool descend(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
+               State& state, SolveReport& report);
+  /// Computes the gradient at state.positions and returns the largest force on a free point, N.
+  double findGradient(const System& system, double time, State& state, SolveReport& report);
+  void findDirection(const System& system);
+  /// Moves state.positions along the direction and learns from it; false, and unmoved, if no length will do.
+  bool search(const System& system, double time, State& state, SolveReport& report);
+  /// The pair that is so many pairs old.
+  Pair& remember(Index age) { return pairs_[(num_found_ - 1 - age) % static_cast<Index>(pairs_.size())]; }
+
+  SurfacePreconditioner preconditioner_;
+  std::vector<Pair> pairs_;
+  Index num_found_ = 0;    // pairs since the beginning, of which the last ones are kept
+  double fraction_ = 1.0;  // of the last direction that was taken
+  Points forces_, first_;  // first_: positions at the beginning
+  Eigen::VectorXd gradient_, gradient_before_, start_, direction_, work_;  // (3 n)
+};
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,76 @@
+#include "surface_preconditioner.h"
+
+#include <algorithm>
+
+namespace deformable_surface::solve {
+namespace {
+
+constexpr double kRegularization = 1e-9;  // of the largest diagonal: of a surface that nothing holds
+
+}  // namespace
+
+bool SurfacePreconditioner::Part::hasPairsOf(const std::vector<System::Coupling>& others) const {
+  return std::equal(pairs.begin(), pairs.end(), others.begin(), others.end(), [](const auto& pair, const auto& spring) {
+    return pair.first == spring.i && pair.second == spring.j;
+  });
+}
+
+// Held points become identity rows. Where nothing has changed the factor stays.
+bool SurfacePreconditioner::Part::factorize(const System& system) {
+  const Index n = system.size();
+  if (!hasPairsOf(springs)) {
+    pairs.clear();
+    for (const System::Coupling& spring : springs) pairs.emplace_back(spring.i, spring.j);
+    factor.analyze(n, pairs);
+    is_positive = false;
+  }
+  diagonal.swap(diagonal_before);
+  values.swap(values_before);
+  diagonal.assign(n, 0.0);
+  values.resize(springs.size());
+  for (std::size_t k = 0; k < springs.size(); ++k) {
+    const auto [i, j, stiffness] = springs[k];
+    diagonal[i] += stiffness;
+    diagonal[j] += stiffness;
+    values[k] = system.isHeld(i) || system.isHeld(j) ? 0.0 : -stiffness;
+  }
+  const double regular = kRegularization * *std::max_element(diagonal.begin(), diagonal.end());
+  for (Index i = 0; i < n; ++i) diagonal[i] = system.isHeld(i) ? 1.0 : diagonal[i] + regular;
+  if (is_positive && diagonal == diagonal_before && values == values_before) return true;
+  return is_positive = factor.factorize(diagonal, values);
+}
+
+bool SurfacePreconditioner::prepare(const System& system, const State& state) {
+  if (!system.findCouplings(state, along_.springs, across_[used_].springs)) return false;
+  if (!across_[used_].hasPairsOf(across_[used_].springs) && !across_[used_].pairs.empty()) {
+    across_[1 - used_].springs.swap(across_[used_].springs);
+    used_ = 1 - used_;
+  }
+  system.computeAreaVectors(state, normals_);
+  for (Vec3& normal : normals_) {
+    const double length = normal.norm();
+    normal = length > 0.0 ? Vec3(normal / length) : Vec3::Zero();
+  }
+  return along_.factorize(system) && across_[used_].factorize(system);
+}
+
+void SurfacePreconditioner::apply(const System& system, const Eigen::VectorXd& force, Eigen::VectorXd& answer) {
+  const Index n = system.size();
+  tangential_.resize(n);
+  normal_.resize(n);
+  answer.resize(3 * n);
+  for (Index i = 0; i < n; ++i) {
+    const Vec3 f = force.segment<3>(3 * i);
+    normal_[i] = f.dot(normals_[i]);
+    tangential_[i] = f - normal_[i] * normals_[i];
+  }
+  along_.factor.solve(tangential_, tangential_);
+  across_[used_].factor.solve(normal_, normal_);
+  for (Index i = 0; i < n; ++i) {
+    const Vec3 t = system.isHeld(i) ? Vec3::Zero() : tangential_[i];
+    const double across = system.isHeld(i) ? 0.0 : normal_[i];
+    answer.segment<3>(3 * i) = t + (across - t.dot(normals_[i])) * normals_[i];
+  }
+}
+
+}  // namespace deformable_surface::solve

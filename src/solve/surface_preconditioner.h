@@ -1,0 +1,42 @@
+// What a surface's stiffness roughly undoes, for a tenth of a factorisation in blocks. Apart from quasi_newton.h, which makes
+// steps of it.
+#pragma once
+
+#include "deformable_surface/base/scalar_cholesky.h"
+#include "deformable_surface/solve/system.h"
+
+namespace deformable_surface::solve {
+
+/// At each point what is along the surface and what is across it are solved for apart, each with one number a pair of points
+/// (System::findCouplings()): P = (1 - n n^T) A^-1 (1 - n n^T) + n C^-1 n^T with the normals n at a state. Tension and bending
+/// are weaker than the membrane by orders of magnitude, so that no single number serves both; what couples the two is of few long
+/// waves, which the steps find out.
+class SurfacePreconditioner {
+ public:
+  /// Takes the springs and normals at a state. False: the model knows none, or they resist nothing. Allocates nothing after the
+  /// first time, while the pairs stay.
+  bool prepare(const System& system, const State& state);
+  /// answer = P force, (3 n) each; zero on held points.
+  void apply(const System& system, const Eigen::VectorXd& force, Eigen::VectorXd& answer);
+
+ private:
+  struct Part {
+    std::vector<System::Coupling> springs;
+    ScalarCholesky factor;
+    std::vector<std::pair<Index, Index>> pairs;        // that it was analysed for
+    std::vector<double> diagonal, values;              // and of what it is
+    std::vector<double> diagonal_before, values_before;  // scratch
+    bool is_positive = false;
+    bool hasPairsOf(const std::vector<System::Coupling>& others) const;
+    bool factorize(const System& system);
+  };
+  Part along_;
+  Part across_[2];  // of each set of pairs
+  Index used_ = 0;  // of across_
+  Points normals_;
+  // Scratch.
+  Points tangential_;
+  std::vector<double> normal_;
+};
+
+}  // namespace deformable_surface::solve
