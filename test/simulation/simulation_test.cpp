@@ -148,12 +148,12 @@ TEST(Simulation, PinsTakeHoldWherePointsAreAndUnpinLetsGo) {
 TEST(Simulation, PinsThatHoldEverythingAreSaid) {
   SceneParams params = hangingSheet();
   const auto says = [](const std::string& note) { return note.find("nothing can move") != std::string::npos; };
-  const std::vector<std::string> some = Simulation(params, sheetCloud()).buildNotes();
+  const std::vector<std::string> some = Simulation(params, sheetCloud()).buildWarnings();
   EXPECT_TRUE(std::none_of(some.begin(), some.end(), says));
   params.pins.resize(1);
   params.pins[0].region.kind = geometry::Region::Kind::kSphere;
   params.pins[0].region.radius = 100.0;
-  const std::vector<std::string> all = Simulation(params, sheetCloud()).buildNotes();
+  const std::vector<std::string> all = Simulation(params, sheetCloud()).buildWarnings();
   EXPECT_EQ(std::count_if(all.begin(), all.end(), says), 1);
 }
 
