@@ -289,7 +289,7 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
     return "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
            "integrator.max_substeps";
-  if (!seen_.is_chaotic || was_chaotic || seen_.has_dented) return "";
+  if (!seen_.is_chaotic || was_chaotic) return "";
   return "the error cannot be estimated: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }

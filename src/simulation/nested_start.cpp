@@ -47,6 +47,8 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
       if (!outcome.ok || !outcome.notice.empty()) return {};  // a notice: not converged, or a force that finds no point there
       known = std::move(shape);
       known_now = simulation.state().positions;
+      // Where steps that cost little have found it they will from further away, too, sooner than the next surface is built.
+      if (simulation.statistics().is_quasi_newton) break;
     }
   } catch (const InputError&) {
     return {};  // so few points span no surface

@@ -85,6 +85,7 @@ StepOutcome Simulation::Impl::step() {
   // What it was.
   statistics.substeps = static_cast<std::uint32_t>(report.substeps);
   statistics.solver_iterations = static_cast<std::uint32_t>(report.iterations);
+  statistics.is_quasi_newton = report.is_quasi_newton;
   statistics.solver_residual = report.residual;
   statistics.time_forces = report.time_forces;
   statistics.time_contact = contact_seconds;

@@ -158,6 +158,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   const double rounding = system.roundingForce(time, state);
   if (quasi_newton_.solve(system, time + step, params_.tolerance, rounding, interrupt_, state, report)) {
+    report.is_quasi_newton = true;
     state.velocities = carried_;
     report.finite = allFinite(state.positions);
     return report;

@@ -41,6 +41,7 @@ void add(const SolveReport& part, SolveReport& total) {
   total.converged = total.converged && part.converged;
   total.substeps += part.substeps;
   total.iterations += part.iterations;
+  total.is_quasi_newton = part.is_quasi_newton;
   total.residual = std::max(total.residual, part.residual);
   total.scale = std::max(total.scale, part.scale);
   total.time_forces += part.time_forces;

@@ -246,7 +246,7 @@ TEST(ErrorEstimate, OfImplicitStepsIsFromHalvedOnesWhereVerletsDoNotFitAndSaysSo
   p.integrator.max_substeps = 1;
   Simulation s(p, strip());
   int times_said = 0;
-  for (int k = 0; k < 30; ++k) times_said += s.step().notice.find("halved") != std::string::npos;
+  for (int k = 0; k < 30; ++k) times_said += s.step().notice.find("steps half as long") != std::string::npos;
   EXPECT_EQ(times_said, 1);
   EXPECT_EQ(s.stateHash(), by_verlet.stateHash());
   // Two ways to the same error; each has a factor of safety of two.

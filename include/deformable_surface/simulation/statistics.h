@@ -23,6 +23,7 @@ struct Statistics {
   double error_transfer = std::numeric_limits<double>::quiet_NaN();
   double error_softening = std::numeric_limits<double>::quiet_NaN();
   std::uint32_t substeps = 0, solver_iterations = 0;
+  bool is_quasi_newton = false;  // these cost a few passes of forces each; not in Statistics.msg
   double solver_residual = 0.0;  // N
   // s of wall time of the last step
   double time_input = 0.0, time_forces = 0.0, time_solve = 0.0, time_contact = 0.0, time_estimate = 0.0, time_transfer = 0.0,

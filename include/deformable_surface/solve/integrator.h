@@ -15,6 +15,7 @@ struct SolveReport {
   bool converged = true;     // implicit and static: the residual fell below the tolerance
   Index substeps = 0;
   Index iterations = 0;      // of Newton's method, or of quasi-Newton steps where these were enough
+  bool is_quasi_newton = false;  // these are the latter, which cost a few passes of forces each
   double residual = 0.0;     // N, the largest unbalanced force on a free point
   double scale = 0.0;        // N, implicit and static: the largest of the forces to balance, of which the tolerance is a share
   double dissipated = 0.0;   // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
