@@ -1,5 +1,5 @@
-// A first equilibrium that is looked for from that of fewer points is the one that is found from rest, without Newton's method where
-// a surface swings far.
+// A first equilibrium that is looked for from that of fewer points is the one that is found from rest, without Newton's method
+// where a surface swings far.
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 
