@@ -4,6 +4,7 @@
 
 #include <diagnostic_msgs/DiagnosticArray.h>
 #include <diagnostic_msgs/DiagnosticStatus.h>
+#include <ros/console.h>
 
 namespace deformable_surface::node {
 namespace {
@@ -16,6 +17,7 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
 constexpr double kWatchPeriod = 1.0;  // s
 constexpr double kLongStep = 1.0;     // s of wall time: one that takes longer is told of while it goes on
+constexpr double kToldEvery = 5.0;    // s, in the log
 
 }  // namespace
 
@@ -47,7 +49,8 @@ void NodeDiagnostics::watchStep() {
   message.status[0].level = DiagnosticStatus::WARN;
   message.status[0].message = "a step has been going on for " + formatShort(seconds) + " s";
   topic_.publish(message);
-  complaints_.report(Complaint::kBehind, message.status[0].message + "; ~reset ends it");
+  // No complaint, which would outlast the step.
+  ROS_WARN_STREAM_THROTTLE(kToldEvery, complaints_.name() << ": " << message.status[0].message << "; ~reset ends it");
 }
 
 NodeDiagnostics::Happened NodeDiagnostics::observe() const {

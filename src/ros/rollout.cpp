@@ -100,7 +100,8 @@ RolloutPlan prepareRollout(const RolloutGoal& goal, const std::string& surface_f
     try {
       setTool(tool, surface_frame, transforms, copy);
     } catch (const InputError& error) {
-      throw InputError("tool " + quote(tool.tool.id.substr(0, 64)) + " " + error.what());
+      const std::string name = "tool " + quote(tool.tool.id.substr(0, 64)) + " ", problem = error.what();
+      throw InputError(problem.compare(0, name.size(), name) == 0 ? problem : name + problem);
     }
   }
   for (const PointForce& force : goal.forces) copy.setForce(toForce(force, copy.time(), surface_frame, transforms));

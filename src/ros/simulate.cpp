@@ -275,7 +275,7 @@ class Run {
     if (output_bag_) output_bag_->finish();
     if (options_.quiet) return;
     if (bag_) noteBag();
-    if (status_ == kDone) noteExpectations();
+    if (status_ == kDone && !bag_) noteExpectations();  // which are of the scene by itself
 
     const simulation::Statistics statistics = simulation_->statistics();
     float largest = 0.0f;

@@ -148,8 +148,9 @@ void Simulation::Impl::beginAsleep(double now) {
 void Simulation::Impl::considerSleep(const solve::SolveReport& report) {
   if (!maySleep()) return;
   if (params.integrator.type == IntegratorType::kStatic) {
-    // It has found everything where it was, and would again.
-    if (report.converged && report.iterations == 0 && grips.isEmpty()) activity.sleepWholly(state);
+    // It has found everything where it was, and would again. What has just come may act from the next step on only.
+    const bool is_found = report.converged && report.iterations == 0;
+    if (is_found && grips.isEmpty() && tool_watch.changed().empty()) activity.sleepWholly(state);
     return;
   }
   activity.observe(state);

@@ -1,5 +1,5 @@
-// What solid tools pass over within a step, what of it is over again, and what they appear in. Apart from the forces of contact,
-// which act in every sub-step: this looks once before a step and once after it.
+// What solid tools pass over within a step, and what of it is over again. Apart from the forces of contact, which act in every
+// sub-step: this looks once before a step and once after it.
 #include "deformable_surface/simulation/contact_load.h"
 
 #include "deformable_surface/base/notice.h"
@@ -17,7 +17,6 @@ using tool::Pose;
 using tool::ToolParams;
 
 constexpr int kMaxMoments = 64;
-constexpr double kTold = 1e-3;  // of the surface's extent: a tool that appears deeper than that in it is told of
 constexpr double kTurn = 0.2;  // rad between two looks at a tool that turns: ways in its frame are then nearly straight
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
@@ -90,38 +89,14 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 
 }  // namespace
 
-// Of a tool that acts for the first time.
-void ContactLoad::findOverlaps(double time, double step, const model::State& state, const std::vector<char>& held, Body& body) {
-  body.has_appeared = true;
-  body.appeared = time;
-  body.eased_in = time + std::max(kEaseIn, step);
-  body.overlaps.clear();
-  const Pose pose = tool::interpolate(body.tool.path, time);
-  Eigen::AlignedBox3d extent;
-  double deepest = 0.0;
-  for (Index i = 0; i < state.size(); ++i) {
-    extent.extend(state.positions[i]);
-    const double depth = -tool::findSignedDistance(body.tool.shape, pose, state.positions[i], 0.0).distance;
-    if (held[i] || !(depth > 0.0)) continue;
-    body.overlaps.push_back({i, depth});
-    deepest = std::max(deepest, depth);
-  }
-  if (!(deepest > kTold * extent.diagonal().norm())) return;
-  appendNotice(news_, "tool " + quote(body.tool.id) + " appears where " + std::to_string(body.overlaps.size()) + " of " +
-                          std::to_string(state.size()) + " simulation points already are, up to " + formatShort(deepest) +
-                          " m deep; they are pushed out within " + formatShort(body.eased_in - time) +
-                          " s, each by its shortest way, so that it is better to let a tool arrive from outside");
-}
-
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
   news_.clear();
   bool any = false;
   for (Body& body : bodies_) {
-    const bool pushes = body.tool.mode != tool::Mode::kAttract && tool::isActive(body.tool, time);
-    if (eases_ && pushes && !body.has_appeared) {
-      findOverlaps(time, step, state, held, body);
-      any = any || !body.overlaps.empty();
+    if (!body.arrival.is_known && body.tool.mode != tool::Mode::kAttract && tool::isActive(body.tool, time)) {
+      findArrival(time, step, state, held, body);
+      any = any || !body.arrival.offset.isZero(0.0);
     }
     any = any || !body.passed.empty();
     if (!passes(body.tool, time)) {
@@ -193,27 +168,17 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
 }
 
 void ContactLoad::reset() {
-  for (Body& body : bodies_) {
-    body.passed.clear();
-    body.overlaps.clear();
-    body.has_appeared = false;
-  }
+  for (Body& body : bodies_) body.passed.clear();
   told_.clear();
 }
 
 void ContactLoad::renumber(const std::vector<Index>& new_index) {
-  const auto follow = [&](auto& list) {
-    std::size_t kept = 0;
-    for (auto entry : list) {
-      entry.point = new_index[entry.point];
-      if (entry.point >= 0) list[kept++] = entry;
-    }
-    list.resize(kept);
-    std::sort(list.begin(), list.end(), [](const auto& a, const auto& b) { return a.point < b.point; });
-  };
   for (Body& body : bodies_) {
-    follow(body.passed);
-    follow(body.overlaps);
+    std::size_t kept = 0;
+    for (const Passed& passed : body.passed)
+      if (new_index[passed.point] >= 0) body.passed[kept++] = {new_index[passed.point], passed.entry};
+    body.passed.resize(kept);
+    std::sort(body.passed.begin(), body.passed.end(), [](const Passed& a, const Passed& b) { return a.point < b.point; });
   }
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numeric>
 
+#include "tool_arrival.h"
 #include "tool_reach.h"
 
 namespace deformable_surface::simulation {
@@ -47,10 +48,8 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
       if (before.tool.id != tool.id) continue;
       if (tool.mode == Mode::kSolid) body.passed = std::move(before.passed);
       if (!isPushing(before.tool) || !isPushing(tool) || !geometry::isSame(before.tool.shape, tool.shape)) continue;
-      body.overlaps = std::move(before.overlaps);
-      body.appeared = before.appeared;
-      body.eased_in = before.eased_in;
-      body.has_appeared = before.has_appeared;
+      body.arrival = before.arrival;
+      body.tool.path = findArrivingPath(tool.path, body.arrival);
     }
     bodies.push_back(std::move(body));
   }
@@ -64,19 +63,14 @@ template <class Visit>
 void ContactLoad::forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const {
   const ToolParams& tool = body.tool;
   auto passed = body.passed.begin();
-  auto overlap = body.overlaps.begin();
   if (!tool::isActive(tool, time)) return;
-  const double not_counted =
-      body.overlaps.empty() ? 0.0 : std::clamp((body.eased_in - time) / (body.eased_in - body.appeared), 0.0, 1.0);
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
   const double ball = kBallMargin * (findRadius(tool.shape) + (pushing ? 0.0 : tool.reach)), squared_ball = ball * ball;
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
-    const bool is_passed = passed != body.passed.end() && passed->point == i;
-    const bool is_overlap = overlap != body.overlaps.end() && overlap->point == i;
-    const double allowed = is_overlap ? not_counted * (overlap++)->depth : 0.0;
     // Most points are far from most tools, and need no more of them.
+    const bool is_passed = passed != body.passed.end() && passed->point == i;
     if (!is_passed && (positions[i] - pose.position).squaredNorm() > squared_ball) continue;
     geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? 0.0 : tool.reach);
     if (is_passed) {
@@ -84,7 +78,6 @@ void ContactLoad::forEachTouch(const Body& body, double time, const Points& posi
       const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
       if (tool::isHeldUp(tool.shape, entry, place, d)) d = {entry.heightOf(place), pose.orientation * entry.normal};
     }
-    d.distance += allowed;
     if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
     const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
     visit(Touch{i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});

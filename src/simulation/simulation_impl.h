@@ -167,6 +167,7 @@ struct Simulation::Impl {
   // A step and its parts: simulation_step.cpp.
   StepOutcome step();
   bool beginNested();
+  bool isHeldAround() const;
   Grips::Update updateGrips(double now, double dt);
   void endCuts(double now, double dt, StepOutcome& outcome);
   std::string live(double now, double dt);

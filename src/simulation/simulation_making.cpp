@@ -113,7 +113,7 @@ void Simulation::Impl::giveContactTools() {
   std::vector<tool::ToolParams> pushing = tools;
   const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
   if (cutting) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
-  contact.setEasing(params.integrator.type != solve::IntegratorType::kStatic);
+  contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   contact.setTools(pushing);
 }
 

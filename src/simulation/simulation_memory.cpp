@@ -166,8 +166,7 @@ std::size_t Snapshot::bytes() const {
                     bytesOf(c.pinned_turns) + bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.followed) + bytesOf(c.cuts) +
                     bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
   if (c.severed) sum += bytesOf(*c.severed);
-  for (const ContactLoad::Body& body : c.bodies)
-    sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed) + bytesOf(body.overlaps);
+  for (const ContactLoad::Body& body : c.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
   for (const ToolWatch::Seen& seen : c.watched) sum += sizeof seen;
   for (const NamedForces::Named& force : c.forces) sum += sizeof force + bytesOf(force.points) + bytesOf(force.shares);
   for (const tool::ToolParams& tool : c.tools) sum += sizeof tool + bytesOf(tool.path);

@@ -96,10 +96,25 @@ StepOutcome Simulation::Impl::step() {
   return outcome;
 }
 
-// A first equilibrium is looked for from that of fewer points. Returns whether the state was changed.
+// Whether the middle of the surface lies among its pins, so that it will sag between them and not swing down.
+bool Simulation::Impl::isHeldAround() const {
+  Eigen::AlignedBox3d pins;
+  Vec3 middle = Vec3::Zero();
+  for (std::size_t i = 0; i < rest.points.size(); ++i) {
+    middle += rest.points[i] / static_cast<double>(rest.points.size());
+    if (pinned[i]) pins.extend(rest.points[i]);
+  }
+  if (pins.isEmpty()) return false;
+  const Vec3 rounding = Vec3::Constant(1e-9 * pins.diagonal().norm());
+  return Eigen::AlignedBox3d(pins.min() - rounding, pins.max() + rounding).contains(middle);
+}
+
+// A first equilibrium is looked for from that of fewer points, but where steps that cost little find it from rest. Returns
+// whether the state was changed.
 bool Simulation::Impl::beginNested() {
   if (params.integrator.type != solve::IntegratorType::kStatic || system.isOriented() || steps > 0) return false;
   if (pinned != rest.pinned || state.positions != rest.points) return false;
+  if (isHeldAround() && system.hasElasticityAlone(time() + params.integrator.time_step, state)) return false;
   SceneParams scene = params;
   scene.gravity = gravity.gravity;
   scene.forces.clear();

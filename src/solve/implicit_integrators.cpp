@@ -18,6 +18,12 @@ constexpr double kLongestStep = 1e8;   // of the caller's step: the weight is th
 constexpr double kShortestStep = 1e-6; // of the caller's step: shorter ones do not lead anywhere
 constexpr Index kTrial = 4;            // iterations of a trial: the first stretches what turns, the next take most of it back
 
+void missBalance(double scale, bool is_out_of_iterations, SolveReport& report) {
+  report.converged = false;
+  report.unbalanced = std::max(report.unbalanced, report.residual / scale);
+  report.is_out_of_iterations = report.is_out_of_iterations || is_out_of_iterations;
+}
+
 bool allFinite(const Points& points) {
   double sum = 0.0;
   for (const Vec3& p : points) sum += p.cwiseAbs().sum();
@@ -63,7 +69,6 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   // The forces to balance: what the material and the loads do, and the momentum brought along.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
-  report.scale = std::max(report.scale, scale);
   const double rounding = system.roundingForce(time, state);
   const double enough = std::max(params_.tolerance * scale, rounding);
   const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
@@ -85,7 +90,7 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     problem.enough = is_enough ? untouched : enough;  // of a direction that is not needed for more than its motion
     const bool is_over = report.iterations == last || newton_.isInterrupted();
     if (is_over || newton_.descend(problem, state).fraction == 0.0) {
-      report.converged = report.converged && is_enough;
+      if (!is_enough) missBalance(scale, report.iterations == last, report);
       break;
     }
     ++report.iterations;
@@ -211,8 +216,8 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     }
     pseudo_step = std::min(pseudo_step, kLongestStep * step);
   }
+  if (!report.converged) missBalance(scale, report.iterations == params_.max_iterations, report);
   state.velocities = carried_;
-  report.scale = scale;
   report.finite = allFinite(state.positions);
   return report;
 }

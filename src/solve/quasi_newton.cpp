@@ -123,7 +123,7 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
 
 bool QuasiNewton::solve(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
                         State& state, SolveReport& report) {
-  if (system.dissipatesInForces() || system.hasStiffnessProducts() || system.loadStiffness(time, state) > 0.0) return false;
+  if (!system.hasElasticityAlone(time, state)) return false;
   pairs_.resize(kMemory);
   num_found_ = 0;
   first_ = state.positions;

@@ -197,4 +197,8 @@ double System::loadStiffness(double time, const State& state) const {
   return largest;
 }
 
+bool System::hasElasticityAlone(double time, const State& state) const {
+  return !dissipatesInForces() && !hasStiffnessProducts() && !(loadStiffness(time, state) > 0.0);
+}
+
 }  // namespace deformable_surface::solve

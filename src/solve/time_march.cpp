@@ -43,7 +43,8 @@ void add(const SolveReport& part, SolveReport& total) {
   total.iterations += part.iterations;
   total.is_quasi_newton = part.is_quasi_newton;
   total.residual = std::max(total.residual, part.residual);
-  total.scale = std::max(total.scale, part.scale);
+  total.unbalanced = std::max(total.unbalanced, part.unbalanced);
+  total.is_out_of_iterations = total.is_out_of_iterations || part.is_out_of_iterations;
   total.time_forces += part.time_forces;
 }
 
@@ -268,15 +269,16 @@ std::string TimeMarch::describeFailure(const SolveReport& report, const State& s
 
 // Of a search that ended before the forces were balanced.
 std::string TimeMarch::describeUnbalance(const SolveReport& report) const {
-  const double share = report.residual / report.scale;
-  const bool is_far = !(share < kFar);
-  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (each of its searches takes at most " +
-         std::to_string(params_.max_iterations) + ", integrator.max_iterations) with " + formatShort(report.residual) +
-         " N unbalanced, " + formatShort(share) + " of the largest force in place of integrator.tolerance, " +
-         formatShort(params_.tolerance) +
-         (is_far ? ": far from balance, as where forces are more than the surface can bear; smaller ones, a smaller time_step or "
-                   "a reset help"
-                 : ": near balance; more iterations or a larger tolerance end this");
+  const char* advice =
+      !(report.unbalanced < kFar)
+          ? "far from balance, as where forces are more than a surface bears: smaller ones, a smaller time_step or a reset help"
+      : report.is_out_of_iterations
+          ? "more integrator.max_iterations or a larger integrator.tolerance end this"
+          : "no iteration came nearer, as where a surface folds: a smaller time_step or a larger integrator.tolerance help";
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (a step of the implicit method has two "
+         "searches of at most integrator.max_iterations, " + std::to_string(params_.max_iterations) + ") with " +
+         formatShort(report.unbalanced) + " of the largest force unbalanced in place of integrator.tolerance, " +
+         formatShort(params_.tolerance) + "; " + advice;
 }
 
 TimeMarch::Outcome TimeMarch::step(double time, State& state) {

@@ -1,4 +1,4 @@
-// A tool that appears where the surface already is: what it overlaps is pushed out little by little, and the surface lives.
+// A tool that appears where the surface already is: it comes from the nearest free place, and the surface lives.
 #include "clouds.h"
 #include "support/meshes.h"
 
@@ -56,7 +56,7 @@ std::string takeStep(Simulation& s) {
 }
 
 // At once the first step would throw points away at some 50 m/s, and what crumples then needs a thousand sub-steps.
-TEST(AppearingTool, PushesOutWhatItOverlapsWithinATenthOfASecond) {
+TEST(AppearingTool, ArrivesWithinATenthOfASecond) {
   for (const auto type : {solve::IntegratorType::kAuto, solve::IntegratorType::kImplicit}) {
     simulation::SceneParams p = foamBall();
     p.integrator.type = type;
@@ -67,23 +67,25 @@ TEST(AppearingTool, PushesOutWhatItOverlapsWithinATenthOfASecond) {
     EXPECT_GT(depth, 0.06);
     double fastest = 0.0, largest = 0.0;
     std::uint32_t substeps = 0;
+    Index most_contacts = 0;
     for (int k = 0; k < 12; ++k) {
       const std::string notice = takeStep(s);
       EXPECT_EQ(notice.find("tool 'ball' appears where ") != std::string::npos, k == 0) << k << ": " << notice;
       fastest = std::max(fastest, s.statistics().max_speed);
       largest = std::max(largest, s.statistics().max_stretch);
       substeps = std::max(substeps, s.statistics().substeps);
+      most_contacts = std::max(most_contacts, s.toolReactions()[0].contacts);
     }
     EXPECT_LT(fastest, 5.0);
     EXPECT_LT(largest, 0.5);
     EXPECT_LT(substeps, 60u);
     EXPECT_LT(findDeepest(s), 0.03 * depth);  // what presses back still bears on the penalty
-    EXPECT_GT(s.toolReactions()[0].contacts, 0);
+    EXPECT_GT(most_contacts, 3);
     s.removeTool("ball");
     const double stored = s.statistics().elastic_energy;
     run(s, 200);
     // A dent may stay, which shells have equilibria with.
-    EXPECT_LT(s.statistics().elastic_energy, 0.6 * stored);
+    EXPECT_LT(s.statistics().elastic_energy, stored);
     EXPECT_LT(s.statistics().max_speed, 0.1);
     EXPECT_LT(s.statistics().substeps, 60u);
   }
@@ -118,36 +120,70 @@ TEST(AppearingTool, AMeshThatCameAgainIsTheSame) {
   }
 }
 
-TEST(AppearingTool, ForcesAreMinusTheGradientOfThePotentialWhileItEasesIn) {
-  const std::vector<double> masses(3, 0.2);
+TEST(AppearingTool, ComesFromTheNearestFreePlaceAndFollowsItsPathMeanwhile) {
+  // A patch of points in the plane z = 0 but for one that is held: a ball with its middle a little above comes from above.
   model::State state;
-  state.positions = {Vec3(0.05, 0.02, 0.0), Vec3(-0.07, 0.0, 0.03), Vec3(0.3, 0.0, 0.0)};
-  state.velocities.assign(3, Vec3::Zero());
+  for (int x = -5; x <= 5; ++x)
+    for (int y = -5; y <= 5; ++y) state.positions.emplace_back(0.02 * x, 0.02 * y, 0.0);
+  state.positions.emplace_back(0.0, 0.0, 0.2);
+  state.velocities.assign(state.positions.size(), Vec3::Zero());
+  std::vector<char> held(state.positions.size() - 1, 0);
+  held.push_back(1);
+  const std::vector<double> masses(held.size(), 0.2);
   tool::ToolParams tool = ball();
-  tool.path[0].position.setZero();
+  tool.path = {{0.0, Vec3(0.0, 0.0, 0.03)}, {1.05, Vec3(0.0, 0.0, 0.03)}, {1.15, Vec3(0.1, 0.0, 0.03)}};
   simulation::ContactLoad load(masses);
   load.setRate(50.0);
   load.setTools({tool});
-  EXPECT_TRUE(load.beginStep(1.0, 0.01, state, std::vector<char>(3, 0)));
-  const auto forcesAt = [&](double time) {
-    Points forces(3, Vec3::Zero());
-    load.addForces(time, state, forces);
-    return forces;
-  };
-  EXPECT_EQ(forcesAt(1.0)[0], Vec3::Zero());
-  const Points half = forcesAt(1.05), whole = forcesAt(1.1);
-  EXPECT_NEAR(half[0].norm(), 0.5 * whole[0].norm(), 1e-9);
-  EXPECT_NEAR(whole[0].norm(), 0.2 * 2500.0 * (0.1 - state.positions[0].norm()), 1e-9);
-  EXPECT_EQ(forcesAt(2.0)[0], whole[0]);
-  EXPECT_EQ(whole[2], Vec3::Zero());
-  for (int c = 0; c < 3; ++c) {
-    model::State above = state, below = state;
-    above.positions[1][c] += 1e-6;
-    below.positions[1][c] -= 1e-6;
-    EXPECT_NEAR(half[1][c], (load.potential(1.05, below) - load.potential(1.05, above)) / 2e-6, 1e-6);
+  EXPECT_TRUE(load.beginStep(1.0, 0.01, state, held));
+  const auto placeAt = [&](double time) { return tool::interpolate(load.all()[0].tool.path, time).position; };
+  EXPECT_TRUE(placeAt(1.0).isApprox(Vec3(0.0, 0.0, 0.1), 0.01)) << placeAt(1.0).transpose();
+  EXPECT_TRUE(placeAt(1.05).isApprox(Vec3(0.0, 0.0, 0.065), 0.01)) << placeAt(1.05).transpose();
+  EXPECT_TRUE(placeAt(1.1).isApprox(Vec3(0.05, 0.0, 0.03), 1e-9)) << placeAt(1.1).transpose();
+  EXPECT_TRUE(placeAt(1.15).isApprox(Vec3(0.1, 0.0, 0.03), 1e-9)) << placeAt(1.15).transpose();
+  // Another path on the way, as messages bring it.
+  tool.path = {{1.05, Vec3(0.0, 0.1, 0.03)}};
+  load.setTools({tool});
+  EXPECT_TRUE(placeAt(1.05).isApprox(Vec3(0.0, 0.1, 0.065), 0.01)) << placeAt(1.05).transpose();
+  EXPECT_TRUE(placeAt(1.2).isApprox(Vec3(0.0, 0.1, 0.03), 1e-9)) << placeAt(1.2).transpose();
+}
+
+TEST(AppearingTool, AHalfSpaceComesAlongItsNormal) {
+  const std::vector<double> masses(2, 0.2);
+  model::State state;
+  state.positions = {Vec3(0.0, 0.0, -0.1), Vec3(0.3, 0.0, 0.5)};
+  state.velocities.assign(2, Vec3::Zero());
+  tool::ToolParams plane = ball();
+  plane.shape.kind = geometry::Solid::Kind::kPlane;
+  plane.path[0].position.setZero();
+  simulation::ContactLoad load(masses);
+  load.setRate(50.0);
+  load.setTools({plane});
+  const std::vector<char> held(2, 0);
+  EXPECT_TRUE(load.beginStep(0.0, 0.01, state, held));
+  EXPECT_NEAR(tool::interpolate(load.all()[0].tool.path, 0.0).position.z(), -0.1, 2e-3);
+}
+
+// Between the ears of a figure, or of what else has two sides, each point's own shortest way out tears them apart.
+TEST(AppearingTool, LeavesAThinSheetWhole) {
+  simulation::SceneParams p = foamBall();
+  p.pins[0].region.min = Vec3(-1.0, -1.0, -1.0);
+  p.pins[0].region.max = Vec3(0.02, 1.0, 1.0);
+  Simulation s(p, sheetCloud());
+  tool::ToolParams tool = ball();
+  for (const double z : {0.0, 0.01, -0.03}) {
+    s.reset();
+    tool.path = {{0.0, Vec3(0.6, 0.1, z)}};
+    s.setTool(tool);
+    double largest = 0.0, fastest = 0.0;
+    for (int k = 0; k < 30; ++k) {
+      takeStep(s);
+      largest = std::max(largest, s.statistics().max_stretch);
+      fastest = std::max(fastest, s.statistics().max_speed);
+    }
+    EXPECT_LT(largest, 0.5) << z;
+    EXPECT_LT(fastest, 10.0) << z;
   }
-  // What easing in does to points that stay is its work.
-  EXPECT_NEAR(load.estimateWork(1.0, 1.1, state, state), load.potential(1.1, state), 1e-12);
 }
 
 TEST(AppearingTool, EquilibriaHaveAllOfItAtOnce) {
@@ -157,12 +193,27 @@ TEST(AppearingTool, EquilibriaHaveAllOfItAtOnce) {
   p.tools = {ball()};
   p.tools[0].path[0].position.z() = 0.23;
   Simulation s(p, ballCloud());
-  takeStep(s);
+  EXPECT_NE(takeStep(s).find("an equilibrium has all of it at once"), std::string::npos);
   EXPECT_LT(findDeepest(s, 0.23), 1e-3);
   EXPECT_GT(s.toolReactions()[0].force.z(), 0.0);
 }
 
-TEST(AppearingTool, ASnapshotTakenWhileItEasesInGoesOnBitForBit) {
+// It sleeps by then, and the step in which the tool begins to act is looked for at its end.
+TEST(AppearingTool, WakesAnEquilibriumWhenItsTimeHasCome) {
+  simulation::SceneParams p = foamBall();
+  p.integrator.type = solve::IntegratorType::kStatic;
+  p.integrator.max_iterations = 300;
+  p.tools = {ball()};
+  p.tools[0].path[0].position.z() = 0.23;
+  for (const double start : {0.1, 0.07, 0.3}) {
+    p.tools[0].start = start;
+    Simulation s(p, ballCloud());
+    run(s, 40);
+    EXPECT_GT(s.toolReactions()[0].force.z(), 0.0) << start;
+  }
+}
+
+TEST(AppearingTool, ASnapshotTakenWhileItArrivesGoesOnBitForBit) {
   simulation::SceneParams p = foamBall();
   p.tools = {ball()};
   Simulation s(p, ballCloud());

@@ -17,19 +17,19 @@ namespace deformable_surface::simulation {
 /// them. A point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came
 /// in by, is pushed back along the latter, with d the depth below the plane there, until it is out or beside the tool.
 ///
-/// Points in which a tool appears are pushed out little by little: of the depth that they have then, a share that falls evenly to
-/// none over kEaseIn does not count. Otherwise r d, hundreds of metres a second, would be the speed at which they leave.
+/// A tool that appears where points already are comes to its place from the nearest one in which it touches none, straight and
+/// evenly within kArrival. Otherwise r d, some hundred metres a second, would be the speed at which they leave, each to its side.
 ///
 /// An attracting tool draws the points within its reach R on either side to its surface: F = -k s d (1 - (d / R)^2)^2 n at the
 /// distance d, s the point's share of the mass of all; potential -k s R^2 (1 - (d / R)^2)^3 / 6.
 class ContactLoad : public solve::ExternalLoad {
  public:
-  static constexpr double kEaseIn = 0.1;  // s, or a step where that is longer; as long as a tool takes that is put elsewhere
+  static constexpr double kArrival = 0.1;  // s, or a step where that is longer; as long as a tool takes that is put elsewhere
 
   explicit ContactLoad(const std::vector<double>& masses) : masses_(masses) {}
 
-  /// Tools of other modes are left alone. Those that are there by their id keep what they have passed over, and what they
-  /// appeared in unless they have another shape.
+  /// Tools of other modes are left alone. Those that are there by their id keep what they have passed over, and how they arrive
+  /// unless they have another shape.
   void setTools(const std::vector<tool::ToolParams>& tools);
   bool isEmpty() const { return bodies_.empty(); }
 
@@ -38,30 +38,29 @@ class ContactLoad : public solve::ExternalLoad {
     Index point;
     tool::Entry entry;
   };
-  /// A point in which a tool appeared, and how deep it was then, m.
-  struct Overlap {
-    Index point;
-    double depth;
+  /// How a tool that appears comes to its place.
+  struct Arrival {
+    bool is_known = false;           // it acts, or has acted
+    Vec3 offset = Vec3::Zero();      // m, from its place to where it comes from; zero: it is there at once
+    double begins = 0.0, ends = 0.0;  // s
   };
-  /// A tool with the points that it has passed over and those in which it appeared, ascending. What a snapshot must hold.
+  /// A tool, its path as it arrives, with the points that it has passed over, ascending. What a snapshot must hold.
   struct Body {
     tool::ToolParams tool;
     std::vector<Passed> passed;
-    std::vector<Overlap> overlaps;
-    double appeared = 0.0, eased_in = 0.0;  // s, between which the depths of the overlaps count more and more
-    bool has_appeared = false;
+    Arrival arrival;
   };
   const std::vector<Body>& all() const { return bodies_; }
   void restore(const std::vector<Body>& bodies) { bodies_ = bodies; }
-  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again; and those
-  /// in which a tool appears. held: those that cannot be pushed. Returns whether any were or are passed over, or appeared in.
+  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again; and
+  /// from where tools that appear arrive. held: those that cannot be pushed. Returns whether any of this has changed anything.
   bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
   /// After it: which points they did pass over though it was not foreseen. Returns what a user should know of the step.
   std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                       const std::vector<model::WeightedTriangle>& triangles);
-  /// Whether what tools appear in is pushed out little by little, or, for equilibria, at once. Default: little by little.
-  void setEasing(bool eases) { eases_ = eases; }
-  /// Forgets what was passed over and appeared in.
+  /// Whether tools that appear in the surface arrive, or, for equilibria, are there at once. Default: they arrive.
+  void setArriving(bool arrives) { arrives_ = arrives; }
+  /// Forgets what was passed over. The tools are to be set anew.
   void reset();
   /// Points have got other indices: new_index (of those before), -1 = gone.
   void renumber(const std::vector<Index>& new_index);
@@ -98,14 +97,14 @@ class ContactLoad : public solve::ExternalLoad {
   };
   template <class Visit>
   void forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const;
-  void findOverlaps(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
+  void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
   double potentialOf(const Body& body, double time, const Points& positions) const;
   double totalMass() const;
 
   const std::vector<double>& masses_;
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
-  bool eases_ = true;
+  bool arrives_ = true;
   std::string news_;  // of beginStep(), which endStep() tells
   mutable double seconds_ = 0.0;
   Points before_;                // m, of the last beginStep()

@@ -12,6 +12,7 @@ namespace {
 constexpr double kLeastAcross = 1e-6;
 // Of the springs of tension: less of bending is left out, as its pairs are eight times as many and fill the factor.
 constexpr double kSlack = 0.5;
+constexpr double kRounding = 1e-9;  // of the springs along: tension below that is none
 
 }  // namespace
 
@@ -19,7 +20,12 @@ bool MassSpring::findCouplings(const State& state, std::vector<Coupling>& along,
   if (membrane_ != Membrane::kTriangles || !bending_springs_.links().empty() || volume_stiffness_ > 0.0) return false;
   membrane_triangles_.computeSpringsAcross(state, springs_across_);
   if (bending_sum_ < 0.0) bending_sum_ = bending_.sumSprings();
-  const bool has_bending = bending_sum_ > kSlack * std::accumulate(springs_across_.begin(), springs_across_.end(), 0.0);
+  const auto sum = [](const std::vector<double>& springs) { return std::accumulate(springs.begin(), springs.end(), 0.0); };
+  if (springs_along_.empty()) membrane_triangles_.computeSpringsAlong(springs_along_);
+  // At rest there is none; the surface will sag like a membrane, and how far is for the first step to find.
+  const bool is_slack = sum(springs_across_) <= kRounding * sum(springs_along_);
+  if (is_slack) springs_across_ = springs_along_;
+  const bool has_bending = !is_slack && bending_sum_ > kSlack * sum(springs_across_);
   Guess& guess = has_bending ? stiff_guess_ : slack_guess_;
   if (guess.along.empty()) makeGuess(has_bending, guess);
   along = guess.along;
@@ -31,14 +37,13 @@ bool MassSpring::findCouplings(const State& state, std::vector<Coupling>& along,
 void MassSpring::forgetGuesses() {
   stiff_guess_ = slack_guess_ = {};
   bending_sum_ = -1.0;
+  springs_along_.clear();
 }
 
 // Row by row: the points k > j that a fit or an edge couples with j, each once.
 void MassSpring::makeGuess(bool has_bending, Guess& guess) const {
   const Index n = static_cast<Index>(masses_.size());
   const std::vector<Link> edges = membrane_triangles_.findEdges();
-  std::vector<double> springs;
-  membrane_triangles_.computeSpringsAlong(springs);
   Lists of_point;  // its edges to points of larger index
   of_point.offsets.assign(n + 1, 0);
   for (const Link& edge : edges) ++of_point.offsets[edge.first + 1];
@@ -62,8 +67,8 @@ void MassSpring::makeGuess(bool has_bending, Guess& guess) const {
       bending_.forEachSpring(j, [&](Index k, double stiffness) { add(k, stiffness, begin_across, place_across, guess.across); });
     for (const Index* e = of_point.begin(j); e != of_point.end(j); ++e) {
       const Index k = edges[*e].second;
-      add(k, springs[*e], begin_along, place_along, guess.along);
-      add(k, kLeastAcross * springs[*e], begin_across, place_across, guess.across);
+      add(k, springs_along_[*e], begin_along, place_along, guess.along);
+      add(k, kLeastAcross * springs_along_[*e], begin_across, place_across, guess.across);
       guess.edges[*e] = place_across[k];
     }
   }

@@ -131,7 +131,7 @@ class MassSpring : public DeformableModel {
   void makeGuess(bool has_bending, Guess& guess) const;
   // Scratch.
   mutable PaddedPoints positions_;
-  mutable std::vector<double> springs_across_;
+  mutable std::vector<double> springs_along_, springs_across_;
   mutable Points volume_gradient_;
 };
 
