@@ -8,10 +8,10 @@
 
 namespace deformable_surface::simulation {
 
-/// Solves the static scene from rest on a sixteenth of the points of `level`, then, from there, on a quarter, and moves the
-/// points of `level` with these: (n x 3) m, pinned ones at rest. Where several equilibria exist this chooses the one that the
-/// coarser surface finds. Empty if there are too few points, `level` holds no order of removal, a coarser surface finds no
-/// equilibrium, or interrupt (see Simulation::setInterrupt()) has ended the search.
+/// Solves the static scene from rest on a sixteenth of the points of `level`, then, where that took Newton's method, from there
+/// on a quarter, and moves the points of `level` with these: (n x 3) m, pinned ones at rest. Where several equilibria exist this
+/// chooses the one that the coarser surface finds. Empty if there are too few points, `level` holds no order of removal, a
+/// coarser surface finds no equilibrium, or interrupt (see Simulation::setInterrupt()) has ended the search.
 Points findNestedStart(const SceneParams& params, const RestSurface& level, const std::atomic<bool>* interrupt);
 
 }  // namespace deformable_surface::simulation
