@@ -92,10 +92,12 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
   news_.clear();
+  has_new_arrival_ = false;
   bool any = false;
   for (Body& body : bodies_) {
     if (!body.arrival.is_known && body.tool.mode != tool::Mode::kAttract && tool::isActive(body.tool, time)) {
       findArrival(time, step, state, held, body);
+      has_new_arrival_ = true;
       any = any || !body.arrival.offset.isZero(0.0);
     }
     any = any || !body.passed.empty();

@@ -43,6 +43,7 @@ StepOutcome Simulation::Impl::step() {
   if (!contact.isEmpty()) {
     const Timer contact_timer;
     if (contact.beginStep(now, dt, state, held)) loadsChanged();
+    if (contact.hasNewArrival()) forward([&](Simulation& copy) { copy.impl_->contact.adoptArrivals(contact); });
     contact_seconds = contact_timer.seconds();
   }
 

@@ -97,6 +97,15 @@ void ContactLoad::findArrival(double time, double step, const model::State& stat
   body.tool.path = findArrivingPath(body.tool.path, body.arrival);
 }
 
+void ContactLoad::adoptArrivals(const ContactLoad& other) {
+  for (Body& body : bodies_)
+    for (const Body& same : other.bodies_) {
+      if (body.tool.id != same.tool.id || body.arrival.is_known) continue;
+      body.arrival = same.arrival;
+      body.tool.path = findArrivingPath(body.tool.path, body.arrival);
+    }
+}
+
 std::vector<tool::WaypointParams> findArrivingPath(const std::vector<tool::WaypointParams>& path,
                                                    const ContactLoad::Arrival& arrival) {
   if (arrival.offset.isZero(0.0)) return path;

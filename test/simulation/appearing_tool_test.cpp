@@ -198,6 +198,36 @@ TEST(AppearingTool, EquilibriaHaveAllOfItAtOnce) {
   EXPECT_GT(s.toolReactions()[0].force.z(), 0.0);
 }
 
+// Each of them would otherwise find a way of its own, and what they differ by would be no error.
+TEST(AppearingTool, ArrivesAtCopiesAsItDoesAtWhatTheyAreCopiesOf) {
+  const std::vector<double> masses(2, 0.2);
+  const std::vector<char> held(2, 0);
+  model::State fine, coarse;
+  fine.positions = {Vec3(0.0, 0.0, 0.02), Vec3(0.01, 0.0, 0.02)};
+  coarse.positions = {Vec3(0.02, 0.0, 0.0), Vec3(0.02, 0.01, 0.0)};
+  fine.velocities = coarse.velocities = Points(2, Vec3::Zero());
+  tool::ToolParams tool = ball();
+  tool.path[0].position.setZero();
+  simulation::ContactLoad load(masses), copy(masses), alone(masses);
+  for (simulation::ContactLoad* l : {&load, &copy, &alone}) {
+    l->setRate(50.0);
+    l->setTools({tool});
+  }
+  const auto placeAt = [](const simulation::ContactLoad& l, double time) {
+    return tool::interpolate(l.all()[0].tool.path, time).position;
+  };
+  load.beginStep(0.0, 0.01, fine, held);
+  EXPECT_TRUE(load.hasNewArrival());
+  copy.adoptArrivals(load);
+  copy.beginStep(0.0, 0.01, coarse, held);
+  EXPECT_FALSE(copy.hasNewArrival());
+  alone.beginStep(0.0, 0.01, coarse, held);
+  EXPECT_EQ(placeAt(copy, 0.05), placeAt(load, 0.05));
+  EXPECT_GT((placeAt(alone, 0.05) - placeAt(load, 0.05)).norm(), 0.01);
+  load.beginStep(0.01, 0.01, fine, held);
+  EXPECT_FALSE(load.hasNewArrival());
+}
+
 // It sleeps by then, and the step in which the tool begins to act is looked for at its end.
 TEST(AppearingTool, WakesAnEquilibriumWhenItsTimeHasCome) {
   simulation::SceneParams p = foamBall();

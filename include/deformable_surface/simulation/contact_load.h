@@ -55,6 +55,10 @@ class ContactLoad : public solve::ExternalLoad {
   /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again; and
   /// from where tools that appear arrive. held: those that cannot be pushed. Returns whether any of this has changed anything.
   bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
+  /// Whether the last beginStep() has found out how a tool arrives.
+  bool hasNewArrival() const { return has_new_arrival_; }
+  /// Tools that have not acted yet arrive as those of the same id do there: a copy with fewer points would find other ways.
+  void adoptArrivals(const ContactLoad& other);
   /// After it: which points they did pass over though it was not foreseen. Returns what a user should know of the step.
   std::string endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                       const std::vector<model::WeightedTriangle>& triangles);
@@ -104,7 +108,7 @@ class ContactLoad : public solve::ExternalLoad {
   const std::vector<double>& masses_;
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
-  bool arrives_ = true;
+  bool arrives_ = true, has_new_arrival_ = false;
   std::string news_;  // of beginStep(), which endStep() tells
   mutable double seconds_ = 0.0;
   Points before_;                // m, of the last beginStep()
