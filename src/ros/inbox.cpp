@@ -98,8 +98,8 @@ std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
   came_.notify_one();
   answered_.wait_for(lock, kPatience, [&] { return job.state != Job::State::kWaiting; });
   if (job.state == Job::State::kWaiting) {
+    // Whether a step is to end changes between steps only: one that has begun to end must end.
     jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
-    updateEndsStep();
     return "busy: the simulation did not get to it in time; try again";
   }
   // Work that has begun uses what its caller holds, and must be waited for; it looks at isClosed() itself.
@@ -109,6 +109,7 @@ std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
 
 void Inbox::doJobs() {
   std::unique_lock<std::mutex> lock(mutex_);
+  updateEndsStep();
   while (!jobs_.empty() && !closed_) {
     Job& job = *jobs_.front();
     jobs_.pop_front();

@@ -17,13 +17,13 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
 constexpr double kWatchPeriod = 1.0;  // s
 constexpr double kLongStep = 1.0;     // s of wall time: one that takes longer is told of while it goes on
-constexpr double kToldEvery = 5.0;    // s, in the log
+constexpr std::chrono::seconds kToldEvery(5);  // in the log
 
 }  // namespace
 
 NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                                  const ros::NodeHandle& watch_node, const Stepper& stepper, const Inbox& inbox,
-                                 Complaints& complaints)
+                                 const Complaints& complaints)
     : stepper_(stepper),
       inbox_(inbox),
       complaints_(complaints),
@@ -49,8 +49,11 @@ void NodeDiagnostics::watchStep() {
   message.status[0].level = DiagnosticStatus::WARN;
   message.status[0].message = "a step has been going on for " + formatShort(seconds) + " s";
   topic_.publish(message);
-  // No complaint, which would outlast the step.
-  ROS_WARN_STREAM_THROTTLE(kToldEvery, complaints_.name() << ": " << message.status[0].message << "; ~reset ends it");
+  // No complaint, which would outlast the step; by wall time, since /clock may stand.
+  const auto now = steady_clock::now();
+  if (now - last_warning_ < kToldEvery) return;
+  last_warning_ = now;
+  ROS_WARN_STREAM(complaints_.name() << ": " << message.status[0].message << "; ~reset ends it");
 }
 
 NodeDiagnostics::Happened NodeDiagnostics::observe() const {

@@ -19,7 +19,7 @@ namespace deformable_surface::node {
 class NodeDiagnostics {
  public:
   NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const ros::NodeHandle& watch_node,
-                  const Stepper& stepper, const Inbox& inbox, Complaints& complaints);
+                  const Stepper& stepper, const Inbox& inbox, const Complaints& complaints);
 
   /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or
   /// jumps back must be reported too.
@@ -39,10 +39,11 @@ class NodeDiagnostics {
 
   const Stepper& stepper_;
   const Inbox& inbox_;
-  Complaints& complaints_;
+  const Complaints& complaints_;
   const std::string name_;
   ros::Publisher topic_;  // of the updater's messages: who listens
   ros::WallTimer watch_;
+  Inbox::SteadyTime last_warning_;
   diagnostic_updater::Updater updater_;
   Happened published_;
   Inbox::SteadyTime last_time_;

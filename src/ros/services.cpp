@@ -132,20 +132,22 @@ void checkSaveName(const std::string& name) {
 
 }  // namespace
 
-Services::Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
-                   Complaints& complaints, std::string save_directory)
+Services::Services(ros::NodeHandle& node, ros::NodeHandle& reset_node, Inbox& inbox, Stepper& stepper,
+                   const tf2::BufferCore& transforms, Complaints& complaints, std::string save_directory)
     : inbox_(inbox),
       stepper_(stepper),
       transforms_(transforms),
       complaints_(complaints),
       save_directory_(std::move(save_directory)) {
-  const auto advertise = [&](const char* name, auto request, auto response, auto call) {
+  const auto advertiseOn = [&](ros::NodeHandle& on, const char* name, auto request, auto response, auto call) {
     using Request = decltype(request);
     using Response = decltype(response);
-    servers_.push_back(node.advertiseService<Request, Response>(
+    servers_.push_back(on.advertiseService<Request, Response>(
         name, boost::function<bool(Request&, Response&)>([call](Request& q, Response& r) { return call(q, r); })));
   };
-  advertise("reset", std_srvs::TriggerRequest(), std_srvs::TriggerResponse(), [this](auto&, auto& r) { return reset(r); });
+  const auto advertise = [&](auto... what) { advertiseOn(node, what...); };
+  advertiseOn(reset_node, "reset", std_srvs::TriggerRequest(), std_srvs::TriggerResponse(),
+              [this](auto&, auto& r) { return reset(r); });
   advertise("pause", std_srvs::SetBoolRequest(), std_srvs::SetBoolResponse(),
             [this](auto& q, auto& r) { return pause(q.data, r); });
   advertise("step", StepRequest(), StepResponse(), [this](auto& q, auto& r) { return step(q.count, r); });
@@ -218,7 +220,8 @@ bool Services::step(std::uint32_t count, StepResponse& response) {
     response.energy = statistics.kinetic_energy + statistics.elastic_energy + statistics.potential_energy;
     response.state_hash = statistics.state_hash;
     const std::string sentence = "took " + std::to_string(taken) + " of " + std::to_string(count) + " steps";
-    if (taken < count) throw InputError(sentence + "; the last one failed or the node is shutting down, see /diagnostics");
+    if (taken < count)
+      throw InputError(sentence + "; the last one failed, or ~reset or the end of the node ended them, see /diagnostics");
     return sentence;
   });
 }

@@ -28,9 +28,10 @@ namespace deformable_surface::node {
 
 class Services {
  public:
-  /// save_directory: absolute and there; empty = ~save is off.
-  Services(ros::NodeHandle& node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
-           std::string save_directory);
+  /// reset_node: of a queue of its own, since a reset ends what other calls wait for. save_directory: absolute and there; empty =
+  /// ~save is off.
+  Services(ros::NodeHandle& node, ros::NodeHandle& reset_node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
+           Complaints& complaints, std::string save_directory);
 
   /// Is called after ~restore, by the thread that answers it.
   void onRestore(std::function<void()> call) { on_restore_ = std::move(call); }

@@ -275,7 +275,7 @@ class Run {
     if (output_bag_) output_bag_->finish();
     if (options_.quiet) return;
     if (bag_) noteBag();
-    if (status_ == kDone && !bag_) noteExpectations();  // which are of the scene by itself
+    if (status_ == kDone) noteExpectations();
 
     const simulation::Statistics statistics = simulation_->statistics();
     float largest = 0.0f;
@@ -333,7 +333,7 @@ class Run {
 
   void warn(const std::string& line) {
     progress_.clear();
-    terminal_.out << "warning: " << line << '\n';
+    if (!options_.quiet) terminal_.out << "warning: " << line << '\n';
   }
   void note(const std::string& line) {
     progress_.clear();

@@ -267,7 +267,7 @@ double Stepper::secondsInStep() const {
 std::uint32_t Stepper::takeSteps(std::uint32_t count) {
   schedule_.skipTo(now_, simulation_->stepCount());
   std::uint32_t taken = 0;
-  while (taken < count && !inbox_.isClosed() && takeStep()) ++taken;
+  while (taken < count && !*inbox_.endingStep() && takeStep()) ++taken;
   is_frame_due_ = false;
   // They may have run ahead of the clock, which those to come do not wait for.
   if (now_ != 0) schedule_.resumeAt(now_, simulation_->stepCount());
@@ -282,9 +282,15 @@ bool Stepper::takeStep() {
   updateGravity();
   time_input_ = timer.seconds();
 
-  step_began_ = steady_clock::now().time_since_epoch().count();
-  const simulation::StepOutcome outcome = simulation_->step();
-  step_began_ = 0;
+  const simulation::StepOutcome outcome = [this] {
+    struct Mark {
+      std::atomic<steady_clock::rep>& began;
+      ~Mark() { began = 0; }
+    };
+    const Mark mark{step_began_};  // which an exception must not leave
+    step_began_ = steady_clock::now().time_since_epoch().count();
+    return simulation_->step();
+  }();
   step_seconds_ = timer.seconds();
   if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
   if (!outcome.ok && *inbox_.endingStep()) return false;

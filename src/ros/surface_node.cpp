@@ -78,8 +78,8 @@ simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) 
 }
 
 struct SurfaceNode::Impl {
-  ros::CallbackQueue input_queue, service_queue;
-  ros::NodeHandle node, private_node, service_node;
+  ros::CallbackQueue input_queue, service_queue, reset_queue;
+  ros::NodeHandle node, private_node, service_node, reset_node;
   Complaints complaints;
   Inbox inbox;
   CloudWorker worker;
@@ -98,7 +98,7 @@ struct SurfaceNode::Impl {
   std::vector<ros::Subscriber> subscribers;
   std::atomic<bool> has_cloud_come{false};
   RegistrationWatchdog watchdog;
-  QueueThread input_thread, service_thread;
+  QueueThread input_thread, service_thread, reset_thread;
   std::thread simulation_thread;
 
   static int countCores(Index threads) {
@@ -114,6 +114,7 @@ struct SurfaceNode::Impl {
       : node(onQueue(given, input_queue)),
         private_node(onQueue(given_private, input_queue)),
         service_node(onQueue(given_private, service_queue)),
+        reset_node(onQueue(given_private, reset_queue)),
         complaints(private_node.getNamespace()),
         inbox(ros::Time::isSimTime()),
         worker(inbox, complaints, DecodeLimits{params.input.max_points}),
@@ -124,16 +125,17 @@ struct SurfaceNode::Impl {
         frames([this](Moment& moment) { show(moment); }, std::max(1, countCores(params.threads) / 2)),
         wrenches(private_node, [this] { inbox.wantFrame(); }),
         stepper(params, inbox, worker, publishers, frames, wrenches, transforms, complaints),
-        services(service_node, inbox, stepper, transforms, complaints, params.save_directory),
+        services(service_node, reset_node, inbox, stepper, transforms, complaints, params.save_directory),
         fit(given_private, inbox, stepper, complaints),
         rollouts(given_private, inbox, stepper, transforms, complaints,
                  // One is left to the surface, where there are several.
                  std::max(1, countCores(params.threads) - 1)),
         reconfigure(service_node, inbox, stepper, complaints),
         watchdog(listServices()),
-        // One thread each: input keeps its order, and a service that waits does not hold it up.
+        // One thread each: input keeps its order, and a service that waits does not hold it up, nor what is to end the wait.
         input_thread(input_queue),
-        service_thread(service_queue) {
+        service_thread(service_queue),
+        reset_thread(reset_queue) {
     stepper.setStanding(readRobotTools(private_node, params.robot));
     stepper.onParams([this] { reconfigure.publish(); });
     services.onRestore([this] { reconfigure.store(); });
@@ -146,6 +148,7 @@ struct SurfaceNode::Impl {
       run();
     });
     service_thread.start();
+    reset_thread.start();
     input_thread.start();
   }
 
@@ -154,6 +157,7 @@ struct SurfaceNode::Impl {
     simulation_thread.join();
     input_thread.stop();
     service_thread.stop();
+    reset_thread.stop();
   }
 
   void show(Moment& moment) {

@@ -7,7 +7,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -16,6 +15,7 @@ using tool::Entry;
 using tool::Pose;
 using tool::ToolParams;
 
+constexpr double kRounding = 1e-6;  // of a step: by which times of its beginning may be off
 constexpr int kMaxMoments = 64;
 constexpr double kTurn = 0.2;  // rad between two looks at a tool that turns: ways in its frame are then nearly straight
 
@@ -66,8 +66,8 @@ std::optional<Entry> findCrossing(const ToolParams& tool, const Moments& moments
   return std::nullopt;
 }
 
-bool passes(const ToolParams& tool, double time) {
-  return tool.mode == tool::Mode::kSolid && tool.shape.kind != geometry::Solid::Kind::kPlane && tool::isActive(tool, time);
+bool passes(const ContactLoad::Body& body) {
+  return body.tool.mode == tool::Mode::kSolid && body.tool.shape.kind != geometry::Solid::Kind::kPlane && *body.acts;
 }
 
 // Whether a point went through a triangle while both moved evenly.
@@ -95,13 +95,17 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
   has_new_arrival_ = false;
   bool any = false;
   for (Body& body : bodies_) {
-    if (!body.arrival.is_known && body.tool.mode != tool::Mode::kAttract && tool::isActive(body.tool, time)) {
+    const bool acts = tool::isActive(body.tool, time + kRounding * step);
+    any = any || body.acts != acts;
+    body.acts = acts;
+    if (!acts) body.arrival = {};
+    if (acts && !body.arrival.is_known && body.tool.mode != tool::Mode::kAttract) {
       findArrival(time, step, state, held, body);
       has_new_arrival_ = true;
       any = any || !body.arrival.offset.isZero(0.0);
     }
     any = any || !body.passed.empty();
-    if (!passes(body.tool, time)) {
+    if (!passes(body)) {
       body.passed.clear();
       continue;
     }
@@ -133,9 +137,9 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
 
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                                  const std::vector<model::WeightedTriangle>& triangles) {
-  std::string notice = std::exchange(news_, "");
+  std::string notice;
   for (Body& body : bodies_) {
-    if (!passes(body.tool, time)) continue;
+    if (!passes(body)) continue;
     const Moments moments = listMoments(body.tool, time, step);
     scratch_.clear();
     auto passed = body.passed.begin();

@@ -47,6 +47,7 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
     for (Body& before : bodies_) {
       if (before.tool.id != tool.id) continue;
       if (tool.mode == Mode::kSolid) body.passed = std::move(before.passed);
+      body.acts = before.acts;
       if (!isPushing(before.tool) || !isPushing(tool) || !geometry::isSame(before.tool.shape, tool.shape)) continue;
       body.arrival = before.arrival;
       body.tool.path = findArrivingPath(tool.path, body.arrival);
@@ -63,7 +64,7 @@ template <class Visit>
 void ContactLoad::forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const {
   const ToolParams& tool = body.tool;
   auto passed = body.passed.begin();
-  if (!tool::isActive(tool, time)) return;
+  if (!body.acts.value_or(tool::isActive(tool, time))) return;
   const tool::Pose pose = tool::interpolate(tool.path, time);
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();

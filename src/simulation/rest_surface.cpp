@@ -166,7 +166,7 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   const double median = findMedianDistance(s.points);
   if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
     s.warnings.push_back("the cloud's nearest neighbours are " + formatShort(median) +
-                      " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
+                         " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
   const model::MaterialParams& m = params.material;
   constexpr double kTheirs = 1.0 / 3.0,
                    kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects

@@ -42,8 +42,12 @@ StepOutcome Simulation::Impl::step() {
   double contact_seconds = 0.0;
   if (!contact.isEmpty()) {
     const Timer contact_timer;
-    if (contact.beginStep(now, dt, state, held)) loadsChanged();
-    if (contact.hasNewArrival()) forward([&](Simulation& copy) { copy.impl_->contact.adoptArrivals(contact); });
+    const bool has_changed = contact.beginStep(now, dt, state, held);
+    appendNotice(outcome.notice, contact.news());
+    if (contact.hasNewArrival() && estimator)
+      estimator->forward([&](Simulation& copy) { copy.impl_->contact.adoptArrivals(contact); });
+    if (contact.hasNewArrival() && has_changed) wakeAll();  // where it comes from nobody has looked for sleepers
+    if (has_changed) loadsChanged();
     contact_seconds = contact_timer.seconds();
   }
 
@@ -97,7 +101,7 @@ StepOutcome Simulation::Impl::step() {
   return outcome;
 }
 
-// Whether the middle of the surface lies among its pins, so that it will sag between them and not swing down.
+// Whether the middle of the surface lies among its pins: most such surfaces sag between them and do not swing down.
 bool Simulation::Impl::isHeldAround() const {
   Eigen::AlignedBox3d pins;
   Vec3 middle = Vec3::Zero();
@@ -194,7 +198,8 @@ void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
 // The copies take the same step.
 void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& outcome) {
   const Timer timer;
-  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all()));
+  const std::string said = estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all());
+  if (!(interrupt && *interrupt)) appendNotice(outcome.notice, said);
   // Asked for, kept in the trial, but not kept now; said once.
   const double wish = params.accuracy.position_error, error = estimator->total() + softening;
   if (wish > 0.0 && choice.is_met && error > wish && std::isfinite(error) && !is_wish_missed) {

@@ -64,6 +64,7 @@ double findWay(const Overlap& overlap, const Vec3& direction, double depth, doub
 // The nearest free place along the axes of the tool, and against the way in which most of what it overlaps would be pushed.
 void ContactLoad::findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body) {
   body.arrival = {true, Vec3::Zero(), time, time + std::max(kArrival, step)};
+  if (!arrives_) return;
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
   const Overlap overlap(body.tool, pose, state.positions, held);
   Vec3 push = Vec3::Zero();
@@ -85,16 +86,15 @@ void ContactLoad::findArrival(double time, double step, const model::State& stat
     if (way < shortest) body.arrival.offset = way * direction;
     shortest = std::min(shortest, way);
   }
+  body.tool.path = findArrivingPath(body.tool.path, body.arrival);
   Eigen::AlignedBox3d extent;
   for (const Vec3& x : state.positions) extent.extend(x);
-  if (deepest > kTold * extent.diagonal().norm())
-    appendNotice(news_, "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " +
-                            std::to_string(state.size()) + " simulation points are, up to " + formatShort(deepest) + " m deep; " +
-                            (arrives_ ? "it arrives from " + formatShort(shortest) + " m beside, within " +
-                                            formatShort(body.arrival.ends - time) + " s"
-                                      : "an equilibrium has all of it at once"));
-  if (!arrives_ || !std::isfinite(shortest)) body.arrival.offset.setZero();
-  body.tool.path = findArrivingPath(body.tool.path, body.arrival);
+  if (!(deepest > kTold * extent.diagonal().norm())) return;
+  appendNotice(news_, "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " +
+                          std::to_string(state.size()) + " simulation points are, up to " + formatShort(deepest) + " m deep; " +
+                          (std::isfinite(shortest) ? "it arrives from " + formatShort(shortest) + " m beside, within " +
+                                                         formatShort(body.arrival.ends - time) + " s"
+                                                   : "no place free of them is near, and it is there at once"));
 }
 
 void ContactLoad::adoptArrivals(const ContactLoad& other) {

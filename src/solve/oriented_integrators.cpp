@@ -145,6 +145,8 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
     drift(system, dt, state);
   }
   report.iterations = (taken + kStepsPerIteration - 1) / kStepsPerIteration;
+  report.unbalanced = report.converged ? 0.0 : report.residual / largest;
+  report.is_out_of_iterations = taken == most;
   state.velocities = carried_;
   state.spins.assign(n, Vec3::Zero());
   report.finite = report.finite && allFinite(state);

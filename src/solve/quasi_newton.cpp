@@ -125,6 +125,10 @@ bool QuasiNewton::solve(const System& system, double time, double tolerance, dou
                         State& state, SolveReport& report) {
   if (!system.hasElasticityAlone(time, state)) return false;
   pairs_.resize(kMemory);
+  for (Pair& pair : pairs_) {
+    pair.step.resize(3 * state.size());
+    pair.change.resize(3 * state.size());
+  }
   num_found_ = 0;
   first_ = state.positions;
   const Index iterations = report.iterations;

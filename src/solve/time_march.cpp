@@ -275,8 +275,9 @@ std::string TimeMarch::describeUnbalance(const SolveReport& report) const {
       : report.is_out_of_iterations
           ? "more integrator.max_iterations or a larger integrator.tolerance end this"
           : "no iteration came nearer, as where a surface folds: a smaller time_step or a larger integrator.tolerance help";
-  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (a step of the implicit method has two "
-         "searches of at most integrator.max_iterations, " + std::to_string(params_.max_iterations) + ") with " +
+  const std::string most = "integrator.max_iterations, " + std::to_string(params_.max_iterations);
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (" +
+         (memory_.type == IntegratorType::kStatic ? "at most " + most : "two searches, each of at most " + most) + ") with " +
          formatShort(report.unbalanced) + " of the largest force unbalanced in place of integrator.tolerance, " +
          formatShort(params_.tolerance) + "; " + advice;
 }

@@ -236,5 +236,19 @@ TEST(Blade, GoesBetweenTwoPointsOnOppositeSidesOnly) {
   EXPECT_FALSE(tool::isBetween(blade, Vec3(-0.1, 0.0, 0.0), Vec3(0.0, 0.1, 0.0)));      // past its corner
 }
 
+// Nothing is left that resists, and nothing to make a guess of it from.
+TEST(Cutting, AnEquilibriumOfASurfaceThatIsCutAltogetherEndsInAnAnswer) {
+  simulation::SceneParams p = hangingSheet();
+  p.mass_spring.tear_strain = 1e-4;
+  p.integrator.type = solve::IntegratorType::kStatic;
+  p.simplification.target_points = 0;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  simulation::Simulation s(p, sheetCloud(6));
+  for (int k = 0; k < 4; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    EXPECT_TRUE(outcome.ok || !outcome.problem.empty());
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

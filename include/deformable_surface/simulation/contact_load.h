@@ -7,6 +7,7 @@
 #include "deformable_surface/tool/crossing.h"
 #include "deformable_surface/tool/tool.h"
 
+#include <optional>
 #include <utility>
 
 namespace deformable_surface::simulation {
@@ -49,12 +50,16 @@ class ContactLoad : public solve::ExternalLoad {
     tool::ToolParams tool;
     std::vector<Passed> passed;
     Arrival arrival;
+    std::optional<bool> acts;  // in the whole of the step that was begun; none: before the first
   };
   const std::vector<Body>& all() const { return bodies_; }
   void restore(const std::vector<Body>& bodies) { bodies_ = bodies; }
-  /// Before a step: which points solid tools will pass over in it if they go on as they do, and which are free again; and
-  /// from where tools that appear arrive. held: those that cannot be pushed. Returns whether any of this has changed anything.
+  /// Before a step: which tools act in it; which points solid ones will pass over in it if they go on as they do, and which are
+  /// free again; and from where tools that appear arrive. held: those that cannot be pushed. Returns whether any of this has
+  /// changed anything.
   bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
+  /// What a user should know of the last beginStep().
+  const std::string& news() const { return news_; }
   /// Whether the last beginStep() has found out how a tool arrives.
   bool hasNewArrival() const { return has_new_arrival_; }
   /// Tools that have not acted yet arrive as those of the same id do there: a copy with fewer points would find other ways.
@@ -109,7 +114,7 @@ class ContactLoad : public solve::ExternalLoad {
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
   bool arrives_ = true, has_new_arrival_ = false;
-  std::string news_;  // of beginStep(), which endStep() tells
+  std::string news_;
   mutable double seconds_ = 0.0;
   Points before_;                // m, of the last beginStep()
   std::vector<Passed> scratch_;

@@ -103,7 +103,8 @@ class System {
   double dampingRate(double time, const State& state) const;
   /// Upper bound of the largest stiffness of the loads over its mass, 1/s^2.
   double loadStiffness(double time, const State& state) const;
-  /// Whether all forces have a potential and all stiffness is the model's, in blocks: what QuasiNewton asks for.
+  /// Whether all forces have a potential, all stiffness (but that of pressure on closed surfaces) is the model's, in blocks, and
+  /// the model knows couplings: what QuasiNewton asks for.
   bool hasElasticityAlone(double time, const State& state) const;
 
  private:

@@ -417,10 +417,9 @@ void CurvatureBending::addForces(const PaddedPoints& positions, Points& forces) 
 // Of the few that got none with the others, one by one.
 void CurvatureBending::addCrushedForces(const PaddedPoints& positions, Points& forces) const {
   for (Index i = 0; i < neighbors_.size(); ++i) {
-    if (weight_[i] == 0.0) continue;
-    const Derivatives d = sumDerivativesAt(i, positions.data(), 4);
-    if (!isCrushed(d)) continue;
-    const CrushedShape s = crushedShapeAt(i, d);
+    const double* normal = &normals_[4 * i];
+    if (weight_[i] == 0.0 || normal[0] != 0.0 || normal[1] != 0.0 || normal[2] != 0.0) continue;
+    const CrushedShape s = crushedShapeAt(i, sumDerivativesAt(i, positions.data(), 4));
     const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(s.change);
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
       forces[neighbors_.items[r]] -= s.changeBy(rows_[r]) * moment;

@@ -16,12 +16,17 @@ constexpr double kRounding = 1e-9;  // of the springs along: tension below that 
 
 }  // namespace
 
+bool MassSpring::knowsCouplings() const {
+  return membrane_ == Membrane::kTriangles && bending_springs_.links().empty() && !(volume_stiffness_ > 0.0);
+}
+
 bool MassSpring::findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
-  if (membrane_ != Membrane::kTriangles || !bending_springs_.links().empty() || volume_stiffness_ > 0.0) return false;
+  if (!knowsCouplings()) return false;
   membrane_triangles_.computeSpringsAcross(state, springs_across_);
   if (bending_sum_ < 0.0) bending_sum_ = bending_.sumSprings();
   const auto sum = [](const std::vector<double>& springs) { return std::accumulate(springs.begin(), springs.end(), 0.0); };
   if (springs_along_.empty()) membrane_triangles_.computeSpringsAlong(springs_along_);
+  if (springs_along_.empty()) return false;  // all is cut
   // At rest there is none; the surface will sag like a membrane, and how far is for the first step to find.
   const bool is_slack = sum(springs_across_) <= kRounding * sum(springs_along_);
   if (is_slack) springs_across_ = springs_along_;
