@@ -92,7 +92,7 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
   news_.clear();
-  has_new_arrival_ = false;
+  has_new_arrival_ = has_new_detour_ = false;
   bool any = false;
   for (Body& body : bodies_) {
     const bool acts = tool::isActive(body.tool, time + kRounding * step);
@@ -102,7 +102,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     if (acts && !body.arrival.is_known && body.tool.mode != tool::Mode::kAttract) {
       findArrival(time, step, state, held, body);
       has_new_arrival_ = true;
-      any = any || !body.arrival.offset.isZero(0.0);
+      has_new_detour_ = has_new_detour_ || !body.arrival.offset.isZero(0.0);
     }
     any = any || !body.passed.empty();
     if (!passes(body)) {
@@ -132,7 +132,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     body.passed.swap(scratch_);
     any = any || !body.passed.empty();
   }
-  return any;
+  return any || has_new_detour_;
 }
 
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,

@@ -46,7 +46,7 @@ StepOutcome Simulation::Impl::step() {
     appendNotice(outcome.notice, contact.news());
     if (contact.hasNewArrival() && estimator)
       estimator->forward([&](Simulation& copy) { copy.impl_->contact.adoptArrivals(contact); });
-    if (contact.hasNewArrival() && has_changed) wakeAll();  // where it comes from nobody has looked for sleepers
+    if (contact.hasNewDetour()) wakeAll();  // where it comes from nobody has looked for sleepers
     if (has_changed) loadsChanged();
     contact_seconds = contact_timer.seconds();
   }

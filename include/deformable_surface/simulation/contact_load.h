@@ -62,6 +62,8 @@ class ContactLoad : public solve::ExternalLoad {
   const std::string& news() const { return news_; }
   /// Whether the last beginStep() has found out how a tool arrives.
   bool hasNewArrival() const { return has_new_arrival_; }
+  /// The same, of one that begins beside its place.
+  bool hasNewDetour() const { return has_new_detour_; }
   /// Tools that have not acted yet arrive as those of the same id do there: a copy with fewer points would find other ways.
   void adoptArrivals(const ContactLoad& other);
   /// After it: which points they did pass over though it was not foreseen. Returns what a user should know of the step.
@@ -113,7 +115,7 @@ class ContactLoad : public solve::ExternalLoad {
   const std::vector<double>& masses_;
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
-  bool arrives_ = true, has_new_arrival_ = false;
+  bool arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
   std::string news_;
   mutable double seconds_ = 0.0;
   Points before_;                // m, of the last beginStep()
