@@ -34,6 +34,13 @@ struct Sag {
   simulation::CloudParams shape;
 };
 
+// Not quite at rest, it starts where it is.
+void moveALittle(Simulation& s) {
+  model::State state = s.state();
+  state.positions[200].z() += 1e-12;
+  s.setState(state);
+}
+
 double findLargestDistance(const Points& a, const Points& b) {
   double largest = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) largest = std::max(largest, (a[i] - b[i]).norm());
@@ -44,10 +51,7 @@ TEST(NestedStart, LeadsToTheEquilibriumThatNewtonsMethodFindsFromRest) {
   Sag sag(400, true);
   sag.scene.material.young_modulus = 1e8;
   Simulation nested = sag.make(), direct = sag.make();
-  // Not quite at rest, it starts where it is.
-  model::State state = direct.state();
-  state.positions[200].z() += 1e-12;
-  direct.setState(state);
+  moveALittle(direct);
   ASSERT_TRUE(nested.step().ok);
   ASSERT_TRUE(direct.step().ok);
   // Both are in balance to a millionth of the forces, and soft by less than a metre a newton.
@@ -60,9 +64,7 @@ TEST(NestedStart, LeadsToTheEquilibriumThatNewtonsMethodFindsFromRest) {
 TEST(NestedStart, IsNotNeededBetweenPins) {
   const Sag sag(400);
   Simulation s = sag.make(), direct = sag.make();
-  model::State state = direct.state();
-  state.positions[200].z() += 1e-12;
-  direct.setState(state);
+  moveALittle(direct);
   ASSERT_TRUE(s.step().ok);
   ASSERT_TRUE(direct.step().ok);
   EXPECT_TRUE(s.statistics().is_quasi_newton);

@@ -20,6 +20,8 @@ namespace deformable_surface::model {
 /// zero.
 class CurvatureBending {
  public:
+  static constexpr Index kFitPoints = 16;  // neighbours in a fit: about two rings, enough for one-sided fits at edges
+
   CurvatureBending() = default;
 
   /// rings: neighbours of neighbours are the fit's points. areas (n) m^2; rigidity D, N m. Points whose neighbourhood does
