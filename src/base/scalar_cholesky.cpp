@@ -10,27 +10,93 @@
 namespace deformable_surface {
 namespace {
 
-// work = (L D L^T)^-1 work, four numbers a row.
-DEFORMABLE_SURFACE_WIDE void substitute(Index n, const Index* starts, const Index* rows, const double* factor,
-                                        const double* inverse, double* work) {
-  for (Index j = 0; j < n; ++j) {
-    Double4 x, y;
-    load(work + 4 * static_cast<std::ptrdiff_t>(j), x);
-    for (Index k = starts[j]; k < starts[j + 1]; ++k) {
-      double* to = work + 4 * static_cast<std::ptrdiff_t>(rows[k]);
-      load(to, y);
-      store(y - factor[k] * x, to);
+// A number for each of the four columns: the same one, or another for the last.
+struct Same {
+  const double* numbers;
+  DEFORMABLE_SURFACE_INLINE void get(Index k, Double4& to) const { to = Double4{} + numbers[k]; }
+};
+struct LastApart {
+  const double *numbers, *of_last;
+  DEFORMABLE_SURFACE_INLINE void get(Index k, Double4& to) const { to = Double4{numbers[k], numbers[k], numbers[k], of_last[k]}; }
+};
+
+// A factor as it is read.
+struct Columns {
+  Index n;
+  const Index *starts, *rows;
+  const char* is_paired;  // with the next column
+};
+
+DEFORMABLE_SURFACE_INLINE double* at(double* work, Index row) { return work + 4 * static_cast<std::ptrdiff_t>(row); }
+
+// work = (L D L^T)^-1 work, four numbers a row. Of a pair of columns each row is read and written once for both.
+template <class Numbers>
+DEFORMABLE_SURFACE_INLINE void substituteRows(const Columns& l, const Numbers& factor, const Numbers& inverse, double* work) {
+  Double4 x{}, x_next{}, y{}, f{}, g{};
+  for (Index j = 0; j < l.n; ++j) {
+    load(at(work, j), x);
+    Index k = l.starts[j];
+    if (l.is_paired[j]) {
+      factor.get(k, f);
+      load(at(work, j + 1), x_next);
+      x_next -= f * x;
+      store(x_next, at(work, j + 1));
+      Index next = l.starts[j + 1];
+      for (++k; k < l.starts[j + 1]; ++k, ++next) {
+        factor.get(k, f);
+        factor.get(next, g);
+        load(at(work, l.rows[k]), y);
+        y -= f * x;
+        store(y - g * x_next, at(work, l.rows[k]));
+      }
+      ++j;
+    } else {
+      for (; k < l.starts[j + 1]; ++k) {
+        factor.get(k, f);
+        load(at(work, l.rows[k]), y);
+        store(y - f * x, at(work, l.rows[k]));
+      }
     }
   }
-  for (Index j = n - 1; j >= 0; --j) {
-    Double4 x, y, sum{};
-    load(work + 4 * static_cast<std::ptrdiff_t>(j), x);
-    for (Index k = starts[j]; k < starts[j + 1]; ++k) {
-      load(work + 4 * static_cast<std::ptrdiff_t>(rows[k]), y);
-      sum += factor[k] * y;
+  for (Index j = l.n - 1; j >= 0; --j) {
+    Double4 sum{}, sum_next{};
+    const bool is_pair = j > 0 && l.is_paired[j - 1];
+    if (is_pair) --j;
+    Index k = l.starts[j] + (is_pair ? 1 : 0);
+    if (is_pair) {
+      for (Index next = l.starts[j + 1]; k < l.starts[j + 1]; ++k, ++next) {
+        factor.get(k, f);
+        factor.get(next, g);
+        load(at(work, l.rows[k]), y);
+        sum += f * y;
+        sum_next += g * y;
+      }
+      load(at(work, j + 1), x);
+      inverse.get(j + 1, g);
+      x = x * g - sum_next;
+      store(x, at(work, j + 1));
+      factor.get(l.starts[j], f);
+      sum += f * x;
+    } else {
+      for (; k < l.starts[j + 1]; ++k) {
+        factor.get(k, f);
+        load(at(work, l.rows[k]), y);
+        sum += f * y;
+      }
     }
-    store(x * inverse[j] - sum, work + 4 * static_cast<std::ptrdiff_t>(j));
+    load(at(work, j), x);
+    inverse.get(j, g);
+    store(x * g - sum, at(work, j));
   }
+}
+
+DEFORMABLE_SURFACE_WIDE void substitute(const Columns& l, const double* factor, const double* inverse, double* work) {
+  substituteRows(l, Same{factor}, Same{inverse}, work);
+}
+
+DEFORMABLE_SURFACE_WIDE void substituteTwo(const Columns& l, const double* factor, const double* inverse,
+                                           const double* last_factor, const double* last_inverse, double* work) {
+  substituteRows(l, LastApart{factor, last_factor}, LastApart{inverse, last_inverse}, work);
 }
 
 // The same, one number a row.
@@ -48,14 +114,13 @@ void substituteOne(Index n, const Index* starts, const Index* rows, const double
 
 void ScalarCholesky::analyze(Index n, const std::vector<std::pair<Index, Index>>& pairs) {
   std::vector<Eigen::Triplet<double, int>> entries;
-  for (const auto& [i, j] : pairs) {
-    entries.emplace_back(i, j, 1.0);
-    entries.emplace_back(j, i, 1.0);
-  }
+  entries.reserve(n + pairs.size());
+  for (Index i = 0; i < n; ++i) entries.emplace_back(i, i, 1.0);  // without a diagonal Eigen changes no order
+  for (const auto& [i, j] : pairs) entries.emplace_back(std::max(i, j), std::min(i, j), 1.0);
   Eigen::SparseMatrix<double, Eigen::ColMajor, int> matrix(n, n);
   matrix.setFromTriplets(entries.begin(), entries.end());
   Eigen::AMDOrdering<int>::PermutationType permutation;
-  Eigen::AMDOrdering<int>()(matrix, permutation);
+  Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
   from_.assign(permutation.indices().data(), permutation.indices().data() + n);
   position_.resize(n);
   for (Index k = 0; k < n; ++k) position_[from_[k]] = k;
@@ -90,6 +155,11 @@ void ScalarCholesky::analyze(Index n, const std::vector<std::pair<Index, Index>>
       }
   }
   for (Index k = 0; k < n; ++k) starts_[k + 1] += starts_[k];
+  // A column whose parent is the next and that has but one row more has the same rows below it.
+  is_paired_.assign(n, 0);
+  for (Index k = 0; k + 1 < n; ++k)
+    is_paired_[k] = !(k > 0 && is_paired_[k - 1]) && parent_[k] == k + 1 &&
+                    starts_[k + 1] - starts_[k] == starts_[k + 2] - starts_[k + 1] + 1;
   factor_.resize(starts_[n]);
   factor_rows_.resize(starts_[n]);
   inverse_.resize(n);
@@ -138,7 +208,7 @@ void ScalarCholesky::solve(const Points& b, Points& x) {
   const Index n = static_cast<Index>(from_.size());
   for (Index k = 0; k < n; ++k)
     for (int c = 0; c < 3; ++c) work_[4 * static_cast<std::size_t>(k) + c] = b[from_[k]][c];
-  substitute(n, starts_.data(), factor_rows_.data(), factor_.data(), inverse_.data(), work_.data());
+  substitute({n, starts_.data(), factor_rows_.data(), is_paired_.data()}, factor_.data(), inverse_.data(), work_.data());
   x.resize(n);
   for (Index k = 0; k < n; ++k)
     for (int c = 0; c < 3; ++c) x[from_[k]][c] = work_[4 * static_cast<std::size_t>(k) + c];
@@ -150,6 +220,16 @@ void ScalarCholesky::solve(const std::vector<double>& b, std::vector<double>& x)
   substituteOne(n, starts_.data(), factor_rows_.data(), factor_.data(), inverse_.data(), work_.data());
   x.resize(n);
   for (Index k = 0; k < n; ++k) x[from_[k]] = work_[k];
+}
+
+void ScalarCholesky::solveWith(const ScalarCholesky& of_last, std::vector<double>& rows) {
+  const Index n = static_cast<Index>(from_.size());
+  for (Index k = 0; k < n; ++k)
+    std::copy_n(rows.data() + 4 * static_cast<std::ptrdiff_t>(from_[k]), 4, work_.data() + 4 * static_cast<std::ptrdiff_t>(k));
+  substituteTwo({n, starts_.data(), factor_rows_.data(), is_paired_.data()}, factor_.data(), inverse_.data(),
+                of_last.factor_.data(), of_last.inverse_.data(), work_.data());
+  for (Index k = 0; k < n; ++k)
+    std::copy_n(work_.data() + 4 * static_cast<std::ptrdiff_t>(k), 4, rows.data() + 4 * static_cast<std::ptrdiff_t>(from_[k]));
 }
 
 }  // namespace deformable_surface

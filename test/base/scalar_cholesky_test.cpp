@@ -60,10 +60,43 @@ TEST(ScalarCholesky, SolvesForThreeCoordinatesAtOnceAgainAndAgain) {
       for (Index i = 0; i < n; ++i) one[i] = b[i].y();
       cholesky.solve(one, one);
       for (Index i = 0; i < n; ++i) EXPECT_NEAR(one[i], expected(i, 1), 1e-10 * expected.norm()) << n;
-      // Another matrix with the same pattern.
+      // Beside another matrix with the same pattern.
+      std::vector<double> weaker = m.values;
+      for (double& value : weaker) value *= 0.5;
+      ScalarCholesky other = cholesky;
+      ASSERT_TRUE(other.factorize(m.diagonal, weaker));
+      Eigen::MatrixXd dense = 0.5 * m.dense;
+      dense.diagonal() *= 2.0;
+      const Eigen::VectorXd expected_last = dense.llt().solve(right.col(0));
+      std::vector<double> rows(4 * n);
+      for (Index i = 0; i < n; ++i) {
+        std::copy_n(b[i].data(), 3, rows.data() + 4 * i);
+        rows[4 * i + 3] = b[i].x();
+      }
+      cholesky.solveWith(other, rows);
+      for (Index i = 0; i < n; ++i) {
+        for (int c = 0; c < 3; ++c) EXPECT_EQ(rows[4 * i + c], x[i][c]) << n;
+        EXPECT_NEAR(rows[4 * i + 3], expected_last[i], 1e-10 * expected_last.norm()) << n;
+      }
+      // Another matrix, after it.
       for (Index i = 0; i < n; ++i) m.dense(i, i) = m.diagonal[i] *= 1.7;
     }
   }
+}
+
+TEST(ScalarCholesky, OrdersSoThatLittleIsFilled) {
+  const Index side = 20, n = side * side;
+  std::vector<std::pair<Index, Index>> pairs;
+  for (Index i = 0; i < side; ++i)
+    for (Index j = 0; j < side; ++j) {
+      const Index at = i * side + j;
+      if (j + 1 < side) pairs.emplace_back(at, at + 1);
+      if (i + 1 < side) pairs.emplace_back(at, at + side);
+      if (i + 1 < side && j + 1 < side) pairs.emplace_back(at, at + side + 1);
+    }
+  ScalarCholesky cholesky;
+  cholesky.analyze(n, pairs);
+  EXPECT_LT(cholesky.factorSize(), 0.65 * n * side);  // row after row it is n side, less a little
 }
 
 TEST(ScalarCholesky, TellsThatAMatrixIsNotPositiveAndGoesOnWithTheNext) {

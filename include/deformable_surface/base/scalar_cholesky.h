@@ -26,6 +26,10 @@ class ScalarCholesky {
   /// The same of one number a point, (n) each; x may be b.
   void solve(const std::vector<double>& b, std::vector<double>& x);
 
+  /// In place of (n x 4) numbers, row by row: the first three columns with this matrix, the last with another of the same
+  /// pattern, in little more time than the three alone. Allocates nothing.
+  void solveWith(const ScalarCholesky& of_last, std::vector<double>& rows);
+
   /// Numbers stored below the diagonal of L.
   std::size_t factorSize() const { return factor_.size(); }
 
@@ -37,6 +41,7 @@ class ScalarCholesky {
   std::vector<Index> parent_;               // elimination tree, -1 = a root
   std::vector<Index> starts_;               // of each column of L: its place in the factor
   std::vector<Index> factor_rows_;
+  std::vector<char> is_paired_;             // 1: of this column and the next the rows below both are the same
   std::vector<double> factor_, inverse_;    // L below the diagonal by columns, and D^-1
   // Scratch.
   std::vector<Index> filled_, flag_, stack_;
