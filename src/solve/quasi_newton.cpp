@@ -1,5 +1,6 @@
 #include "quasi_newton.h"
 
+#include "deformable_surface/base/simd.h"
 #include "deformable_surface/base/timer.h"
 
 #include <algorithm>
@@ -12,24 +13,44 @@ constexpr Index kMemory = 12;       // pairs: with 20 three iterations of 27 few
 constexpr Index kMost = 120;        // iterations: more cost as much as Newton's method
 constexpr Index kTrial = 30;        // iterations, in each so many of which the largest force
 constexpr double kFall = 0.1;       // has to fall to this share of itself: where all is well it does so in ten
-constexpr Index kFirstRefresh = 10; // iterations after which the preconditioner is taken anew; doubled each time
+constexpr Index kFirstRefresh = 6;  // iterations after which the preconditioner is taken anew; doubled each time
 constexpr double kGoodFall = 0.1;   // of the largest force in these, with which it need not be
-constexpr Index kScaleInterval = 8; // iterations between two looks at the largest force there is
+// System::findCouplings()'s: far from the equilibrium, and where it is near and tension is much what it will be.
+constexpr double kFarSupport = 1.0, kNearSupport = 0.3;
 constexpr int kMostTrials = 12;     // of lengths: beyond it the direction is rounding
 // Wolfe's conditions: the share of the first slope that may be left, before and after the least energy.
 constexpr double kLeft = 0.9, kBeyond = 0.8;
-constexpr double kStretch = 4.0;    // of a length that was too short
+constexpr double kLeastStretch = 1.5, kMostStretch = 64.0;  // of a length that was too short
 constexpr double kCut = 0.1;        // of one that led to no numbers, and the nearest to a known end that a guess may come
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
   return {points.data()->data(), 3 * static_cast<Eigen::Index>(points.size())};
 }
 
+DEFORMABLE_SURFACE_WIDE double computeDot(Eigen::Index size, const double* a, const double* b) {
+  Double4 sums[2] = {}, p, q;
+  Eigen::Index i = 0;
+  for (; i + 8 <= size; i += 8)
+    for (int half = 0; half < 2; ++half) {
+      load(a + i + 4 * half, p);
+      load(b + i + 4 * half, q);
+      sums[half] += p * q;
+    }
+  sums[0] += sums[1];
+  double sum = (sums[0][0] + sums[0][1]) + (sums[0][2] + sums[0][3]);
+  for (; i < size; ++i) sum += a[i] * b[i];
+  return sum;
+}
+
+DEFORMABLE_SURFACE_WIDE void addScaled(Eigen::Index size, double scale, const double* a, double* sum) {
+  for (Eigen::Index i = 0; i < size; ++i) sum[i] += scale * a[i];
+}
+
 }  // namespace
 
 double QuasiNewton::findGradient(const System& system, double time, State& state, SolveReport& report) {
   const Timer timer;
-  system.computeForces(time, state, forces_);
+  scale_ = system.computeForcesAndLargest(time, state, forces_);
   report.time_forces += timer.seconds();
   gradient_ = -flatten(forces_);
   double squared = 0.0;
@@ -40,20 +61,21 @@ double QuasiNewton::findGradient(const System& system, double time, State& state
 // The two loops of Nocedal.
 void QuasiNewton::findDirection(const System& system) {
   const Index count = std::min(num_found_, kMemory);
+  const Eigen::Index size = gradient_.size();
   work_ = -gradient_;
   for (Index age = 0; age < count; ++age) {
     Pair& p = remember(age);
-    p.share = p.inverse * p.step.dot(work_);
-    work_ -= p.share * p.change;
+    p.share = p.inverse * computeDot(size, p.step.data(), work_.data());
+    addScaled(size, -p.share, p.change.data(), work_.data());
   }
   preconditioner_.apply(system, work_, direction_);
   for (Index age = count; age-- > 0;) {
     const Pair& p = remember(age);
-    direction_ += (p.share - p.inverse * p.change.dot(direction_)) * p.step;
+    addScaled(size, p.share - p.inverse * computeDot(size, p.change.data(), direction_.data()), p.step.data(), direction_.data());
   }
 }
 
-// By the zero of the slope that a straight line between two known ones has.
+// Between two known slopes by the zero of the straight line through them.
 bool QuasiNewton::search(const System& system, double time, State& state, SolveReport& report) {
   const double slope = gradient_.dot(direction_), residual = report.residual;
   if (!(slope < 0.0)) return false;
@@ -78,9 +100,14 @@ bool QuasiNewton::search(const System& system, double time, State& state, SolveR
     }
     (there > 0.0 ? high : low) = fraction_;
     (there > 0.0 ? high_slope : low_slope) = there;
-    const double width = high - low;
-    const double zero = low - low_slope * width / (high_slope - low_slope);
-    fraction_ = high > 0.0 ? std::clamp(zero, low + kCut * width, high - kCut * width) : kStretch * fraction_;
+    if (high > 0.0) {
+      const double width = high - low, zero = low - low_slope * width / (high_slope - low_slope);
+      fraction_ = std::clamp(zero, low + kCut * width, high - kCut * width);
+    } else {
+      // What is flat sags by the third root of its load: its slope changes by the third power of the length.
+      const double cubed = there > slope ? slope / (slope - there) : HUGE_VAL;
+      fraction_ *= std::clamp(std::cbrt(cubed), kLeastStretch, kMostStretch);
+    }
   }
   flatten(state.positions) = start_;
   gradient_.swap(gradient_before_);
@@ -91,10 +118,9 @@ bool QuasiNewton::search(const System& system, double time, State& state, SolveR
 bool QuasiNewton::descend(const System& system, double time, double tolerance, double rounding,
                           const std::atomic<bool>* interrupt, State& state, SolveReport& report) {
   report.residual = findGradient(system, time, state, report);
-  double scale = system.largestForce(time, state);
-  const auto isEnough = [&] { return report.residual <= std::max(tolerance * scale, rounding); };
+  const auto isEnough = [&] { return report.residual <= std::max(tolerance * scale_, rounding); };
   if (isEnough()) return true;
-  if (!preconditioner_.prepare(system, state)) return false;
+  if (!preconditioner_.prepare(system, state, kFarSupport)) return false;
   const double energy = system.potentialEnergy(time, state);
   double at_trial = report.residual, at_refresh = report.residual;
   Index refresh = kFirstRefresh;
@@ -102,8 +128,6 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
     findDirection(system);
     if (!search(system, time, state, report)) return false;
     ++report.iterations;
-    // The largest force of another place says nothing: far from the equilibrium it is larger by far, at rest smaller.
-    if (isEnough() || k % kScaleInterval == 0) scale = system.largestForce(time, state);
     if (isEnough()) return system.potentialEnergy(time, state) <= energy + 1e-14 * std::abs(energy);
     if (k % kTrial == 0) {
       if (!(report.residual <= kFall * at_trial)) return false;
@@ -111,7 +135,8 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
     }
     // What is flat at first has no tension yet, and a first step that had to be cut says so.
     if ((k == 1 && fraction_ != 1.0) || (k == refresh && report.residual > kGoodFall * at_refresh)) {
-      if (!preconditioner_.prepare(system, state)) return false;
+      if (!preconditioner_.prepare(system, state, k == 1 ? kFarSupport : kNearSupport)) return false;
+      if (k == 1) num_found_ = 0;  // over so long a step the stiffness became another
     }
     if (k == refresh) {
       refresh *= 2;

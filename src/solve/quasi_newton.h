@@ -30,7 +30,7 @@ class QuasiNewton {
   };
   bool descend(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
                State& state, SolveReport& report);
-  /// Computes the gradient at state.positions and returns the largest force on a free point, N.
+  /// Computes the gradient at state.positions, and scale_, and returns the largest force on a free point, N.
   double findGradient(const System& system, double time, State& state, SolveReport& report);
   void findDirection(const System& system);
   /// Moves state.positions along the direction and learns from it; false, and unmoved, if no length will do.
@@ -42,6 +42,7 @@ class QuasiNewton {
   std::vector<Pair> pairs_;
   Index num_found_ = 0;    // pairs since the beginning, of which the last ones are kept
   double fraction_ = 1.0;  // of the last direction that was taken
+  double scale_ = 0.0;     // System::largestForce() at the last gradient, N
   Points forces_, first_;  // first_: positions at the beginning
   Eigen::VectorXd gradient_, gradient_before_, start_, direction_, work_;  // (3 n)
 };

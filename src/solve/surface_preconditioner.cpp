@@ -15,14 +15,22 @@ bool SurfacePreconditioner::Part::hasPairsOf(const std::vector<System::Coupling>
   });
 }
 
-// Held points become identity rows. Where nothing has changed the factor stays.
-bool SurfacePreconditioner::Part::factorize(const System& system) {
+// Held points become identity rows. What is known already is taken: the factor as it is, or the analysis or all of the other's.
+bool SurfacePreconditioner::Part::factorize(const System& system, const Part* other) {
   const Index n = system.size();
   if (!hasPairsOf(springs)) {
     pairs.clear();
+    pairs.reserve(springs.size());
     for (const System::Coupling& spring : springs) pairs.emplace_back(spring.i, spring.j);
-    factor.analyze(n, pairs);
     is_positive = false;
+    if (other && other->pairs == pairs) {
+      factor = other->factor;
+      diagonal = other->diagonal;
+      values = other->values;
+      is_positive = other->is_positive;
+    } else {
+      factor.analyze(n, pairs);
+    }
   }
   diagonal.swap(diagonal_before);
   values.swap(values_before);
@@ -40,8 +48,8 @@ bool SurfacePreconditioner::Part::factorize(const System& system) {
   return is_positive = factor.factorize(diagonal, values);
 }
 
-bool SurfacePreconditioner::prepare(const System& system, const State& state) {
-  if (!system.findCouplings(state, along_.springs, across_[used_].springs)) return false;
+bool SurfacePreconditioner::prepare(const System& system, const State& state, double support) {
+  if (!system.findCouplings(state, support, along_.springs, across_[used_].springs)) return false;
   if (!across_[used_].hasPairsOf(across_[used_].springs) && !across_[used_].pairs.empty()) {
     across_[1 - used_].springs.swap(across_[used_].springs);
     used_ = 1 - used_;
@@ -51,25 +59,37 @@ bool SurfacePreconditioner::prepare(const System& system, const State& state) {
     const double length = normal.norm();
     normal = length > 0.0 ? Vec3(normal / length) : Vec3::Zero();
   }
-  return along_.factorize(system) && across_[used_].factorize(system);
+  if (!along_.factorize(system) || !across_[used_].factorize(system, &along_)) return false;
+  are_alike_ = across_[used_].pairs == along_.pairs;
+  return true;
 }
 
 void SurfacePreconditioner::apply(const System& system, const Eigen::VectorXd& force, Eigen::VectorXd& answer) {
   const Index n = system.size();
-  tangential_.resize(n);
-  normal_.resize(n);
-  answer.resize(3 * n);
+  rows_.resize(4 * static_cast<std::size_t>(n));
+  const auto row = [&](Index i) { return Eigen::Map<Eigen::Vector4d>(rows_.data() + 4 * static_cast<std::size_t>(i)); };
   for (Index i = 0; i < n; ++i) {
     const Vec3 f = force.segment<3>(3 * i);
-    normal_[i] = f.dot(normals_[i]);
-    tangential_[i] = f - normal_[i] * normals_[i];
+    const double across = f.dot(normals_[i]);
+    row(i) << f - across * normals_[i], across;
   }
-  along_.factor.solve(tangential_, tangential_);
-  across_[used_].factor.solve(normal_, normal_);
+  if (are_alike_) {
+    along_.factor.solveWith(across_[used_].factor, rows_);
+  } else {
+    tangential_.resize(n);
+    normal_.resize(n);
+    for (Index i = 0; i < n; ++i) {
+      tangential_[i] = row(i).head<3>();
+      normal_[i] = row(i)[3];
+    }
+    along_.factor.solve(tangential_, tangential_);
+    across_[used_].factor.solve(normal_, normal_);
+    for (Index i = 0; i < n; ++i) row(i) << tangential_[i], normal_[i];
+  }
+  answer.resize(3 * n);
   for (Index i = 0; i < n; ++i) {
-    const Vec3 t = system.isHeld(i) ? Vec3::Zero() : tangential_[i];
-    const double across = system.isHeld(i) ? 0.0 : normal_[i];
-    answer.segment<3>(3 * i) = t + (across - t.dot(normals_[i])) * normals_[i];
+    const Vec3 t = row(i).head<3>();
+    answer.segment<3>(3 * i) = system.isHeld(i) ? Vec3(Vec3::Zero()) : Vec3(t + (row(i)[3] - t.dot(normals_[i])) * normals_[i]);
   }
 }
 

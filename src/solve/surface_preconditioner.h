@@ -13,9 +13,9 @@ namespace deformable_surface::solve {
 /// waves, which the steps find out.
 class SurfacePreconditioner {
  public:
-  /// Takes the springs and normals at a state. False: the model knows none, or they resist nothing. Allocates nothing after the
-  /// first time, while the pairs stay.
-  bool prepare(const System& system, const State& state);
+  /// Takes the springs and normals at a state; support: see System::findCouplings(). False: the model knows none, or they resist
+  /// nothing. Allocates nothing after the first time, while the pairs stay.
+  bool prepare(const System& system, const State& state, double support);
   /// answer = P force, (3 n) each; zero on held points.
   void apply(const System& system, const Eigen::VectorXd& force, Eigen::VectorXd& answer);
 
@@ -28,13 +28,15 @@ class SurfacePreconditioner {
     std::vector<double> diagonal_before, values_before;  // scratch
     bool is_positive = false;
     bool hasPairsOf(const std::vector<System::Coupling>& others) const;
-    bool factorize(const System& system);
+    bool factorize(const System& system, const Part* other = nullptr);
   };
   Part along_;
   Part across_[2];  // of each set of pairs
   Index used_ = 0;  // of across_
   Points normals_;
+  bool are_alike_ = false;  // along and across have the same pairs
   // Scratch.
+  std::vector<double> rows_;  // (n x 4): of each point the tangential part and the normal one
   Points tangential_;
   std::vector<double> normal_;
 };

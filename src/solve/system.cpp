@@ -94,11 +94,11 @@ double System::carryingWork(double from, double to, const State& before, const S
   bool any_moved = false;
   for (Index i = 0; i < after.size() && !any_moved; ++i) any_moved = held_[i] && before.positions[i] != after.positions[i];
   if (!any_moved) return 0.0;
-  computeForcesOnAll(from, before, largest_);
+  computeForcesOnAll(from, before, scratch_);
   computeForcesOnAll(to, after, forces_after_);
   double work = 0.0;
   for (Index i = 0; i < after.size(); ++i)
-    if (held_[i]) work -= 0.5 * (largest_[i] + forces_after_[i]).dot(after.positions[i] - before.positions[i]);
+    if (held_[i]) work -= 0.5 * (scratch_[i] + forces_after_[i]).dot(after.positions[i] - before.positions[i]);
   return work;
 }
 
@@ -154,13 +154,22 @@ double System::rankOneStiffness(const State& state, Points& v) const {
 }
 
 double System::largestForce(double time, const State& state) const {
+  return computeForcesAndLargest(time, state, scratch_);
+}
+
+double System::computeForcesAndLargest(double time, const State& state, Points& forces) const {
+  forces.assign(state.positions.size(), Vec3::Zero());
+  model_.addForces(state, forces);
+  loads_alone_.assign(state.positions.size(), Vec3::Zero());
+  for (const ExternalLoad* load : loads_) load->addForces(time, state, loads_alone_);
   double squared = 0.0;
-  largest_.assign(state.positions.size(), Vec3::Zero());
-  model_.addForces(state, largest_);
-  for (const Vec3& force : largest_) squared = std::max(squared, force.squaredNorm());
-  largest_.assign(state.positions.size(), Vec3::Zero());
-  for (const ExternalLoad* load : loads_) load->addForces(time, state, largest_);
-  for (const Vec3& force : largest_) squared = std::max(squared, force.squaredNorm());
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    squared = std::max({squared, forces[i].squaredNorm(), loads_alone_[i].squaredNorm()});
+    forces[i] += loads_alone_[i];
+  }
+  model_.confine(forces);
+  for (std::size_t i = 0; i < forces.size(); ++i)
+    if (held_[i]) forces[i].setZero();
   return std::sqrt(squared);
 }
 

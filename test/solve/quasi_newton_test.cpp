@@ -44,7 +44,7 @@ double measureLargest(const Points& a, const Points& b) {
 class Secretive : public model::MassSpring {
  public:
   explicit Secretive(const model::MassSpring& of) : model::MassSpring(of) {}
-  bool findCouplings(const State&, std::vector<Coupling>&, std::vector<Coupling>&) const override { return false; }
+  bool findCouplings(const State&, double, std::vector<Coupling>&, std::vector<Coupling>&) const override { return false; }
 };
 
 TEST(QuasiNewton, FindsTheEquilibriumThatNewtonFindsHoweverStiffTheSheet) {
@@ -136,13 +136,13 @@ TEST(Couplings, ResistAsTheStiffnessDoes) {
   }
   std::vector<solve::System::Coupling> springs_along, springs_across;
   // At rest it is taken for the membrane that it will sag like.
-  ASSERT_TRUE(system.findCouplings(state, springs_along, springs_across));
+  ASSERT_TRUE(system.findCouplings(state, 1.0, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across) / sumSprings(springs_along, across), 1.0, 1e-5);
   // With next to no tension it only bends, and there is all but nothing else.
   const double flat = sumStiffness(system, state, across);
   State taut = state;
   for (Vec3& p : taut.positions) p *= 1.0 + 1e-8;
-  ASSERT_TRUE(system.findCouplings(taut, springs_along, springs_across));
+  ASSERT_TRUE(system.findCouplings(taut, 1.0, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across), flat + 1e-6 * sumSprings(springs_along, across),
               1e-7 * sumSprings(springs_along, across));
   // What moves along it is resisted by 0.6 to 1.6 times as much, whatever the wave.
@@ -150,14 +150,17 @@ TEST(Couplings, ResistAsTheStiffnessDoes) {
   // Stretched evenly in both directions it has tension, once as it is and once as its mean.
   for (Vec3& p : state.positions) p *= 1.1;
   const double stretched = sumStiffness(system, state, across);
-  ASSERT_TRUE(system.findCouplings(state, springs_along, springs_across));
+  ASSERT_TRUE(system.findCouplings(state, 1.0, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across), 2.0 * stretched, 0.1 * stretched);
   EXPECT_EQ(springs_across.size(), springs_along.size());  // bending is next to nothing beside it
+  // Less of the mean on demand.
+  const double full = sumSprings(springs_across, across);
+  ASSERT_TRUE(system.findCouplings(state, 0.3, springs_along, springs_across));
+  EXPECT_NEAR(sumSprings(springs_across, across), 0.65 * full, 1e-3 * full);
   // Twice the material, twice the springs.
-  const double before = sumSprings(springs_across, across);
   sheet.model->setMaterial(std::vector<model::PointMaterial>(n, {2.0, 2.0, 1.0}));
-  ASSERT_TRUE(system.findCouplings(state, springs_along, springs_across));
-  EXPECT_NEAR(sumSprings(springs_across, across), 2.0 * before, 1e-9 * before);
+  ASSERT_TRUE(system.findCouplings(state, 1.0, springs_along, springs_across));
+  EXPECT_NEAR(sumSprings(springs_across, across), 2.0 * full, 1e-9 * full);
 }
 
 }  // namespace

@@ -84,8 +84,8 @@ class System {
   void computeStiffnessProduct(const Points& v, Points& product) const;
   using Coupling = model::DeformableModel::Coupling;
   const std::vector<Coupling>& couplings() const { return model_.couplings(); }
-  bool findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
-    return model_.findCouplings(state, along, across);
+  bool findCouplings(const State& state, double support, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
+    return model_.findCouplings(state, support, along, across);
   }
   void computeAreaVectors(const State& state, Points& area_vectors) const { model_.computeAreaVectors(state, area_vectors); }
   /// See DeformableModel.
@@ -96,6 +96,8 @@ class System {
 
   /// The size of the forces that have to balance, N: the largest internal force or load on any point, held ones included.
   double largestForce(double time, const State& state) const;
+  /// The same, and computeForces() as well.
+  double computeForcesAndLargest(double time, const State& state, Points& forces) const;
   /// The force below which a balance is rounding, N: that of positions wrong by one unit in the last place.
   double roundingForce(double time, const State& state) const;
 
@@ -116,7 +118,7 @@ class System {
   const std::vector<char>* held_turns_;
   double damping_;
   mutable State at_rest_;                            // scratch: the positions with velocities of zero
-  mutable Points largest_, forces_after_;
+  mutable Points scratch_, loads_alone_, forces_after_;
   mutable std::vector<double> row_stiffness_, row_damping_;
 };
 

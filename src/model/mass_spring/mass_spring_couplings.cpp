@@ -10,8 +10,9 @@ namespace {
 
 // Of the springs along, so that a motion that nothing resists is not answered by one without bound.
 constexpr double kLeastAcross = 1e-6;
-// Of the springs of tension: less of bending is left out, as its pairs are eight times as many and fill the factor.
-constexpr double kSlack = 0.5;
+// Bending, in tensions, below which more support stands for it: its pairs are eight times as many and fill the factor, so that
+// twice the iterations without it take less time. From 30000 on there are too many (docs/decisions/0003).
+constexpr double kWeak = 1000.0;
 constexpr double kRounding = 1e-9;  // of the springs along: tension below that is none
 
 }  // namespace
@@ -20,22 +21,29 @@ bool MassSpring::knowsCouplings() const {
   return membrane_ == Membrane::kTriangles && bending_springs_.links().empty() && !(volume_stiffness_ > 0.0);
 }
 
-bool MassSpring::findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
+bool MassSpring::findCouplings(const State& state, double support, std::vector<Coupling>& along,
+                               std::vector<Coupling>& across) const {
   if (!knowsCouplings()) return false;
   membrane_triangles_.computeSpringsAcross(state, springs_across_);
   if (bending_sum_ < 0.0) bending_sum_ = bending_.sumSprings();
   const auto sum = [](const std::vector<double>& springs) { return std::accumulate(springs.begin(), springs.end(), 0.0); };
   if (springs_along_.empty()) membrane_triangles_.computeSpringsAlong(springs_along_);
   if (springs_along_.empty()) return false;  // all is cut
-  // At rest there is none; the surface will sag like a membrane, and how far is for the first step to find.
-  const bool is_slack = sum(springs_across_) <= kRounding * sum(springs_along_);
-  if (is_slack) springs_across_ = springs_along_;
-  const bool has_bending = !is_slack && bending_sum_ > kSlack * sum(springs_across_);
+  const double stretching = sum(springs_along_), tension = sum(springs_across_);
+  const bool is_slack = tension <= kRounding * stretching;
+  const bool has_bending = !is_slack && bending_sum_ > kWeak * tension;
   Guess& guess = has_bending ? stiff_guess_ : slack_guess_;
   if (guess.along.empty()) makeGuess(has_bending, guess);
   along = guess.along;
+  if (is_slack) {
+    // It will sag like a membrane, and how far is for the first step to find.
+    across = along;
+    return true;
+  }
   across = guess.across;
-  for (std::size_t e = 0; e < guess.edges.size(); ++e) across[guess.edges[e]].stiffness += springs_across_[e];
+  const double added = (has_bending ? support : std::max(support, bending_sum_ / tension)) * tension / stretching;
+  for (std::size_t e = 0; e < guess.edges.size(); ++e)
+    across[guess.edges[e]].stiffness += springs_across_[e] + added * springs_along_[e];
   return true;
 }
 
@@ -58,6 +66,8 @@ void MassSpring::makeGuess(bool has_bending, Guess& guess) const {
   for (std::size_t e = 0; e < edges.size(); ++e) of_point.items[next[edges[e].first]++] = static_cast<Index>(e);
 
   guess.edges.resize(edges.size());
+  guess.along.reserve(edges.size());
+  guess.across.reserve(edges.size());
   std::vector<Index> place_along(n, -1), place_across(n, -1);  // of the pair (j, k), if it has one in this row
   for (Index j = 0; j < n; ++j) {
     const Index begin_along = static_cast<Index>(guess.along.size()), begin_across = static_cast<Index>(guess.across.size());

@@ -337,6 +337,7 @@ void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSp
 
 std::vector<std::pair<Index, Index>> TriangleMembrane::findEdges() const {
   std::vector<std::pair<Index, Index>> edges;
+  edges.reserve(3 * elements_.size());
   for (const Element& e : elements_)
     for (int c = 0; c < 3; ++c) edges.push_back(std::minmax({e.corner[c], e.corner[(c + 1) % 3]}));
   return edges;
@@ -345,17 +346,16 @@ std::vector<std::pair<Index, Index>> TriangleMembrane::findEdges() const {
 // Of a wave in the plane 2 mu + lambda resists its stretching and mu its shearing: their mean.
 void TriangleMembrane::computeSpringsAlong(std::vector<double>& stiffness) const {
   stiffness.clear();
+  stiffness.reserve(3 * elements_.size());
   for (const Element& e : elements_) {
     const auto g = findShapeGradients(e.inverse);
     for (int c = 0; c < 3; ++c) stiffness.push_back(-0.5 * (3.0 * mu_ + lambda_) * e.area * g[c].dot(g[(c + 1) % 3]));
   }
 }
 
-// The tilt modes of addStiffness() without their direction. Pressure, which would buckle, counts as nothing, and everywhere the
-// mean tension is added: where next to nothing resists buckling, hundreds of steps go into which folds there are.
+// The tilt modes of addStiffness() without their direction. Pressure, which would buckle, counts as nothing.
 void TriangleMembrane::computeSpringsAcross(const State& state, std::vector<double>& stiffness) const {
   stiffness.resize(3 * elements_.size());
-  double sum = 0.0, area = 0.0;
   for (std::size_t t = 0; t < elements_.size(); ++t) {
     const Element& e = elements_[t];
     const Mat32 F = gradient(e, state);
@@ -373,13 +373,6 @@ void TriangleMembrane::computeSpringsAcross(const State& state, std::vector<doub
     const Mat2 H = slope * (C - mean * Mat2::Identity()) + 0.5 * (large + small) * Mat2::Identity();
     const auto g = findShapeGradients(e.inverse);
     for (int k = 0; k < 3; ++k) stiffness[3 * t + k] = -e.area * g[k].dot(H * g[(k + 1) % 3]);
-    sum += e.area * 0.5 * (large + small);
-    area += e.area;
-  }
-  const double mean_tension = area > 0.0 ? sum / area : 0.0;
-  for (std::size_t t = 0; t < elements_.size(); ++t) {
-    const auto g = findShapeGradients(elements_[t].inverse);
-    for (int k = 0; k < 3; ++k) stiffness[3 * t + k] -= mean_tension * elements_[t].area * g[k].dot(g[(k + 1) % 3]);
   }
 }
 

@@ -50,7 +50,8 @@ class MassSpring : public DeformableModel {
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
   /// Of triangles with the curvature energy, or without bending.
   bool knowsCouplings() const override;
-  bool findCouplings(const State& state, std::vector<Coupling>& along, std::vector<Coupling>& across) const override;
+  bool findCouplings(const State& state, double support, std::vector<Coupling>& along,
+                     std::vector<Coupling>& across) const override;
   double rankOneStiffness(const State& state, Points& v) const override;
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
