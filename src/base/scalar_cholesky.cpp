@@ -206,8 +206,10 @@ bool ScalarCholesky::factorize(const std::vector<double>& diagonal, const std::v
 
 void ScalarCholesky::solve(const Points& b, Points& x) {
   const Index n = static_cast<Index>(from_.size());
-  for (Index k = 0; k < n; ++k)
-    for (int c = 0; c < 3; ++c) work_[4 * static_cast<std::size_t>(k) + c] = b[from_[k]][c];
+  for (Index k = 0; k < n; ++k) {
+    std::copy_n(b[from_[k]].data(), 3, at(work_.data(), k));
+    at(work_.data(), k)[3] = 0.0;  // solveWith() leaves numbers
+  }
   substitute({n, starts_.data(), factor_rows_.data(), is_paired_.data()}, factor_.data(), inverse_.data(), work_.data());
   x.resize(n);
   for (Index k = 0; k < n; ++k)
@@ -225,11 +227,11 @@ void ScalarCholesky::solve(const std::vector<double>& b, std::vector<double>& x)
 void ScalarCholesky::solveWith(const ScalarCholesky& of_last, std::vector<double>& rows) {
   const Index n = static_cast<Index>(from_.size());
   for (Index k = 0; k < n; ++k)
-    std::copy_n(rows.data() + 4 * static_cast<std::ptrdiff_t>(from_[k]), 4, work_.data() + 4 * static_cast<std::ptrdiff_t>(k));
+    std::copy_n(at(rows.data(), from_[k]), 4, at(work_.data(), k));
   substituteTwo({n, starts_.data(), factor_rows_.data(), is_paired_.data()}, factor_.data(), inverse_.data(),
                 of_last.factor_.data(), of_last.inverse_.data(), work_.data());
   for (Index k = 0; k < n; ++k)
-    std::copy_n(work_.data() + 4 * static_cast<std::ptrdiff_t>(k), 4, rows.data() + 4 * static_cast<std::ptrdiff_t>(from_[k]));
+    std::copy_n(at(work_.data(), k), 4, at(rows.data(), from_[k]));
 }
 
 }  // namespace deformable_surface

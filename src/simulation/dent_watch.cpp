@@ -21,7 +21,7 @@ constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times; the
 constexpr double kGrownFold = 10.0;  // the same of folds: those of one triangle that grow less come to nothing
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
 // Of the classical buckling pressure under a force: spheres that are not perfect bear a part of it.
-constexpr double kPushed = 0.2;
+constexpr double kPushed = 0.12;
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
 // Along and across a wave, in the tangent plane.
 struct Direction {

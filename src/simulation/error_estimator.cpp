@@ -110,6 +110,7 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, full, level);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
+  level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
@@ -123,9 +124,6 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
     coarse.integrator.max_substeps = max_substeps;
     verlet_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
   }
-  level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
-  if (type == IntegratorType::kStatic && is_simplified_ && !is_solid_)
-    equal_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, level));
   if (!is_solid_ && params.mass_spring.bending == model::Bending::kCurvature)
     dents_ = DentWatch(params.material, level.points, model.triangles(), level.area, num_full);
   reset();
@@ -146,7 +144,6 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       shadow_(std::make_unique<Simulation>(other.shadow_->fork())),
       twin_(std::make_unique<Simulation>(other.twin_->fork())),
       verlet_(other.verlet_ ? std::make_unique<Simulation>(other.verlet_->fork()) : nullptr),
-      equal_(other.equal_ ? std::make_unique<Simulation>(other.equal_->fork()) : nullptr),
       dents_(other.dents_),
       seen_(other.seen_),
       coarse_now_(other.coarse_now_) {}
@@ -171,8 +168,7 @@ void ErrorEstimator::stiffenMembrane() {
 
 std::shared_ptr<const ErrorEstimator::Memory> ErrorEstimator::memory() const {
   return std::make_shared<const Memory>(Memory{seen_, dents_.growth(), shadow_->snapshot(), twin_->snapshot(),
-                                               verlet_ ? verlet_->snapshot() : Snapshot(),
-                                               equal_ ? equal_->snapshot() : Snapshot()});
+                                               verlet_ ? verlet_->snapshot() : Snapshot()});
 }
 
 void ErrorEstimator::setMemory(const Memory& saved) {
@@ -181,7 +177,6 @@ void ErrorEstimator::setMemory(const Memory& saved) {
   shadow_->restore(saved.shadow);
   twin_->restore(saved.twin);
   if (verlet_) verlet_->restore(saved.verlet);
-  if (equal_) equal_->restore(saved.equal);
   dents_.softenMembrane(shadow_->membraneShare());
 }
 
@@ -189,7 +184,6 @@ void ErrorEstimator::setState(const model::State& state) {
   if (seen_.is_lost) return;
   if (std::count(common_.begin(), common_.end(), Index{-1}) > 0) return lose();
   forward([&](Simulation& copy) {
-    if (&copy == equal_.get()) return copy.setState(state);
     model::State coarse;
     for (std::size_t i = 0; i < common_.size(); ++i) {
       coarse.positions.push_back(state.positions[common_[i]]);
@@ -245,20 +239,6 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   return shadow.ok && twin.ok;
 }
 
-// An equilibrium that is far from where the search began need not be the only one, and copies of fewer points may know nothing of
-// the others. How far from the first one a search from a disturbed beginning ends, m: infinity where it finds none, 0 where none
-// is made, as of later ones.
-double ErrorEstimator::searchAgain(const Points& positions, IntegratorType type) {
-  const bool is_first = type == IntegratorType::kStatic && !seen_.has_searched;
-  seen_.has_searched = seen_.has_searched || is_first;
-  if (!is_first || !std::isfinite(total()) || findLargestDistance(positions, equal_->state().positions) < level_spacing_) {
-    equal_->passStep();
-    return 0.0;
-  }
-  equal_->disturb(kDisturbance * level_spacing_);
-  return equal_->step().ok ? findLargestDistance(positions, equal_->state().positions) : std::numeric_limits<double>::infinity();
-}
-
 // Steps watch for dents as they grow, equilibria for what is past them, and both for what forces press in.
 bool ErrorEstimator::isDenting(const Points& positions, IntegratorType type, const std::vector<NamedForces::Named>& forces) {
   for (const NamedForces::Named& force : forces)
@@ -303,25 +283,28 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   const bool was_chaotic = seen_.is_chaotic;
   const double far = seen_.is_halved || is_solid_ ? kChaoticDistanceOfOthers : kChaoticDistance;
   seen_.is_chaotic = seen_.twin_distance > far * spacing_;
-  const bool dents = !seen_.has_dented && isDenting(positions, type, forces);
-  seen_.has_dented = seen_.has_dented || dents;
-  const double distance = equal_ ? searchAgain(positions, type) : 0.0;
-  const bool finds_other = distance > kChaoticDistance * level_spacing_;
-  seen_.has_others = seen_.has_others || finds_other;
-  if (dents)
+  if (!seen_.has_dented && isDenting(positions, type, forces)) {
+    seen_.has_dented = true;
     return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
            "short for its points to show";
-  if (finds_other)
-    return "the error cannot be estimated until the next reset: a search from positions " +
-           std::to_string(1e3 * kDisturbance * level_spacing_) + " mm away " +
-           (std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium") +
-           ", as where a surface has more than one";
+  }
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
     return "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
            "integrator.max_substeps";
   if (!seen_.is_chaotic || was_chaotic) return "";
   return "the error cannot be estimated: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
+}
+
+double ErrorEstimator::searchDisturbance() const { return kDisturbance * level_spacing_; }
+
+std::string ErrorEstimator::learnSecondSearch(double distance) {
+  seen_.has_searched = true;
+  seen_.has_others = distance > kChaoticDistance * level_spacing_;
+  if (!seen_.has_others) return "";
+  const std::string end = std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium";
+  return "the error cannot be estimated until the next reset: a search from positions " +
+         std::to_string(1e3 * searchDisturbance()) + " mm away " + end + ", as where a surface has more than one";
 }
 
 // Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps. Where Verlet's do

@@ -9,6 +9,7 @@
 #include "deformable_surface/solve/integrator_params.h"
 #include "dent_watch.h"
 
+#include <cmath>
 #include <memory>
 #include <string>
 
@@ -43,7 +44,7 @@ class ErrorEstimator {
   /// Gives a command to every copy, as the simulation got it.
   template <class Command>
   void forward(const Command& command) {
-    for (Simulation* copy : {shadow_.get(), twin_.get(), verlet_.get(), equal_.get()})
+    for (Simulation* copy : {shadow_.get(), twin_.get(), verlet_.get()})
       if (copy) command(*copy);
   }
 
@@ -68,6 +69,13 @@ class ErrorEstimator {
   std::string follow(const Points& positions, solve::IntegratorType type, Index substeps,
                      const std::vector<NamedForces::Named>& forces);
 
+  /// Whether the next equilibrium should be searched for twice, the second time from positions so far from where the first began,
+  /// m. It is the first one since the last reset or given state; copies of fewer points may know nothing of others that it has.
+  bool wantsSecondSearch() const { return is_simplified_ && !is_solid_ && !seen_.has_searched && std::isfinite(total()); }
+  double searchDisturbance() const;
+  /// How far from the first the second search ended, m; infinity: it found none, 0: it was not worth while. As follow().
+  std::string learnSecondSearch(double distance);
+
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
@@ -87,7 +95,7 @@ class ErrorEstimator {
     bool follows_verlet = false;                     // verlet_ has taken every step
     bool is_halved = false;                          // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
-    bool has_searched = false, has_others = false;   // for other equilibria beside the first one; and found one
+    bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
   };
 
   void followVerlet(solve::IntegratorType type);
@@ -95,7 +103,6 @@ class ErrorEstimator {
   // What the twin takes the same steps as: what a method damps cannot tell of chaos.
   const Simulation& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
-  double searchAgain(const Points& positions, solve::IntegratorType type);
   bool isDenting(const Points& positions, solve::IntegratorType type, const std::vector<NamedForces::Named>& forces);
 
   // Constants.
@@ -104,8 +111,7 @@ class ErrorEstimator {
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin
-  double spacing_ = 0.0;               // m, of the copies of fewer points
-  double level_spacing_ = 0.0;         // m, of the simulation
+  double spacing_ = 0.0, level_spacing_ = 0.0;  // m, of the copies and of the simulation
   std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
   transfer::Transfer refine_;          // from the copies' points to the level's
   transfer::SolidTransfer refine_solid_;  // in its place, of a solid
@@ -113,8 +119,6 @@ class ErrorEstimator {
   // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
   // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.
   std::unique_ptr<Simulation> shadow_, twin_, verlet_;
-  // A copy of as many points, which searches for the first equilibrium again.
-  std::unique_ptr<Simulation> equal_;
 
   DentWatch dents_;
   Seen seen_;
@@ -125,7 +129,7 @@ class ErrorEstimator {
 struct ErrorEstimator::Memory {
   Seen seen;
   std::vector<double> dents;
-  Snapshot shadow, twin, verlet, equal;
+  Snapshot shadow, twin, verlet;
 };
 
 }  // namespace deformable_surface::simulation

@@ -100,11 +100,16 @@ void Simulation::softenMembrane(double share) {
 
 void Simulation::disturb(double size) {
   impl_->wakeAll();
+  impl_->disturb(size, impl_->state.positions);
+}
+
+// By up to size along each axis, but for pinned points.
+void Simulation::Impl::disturb(double size, Points& positions) const {
   std::uint32_t seed = 12345u;
-  for (Index i = 0; i < impl_->state.size(); ++i)
+  for (std::size_t i = 0; i < positions.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) {
       seed = seed * 1664525u + 1013904223u;
-      if (!impl_->pinned[i]) impl_->state.positions[i][axis] += size * (static_cast<double>(seed >> 8) / (1u << 23) - 1.0);
+      if (!pinned[i]) positions[i][axis] += size * (static_cast<double>(seed >> 8) / (1u << 23) - 1.0);
     }
 }
 

@@ -168,6 +168,8 @@ struct Simulation::Impl {
   StepOutcome step();
   bool beginNested();
   bool isHeldAround() const;
+  std::optional<double> searchAgain(double now, model::State& start) const;
+  void disturb(double size, Points& positions) const;
   Grips::Update updateGrips(double now, double dt);
   void endCuts(double now, double dt, StepOutcome& outcome);
   std::string live(double now, double dt);

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "nested_start.h"
 
@@ -53,6 +54,9 @@ StepOutcome Simulation::Impl::step() {
 
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
+  std::unique_ptr<model::State> start;  // of a second search
+  if (params.integrator.type == solve::IntegratorType::kStatic && estimator && estimator->wantsSecondSearch())
+    start = std::make_unique<model::State>(state);
   const bool is_nested = beginNested();
   solve::TimeMarch::Outcome taken = advance(now);
   if (is_nested && !taken.ok) {
@@ -68,6 +72,10 @@ StepOutcome Simulation::Impl::step() {
                       "; the state before it is kept";
     return outcome;
   }
+  const Timer search_timer;
+  std::optional<double> other;
+  if (start && report.converged) other = searchAgain(now, *start);
+  const double search_seconds = search_timer.seconds();
   if (!contact.isEmpty()) {
     const Timer contact_timer;
     appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
@@ -83,7 +91,11 @@ StepOutcome Simulation::Impl::step() {
   if (isAsTried() && steps <= choice.softening.size()) softening = choice.softening[steps - 1];
   surface.invalidate();
   surface.resample(state);
-  if (estimator) estimate(report, outcome);
+  if (estimator) {
+    estimate(report, outcome);
+    if (other) appendNotice(outcome.notice, estimator->learnSecondSearch(*other));
+    statistics.time_estimate += search_seconds;
+  }
   if (!has_flowed) considerSleep(report);
   changed();
 
@@ -128,6 +140,24 @@ bool Simulation::Impl::beginNested() {
   if (start.empty()) return false;
   state.positions = std::move(start);
   return true;
+}
+
+// The same step from disturbed positions, of which nothing is left: how far from the equilibrium it ends, m, infinity where it
+// finds none. An equilibrium near where the search began is not searched for again; nothing, if interrupted.
+std::optional<double> Simulation::Impl::searchAgain(double now, model::State& start) const {
+  const auto findDistance = [&] {
+    double squared = 0.0;
+    for (Index i = 0; i < state.size(); ++i)
+      squared = std::max(squared, (state.positions[i] - start.positions[i]).squaredNorm());
+    return std::sqrt(squared);
+  };
+  if (findDistance() < std::sqrt(rest.area / state.size())) return 0.0;
+  disturb(estimator->searchDisturbance(), start.positions);
+  solve::TimeMarch second(system, *model, params.integrator);
+  second.setInterrupt(interrupt);
+  const solve::TimeMarch::Outcome taken = second.step(now, start);
+  if (interrupt && *interrupt) return {};
+  return taken.ok && taken.report.converged ? findDistance() : std::numeric_limits<double>::infinity();
 }
 
 Grips::Update Simulation::Impl::updateGrips(double now, double dt) {

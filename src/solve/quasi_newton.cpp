@@ -12,7 +12,7 @@ namespace {
 constexpr Index kMemory = 12;       // pairs: with 20 three iterations of 27 fewer, with 4 one more, and each pair costs time
 constexpr Index kMost = 120;        // iterations: more cost as much as Newton's method
 constexpr Index kTrial = 30;        // iterations, in each so many of which the largest force
-constexpr double kFall = 0.1;       // has to fall to this share of itself: where all is well it does so in ten
+constexpr double kFall = 0.2;       // has to fall to this share of itself: where all is well it does so in ten
 constexpr Index kFirstRefresh = 6;  // iterations after which the preconditioner is taken anew; doubled each time
 constexpr double kGoodFall = 0.1;   // of the largest force in these, with which it need not be
 // System::findCouplings()'s: far from the equilibrium, and where it is near and tension is much what it will be.
@@ -20,14 +20,14 @@ constexpr double kFarSupport = 1.0, kNearSupport = 0.3;
 constexpr int kMostTrials = 12;     // of lengths: beyond it the direction is rounding
 // Wolfe's conditions: the share of the first slope that may be left, before and after the least energy.
 constexpr double kLeft = 0.9, kBeyond = 0.8;
-constexpr double kLeastStretch = 1.5, kMostStretch = 64.0;  // of a length that was too short
+constexpr double kMostStretch = 64.0;  // of a length that was too short
 constexpr double kCut = 0.1;        // of one that led to no numbers, and the nearest to a known end that a guess may come
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
   return {points.data()->data(), 3 * static_cast<Eigen::Index>(points.size())};
 }
 
-DEFORMABLE_SURFACE_WIDE double computeDot(Eigen::Index size, const double* a, const double* b) {
+DEFORMABLE_SURFACE_WIDE double sumProducts(Eigen::Index size, const double* a, const double* b) {
   Double4 sums[2] = {}, p, q;
   Eigen::Index i = 0;
   for (; i + 8 <= size; i += 8)
@@ -46,6 +46,11 @@ DEFORMABLE_SURFACE_WIDE void addScaled(Eigen::Index size, double scale, const do
   for (Eigen::Index i = 0; i < size; ++i) sum[i] += scale * a[i];
 }
 
+double dot(const Eigen::VectorXd& a, const Eigen::VectorXd& b) { return sumProducts(a.size(), a.data(), b.data()); }
+
+// sum += scale a
+void add(double scale, const Eigen::VectorXd& a, Eigen::VectorXd& sum) { addScaled(a.size(), scale, a.data(), sum.data()); }
+
 }  // namespace
 
 double QuasiNewton::findGradient(const System& system, double time, State& state, SolveReport& report) {
@@ -61,40 +66,41 @@ double QuasiNewton::findGradient(const System& system, double time, State& state
 // The two loops of Nocedal.
 void QuasiNewton::findDirection(const System& system) {
   const Index count = std::min(num_found_, kMemory);
-  const Eigen::Index size = gradient_.size();
   work_ = -gradient_;
   for (Index age = 0; age < count; ++age) {
     Pair& p = remember(age);
-    p.share = p.inverse * computeDot(size, p.step.data(), work_.data());
-    addScaled(size, -p.share, p.change.data(), work_.data());
+    p.share = p.inverse * dot(p.step, work_);
+    add(-p.share, p.change, work_);
   }
   preconditioner_.apply(system, work_, direction_);
   for (Index age = count; age-- > 0;) {
     const Pair& p = remember(age);
-    addScaled(size, p.share - p.inverse * computeDot(size, p.change.data(), direction_.data()), p.step.data(), direction_.data());
+    add(p.share - p.inverse * dot(p.change, direction_), p.step, direction_);
   }
 }
 
 // Between two known slopes by the zero of the straight line through them.
 bool QuasiNewton::search(const System& system, double time, State& state, SolveReport& report) {
-  const double slope = gradient_.dot(direction_), residual = report.residual;
+  const double slope = dot(gradient_, direction_), residual = report.residual;
   if (!(slope < 0.0)) return false;
   start_ = flatten(state.positions);
   gradient_before_.swap(gradient_);
   double low = 0.0, low_slope = slope, high = 0.0, high_slope = 0.0;  // high = 0: not known
+  double bound = HUGE_VAL;                                            // a length that led to no numbers
   fraction_ = 1.0;
   for (int trial = 0; trial < kMostTrials; ++trial) {
     flatten(state.positions) = start_ + fraction_ * direction_;
     report.residual = findGradient(system, time, state, report);
-    const double there = gradient_.dot(direction_);
+    const double there = dot(gradient_, direction_);
     if (there >= kLeft * slope && there <= -kBeyond * slope) {
       Pair& p = pairs_[num_found_++ % kMemory];
       p.step = fraction_ * direction_;
       p.change = gradient_ - gradient_before_;
-      p.inverse = 1.0 / p.step.dot(p.change);
+      p.inverse = 1.0 / dot(p.step, p.change);
       return true;
     }
     if (!std::isfinite(there)) {
+      bound = fraction_;
       fraction_ = low + kCut * (fraction_ - low);
       continue;
     }
@@ -106,7 +112,7 @@ bool QuasiNewton::search(const System& system, double time, State& state, SolveR
     } else {
       // What is flat sags by the third root of its load: its slope changes by the third power of the length.
       const double cubed = there > slope ? slope / (slope - there) : HUGE_VAL;
-      fraction_ *= std::clamp(std::cbrt(cubed), kLeastStretch, kMostStretch);
+      fraction_ = std::min(fraction_ * std::min(std::cbrt(cubed), kMostStretch), 0.5 * (fraction_ + bound));
     }
   }
   flatten(state.positions) = start_;

@@ -17,7 +17,7 @@ class QuasiNewton {
   /// report.iterations and report.time_forces, and sets report.residual. False: the positions are as before, because a force has
   /// no potential or another stiffness than the surface's, nothing is known to precondition with, interrupt came true, or the
   /// forces fell too slowly. The velocities must be zero. Allocates nothing after the first time but
-  /// where tension has become larger than bending, or smaller.
+  /// where tension falls below the part of bending from which on this is left out, or grows beyond it.
   bool solve(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
              State& state, SolveReport& report);
 

@@ -94,11 +94,11 @@ double System::carryingWork(double from, double to, const State& before, const S
   bool any_moved = false;
   for (Index i = 0; i < after.size() && !any_moved; ++i) any_moved = held_[i] && before.positions[i] != after.positions[i];
   if (!any_moved) return 0.0;
-  computeForcesOnAll(from, before, scratch_);
+  computeForcesOnAll(from, before, forces_before_);
   computeForcesOnAll(to, after, forces_after_);
   double work = 0.0;
   for (Index i = 0; i < after.size(); ++i)
-    if (held_[i]) work -= 0.5 * (scratch_[i] + forces_after_[i]).dot(after.positions[i] - before.positions[i]);
+    if (held_[i]) work -= 0.5 * (forces_before_[i] + forces_after_[i]).dot(after.positions[i] - before.positions[i]);
   return work;
 }
 
@@ -154,7 +154,7 @@ double System::rankOneStiffness(const State& state, Points& v) const {
 }
 
 double System::largestForce(double time, const State& state) const {
-  return computeForcesAndLargest(time, state, scratch_);
+  return computeForcesAndLargest(time, state, forces_);
 }
 
 double System::computeForcesAndLargest(double time, const State& state, Points& forces) const {

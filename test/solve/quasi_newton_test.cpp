@@ -11,11 +11,11 @@ namespace {
 
 constexpr double kTolerance = 1e-6;
 
-// A jittered sheet, 2 mm thick, under its weight, held on both edges across x or on the first.
+// A jittered sheet under its weight, held on both edges across x or on the first.
 struct Sheet {
-  Sheet(double young_modulus, bool is_held_twice) {
+  Sheet(double young_modulus, bool is_held_twice, double thickness = 0.002) {
     material.young_modulus = young_modulus;
-    material.thickness = 0.002;
+    material.thickness = thickness;
     model = std::make_unique<model::MassSpring>(surface.points, surface.normals, surface.rings, surface.area, false, material,
                                                 model::MassSpringParams{});
     for (const Vec3& p : surface.points) held.push_back(p.x() < 1e-9 || (is_held_twice && p.x() > 1.0 - 1e-9));
@@ -60,6 +60,10 @@ TEST(QuasiNewton, FindsTheEquilibriumThatNewtonFindsHoweverStiffTheSheet) {
     double largest = 0.0;
     for (const Vec3& force : forces) largest = std::max(largest, force.norm());
     EXPECT_DOUBLE_EQ(report.residual, largest);
+    Points again;
+    EXPECT_EQ(system.computeForcesAndLargest(0.0, state, again), system.largestForce(0.0, state));
+    EXPECT_EQ(again, forces);
+    EXPECT_GT(system.largestForce(0.0, state), largest);  // what the material bears is no unbalance
     EXPECT_LE(largest, kTolerance * system.largestForce(0.0, state)) << young_modulus;
     EXPECT_LT(report.iterations, 100) << young_modulus;
     const Points expected = solveStatics(Secretive(*sheet.model), sheet.loads, sheet.held, sheet.surface.points);
@@ -69,6 +73,22 @@ TEST(QuasiNewton, FindsTheEquilibriumThatNewtonFindsHoweverStiffTheSheet) {
     EXPECT_TRUE(quasi_newton.solve(system, 0.0, kTolerance, 0.0, nullptr, state, report));
     EXPECT_EQ(report.iterations, iterations);
   }
+}
+
+// At rest it is taken for a membrane, in its equilibrium for a plate, whose springs join other pairs.
+TEST(QuasiNewton, FindsThatOfAPlateToo) {
+  const Sheet plate(1e9, true, 0.05);
+  const solve::System system = plate.system();
+  solve::QuasiNewton quasi_newton;
+  solve::SolveReport report;
+  State state = plate.flat();
+  ASSERT_TRUE(quasi_newton.solve(system, 0.0, kTolerance, 0.0, nullptr, state, report));
+  EXPECT_LT(report.iterations, 60);
+  std::vector<solve::System::Coupling> along, across;
+  ASSERT_TRUE(system.findCouplings(state, 1.0, along, across));
+  EXPECT_GT(across.size(), along.size());
+  const Points expected = solveStatics(Secretive(*plate.model), plate.loads, plate.held, plate.surface.points);
+  EXPECT_LT(measureLargest(state.positions, expected), 1e-4 * measureLargest(expected, plate.surface.points));
 }
 
 TEST(QuasiNewton, GivesTheSameBitsAgainWhateverItSolvedBefore) {

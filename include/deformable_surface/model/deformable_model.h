@@ -173,8 +173,9 @@ class DeformableModel {
 
   /// Of a surface, springs between near points, some of them negative, that together resist much as the stiffness at a state
   /// does: `along` what moves in the surface, fixed at rest, and `across` what moves out of it. Each pair once, i < j, one of two
-  /// sets of pairs until the model is changed; overwritten, no motion gains energy from them. support: this share of the mean
-  /// tension is added to it everywhere, against steps into folds where next to nothing resists them. False: none are known.
+  /// sets of pairs until the model is changed; overwritten, no motion gains energy from them. support: where there is
+  /// tension, this share of its mean is added everywhere, against steps into folds where next to nothing resists them, and more
+  /// where bending is left out for being weak. False: none are known.
   virtual bool knowsCouplings() const { return false; }
   virtual bool findCouplings(const State& /*state*/, double /*support*/, std::vector<Coupling>& /*along*/,
                              std::vector<Coupling>& /*across*/) const {

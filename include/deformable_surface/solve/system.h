@@ -96,7 +96,7 @@ class System {
 
   /// The size of the forces that have to balance, N: the largest internal force or load on any point, held ones included.
   double largestForce(double time, const State& state) const;
-  /// The same, and computeForces() as well.
+  /// The same, and computeForces() but for the order of its sums.
   double computeForcesAndLargest(double time, const State& state, Points& forces) const;
   /// The force below which a balance is rounding, N: that of positions wrong by one unit in the last place.
   double roundingForce(double time, const State& state) const;
@@ -118,7 +118,7 @@ class System {
   const std::vector<char>* held_turns_;
   double damping_;
   mutable State at_rest_;                            // scratch: the positions with velocities of zero
-  mutable Points scratch_, loads_alone_, forces_after_;
+  mutable Points forces_, loads_alone_, forces_before_, forces_after_;
   mutable std::vector<double> row_stiffness_, row_damping_;
 };
 

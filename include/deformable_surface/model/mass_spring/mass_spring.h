@@ -129,11 +129,12 @@ class MassSpring : public DeformableModel {
   };
   mutable Guess stiff_guess_, slack_guess_;  // with the pairs of bending; without
   mutable double bending_sum_ = -1.0;        // of its springs, N/m; below 0: not known
+  mutable std::vector<double> springs_along_;  // of each edge of each triangle, N/m; empty: not known
   void forgetGuesses();
   void makeGuess(bool has_bending, Guess& guess) const;
   // Scratch.
   mutable PaddedPoints positions_;
-  mutable std::vector<double> springs_along_, springs_across_;
+  mutable std::vector<double> springs_across_;
   mutable Points volume_gradient_;
 };
 
