@@ -302,7 +302,8 @@ std::string ErrorEstimator::learnSecondSearch(double distance) {
   seen_.has_searched = true;
   seen_.has_others = distance > kChaoticDistance * level_spacing_;
   if (!seen_.has_others) return "";
-  const std::string end = std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium";
+  const std::string end =
+      std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium";
   return "the error cannot be estimated until the next reset: a search from positions " +
          std::to_string(1e3 * searchDisturbance()) + " mm away " + end + ", as where a surface has more than one";
 }
