@@ -325,7 +325,8 @@ double ErrorEstimator::measureTime(IntegratorType type) const {
 }
 
 double ErrorEstimator::total() const {
-  if (seen_.is_lost || seen_.is_chaotic || seen_.has_dented || seen_.has_others) return std::numeric_limits<double>::infinity();
+  const bool is_unknown = seen_.is_lost || seen_.is_chaotic || seen_.has_dented || seen_.has_others || seen_.is_unbalanced;
+  if (is_unknown) return std::numeric_limits<double>::infinity();
   return seen_.space + seen_.transfer + seen_.time;
 }
 

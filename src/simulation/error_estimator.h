@@ -9,7 +9,6 @@
 #include "deformable_surface/solve/integrator_params.h"
 #include "dent_watch.h"
 
-#include <cmath>
 #include <memory>
 #include <string>
 
@@ -71,10 +70,12 @@ class ErrorEstimator {
 
   /// Whether the next equilibrium should be searched for twice, the second time from positions so far from where the first began,
   /// m. It is the first one since the last reset or given state; copies of fewer points may know nothing of others that it has.
-  bool wantsSecondSearch() const { return is_simplified_ && !is_solid_ && !seen_.has_searched && std::isfinite(total()); }
+  bool wantsSecondSearch() const { return is_simplified_ && !is_solid_ && !seen_.has_searched && !seen_.is_lost; }
   double searchDisturbance() const;
   /// How far from the first the second search ended, m; infinity: it found none, 0: it was not worth while. As follow().
   std::string learnSecondSearch(double distance);
+  /// Whether the last step ended in balance, if it is static: where it did not there is no estimate until one does.
+  void learnBalance(bool is_balanced) { seen_.is_unbalanced = !is_balanced; }
 
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
@@ -95,6 +96,7 @@ class ErrorEstimator {
     bool follows_verlet = false;                     // verlet_ has taken every step
     bool is_halved = false;                          // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
+    bool is_unbalanced = false;                      // the last equilibrium is none
     bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
   };
 

@@ -1,7 +1,10 @@
 #include "rest_parts.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/space_order.h"
+
+#include <Eigen/Eigenvalues>
 
 #include <algorithm>
 #include <cmath>
@@ -10,6 +13,9 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kPinPoints = 3;      // that hold a pinned region: fewer would let it turn
+
+// Spacings of the points from which on a pinned band is of several rows, and up to which it is of one.
+constexpr double kBandOfRows = 0.8, kBandOfOneRow = 0.5;
 
 constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
 constexpr Index kGapShare = 1000;    // fewer points at gaps than this part of all are holes of the sampling
@@ -75,6 +81,40 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
   return chosen;
 }
 
+namespace {
+
+// How wide the narrower of the two ways is in which points spread most, m: rows of points side by side have it, a single one has
+// next to none.
+double measureBand(const Points& points, const PinParams& pin) {
+  Points held;
+  for (const Vec3& p : points)
+    if (pin.region.contains(p)) held.push_back(p);
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : held) mean += p / static_cast<double>(held.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : held) spread += (p - mean) * (p - mean).transpose() / static_cast<double>(held.size());
+  // Of an even spread over a length its square is a twelfth of the length's.
+  return std::sqrt(12.0 * std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
+}
+
+// A band that clamps the cloud's surface and is but one row of the simulation points, which turn about it: nor do the copies that
+// estimate the error know better.
+void warnOfNarrowPins(const SceneParams& params, RestSurface& s) {
+  if (params.model != ModelKind::kMassSpring || s.points.size() >= s.dense.positions.size()) return;
+  const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
+  const double full_spacing = std::sqrt(s.area / static_cast<double>(s.dense.positions.size()));
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    const double full = measureBand(s.dense.positions, params.pins[p]), band = measureBand(s.points, params.pins[p]);
+    if (full < kBandOfRows * full_spacing || band > kBandOfOneRow * spacing) continue;
+    s.warnings.push_back("pins[" + std::to_string(p) + "] holds a band " + formatShort(full) +
+                         " m wide, which clamps the cloud but is narrower than the spacing of the simulation points, " +
+                         formatShort(spacing) + " m, and a hinge to them and to the error's estimate: a wider pin or more "
+                         "simulation points clamp these, too");
+  }
+}
+
+}  // namespace
+
 void applyPins(const SceneParams& params, RestSurface& s) {
   s.pinned.assign(s.points.size(), 0);
   s.pinned_turns.assign(s.points.size(), 0);
@@ -94,6 +134,7 @@ void applyPins(const SceneParams& params, RestSurface& s) {
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
     s.warnings.push_back("pins hold every simulation point: nothing can move");
   s.model->setHeld(s.pinned);
+  warnOfNarrowPins(params, s);
 }
 
 }  // namespace deformable_surface::simulation

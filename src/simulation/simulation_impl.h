@@ -168,6 +168,7 @@ struct Simulation::Impl {
   StepOutcome step();
   bool beginNested();
   bool isHeldAround() const;
+  double findUnheldLoad(double time) const;
   std::optional<double> searchAgain(double now, model::State& start) const;
   void disturb(double size, Points& positions) const;
   Grips::Update updateGrips(double now, double dt);

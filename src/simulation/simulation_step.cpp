@@ -54,6 +54,13 @@ StepOutcome Simulation::Impl::step() {
 
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
+  if (const double load = params.integrator.type == solve::IntegratorType::kStatic ? findUnheldLoad(now + dt) : 0.0; load > 0.0) {
+    outcome.ok = false;
+    outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) +
+                      " s has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(load) +
+                      " N; the state before it is kept";
+    return outcome;
+  }
   std::unique_ptr<model::State> start;  // of a second search
   if (params.integrator.type == solve::IntegratorType::kStatic && estimator && estimator->wantsSecondSearch())
     start = std::make_unique<model::State>(state);
@@ -140,6 +147,22 @@ bool Simulation::Impl::beginNested() {
   if (start.empty()) return false;
   state.positions = std::move(start);
   return true;
+}
+
+// The sum of the loads where nothing holds the surface against it, neither held points nor loads that resist motion, N; else 0.
+double Simulation::Impl::findUnheldLoad(double time) const {
+  constexpr double kRounding = 1e-6;  // of the sum of the sizes
+  const bool is_held = std::find(held.begin(), held.end(), 1) != held.end();
+  if (is_held || !contact.isEmpty() || !grips.isEmpty() || system.loadStiffness(time, state) > 0.0) return 0.0;
+  Points loads(state.positions.size(), Vec3::Zero());
+  system.addLoadsOnAll(time, state, loads);
+  Vec3 sum = Vec3::Zero();
+  double sizes = 0.0;
+  for (const Vec3& load : loads) {
+    sum += load;
+    sizes += load.norm();
+  }
+  return sum.norm() > kRounding * sizes ? sum.norm() : 0.0;
 }
 
 // The same step from disturbed positions, of which nothing is left: how far from the equilibrium it ends, m, infinity where it
@@ -230,6 +253,7 @@ void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& o
   const Timer timer;
   const std::string said = estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all());
   if (!(interrupt && *interrupt)) appendNotice(outcome.notice, said);
+  estimator->learnBalance(params.integrator.type != solve::IntegratorType::kStatic || report.converged);
   // Asked for, kept in the trial, but not kept now; said once.
   const double wish = params.accuracy.position_error, error = estimator->total() + softening;
   if (wish > 0.0 && choice.is_met && error > wish && std::isfinite(error) && !is_wish_missed) {

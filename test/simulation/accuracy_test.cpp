@@ -127,12 +127,29 @@ TEST(ErrorEstimate, IsNoNumberWhereASurfaceHasOtherEquilibria) {
   hasty.integrator.max_iterations = 3;
   Simulation unbalanced(hasty, folded.cloud);
   EXPECT_EQ(unbalanced.step().notice.find("as where a surface has more than one"), std::string::npos);
+  EXPECT_TRUE(std::isinf(unbalanced.statistics().error_estimate));  // nor is what it came to an equilibrium
 
   SceneParams p = saggingStrip(IntegratorType::kStatic);
   p.simplification.target_points = 150;
   Simulation sagging(p, strip());
   EXPECT_EQ(sagging.step().notice, "");
   EXPECT_TRUE(std::isfinite(sagging.statistics().error_estimate));
+}
+
+// Clamped to the cloud, a hinge to few points.
+TEST(ErrorEstimate, HasAWarningWhereAPinIsNarrowerThanTheSpacing) {
+  SceneParams p = saggingStrip(IntegratorType::kStatic);
+  p.simplification.target_points = 80;
+  EXPECT_TRUE(Simulation(p, strip()).buildWarnings().empty());
+  const double full_spacing = std::sqrt(0.5 * 0.25 / 700.0);
+  double end = 1.0;
+  for (const Vec3& point : strip().positions) end = std::min(end, point.x());
+  p.pins[0].region.max.x() = end + 1.4 * full_spacing;
+  const Simulation narrow(p, strip());
+  ASSERT_EQ(narrow.buildWarnings().size(), 1u);
+  EXPECT_NE(narrow.buildWarnings()[0].find("and a hinge to them"), std::string::npos) << narrow.buildWarnings()[0];
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  EXPECT_TRUE(Simulation(p, strip()).buildWarnings().empty());
 }
 
 TEST(ErrorEstimate, HasTheSameBitsForEveryNumberOfThreadsAndAfterAReset) {

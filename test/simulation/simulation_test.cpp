@@ -399,5 +399,20 @@ TEST(Simulation, CreasesAreUnorientedParticlesAlsoAfterAReset) {
   EXPECT_THROW(Simulation(p, sheetCloud(10)), InputError);
 }
 
+TEST(Simulation, HasNoEquilibriumWhereNothingHoldsIt) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins.clear();
+  p.integrator.type = solve::IntegratorType::kStatic;
+  Simulation s(p, sheetCloud());
+  const Points before = s.state().positions;
+  const simulation::StepOutcome falling = s.step();
+  EXPECT_FALSE(falling.ok);
+  EXPECT_NE(falling.problem.find("nothing holds the surface"), std::string::npos) << falling.problem;
+  EXPECT_EQ(s.state().positions, before);
+  // Loads that balance each other need no hold.
+  s.setGravity(Vec3::Zero());
+  EXPECT_TRUE(s.step().ok);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test
