@@ -68,8 +68,8 @@ class ErrorEstimator {
   std::string follow(const Points& positions, solve::IntegratorType type, Index substeps,
                      const std::vector<NamedForces::Named>& forces);
 
-  /// Whether the next equilibrium should be searched for twice, the second time from positions so far from where the first began,
-  /// m. It is the first one since the last reset or given state; copies of fewer points may know nothing of others that it has.
+  /// Whether the next equilibrium, the first since the last reset or given state, should be searched for twice: copies of fewer
+  /// points may know nothing of others. The second search begins searchDisturbance() (m) from where the first did.
   bool wantsSecondSearch() const { return is_simplified_ && !is_solid_ && !seen_.has_searched && !seen_.is_lost; }
   double searchDisturbance() const;
   /// How far from the first the second search ended, m; infinity: it found none, 0: it was not worth while. As follow().
