@@ -111,6 +111,7 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
+  has_hinged_pins_ = level.has_hinged_pins;
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
@@ -132,6 +133,7 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& ful
 ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
     : is_solid_(other.is_solid_),
       is_simplified_(other.is_simplified_),
+      has_hinged_pins_(other.has_hinged_pins_),
       unresolved_(other.unresolved_),
       damping_(other.damping_),
       step_(other.step_),
@@ -326,7 +328,7 @@ double ErrorEstimator::measureTime(IntegratorType type) const {
 
 double ErrorEstimator::total() const {
   const bool is_unknown = seen_.is_lost || seen_.is_chaotic || seen_.has_dented || seen_.has_others || seen_.is_unbalanced;
-  if (is_unknown) return std::numeric_limits<double>::infinity();
+  if (is_unknown || has_hinged_pins_) return std::numeric_limits<double>::infinity();
   return seen_.space + seen_.transfer + seen_.time;
 }
 

@@ -70,7 +70,9 @@ class ErrorEstimator {
 
   /// Whether the next equilibrium, the first since the last reset or given state, should be searched for twice: copies of fewer
   /// points may know nothing of others. The second search begins searchDisturbance() (m) from where the first did.
-  bool wantsSecondSearch() const { return is_simplified_ && !is_solid_ && !seen_.has_searched && !seen_.is_lost; }
+  bool wantsSecondSearch() const {
+    return is_simplified_ && !is_solid_ && !has_hinged_pins_ && !seen_.has_searched && !seen_.is_lost;
+  }
   double searchDisturbance() const;
   /// How far from the first the second search ended, m; infinity: it found none, 0: it was not worth while. As follow().
   std::string learnSecondSearch(double distance);
@@ -80,7 +82,7 @@ class ErrorEstimator {
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
-  /// Their sum, m; infinite while small differences have grown so much that runs of this scene do not resemble each other.
+  /// Their sum, m; infinite where there is no bound, see docs/accuracy_control.md.
   double total() const;
 
  private:
@@ -110,6 +112,7 @@ class ErrorEstimator {
   // Constants.
   bool is_solid_ = false;
   bool is_simplified_ = false;         // the level has fewer points than the surface
+  bool has_hinged_pins_ = false;       // see RestSurface
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin

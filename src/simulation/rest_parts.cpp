@@ -97,23 +97,23 @@ double measureBand(const Points& points, const PinParams& pin) {
   return std::sqrt(12.0 * std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
 }
 
-// A band that clamps the cloud's surface and is but one row of the simulation points, which turn about it: nor do the copies that
-// estimate the error know better.
-void warnOfNarrowPins(const SceneParams& params, RestSurface& s) {
-  if (params.model != ModelKind::kMassSpring || s.points.size() >= s.dense.positions.size()) return;
+}  // namespace
+
+// Copies of fewer points know no better.
+void findHingedPins(const SceneParams& params, const Points& dense, RestSurface& s) {
+  if (params.model != ModelKind::kMassSpring || s.points.size() >= dense.size()) return;
   const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
-  const double full_spacing = std::sqrt(s.area / static_cast<double>(s.dense.positions.size()));
+  const double full_spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    const double full = measureBand(s.dense.positions, params.pins[p]), band = measureBand(s.points, params.pins[p]);
+    const double full = measureBand(dense, params.pins[p]), band = measureBand(s.points, params.pins[p]);
     if (full < kBandOfRows * full_spacing || band > kBandOfOneRow * spacing) continue;
+    s.has_hinged_pins = true;
     s.warnings.push_back("pins[" + std::to_string(p) + "] holds a band " + formatShort(full) +
                          " m wide, which clamps the cloud but is narrower than the spacing of the simulation points, " +
-                         formatShort(spacing) + " m, and a hinge to them and to the error's estimate: a wider pin or more "
-                         "simulation points clamp these, too");
+                         formatShort(spacing) + " m, and a hinge to them, by which no error can be estimated: a wider pin or "
+                         "more simulation points clamp these, too");
   }
 }
-
-}  // namespace
 
 void applyPins(const SceneParams& params, RestSurface& s) {
   s.pinned.assign(s.points.size(), 0);
@@ -134,7 +134,6 @@ void applyPins(const SceneParams& params, RestSurface& s) {
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
     s.warnings.push_back("pins hold every simulation point: nothing can move");
   s.model->setHeld(s.pinned);
-  warnOfNarrowPins(params, s);
 }
 
 }  // namespace deformable_surface::simulation

@@ -23,6 +23,10 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
 /// Which simulation points the scene's pins hold.
 void applyPins(const SceneParams& params, RestSurface& s);
 
+/// Pins whose band clamps the surface of these points and is but one row of the simulation points, which turn about it: sets
+/// has_hinged_pins and warns.
+void findHingedPins(const SceneParams& params, const Points& dense, RestSurface& s);
+
 /// Neighbours, simulation points, model and transfer of an elastic solid, from cleaned points. Throws InputError. O(n k log n).
 void buildRestSolid(const SceneParams& params, const cloud::PointCloud& input, RestSurface& s);
 /// The same of a body of which the cleaned points are the closed surface: with neighbours over it, and outward normals.

@@ -316,6 +316,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
       s.area = measureArea();
     }
     buildModel(params, s);
+    findHingedPins(params, s.dense.positions, s);
     requireRegions(params, s);
   }
   const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
@@ -336,6 +337,7 @@ RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index
   s.closed = of.closed;
   connect(params, of.dense, of.dense_neighbors, of.order.keepCount(target), s);
   buildModel(params, s);
+  findHingedPins(params, of.dense.positions, s);
   return s;
 }
 

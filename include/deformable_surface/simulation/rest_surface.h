@@ -38,6 +38,7 @@ struct RestSurface {
   std::vector<char> pinned_turns;  // (m) those whose orientation is held too
   std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another
   std::vector<PointValues> values; // (m) of the scene's regions; empty if the model is another
+  bool has_hinged_pins = false;       // a pin clamps the dense surface and is a hinge to the simulation points
   std::vector<std::string> warnings;  // what will not be as the scene says, or not go well
   std::vector<std::string> notes;  // what a user should know: counts, rules, choices of auto
 };
