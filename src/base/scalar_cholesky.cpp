@@ -61,10 +61,9 @@ DEFORMABLE_SURFACE_INLINE void substituteRows(const Columns& l, const Numbers& f
   for (Index j = l.n - 1; j >= 0; --j) {
     Double4 sum{}, sum_next{};
     const bool is_pair = j > 0 && l.is_paired[j - 1];
-    if (is_pair) --j;
-    Index k = l.starts[j] + (is_pair ? 1 : 0);
     if (is_pair) {
-      for (Index next = l.starts[j + 1]; k < l.starts[j + 1]; ++k, ++next) {
+      --j;
+      for (Index k = l.starts[j] + 1, next = l.starts[j + 1]; k < l.starts[j + 1]; ++k, ++next) {
         factor.get(k, f);
         factor.get(next, g);
         load(at(work, l.rows[k]), y);
@@ -78,7 +77,7 @@ DEFORMABLE_SURFACE_INLINE void substituteRows(const Columns& l, const Numbers& f
       factor.get(l.starts[j], f);
       sum += f * x;
     } else {
-      for (; k < l.starts[j + 1]; ++k) {
+      for (Index k = l.starts[j]; k < l.starts[j + 1]; ++k) {
         factor.get(k, f);
         load(at(work, l.rows[k]), y);
         sum += f * y;

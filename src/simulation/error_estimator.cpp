@@ -33,12 +33,6 @@ constexpr double kChaoticDistanceOfOthers = 0.5;
 // The copies' sub-steps are never too many for Verlet where those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
 
-double findLargestDistance(const Points& a, const Points& b) {
-  double squared = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) squared = std::max(squared, (a[i] - b[i]).squaredNorm());
-  return std::sqrt(squared);
-}
-
 // Methods whose steps damp, so that Verlet's, beside them, have no error worth counting: those of first order, and the implicit
 // one, whose second order shows only in what it resolves.
 bool isDamping(IntegratorType type) {
@@ -59,6 +53,12 @@ Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& u
 }
 
 }  // namespace
+
+double findLargestDistance(const Points& a, const Points& b) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) squared = std::max(squared, (a[i] - b[i]).squaredNorm());
+  return std::sqrt(squared);
+}
 
 // The copies' surface, whose points are some of the level's, and how the others follow them.
 RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level) {

@@ -17,6 +17,9 @@ namespace deformable_surface::simulation {
 /// The order of removal is recorded down to this many points, for the coarser copies: fewer carry no shape.
 constexpr Index kCoarsestPoints = 16;
 
+/// Of points from those of the same index, m.
+double findLargestDistance(const Points& a, const Points& b);
+
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
  public:

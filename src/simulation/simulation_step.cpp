@@ -168,19 +168,14 @@ double Simulation::Impl::findUnheldLoad(double time) const {
 // The same step from disturbed positions, of which nothing is left: how far from the equilibrium it ends, m, infinity where it
 // finds none. An equilibrium near where the search began is not searched for again; nothing, if interrupted.
 std::optional<double> Simulation::Impl::searchAgain(double now, model::State& start) const {
-  const auto findDistance = [&] {
-    double squared = 0.0;
-    for (Index i = 0; i < state.size(); ++i)
-      squared = std::max(squared, (state.positions[i] - start.positions[i]).squaredNorm());
-    return std::sqrt(squared);
-  };
-  if (findDistance() < std::sqrt(rest.area / state.size())) return 0.0;
+  if (findLargestDistance(state.positions, start.positions) < std::sqrt(rest.area / state.size())) return 0.0;
   disturb(estimator->searchDisturbance(), start.positions);
   solve::TimeMarch second(system, *model, params.integrator);
   second.setInterrupt(interrupt);
   const solve::TimeMarch::Outcome taken = second.step(now, start);
   if (interrupt && *interrupt) return {};
-  return taken.ok && taken.report.converged ? findDistance() : std::numeric_limits<double>::infinity();
+  if (!taken.ok || !taken.report.converged) return std::numeric_limits<double>::infinity();
+  return findLargestDistance(state.positions, start.positions);
 }
 
 Grips::Update Simulation::Impl::updateGrips(double now, double dt) {

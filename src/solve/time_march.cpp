@@ -270,14 +270,15 @@ std::string TimeMarch::describeFailure(const SolveReport& report, const State& s
 // Of a search that ended before the forces were balanced.
 std::string TimeMarch::describeUnbalance(const SolveReport& report) const {
   const bool is_static = memory_.type == IntegratorType::kStatic;
-  const std::string remedy = is_static ? "" : "a smaller time_step or ";
+  const std::string smaller = "a smaller time_step or ";
   const std::string advice =
       !(report.unbalanced < kFar)
           ? "far from balance, as where forces are more than a surface bears: smaller ones, " +
-                (is_static ? std::string("more integrator.max_iterations or ") : remedy) + "a reset help"
+                (is_static ? "more integrator.max_iterations or " : smaller) + "a reset help"
       : report.is_out_of_iterations
           ? "more integrator.max_iterations or a larger integrator.tolerance end this"
-          : "no iteration came nearer, as where a surface folds: " + remedy + "a larger integrator.tolerance help";
+          : "no iteration came nearer, as where a surface folds: " + (is_static ? "" : smaller) +
+                "a larger integrator.tolerance " + (is_static ? "helps" : "help");
   const std::string most = "integrator.max_iterations, " + std::to_string(params_.max_iterations);
   return "the solver stopped after " + std::to_string(report.iterations) + " iterations (" +
          (is_static ? "at most " + most : "two searches, each of at most " + most) + ") with " +
