@@ -88,6 +88,19 @@ void Experiment::push(Index point, const Vec3& force) {
 
 void Experiment::setGravity(const Vec3& gravity) { simulation_.setGravity(rotation_ * gravity); }
 
+void Experiment::place(const Points& positions) {
+  model::State state = simulation_.state();
+  state.positions = turn(rotation_, positions);
+  state.velocities.assign(positions.size(), Vec3::Zero());
+  simulation_.setState(state);
+}
+
+Vec3 Experiment::forceOn(Index point) const {
+  Points forces(rest_.size(), Vec3::Zero());
+  simulation_.model().addForces(simulation_.state(), forces);
+  return rotation_.transpose() * forces[point];
+}
+
 void Experiment::step() {
   const simulation::StepOutcome outcome = simulation_.step();
   if (!outcome.ok) throw std::runtime_error(outcome.problem);

@@ -25,6 +25,10 @@ class Experiment {
   /// The force on one simulation point, N; replaces the one before.
   void push(Index point, const Vec3& force);
   void setGravity(const Vec3& gravity);
+  /// Puts the simulation points there, at rest, held ones too.
+  void place(const Points& positions);
+  /// What the surface itself does to one of them, N.
+  Vec3 forceOn(Index point) const;
   /// One step; throws std::runtime_error if it goes wrong.
   void step();
   /// Static steps until the loads are balanced; throws std::runtime_error if they are not.

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <random>
+#include <stdexcept>
 
 namespace deformable_surface::physics {
 namespace {
@@ -12,12 +13,12 @@ const double kPi = std::acos(-1.0);
 constexpr double kRadius = 10.0, kHole = 18.0;  // the hole's angle about the pole, degrees
 
 // [sze2004, hemispherical shell with a hole]: E = 6.825e7, nu = 0.3, R = 10, h = 0.04; radial forces outward at both ends of
-// one axis, inward at both ends of the other. Force over kLoad, displacement outward, inward.
+// one axis, inward at both ends of the other. Displacements outward and inward at shares of the force kLoad.
 constexpr double kLoad = 400.0;
 struct Row {
   double share, outward, inward;
 };
-constexpr Row kTenth{0.10, 1.499, 1.840};
+constexpr Row kTenth{0.10, 1.499, 1.840}, kHalf{0.50, 3.406, 5.902}, kFull{1.00, 4.067, 8.178};
 
 // Circles of latitude from the equator to the hole; points at both ends of both axes.
 Sampled sampleHemisphere(double spacing, Sampling sampling) {
@@ -43,58 +44,61 @@ Sampled sampleHemisphere(double spacing, Sampling sampling) {
   return sampled;
 }
 
-// Nothing holds the shell but its loads, and forces that press it together let it turn away under them. The published
-// computation forbids that by symmetry; here the inward forces come from world springs to far targets, which pull back what
-// leaves the axis. Their targets are moved until the spring force is the wanted one along the axis, and none across. rigidity:
-// over that of the published shell. The model's curvatures do not feel each other (bending with Poisson's ratio 0). A shell
-// that bends without stretching keeps its Gaussian curvature, so that both change by the same amount, oppositely, and the true
-// energy is (1 - nu) of the model's: with that share of the rigidity the model is the published shell.
-Answer pinchHemisphere(double rigidity, const Variant& variant, double spacing) {
+// Forces that press the shell together let it turn away under them, and the published computation forbids that by symmetry. So
+// its inward points are held here, at a distance that is sought until they are pressed with the load; forces act at the outward
+// ones. Load by load, as the published table has it: each begins from what the last two foretell, by which the shell stays
+// symmetric. In longer steps it finds equilibria of less energy that are not.
+Answer pinchHemisphere(const Row& row, const Variant& variant, double spacing) {
+  constexpr double kStep = 0.05;       // of kLoad
+  constexpr double kEnough = 1e-3;     // of the load: how well the inward points are pressed with it
+  constexpr int kTries = 8;            // distances before a load counts as not found
+  constexpr double kFirst = 0.05;      // of the radius: the displacement that is tried first
   simulation::SceneParams scene = makeStaticScene();
+  scene.integrator.tolerance = 1e-6;
   scene.material.young_modulus = 6.825e7;
-  scene.material.poisson_ratio = variant.membrane == model::Membrane::kSprings ? 1.0 / 3.0 : 0.3;
+  scene.material.poisson_ratio = 0.3;
   scene.material.thickness = 0.04;
-  const double cubed = std::pow(scene.material.thickness, 3);
-  scene.material.bending_rigidity = rigidity * scene.material.young_modulus * cubed / (12.0 * (1.0 - 0.3 * 0.3));
-  const Row row = kTenth;
-  const double load = kLoad * row.share, holder = 2.0 * load / kRadius;
-  constexpr int kCorrections = 2;  // each leaves an eighth of the error in the force
-  const Sampled sampled = sampleHemisphere(spacing, variant.sampling);
-  Vec3 target(0.0, kRadius - row.inward - load / holder, 0.0);
-  double height = 0.0;
-  Answer answer;
-  for (int correction = 0; correction <= kCorrections; ++correction) {
-    scene.anchors.clear();
-    for (const double side : {1.0, -1.0}) {
-      simulation::AnchorParams anchor;
-      anchor.point = Vec3(0.0, side * kRadius, 0.0);
-      anchor.target = Vec3(0.0, side * target.y(), height);
-      anchor.stiffness = holder;
-      scene.anchors.push_back(anchor);
-    }
-    Experiment shell(scene, sampled, variant);
-    const auto find = [&](const Vec3& place) {
-      Index nearest = 0;
-      for (Index i = 0; i < static_cast<Index>(shell.rest().size()); ++i)
-        if ((shell.rest()[i] - place).squaredNorm() < (shell.rest()[nearest] - place).squaredNorm()) nearest = i;
-      return nearest;
-    };
-    const Index a = find(Vec3(kRadius, 0.0, 0.0)), b = find(Vec3(-kRadius, 0.0, 0.0));
-    const Index c = find(Vec3(0.0, kRadius, 0.0)), d = find(Vec3(0.0, -kRadius, 0.0));
-    shell.push(a, Vec3(load, 0.0, 0.0));
-    shell.push(b, Vec3(-load, 0.0, 0.0));
-    shell.settle();
+  Experiment shell(scene, sampleHemisphere(spacing, variant.sampling), variant);
+  const Points& rest = shell.rest();
+  const auto find = [&](double x, double y) {
+    return static_cast<Index>(std::min_element(rest.begin(), rest.end(), [&](const Vec3& a, const Vec3& b) {
+                                return (a - Vec3(x, y, 0.0)).squaredNorm() < (b - Vec3(x, y, 0.0)).squaredNorm();
+                              }) - rest.begin());
+  };
+  const Index pulled[2] = {find(kRadius, 0.0), find(-kRadius, 0.0)}, pressed[2] = {find(0.0, kRadius), find(0.0, -kRadius)};
+  shell.hold([&](const Vec3& p) { return p == rest[pressed[0]] || p == rest[pressed[1]]; });
+  // By how much the held points are in, and the force with which the shell resists.
+  struct Found {
+    double inward = 0.0, force = 0.0;
+  } last, found;
+  Points before = rest, places = rest;
+  for (int step = 1; step <= std::lround(row.share / kStep); ++step) {
+    const double load = kLoad * kStep * step;
+    for (int side = 0; side < 2; ++side) shell.push(pulled[side], Vec3(side == 0 ? load : -load, 0.0, 0.0));
+    double inward = step == 1 ? kFirst * kRadius : 2.0 * found.inward - last.inward;
     const Points now = shell.now();
-    const double outward = 0.5 * (now[a] - now[b]).norm() - kRadius, pressed = 0.5 * (now[c].y() - now[d].y());
-    const double force = holder * (pressed - target.y());
-    height = 0.5 * (now[c].z() + now[d].z());
-    // The force that is missing, by the stiffness that the holder has itself: the shell's adds to it.
-    target.y() -= (load - force) / holder;
-    answer.points = static_cast<Index>(now.size());
-    answer.value = kRadius - pressed;
-    answer.reference = row.inward;
-    answer.error = std::hypot(outward - row.outward, answer.value - row.inward) / std::hypot(row.outward, row.inward);
+    for (std::size_t i = 0; i < now.size(); ++i) places[i] = 2.0 * now[i] - before[i];
+    before = now;
+    const Found start = found;
+    for (int tried = 0; std::abs(found.force - load) > kEnough * load; ++tried) {
+      if (tried == kTries) throw std::runtime_error("no place of the held points at which they are pressed with the load");
+      for (int side = 0; side < 2; ++side) places[pressed[side]] = Vec3(0.0, (side == 0 ? 1.0 : -1.0) * (kRadius - inward), 0.0);
+      shell.place(places);
+      shell.settle();
+      const Found previous = tried == 0 ? start : found;
+      found = {inward, 0.5 * (shell.forceOn(pressed[0]).y() - shell.forceOn(pressed[1]).y())};
+      inward += (load - found.force) * (found.inward - previous.inward) / (found.force - previous.force);
+      places = shell.now();
+    }
+    last = start;
   }
+  const Points now = shell.now();
+  const double outward = 0.5 * (now[pulled[0]] - now[pulled[1]]).norm() - kRadius;
+  Answer answer;
+  answer.points = static_cast<Index>(rest.size());
+  answer.value = found.inward;
+  answer.reference = row.inward;
+  answer.error = std::hypot(outward - row.outward, found.inward - row.inward) / std::hypot(row.outward, row.inward);
   return answer;
 }
 
@@ -104,19 +108,22 @@ std::vector<Problem> listShells() {
   std::vector<Problem> list;
   struct Case {
     const char* name;
-    double rigidity;
+    Row row;
+    std::vector<double> sizes;
   };
-  for (const Case& c : {Case{"hemisphere, tenth of the load", 0.7}, Case{"hemisphere, tenth of the load, D as published", 1.0}}) {
+  for (const Case& c : {Case{"hemisphere, tenth of the load", kTenth, {1.4, 1.0, 0.7}},
+                        Case{"hemisphere, half of the load", kHalf, {1.0, 0.7, 0.5}},
+                        Case{"hemisphere, full load", kFull, {0.7, 0.6, 0.5, 0.4}}}) {
     Problem p;
     p.name = c.name;
     p.value = "inward displacement, m";
     p.scale = "displacement (both loaded points)";
     p.source = "Sze, Liu, Lo 2004, hemispherical shell with a hole";
-    const model::Bending bending = model::Bending::kCurvature;
-    if (c.rigidity < 1.0) p.variants = {{model::Membrane::kTriangles, bending, Sampling::kRegular, false}};
-    p.variants.push_back({model::Membrane::kTriangles, bending, Sampling::kJittered, true});
-    p.sizes = {2.0, 1.4, 1.0};
-    p.run = [c](const Variant& variant, double spacing) { return pinchHemisphere(c.rigidity, variant, spacing); };
+    for (const Sampling sampling : {Sampling::kRegular, Sampling::kJittered})
+      p.variants.push_back(
+          {model::Membrane::kTriangles, model::Bending::kCurvature, sampling, sampling != Sampling::kRegular});
+    p.sizes = c.sizes;
+    p.run = [row = c.row](const Variant& variant, double spacing) { return pinchHemisphere(row, variant, spacing); };
     list.push_back(p);
   }
   return list;

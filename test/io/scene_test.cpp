@@ -153,6 +153,7 @@ TEST(ReadScene, RefusesTheOutsideOfEveryRange) {
                                             "material: {poisson_ratio: X}",
                                             "material: {thickness: X}",
                                             "material: {bending_rigidity: X}",
+                                            "material: {bending_poisson_ratio: X}",
                                             "material: {density: X}",
                                             "material: {damping: X}",
                                             "material: {spring_damping: X}",
@@ -237,6 +238,9 @@ TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {
 TEST(ReadScene, HoldsRulesAmongFields) {
   EXPECT_EQ(problemOf("mass_spring: {membrane: springs}\nmaterial: {poisson_ratio: 0.333}"), "accepted");
   EXPECT_TRUE(contains(problemOf("mass_spring: {membrane: springs}\nmaterial: {poisson_ratio: 0.3}"), "by construction"));
+  EXPECT_EQ(problemOf("material: {bending_poisson_ratio: 0.3}"), "accepted");
+  EXPECT_TRUE(contains(problemOf("material: {bending_poisson_ratio: 0.3}\nmass_spring: {bending: none}"),
+                       "material.bending_poisson_ratio: found one where nothing bends by it"));
   EXPECT_EQ(problemOf("mass_spring: {membrane: springs, stiffness: uniform, spring_constant: 100}"), "accepted");
   EXPECT_TRUE(contains(problemOf("mass_spring: {stiffness: uniform, spring_constant: 100}"), "mass_spring.stiffness: found"));
   EXPECT_EQ(problemOf("mass_spring: {membrane: springs, stiffness: uniform}"),

@@ -87,7 +87,7 @@ TEST_P(MassSpringVariants, FastForcesAndThenSlowOnesAreAllForcesBitForBit) {
 
 TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
   for (const Surface& surface : {makeSphere(120, 0.3), makeSheet(9, 8, 0.8, 0.7, 0.3)}) {
-    const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0);
+    const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0, 0.3);
     const Index n = static_cast<Index>(surface.points.size());
     std::vector<double> masses;
     for (Index i = 0; i < n; ++i) masses.push_back(1.0 + 0.1 * (i % 7));
@@ -117,7 +117,7 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
 // A normal of unit length would turn by any angle at no distance where the tangents vanish, and the forces with it.
 TEST(CrushedCurvature, ForcesAreMinusTheGradientAndHaveABound) {
   const Surface surface = makeSheet(9, 8, 0.8, 0.7, 0.3);
-  const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0);
+  const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0, 0.3);
   const auto energyAt = [&](const Points& positions) {
     PaddedPoints padded;
     padded.assign(positions);
@@ -407,6 +407,38 @@ TEST(MassSpring, CurvatureBendingOfACylinderHasTheStatedRigidity) {
     const double bending = m.elasticEnergy(stateAt(rolled)) - membrane_only.elasticEnergy(stateAt(rolled));
     EXPECT_NEAR(bending / (0.5 * 2.5e-4 / (radius * radius) * s.area), 1.0, 0.01);
   }
+}
+
+// Small heights (p x^2 + q y^2) / 2 + r x y bend a plate by k_11 = p, k_22 = q, k_12 = r; per area it costs
+// D/2 [(1 - nu) (p^2 + q^2 + 2 r^2) + nu (p + q)^2].
+TEST(MassSpring, BendingOfASheetCostsWhatAPlateOfItsPoissonRatioCosts) {
+  const Surface s = makeSheet(25, 25, 1.0, 1.0, 0.2);
+  const double rigidity = 2.5e-4, size = 1e-4;  // 1/m: heights so small that the surface is not stretched
+  for (const double nu : {-0.3, 0.0, 0.3, 0.49}) {
+    MaterialParams material;
+    material.bending_rigidity = rigidity;
+    material.bending_poisson_ratio = nu;
+    const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material,
+                       choose(Membrane::kTriangles, Bending::kCurvature));
+    for (const Vec3& bent : {Vec3(1.0, 0.0, 0.0), Vec3(1.0, 1.0, 0.0), Vec3(1.0, -1.0, 0.0), Vec3(0.0, 0.0, 1.0)}) {
+      const Vec3 k = size * bent;  // p, q, r
+      Points points = s.points;
+      for (Vec3& x : points) x.z() = 0.5 * (k[0] * x.x() * x.x() + k[1] * x.y() * x.y()) + k[2] * x.x() * x.y();
+      const double squares = k[0] * k[0] + k[1] * k[1] + 2.0 * k[2] * k[2], trace = k[0] + k[1];
+      const double density = 0.5 * rigidity * ((1.0 - nu) * squares + nu * trace * trace);
+      EXPECT_NEAR(m.elasticEnergy(stateAt(points)) / (density * s.area), 1.0, 1e-3) << nu << " " << bent.transpose();
+    }
+  }
+}
+
+TEST(MaterialParams, APlateOfOneMaterialBendsWithItsPoissonRatioAndAStatedRigidityIsThatOfStrips) {
+  MaterialParams material;
+  material.poisson_ratio = 0.2;
+  EXPECT_EQ(material.bendingPoissonRatio(), 0.2);
+  material.bending_rigidity = 1e-4;
+  EXPECT_EQ(material.bendingPoissonRatio(), 0.0);
+  material.bending_poisson_ratio = 0.4;
+  EXPECT_EQ(material.bendingPoissonRatio(), 0.4);
 }
 
 TEST(MassSpring, CurvedRestShapeHasNoBendingEnergyAtRestAndResistsFlattening) {

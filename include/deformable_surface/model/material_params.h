@@ -11,6 +11,7 @@ struct MaterialParams {
   double poisson_ratio = 0.3333;    // > -1, < 0.5 (plane stress; pure springs have 1/3 by construction)
   double thickness = 0.001;         // m, > 0
   OrAuto<double> bending_rigidity;  // N m, >= 0; auto = E h^3 / (12 (1 - nu^2))
+  OrAuto<double> bending_poisson_ratio;  // > -1, < 0.5; auto = poisson_ratio where bending_rigidity is auto, else 0
   double density = 1000.0;          // kg/m^3, > 0
   double damping = 0.0;             // 1/s, >= 0: force = -damping * mass * velocity
   double spring_damping = 0.0;      // s, >= 0: damping constant of a link over its stiffness k
@@ -19,6 +20,11 @@ struct MaterialParams {
   double bendingRigidity() const {
     return bending_rigidity.valueOr(young_modulus * thickness * thickness * thickness /
                                     (12.0 * (1.0 - poisson_ratio * poisson_ratio)));
+  }
+  /// How much the curvatures along and across feel each other. A rigidity that is stated is mostly measured on strips, which are
+  /// free to curve across: without this effect strips of any width have it.
+  double bendingPoissonRatio() const {
+    return bending_poisson_ratio.valueOr(bending_rigidity.is_auto ? poisson_ratio : 0.0);
   }
   /// kg/m^2.
   double arealDensity() const { return density * thickness; }
@@ -35,6 +41,10 @@ inline void visit(Fields& fields, MaterialParams& p) {
   fields.number("thickness", p.thickness, "m", between(1e-10, 1e3), "thickness of the surface");
   fields.number("bending_rigidity", p.bending_rigidity, "N m", between(0.0, 1e20),
                 "bending stiffness D; `auto` = E h^3 / (12 (1 - nu^2))");
+  fields.number("bending_poisson_ratio", p.bending_poisson_ratio, "", strictlyBetween(-1.0, 0.5),
+                "Poisson's ratio of bending, with `mass_spring.bending: curvature`: how much the curvatures along and across "
+                "feel each other; `auto` = poisson_ratio with `bending_rigidity: auto`, a plate of one material, and 0 with a "
+                "stated one, which strips of any width then have");
   fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9),
                 "mass density; the areal density is this times the thickness");
   fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "force = -damping * mass * velocity");

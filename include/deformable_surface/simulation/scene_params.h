@@ -362,6 +362,11 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(!pure_springs || std::abs(p.material.poisson_ratio - 1.0 / 3.0) <= kThirdTolerance, "material.poisson_ratio",
                  "found " + formatReal(p.material.poisson_ratio) +
                      " with mass_spring.membrane: springs; accepted: 1/3, which pure springs have by construction");
+  fields.require(p.material.bending_poisson_ratio.is_auto ||
+                     (p.model == ModelKind::kMassSpring && p.mass_spring.bending == model::Bending::kCurvature),
+                 "material.bending_poisson_ratio",
+                 "found one where nothing bends by it; accepted: auto, or model: mass_spring with mass_spring.bending: "
+                 "curvature");
   fields.require(p.mass_spring.damping == model::Damping::kAlongSpring || p.material.spring_damping > 0.0, "mass_spring.damping",
                  "found relative_velocity with material.spring_damping: 0, which damps nothing; accepted: along_spring, or a "
                  "spring_damping above 0");

@@ -18,9 +18,6 @@ constexpr Index kSlots = CurvatureBending::kFitPoints + 1;  // with the point it
 // |t_1 x t_2|, the area that a unit of it at rest has now, below which a point counts as crushed, see the header.
 constexpr double kCrushed = 0.1;
 
-// How often each of b_11, b_12, b_22 stands in the sum over a and b.
-const Vec3 kMultiplicity(1.0, 2.0, 1.0);
-
 // Four points at a time, one coordinate in one vector.
 struct Moments {
   Double4 t1[3], t2[3], b11[3], b12[3], b22[3];  // first the derivatives of the positions,
@@ -80,7 +77,8 @@ DEFORMABLE_SURFACE_INLINE void multiplyCross(const Double4* a, const Double4* b,
 using Mask4 = decltype(Double4{} < Double4{});
 
 // Moments and normals of four points, of crushed ones as in the header.
-DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, Moments& m, Double4* n, Mask4& is_crushed) {
+DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, double poisson_ratio, Moments& m, Double4* n,
+                                           Mask4& is_crushed) {
   Double4 area, weight, rest11, rest12, rest22;
   multiplyCross(m.t1, m.t2, n);
   multiply(n, n, area);
@@ -100,9 +98,9 @@ DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, Moments& m, 
   m.change[0] -= rest11;
   m.change[1] -= rest12;
   m.change[2] -= rest22;
-  m.second[0] = weight * m.change[0];
-  m.second[1] = 2.0 * weight * m.change[1];  // 12 and 21
-  m.second[2] = weight * m.change[2];
+  m.second[0] = weight * (m.change[0] + poisson_ratio * m.change[2]);
+  m.second[1] = 2.0 * (1.0 - poisson_ratio) * weight * m.change[1];  // 12 and 21
+  m.second[2] = weight * (m.change[2] + poisson_ratio * m.change[0]);
   // M^ab Gamma^c_ab = t^c . (M^ab b_ab) with the dual basis t^1 = t_2 x n / |t_1 x t_2|, t^2 = n x t_1 / |t_1 x t_2|.
   Double4 p[3], turned[3];
   for (int c = 0; c < 3; ++c) p[c] = inverse * (m.second[0] * m.b11[c] + m.second[1] * m.b12[c] + m.second[2] * m.b22[c]);
@@ -127,7 +125,8 @@ DEFORMABLE_SURFACE_INLINE void spreadMoments(const double* rows, const Moments& 
 
 // The groups from begin to end. Crushed points get no normal, hence no force. Returns whether any are.
 DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index* neighbors, const double* rows,
-                                            const double* constants, const double* positions, double* along, double* normals) {
+                                            const double* constants, double poisson_ratio, const double* positions, double* along,
+                                            double* normals) {
   Moments moments[kBatch];
   bool any_crushed = false;
   for (Index batch = begin; batch < end; batch += kBatch) {
@@ -137,7 +136,7 @@ DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index*
     for (Index g = batch; g < batch_end; ++g) {
       Double4 n[4], weight;
       Mask4 is_crushed;
-      findMoments(constants + 16 * g, moments[g - batch], n, is_crushed);
+      findMoments(constants + 16 * g, poisson_ratio, moments[g - batch], n, is_crushed);
       for (int c = 0; c < 3; ++c) n[c] = is_crushed ? Double4{} : n[c];
       load(constants + 16 * g, weight);
       is_crushed &= weight > 0.0;  // not where there is no fit
@@ -152,14 +151,14 @@ DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index*
 
 // The energy of the groups from begin to end, J.
 DEFORMABLE_SURFACE_WIDE double sumEnergies(Index begin, Index end, const Index* neighbors, const double* rows,
-                                           const double* constants, const double* positions) {
+                                           const double* constants, double poisson_ratio, const double* positions) {
   Double4 sum{};
   for (Index g = begin; g < end; ++g) {
     Moments m;
     Double4 normals[4];
     Mask4 is_crushed;
     sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, m);
-    findMoments(constants + 16 * g, m, normals, is_crushed);
+    findMoments(constants + 16 * g, poisson_ratio, m, normals, is_crushed);
     for (int k = 0; k < 3; ++k) sum += 0.5 * m.second[k] * m.change[k];
   }
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
@@ -240,6 +239,21 @@ CurvatureBending::Shape CurvatureBending::shapeAt(Index i, const Derivatives& d)
   return s;
 }
 
+Mat3 CurvatureBending::momentMatrix() const {
+  Mat3 matrix;
+  for (int k = 0; k < 3; ++k) matrix.col(k) = momentOf(Vec3::Unit(k));
+  return matrix;
+}
+
+Mat3 CurvatureBending::momentRoot() const {
+  const double even = std::sqrt(1.0 + poisson_ratio_), odd = std::sqrt(1.0 - poisson_ratio_);
+  Mat3 root = Mat3::Zero();
+  root(0, 0) = root(2, 2) = 0.5 * (even + odd);
+  root(0, 2) = root(2, 0) = 0.5 * (even - odd);
+  root(1, 1) = std::sqrt(2.0) * odd;
+  return root;
+}
+
 bool CurvatureBending::isCrushed(const Derivatives& d) { return d.t[0].cross(d.t[1]).norm() < kCrushed; }
 
 // With c = t_1 x t_2 and the softened length s = (|c|^2 + e^2) / (2 e): n = c / s and
@@ -262,12 +276,13 @@ Mat3 CurvatureBending::CrushedShape::changeBy(const Row& row) const {
   return normal * row.second.transpose() + row.first[0] * by_first[0] + row.first[1] * by_first[1];
 }
 
-// f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A (n . b - II0): by the fits, then gathered by the points.
+// f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A [(1 - nu) k + nu tr(k) I], k = n . b - II0: by the fits,
+// then gathered by the points.
 void CurvatureBending::addForces(const PaddedPoints& positions, Points& forces) const {
   std::atomic<bool> any_crushed{false};
   parallelFor(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
-    if (computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data(),
-                       along_.data(), normals_.data()))
+    if (computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), poisson_ratio_,
+                       positions.data(), along_.data(), normals_.data()))
       any_crushed.store(true, std::memory_order_relaxed);
   });
   parallelFor(neighbors_.size(), kBlock, [&](Index begin, Index end) {
@@ -282,7 +297,7 @@ void CurvatureBending::addCrushedForces(const PaddedPoints& positions, Points& f
     const double* normal = &normals_[4 * i];
     if (weight_[i] == 0.0 || normal[0] != 0.0 || normal[1] != 0.0 || normal[2] != 0.0) continue;
     const CrushedShape s = crushedShapeAt(i, sumDerivativesAt(i, positions.data(), 4));
-    const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(s.change);
+    const Vec3 moment = weight_[i] * momentOf(s.change);
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
       forces[neighbors_.items[r]] -= s.changeBy(rows_[r]) * moment;
   }
@@ -290,12 +305,13 @@ void CurvatureBending::addCrushedForces(const PaddedPoints& positions, Points& f
 
 double CurvatureBending::energy(const PaddedPoints& positions) const {
   return parallelSum(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
-    return sumEnergies(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), positions.data());
+    return sumEnergies(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), poisson_ratio_,
+                       positions.data());
   });
 }
 
-// With k_ab = n . b_ab - II0_ab and M = D A k (each component as often as it stands in the sum), the Hessian is the sum of
-//   D A dk_ab dk_ab,           dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
+// With k_ab = n . b_ab - II0_ab and its moments M (each component as often as it stands in the sum), the Hessian is the sum of
+//   dM_ab dk_ab,               dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
 //   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),
 //   dp = M_ab (db_ab - Gamma^d_ab dt_d).
 // Of crushed points it is the former part alone.
@@ -312,7 +328,7 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
     const Shape shape = shapeAt(i, d);
     const Vec3& n = shape.normal;
     const Mat3 project = n * n.transpose();
-    const Vec3 moment = weight_[i] * kMultiplicity.cwiseProduct(shape.change);
+    const Vec3 moment = weight_[i] * momentOf(shape.change);
     const double pull = moment.dot(shape.curvature);
     Mat2 metric;
     metric << shape.dual[0].squaredNorm(), shape.dual[0].dot(shape.dual[1]), shape.dual[0].dot(shape.dual[1]),
@@ -324,7 +340,7 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
     }
     for (Index j = begin; j < end; ++j)
       for (Index k = begin; k <= j; ++k) {
-        double normal = weight_[i] * change[j - begin].dot(kMultiplicity.cwiseProduct(change[k - begin]));
+        double normal = weight_[i] * change[j - begin].dot(momentOf(change[k - begin]));
         Mat3 block = Mat3::Zero();
         if (hessian == Hessian::kExact) {
           const Vec2 gj = rows_[j].first, gk = rows_[k].first;
@@ -343,33 +359,33 @@ void CurvatureBending::addCrushedStiffness(Index i, const CrushedShape& shape, B
   const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
   std::array<Mat3, kFitPoints + 1> change;
   for (Index r = begin; r < end; ++r) change[r - begin] = shape.changeBy(rows_[r]);
-  const Vec3 weights = weight_[i] * kMultiplicity;
+  const Mat3 moments = weight_[i] * momentMatrix();
   for (Index j = begin; j < end; ++j)
     for (Index k = begin; k <= j; ++k)
       stiffness.add(neighbors_.items[j], neighbors_.items[k],
-                    change[j - begin] * weights.asDiagonal() * change[k - begin].transpose());
+                    change[j - begin] * moments * change[k - begin].transpose());
 }
 
 // x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no
 // eigenvalue of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of
-// the 3 x 3 matrix D A sum_j dk_ab(j) dk_cd(j) / m_j, which its Frobenius norm bounds.
+// the 3 x 3 matrix D A sum_j r(j) r(j)^T / m_j, which its Frobenius norm bounds; r = R dk with R^T R the matrix of the moments.
 double CurvatureBending::boundRate(const State& state, const std::vector<double>& masses) const {
   rate_.assign(masses.size(), 0.0);
+  const Mat3 root = momentRoot();
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
     const Derivatives d = sumDerivativesAt(i, state.positions.data()->data(), 3);
-    const Vec3 multiplicity = kMultiplicity.cwiseSqrt();
     Mat3 matrix = Mat3::Zero();
     if (isCrushed(d)) {
       const CrushedShape shape = crushedShapeAt(i, d);
       for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-        const Mat3 change = shape.changeBy(rows_[r]) * multiplicity.asDiagonal();
+        const Mat3 change = shape.changeBy(rows_[r]) * root;
         matrix += change.transpose() * change / masses[neighbors_.items[r]];
       }
     } else {
       const Shape shape = shapeAt(i, d);
       for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-        const Vec3 change = multiplicity.cwiseProduct(rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
+        const Vec3 change = root * (rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
         matrix += change * change.transpose() / masses[neighbors_.items[r]];
       }
     }
@@ -380,11 +396,12 @@ double CurvatureBending::boundRate(const State& state, const std::vector<double>
 }
 
 void CurvatureBending::addRowBounds(std::vector<double>& stiffness) const {
+  const Mat3 moments = momentMatrix().cwiseAbs();
   for (Index i = 0; i < neighbors_.size(); ++i) {
     Vec3 sum = Vec3::Zero();
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) sum += rows_[r].second.cwiseAbs();
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
-      stiffness[neighbors_.items[r]] += weight_[i] * rows_[r].second.cwiseAbs().dot(kMultiplicity.cwiseProduct(sum));
+      stiffness[neighbors_.items[r]] += weight_[i] * rows_[r].second.cwiseAbs().dot(moments * sum);
   }
 }
 
@@ -393,7 +410,7 @@ double CurvatureBending::sumSprings() const {
   double trace = 0.0;
   for (Index i = 0; i < neighbors_.size(); ++i)
     for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
-      trace += weight_[i] * rows_[r].second.dot(kMultiplicity.cwiseProduct(rows_[r].second));
+      trace += weight_[i] * rows_[r].second.dot(momentOf(rows_[r].second));
   return 0.5 * trace;
 }
 

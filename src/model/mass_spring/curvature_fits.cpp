@@ -96,7 +96,9 @@ bool solveClamped(const Eigen::Matrix<double, Eigen::Dynamic, 5>& design, const 
 }  // namespace
 
 CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, const Lists& ring,
-                                   const std::vector<double>& areas, double rigidity, const std::vector<char>& held) {
+                                   const std::vector<double>& areas, double rigidity, double poisson_ratio,
+                                   const std::vector<char>& held)
+    : poisson_ratio_(poisson_ratio) {
   const Index n = static_cast<Index>(rest.size());
   const Clamps clamps(rest, ring, held);
   neighbors_.offsets.assign(1, 0);

@@ -126,9 +126,9 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   if (membrane_ == Membrane::kTriangles)
     membrane_triangles_ = TriangleMembrane(triangles_, rest, membrane_stiffness, material.poisson_ratio);
   if (params.bending == Bending::kCurvature && material.bendingRigidity() > 0.0) {
-    bending_rest_ = {rest, normals, rings.ring, rings.area, material.bendingRigidity()};
+    bending_rest_ = {rest, normals, rings.ring, rings.area, material.bendingRigidity(), material.bendingPoissonRatio()};
     held_.assign(n, 0);
-    bending_ = CurvatureBending(rest, normals, rings.ring, rings.area, material.bendingRigidity());
+    bending_ = CurvatureBending(rest, normals, rings.ring, rings.area, bending_rest_.rigidity, bending_rest_.poisson_ratio);
     num_without_bending_ = bending_.numWithoutFit();
   }
 

@@ -66,7 +66,7 @@ void MassSpring::buildBending() {
       if (!isCut(i, *j)) ring.items.push_back(*j);
     ring.offsets.push_back(static_cast<Index>(ring.items.size()));
   }
-  bending_ = CurvatureBending(b.points, b.normals, ring, areas, b.rigidity, held_);
+  bending_ = CurvatureBending(b.points, b.normals, ring, areas, b.rigidity, b.poisson_ratio, held_);
   forgetGuesses();
 }
 

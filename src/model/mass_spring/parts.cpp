@@ -73,6 +73,7 @@ void CurvatureBending::markPartners(const std::vector<Index>& points, std::vecto
 
 CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
   CurvatureBending bending;
+  bending.poisson_ratio_ = poisson_ratio_;
   if (neighbors_.size() == 0) return bending;
   const std::vector<Index> fits = findElements(part.wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
   std::size_t num_rows = 0;

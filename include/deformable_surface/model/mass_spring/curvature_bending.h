@@ -12,8 +12,8 @@ namespace deformable_surface::model {
 /// At rest a quadratic x(a, b) is fitted through every point to its neighbours (weights (1 - s^2)^2, s = distance over reach),
 /// in coordinates a, b of its tangent plane. The fit is linear in the positions: fixed rows g^a_j and c^ab_j give tangents
 /// t_a = sum_j g^a_j x_j and second derivatives b_ab = sum_j c^ab_j x_j; with n = t_1 x t_2 / |.| the curvature is n . b_ab, and
-///   W = D/2 sum_i A_i sum_ab (n . b_ab - II0_ab)^2,
-/// a plate of rigidity D with bending Poisson's ratio 0, so that a strip of any width has rigidity D per width.
+///   W = D/2 sum_i A_i [(1 - nu) sum_ab k_ab^2 + nu (k_11 + k_22)^2],  k_ab = n . b_ab - II0_ab,
+/// a plate of rigidity D and Poisson's ratio nu. With nu = 0 a strip of any width has rigidity D per width.
 ///
 /// Where the surface is crushed the direction of n means nothing and changes without bound. So where |t_1 x t_2| is below e, a
 /// tenth of what it is at rest, n = t_1 x t_2 / s with s = (|t_1 x t_2|^2 + e^2) / (2 e), which goes on smoothly and ends at
@@ -26,10 +26,11 @@ class CurvatureBending {
 
   /// rings: neighbours of neighbours are the fit's points. areas (n) m^2; rigidity D, N m. Points whose neighbourhood does
   /// not determine a quadratic (fewer than five neighbours, collinear) get no bending energy; numWithoutFit() counts them.
+  /// poisson_ratio: above -1, below 1.
   /// held (n), or empty: points that do not move. At the edge of a held patch fits stay on one side and the patch gives the
   /// slope.
   CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas,
-                   double rigidity, const std::vector<char>& held = {});
+                   double rigidity, double poisson_ratio, const std::vector<char>& held = {});
 
   /// Marks the other points of the fits that use points.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
@@ -81,6 +82,14 @@ class CurvatureBending {
   // Of positions that lie stride numbers apart.
   Derivatives sumDerivativesAt(Index i, const double* positions, Index stride) const;
   static bool isCrushed(const Derivatives& derivatives);
+  // M over D A: the moments that belong to changes of curvature, 11, both of 12 and 21, 22; the matrix that
+  // gives them; its symmetric root.
+  Vec3 momentOf(const Vec3& change) const {
+    const double nu = poisson_ratio_;
+    return {change[0] + nu * change[2], 2.0 * (1.0 - nu) * change[1], change[2] + nu * change[0]};
+  }
+  Mat3 momentMatrix() const;
+  Mat3 momentRoot() const;
   Shape shapeAt(Index i, const Derivatives& derivatives) const;
   CrushedShape crushedShapeAt(Index i, const Derivatives& derivatives) const;
   void addCrushedForces(const PaddedPoints& positions, Points& forces) const;
@@ -92,6 +101,7 @@ class CurvatureBending {
   std::vector<Row> rows_;           // one per item of neighbors_
   std::vector<Vec3> rest_curvature_;
   std::vector<double> weight_;      // D * A_i; 0 where there is no fit
+  double poisson_ratio_ = 0.0;
   // The same once more for the force loop: four points side by side, each with as many neighbours as a fit can have and rows of
   // zero in the place of those that it has not.
   std::vector<Index> group_neighbors_;   // (neighbours x 4) a group: where their positions are among the padded ones
@@ -105,8 +115,8 @@ class CurvatureBending {
   mutable std::vector<double> rate_;  // (n)
 };
 
-// A fit's energy is D A / 2 |sum_j c^ab_j w_j|^2 with w the motion along its normal: entry jk is D A c^ab_j c^ab_k, and as the
-// rows sum to zero it is that of springs of minus the entries.
+// At rest a fit's energy is of w, the motions along its normal, and entry jk is D A c_j . M(c_k); as the rows sum to zero it is
+// that of springs of minus the entries.
 template <typename Visit>
 void CurvatureBending::forEachSpring(Index j, const Visit& visit) const {
   if (neighbors_.size() == 0) return;
@@ -114,8 +124,7 @@ void CurvatureBending::forEachSpring(Index j, const Visit& visit) const {
     const Index i = user[1] / 4, begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
     Index own = begin;
     while (neighbors_.items[own] != j) ++own;
-    const Vec3& row = rows_[own].second;
-    const Vec3 scaled = -weight_[i] * Vec3(row[0], 2.0 * row[1], row[2]);  // 12 and 21
+    const Vec3 scaled = -weight_[i] * momentOf(rows_[own].second);
     for (Index r = begin; r < end; ++r)
       if (neighbors_.items[r] > j) visit(neighbors_.items[r], scaled.dot(rows_[r].second));
   }

@@ -114,7 +114,7 @@ class MassSpring : public DeformableModel {
     Points points, normals;
     Lists ring;
     std::vector<double> areas;
-    double rigidity = 0.0;
+    double rigidity = 0.0, poisson_ratio = 0.0;
   };
   BendingRest bending_rest_;     // of which the bending is made anew when other points are held; empty without bending
   std::vector<char> held_;       // of which it was made
