@@ -290,6 +290,7 @@ Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::St
        << statistics.simulation_points << " of " << statistics.points << " points, " << statistics.substeps << " sub-steps\n"
        << "largest stretch " << 100.0 * statistics.max_stretch << " %";
   if (std::isfinite(statistics.error_estimate)) text << ", error " << 1000.0 * statistics.error_estimate << " mm";
+  if (statistics.may_buckle) text << ", may buckle";
   marker.text = text.str();
   return marker;
 }

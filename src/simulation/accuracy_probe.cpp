@@ -47,6 +47,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     const double error = outcome.ok ? now.error_estimate + apart : std::numeric_limits<double>::infinity();
     if (error > probe.candidate.error) probe.time_error = now.error_time;
     probe.candidate.error = std::max(probe.candidate.error, error);
+    probe.candidate.may_buckle = now.may_buckle;
     const double iteration = now.is_quasi_newton ? kQuasiNewtonWork : newtonWork(tried.points);
     const double substeps = now.solver_iterations > 0 ? iteration * now.solver_iterations : now.substeps;
     probe.candidate.work += static_cast<double>(tried.points) * substeps;

@@ -22,6 +22,10 @@ constexpr double kGrownFold = 10.0;  // the same of folds: those of one triangle
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
 // Of the classical buckling pressure under a force: spheres that are not perfect bear a part of it.
 constexpr double kPushed = 0.12;
+// The same where buckling is possible: by as much as it takes for a disturbance to count, fifty times; and by what shells that
+// are far from perfect may bear.
+constexpr double kMayHaveGrown = 3.9, kMayBeOverloaded = 0.4, kMayBePushed = 0.03;
+constexpr double kSharp = 0.96;      // |n_i - n_j| of unit normals a radian apart
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
 // Along and across a wave, in the tangent plane.
 struct Direction {
@@ -55,14 +59,15 @@ DentWatch::DentWatch(const model::MaterialParams& material, const Points& points
     if (!(height > 1e-6 * length)) continue;  // of no area
     Mat2 edges;
     edges << length, along, 0.0, height;
-    triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), t.weight});
+    triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, edges.inverse(), t.weight, {}});
   }
   normals_.resize(points.size());
   findNormals(points);
   double curvature = 0.0;  // the mean of the mean curvature's size
   curvature_.assign(points.size(), 0.0);
   std::vector<double> count(points.size(), 0.0);
-  for (const Triangle& t : triangles_) {
+  for (Triangle& t : triangles_) {
+    for (int c = 0; c < 3; ++c) t.turned[c] = (normals_[t.corner[(c + 1) % 3]] - normals_[t.corner[c]]).norm();
     const double here = 0.5 * std::abs(measure(t, points).curvature.trace());
     curvature += here / static_cast<double>(triangles_.size());
     for (Index i : t.corner) {
@@ -75,14 +80,14 @@ DentWatch::DentWatch(const model::MaterialParams& material, const Points& points
   full_spacing_ = std::sqrt(area / num_full);
   has_short_dents_ = hasShortDents(curvature);
   if (!has_short_dents_ && static_cast<Index>(points.size()) >= num_full) triangles_.clear();
-  const double least = 2.0 * kPi / ((has_short_dents_ ? kLongest : kLongestFold) * spacing_);
-  const double largest = 2.0 * kPi / (kShortest * full_spacing_);
-  least_ = least * least;
-  largest_ = largest * largest;
+  const auto squareOf = [](double length) { return 4.0 * kPi * kPi / (length * length); };
+  least_ = squareOf(kLongest * spacing_);
+  least_fold_ = squareOf(kLongestFold * spacing_);
+  largest_ = squareOf(kShortest * full_spacing_);
   reset();
 }
 
-void DentWatch::reset() { growth_.assign(triangles_.size(), 0.0); }
+void DentWatch::reset() { growth_.assign((has_short_dents_ ? 1 : 2) * triangles_.size(), 0.0); }
 
 // The sum of the cross products of the edges at a point, each over the squares of their lengths: on a sphere that is its normal,
 // whatever the triangles [Max 1999].
@@ -116,12 +121,20 @@ DentWatch::Local DentWatch::measure(const Triangle& t, const Points& positions) 
           0.5 * (bent + bent.transpose())};
 }
 
-// The right side of the equation over rho at the direction and k that make it largest, 1/s^2.
-double DentWatch::findAcceleration(const Local& local) const {
+// How far the normals of neighbouring points have turned against each other, as the length of their difference.
+double DentWatch::findTurn(const Triangle& t) const {
+  double largest = 0.0;
+  for (int c = 0; c < 3; ++c)
+    largest = std::max(largest, (normals_[t.corner[(c + 1) % 3]] - normals_[t.corner[c]]).norm() - t.turned[c]);
+  return largest;
+}
+
+// The right side of the equation over rho at the direction and k that make it largest, 1/s^2. least: of k^2.
+double DentWatch::findAcceleration(const Local& local, double least) const {
   double largest = -std::numeric_limits<double>::infinity();
   for (const Direction& d : kDirectionsOfWaves) {
     const double force = d.along.dot(local.force * d.along), b = d.across.dot(local.curvature * d.across);
-    const double k2 = std::min(std::max(-0.5 * force / rigidity_, least_), largest_);
+    const double k2 = std::min(std::max(-0.5 * force / rigidity_, least), largest_);
     largest = std::max(largest, -(rigidity_ * k2 * k2 + stretching_ * b * b + force * k2) / mass_);
   }
   return largest;
@@ -142,34 +155,51 @@ bool DentWatch::hasShortDents(double curvature) const {
   return std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing_;
 }
 
-bool DentWatch::isPushed(const std::vector<Index>& loaded, double force, double radius) const {
-  if (!has_short_dents_) return false;
+Buckling DentWatch::judgeForce(const std::vector<Index>& loaded, double force, double radius) const {
+  if (!has_short_dents_) return Buckling::kUnlikely;
   double curvature = 0.0;
   for (Index i : loaded) curvature += curvature_[i] / static_cast<double>(loaded.size());
+  if (!hasShortDents(curvature)) return Buckling::kUnlikely;
   const double patch = std::max(kPi * radius * radius, full_spacing_ * full_spacing_);
-  return hasShortDents(curvature) && force > kPushed * 4.0 * std::sqrt(stretching_ * rigidity_) * curvature * curvature * patch;
+  const double classical = 4.0 * std::sqrt(stretching_ * rigidity_) * curvature * curvature * patch;
+  return force > kPushed * classical        ? Buckling::kLikely
+         : force > kMayBePushed * classical ? Buckling::kPossible
+                                            : Buckling::kUnlikely;
 }
 
-bool DentWatch::followStep(const Points& positions, double step) {
-  if (triangles_.empty()) return false;
+Buckling DentWatch::followStep(const Points& positions, double step) {
+  if (triangles_.empty()) return Buckling::kUnlikely;
   findNormals(positions);
-  bool has_grown = false;
-  for (std::size_t i = 0; i < triangles_.size(); ++i) {
+  Buckling worst = Buckling::kUnlikely;
+  // Waves from this length on have grown by this much at triangle i, kept at `place`.
+  const auto grow = [&](const Local& local, bool is_tense, double least, std::size_t place) {
+    const double acceleration = is_tense ? 0.0 : std::max(0.0, findAcceleration(local, least));
+    const double rate = std::sqrt(0.25 * damping_ * damping_ + acceleration) - 0.5 * damping_;
+    return growth_[place] = std::max(0.0, growth_[place] + (acceleration > 0.0 ? rate : -0.5 * damping_) * step);
+  };
+  const std::size_t n = triangles_.size();
+  for (std::size_t i = 0; i < n; ++i) {
     const Local local = measure(triangles_[i], positions);
     const bool is_tense = local.force.determinant() >= 0.0 && local.force.trace() >= 0.0;
-    const double acceleration = is_tense ? 0.0 : std::max(0.0, findAcceleration(local));
-    const double rate = std::sqrt(0.25 * damping_ * damping_ + acceleration) - 0.5 * damping_;
-    growth_[i] = std::max(0.0, growth_[i] + (acceleration > 0.0 ? rate : -0.5 * damping_) * step);
-    has_grown = has_grown || growth_[i] > (has_short_dents_ ? kGrown : kGrownFold);
+    const bool has_grown = has_short_dents_ ? grow(local, is_tense, least_, i) > kGrown
+                                            : grow(local, is_tense, least_fold_, i) > kGrownFold;
+    const bool may_have = !has_short_dents_ && grow(local, is_tense, least_, n + i) > kMayHaveGrown;
+    if (has_grown) worst = Buckling::kLikely;
+    if (worst == Buckling::kUnlikely && (may_have || findTurn(triangles_[i]) > kSharp)) worst = Buckling::kPossible;
   }
-  return has_grown;
+  return worst;
 }
 
-bool DentWatch::isOverloaded(const Points& positions) {
-  if (!has_short_dents_) return false;
+Buckling DentWatch::judgeEquilibrium(const Points& positions) {
   findNormals(positions);
-  return std::any_of(triangles_.begin(), triangles_.end(),
-                     [&](const Triangle& t) { return findLoad(measure(t, positions)) > kOverloaded; });
+  double load = 0.0;
+  bool is_sharp = false;
+  for (const Triangle& t : triangles_) {
+    load = std::max(load, findLoad(measure(t, positions)));
+    is_sharp = is_sharp || findTurn(t) > kSharp;
+  }
+  if (has_short_dents_ && load > kOverloaded) return Buckling::kLikely;
+  return is_sharp || load > kMayBeOverloaded ? Buckling::kPossible : Buckling::kUnlikely;
 }
 
 }  // namespace deformable_surface::simulation

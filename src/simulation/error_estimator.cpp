@@ -242,10 +242,13 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
 }
 
 // Steps watch for dents as they grow, equilibria for what is past them, and both for what forces press in.
-bool ErrorEstimator::isDenting(const Points& positions, IntegratorType type, const std::vector<NamedForces::Named>& forces) {
+Buckling ErrorEstimator::judgeBuckling(const Points& positions, IntegratorType type,
+                                       const std::vector<NamedForces::Named>& forces) {
+  Buckling worst =
+      type == IntegratorType::kStatic ? dents_.judgeEquilibrium(positions) : dents_.followStep(positions, step_);
   for (const NamedForces::Named& force : forces)
-    if (force.started && dents_.isPushed(force.points, force.params.force.norm(), force.params.radius)) return true;
-  return type == IntegratorType::kStatic ? dents_.isOverloaded(positions) : dents_.followStep(positions, step_);
+    if (force.started) worst = std::max(worst, dents_.judgeForce(force.points, force.params.force.norm(), force.params.radius));
+  return worst;
 }
 
 std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps,
@@ -285,7 +288,9 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   const bool was_chaotic = seen_.is_chaotic;
   const double far = seen_.is_halved || is_solid_ ? kChaoticDistanceOfOthers : kChaoticDistance;
   seen_.is_chaotic = seen_.twin_distance > far * spacing_;
-  if (!seen_.has_dented && isDenting(positions, type, forces)) {
+  const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(positions, type, forces);
+  seen_.may_buckle = seen_.may_buckle || seen_.is_chaotic || buckling != Buckling::kUnlikely;
+  if (!seen_.has_dented && buckling == Buckling::kLikely) {
     seen_.has_dented = true;
     return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
            "short for its points to show";
@@ -304,6 +309,7 @@ std::string ErrorEstimator::learnSecondSearch(double distance) {
   seen_.has_searched = true;
   seen_.has_others = distance > kChaoticDistance * level_spacing_;
   if (!seen_.has_others) return "";
+  seen_.may_buckle = true;
   const std::string end =
       std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium";
   return "the error cannot be estimated until the next reset: a search from positions " +

@@ -85,6 +85,8 @@ class ErrorEstimator {
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
+  /// Whether the surface may have buckled where its points do not show it since the last reset or given state.
+  bool mayBuckle() const { return seen_.may_buckle; }
   /// Their sum, m; infinite where there is no bound, see docs/accuracy_control.md.
   double total() const;
 
@@ -101,6 +103,7 @@ class ErrorEstimator {
     bool follows_verlet = false;                     // verlet_ has taken every step
     bool is_halved = false;                          // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
+    bool may_buckle = false;                         // any of these has been, or nearly so
     bool is_unbalanced = false;                      // the last equilibrium is none
     bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
   };
@@ -110,7 +113,7 @@ class ErrorEstimator {
   // What the twin takes the same steps as: what a method damps cannot tell of chaos.
   const Simulation& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
-  bool isDenting(const Points& positions, solve::IntegratorType type, const std::vector<NamedForces::Named>& forces);
+  Buckling judgeBuckling(const Points& positions, solve::IntegratorType type, const std::vector<NamedForces::Named>& forces);
 
   // Constants.
   bool is_solid_ = false;

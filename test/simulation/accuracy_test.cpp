@@ -228,11 +228,12 @@ TEST(ErrorEstimate, OfASheetThatBucklesIsInfiniteAndSaysWhy) {
     if (outcome.notice.find("the error cannot be estimated") != std::string::npos) said = outcome.notice;
   }
   EXPECT_TRUE(std::isinf(s.statistics().error_estimate));
+  EXPECT_TRUE(s.statistics().may_buckle);
   EXPECT_NE(said.find("buckles"), std::string::npos) << said;
 }
 
-TEST(ErrorEstimate, OfASphereThatDentsBetweenItsPointsIsInfiniteAndSaysWhy) {
-  // Pressed together from outside by three times the classical buckling load, all at once; the points are too few for the dents.
+// Thin, and its points too few for its dents.
+SceneParams thinSphere() {
   SceneParams p;
   p.cloud.shape = simulation::CloudParams::Shape::kSphere;
   p.cloud.points = 1200;
@@ -247,18 +248,52 @@ TEST(ErrorEstimate, OfASphereThatDentsBetweenItsPointsIsInfiniteAndSaysWhy) {
   p.integrator.time_step = 0.005;
   p.simplification.target_points = 150;
   p.gravity.setZero();
-  const double classical = 4.0 * std::sqrt(1e3 * 1e-3) / (0.5 * 0.5);
+  return p;
+}
+
+const double kClassicalPressure = 4.0 * std::sqrt(1e3 * 1e-3) / (0.5 * 0.5);  // Pa, of the thin sphere
+
+TEST(ErrorEstimate, OfASphereThatDentsBetweenItsPointsIsInfiniteAndSaysWhy) {
+  // Pressed together from outside by three times the classical buckling load, all at once.
+  SceneParams p = thinSphere();
   for (double load : {0.2, 3.0}) {
-    p.pressure = -load * classical;
+    p.pressure = -load * kClassicalPressure;
     Simulation s(p, io::makeShape(p.cloud));
     std::string said;
     for (int k = 0; k < 20; ++k) said += s.step().notice;
     EXPECT_EQ(std::isinf(s.statistics().error_estimate), load > 1.0) << load;
+    EXPECT_EQ(s.statistics().may_buckle, load > 1.0) << load;
     EXPECT_EQ(said.find("dents") != std::string::npos, load > 1.0) << said;
   }
 }
 
+TEST(ErrorEstimate, SaysBesideItsNumberThatASphereMayBuckle) {
+  SceneParams p = thinSphere();
+  const double radius = 0.15;
+  const double force = 0.06 * kClassicalPressure * 3.14159 * radius * radius;
+  p.forces.push_back({"press", Vec3(0.0, 0.0, 0.5), Vec3(0.0, 0.0, -force), radius, 0.025, 1e300});
+  p.duration = 0.1;
+  Simulation s(p, io::makeShape(p.cloud));
+  run(s, 5);
+  EXPECT_FALSE(s.statistics().may_buckle);
+  run(s, 5);
+  EXPECT_TRUE(s.statistics().may_buckle);
+  EXPECT_TRUE(std::isfinite(s.statistics().error_estimate));
+  const simulation::Snapshot snapshot = s.snapshot();
+  s.reset();
+  EXPECT_FALSE(s.statistics().may_buckle);
+  s.restore(snapshot);
+  EXPECT_TRUE(s.statistics().may_buckle);
+  // A wish that this keeps says so, too.
+  p.simplification.target_points = 0;
+  p.accuracy.position_error = 0.1;
+  const Simulation chosen(p, io::makeShape(p.cloud));
+  EXPECT_TRUE(chosen.accuracyChoice().is_met);
+  EXPECT_NE(chosen.accuracyChoice().sentence.find("may buckle"), std::string::npos) << chosen.accuracyChoice().sentence;
+}
+
 void expectTheSame(const simulation::Statistics& a, const simulation::Statistics& b) {
+  EXPECT_EQ(a.may_buckle, b.may_buckle);
   EXPECT_EQ(a.error_estimate, b.error_estimate);
   EXPECT_EQ(a.error_space, b.error_space);
   EXPECT_EQ(a.error_transfer, b.error_transfer);

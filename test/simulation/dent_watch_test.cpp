@@ -10,6 +10,7 @@
 namespace deformable_surface::test {
 namespace {
 
+using simulation::Buckling;
 using simulation::DentWatch;
 
 constexpr double kPoisson = 0.3, kStretching = 1000.0, kThinness = 0.0025;  // -, N/m, sqrt(D / S) in m
@@ -47,7 +48,7 @@ struct Sphere {
   double findGrowth(double load, double longest, double step) {
     const Points points = loaded(load);
     for (int k = 1; k * step <= longest; ++k)
-      if (watch.followStep(points, step)) return k * step;
+      if (watch.followStep(points, step) == Buckling::kLikely) return k * step;
     return 0.0;
   }
 
@@ -57,10 +58,11 @@ struct Sphere {
 
 TEST(DentWatch, SeesAnEquilibriumWellBeyondTheClassicalLoad) {
   Sphere sphere;
-  EXPECT_FALSE(sphere.watch.isOverloaded(sphere.surface.points));
-  EXPECT_FALSE(sphere.watch.isOverloaded(sphere.loaded(1.45)));  // a tenth to either side for chords in place of arcs
-  EXPECT_TRUE(sphere.watch.isOverloaded(sphere.loaded(1.75)));
-  EXPECT_FALSE(sphere.watch.isOverloaded(sphere.loaded(-1.75)));
+  // A tenth to either side for chords in place of arcs.
+  for (const auto& [load, expected] :
+       {std::pair(0.0, Buckling::kUnlikely), {0.36, Buckling::kUnlikely}, {0.44, Buckling::kPossible},
+        {1.45, Buckling::kPossible}, {1.75, Buckling::kLikely}, {-1.75, Buckling::kUnlikely}})
+    EXPECT_EQ(sphere.watch.judgeEquilibrium(sphere.loaded(load)), expected) << load;
 }
 
 TEST(DentWatch, DentsGrowAtTheRateOfAShallowShellAndNotBelowTheClassicalLoad) {
@@ -96,13 +98,16 @@ TEST(DentWatch, GoesOnFromWhatItHadSeen) {
   EXPECT_GT(*std::max_element(whole.watch.growth().begin(), whole.watch.growth().end()), 0.0);
 }
 
-TEST(DentWatch, HasNoLoadOfShellsWhoseDentsThePointsShow) {
-  Sphere thick(0.0, 100.0 * kThinness);
-  EXPECT_FALSE(thick.watch.isOverloaded(thick.loaded(1000.0 * 0.1)));
+TEST(DentWatch, NeverHoldsDentsForLikelyThatThePointsShow) {
+  // Ten times as thick, with dents of ten spacings. Short ones begin at twelve times the load of the thin one.
+  Sphere thick(0.0, 10.0 * kThinness);
+  EXPECT_EQ(thick.watch.judgeEquilibrium(thick.loaded(2.0)), Buckling::kUnlikely);
+  EXPECT_EQ(thick.watch.judgeEquilibrium(thick.loaded(10.0)), Buckling::kPossible);
+  EXPECT_EQ(thick.watch.judgeEquilibrium(thick.loaded(50.0)), Buckling::kPossible);
 }
 
 // A square of 400 points that is pushed together along x.
-TEST(DentWatch, SeesFoldsOfAFlatSheetThatGrowFarUnlessTheyAreAllPoints) {
+TEST(DentWatch, SeesFoldsOfAFlatSheetThatGrowUnlessTheyAreAllPoints) {
   const Surface sheet = makeSheet(20, 20, 1.0, 1.0);
   const double shortening = 0.01,
                force = kStretching * (shortening - 0.5 * shortening * shortening) / (1.0 - kPoisson * kPoisson);
@@ -118,16 +123,37 @@ TEST(DentWatch, SeesFoldsOfAFlatSheetThatGrowFarUnlessTheyAreAllPoints) {
   Points pushed = sheet.points;
   for (Vec3& x : pushed) x.x() *= 1.0 - shortening;
   const double step = 1e-3;
-  const auto findGrowth = [&](Index num_full) {
+  const auto findGrowth = [&](Index num_full, Buckling buckling) {
     DentWatch watch(m, sheet.points, findTriangles(sheet), sheet.area, num_full);
     for (int i = 1; i <= 200; ++i)
-      if (watch.followStep(pushed, step)) return i * step;
+      if (watch.followStep(pushed, step) >= buckling) return i * step;
     return 0.0;
   };
-  EXPECT_NEAR(findGrowth(1600), 10.0 / rate, 1.5 * step);  // by a factor of e^10, to the step
-  EXPECT_EQ(findGrowth(400), 0.0);
+  EXPECT_NEAR(findGrowth(1600, Buckling::kLikely), 10.0 / rate, 1.5 * step);  // by a factor of e^10, to the step
+  EXPECT_NEAR(findGrowth(1600, Buckling::kPossible), std::log(50.0) / rate, 1.5 * step);
+  EXPECT_EQ(findGrowth(400, Buckling::kPossible), 0.0);
   m.bending_rigidity.value *= 100.0;  // too stiff for folds so short
-  EXPECT_EQ(findGrowth(1600), 0.0);
+  EXPECT_EQ(findGrowth(1600, Buckling::kPossible), 0.0);
+}
+
+// Folded along a row of points, by an angle that both cells beside it share.
+TEST(DentWatch, SeesFoldsSharperThanARadianFromPointToPoint) {
+  const Surface sheet = makeSheet(21, 21, 1.0, 1.0);
+  model::MaterialParams m;
+  m.bending_rigidity = 1.0;  // so stiff that nothing grows
+  DentWatch watch(m, sheet.points, findTriangles(sheet), sheet.area, 1600);
+  const auto folded = [&](double angle) {
+    Points points = sheet.points;
+    for (Vec3& x : points)
+      if (x.x() > 0.5) x = Vec3(0.5 + (x.x() - 0.5) * std::cos(angle), x.y(), (x.x() - 0.5) * std::sin(angle));
+    return points;
+  };
+  // The normal on the fold is half way between those of both sides.
+  for (const auto& [angle, expected] :
+       {std::pair(0.0, Buckling::kUnlikely), {1.8, Buckling::kUnlikely}, {2.2, Buckling::kPossible}}) {
+    EXPECT_EQ(watch.judgeEquilibrium(folded(angle)), expected) << angle;
+    EXPECT_EQ(watch.followStep(folded(angle), 1e-6), expected) << angle;
+  }
 }
 
 TEST(DentWatch, SeesAForceThatPressesAPatchInAsPressureWould) {
@@ -135,15 +161,16 @@ TEST(DentWatch, SeesAForceThatPressesAPatchInAsPressureWould) {
   const double classical = 4.0 * kStretching * kThinness, radius = 0.2;  // N/m^2; m
   const double force = classical * 3.14159 * radius * radius;
   const std::vector<Index> loaded{0, 1, 2};
-  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.1 * force, radius));
-  EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.8 * force, radius));
-  EXPECT_FALSE(sphere.watch.isPushed(loaded, 0.8 * force, 4.0 * radius));
-  EXPECT_TRUE(sphere.watch.isPushed(loaded, 0.1 * force, 0.0));  // on a point, whose part of the full cloud is small
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.02 * force, radius), Buckling::kUnlikely);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.1 * force, radius), Buckling::kPossible);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.8 * force, radius), Buckling::kLikely);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.8 * force, 4.0 * radius), Buckling::kPossible);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.1 * force, 0.0), Buckling::kLikely);  // on a point, a small part of the full cloud
 }
 
 TEST(DentWatch, LeavesForcesOnAThickSphereToThePointsWhichShowItsDents) {
   const Sphere sphere(0.0, 0.05);
-  EXPECT_FALSE(sphere.watch.isPushed({0, 1, 2}, 1e3, 0.2));
+  EXPECT_EQ(sphere.watch.judgeForce({0, 1, 2}, 1e3, 0.2), Buckling::kUnlikely);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@ struct AccuracyChoice {
     double membrane_share = 1.0;
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;
     double work = 0.0;       // points times sub-steps of all of it, or what takes as long; 0 if it was tried for its time
+    bool may_buckle = false;  // see Statistics
   };
 
   bool is_asked = false;     // the scene asks for an accuracy or for a time
@@ -29,6 +30,7 @@ struct AccuracyChoice {
                                   // and verlet; empty if those are taken
   double error = 0.0;        // m, largest estimate of its trial; 0 if it was chosen by its time
   double work = 0.0;         // of its trial, as a candidate's
+  bool may_buckle = false;   // in its trial
   std::vector<Candidate> candidates;  // in the order of trying
   std::string why_integrator;  // another than auto's; else empty
   std::string sentence;      // what was chosen and why; empty if nothing was asked
@@ -39,6 +41,7 @@ struct AccuracyChoice {
     integrator = candidate.integrator;
     error = candidate.error;
     work = candidate.work;
+    may_buckle = candidate.may_buckle;
   }
 };
 
