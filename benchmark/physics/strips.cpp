@@ -117,6 +117,8 @@ std::vector<Problem> listStrips() {
     p.source = "elastica, integrated numerically";
     p.variants = listMost(model::Bending::kCurvature);
     p.sizes = {0.03, 0.02, 0.012, 0.0075};
+    // The heaviest turns down within sqrt(D / w L), a thirtieth of its length.
+    if (gamma > 500.0) p.sizes = {0.0075, 0.005, 0.0035, 0.0025};
     p.run = [gamma](const Variant& variant, double spacing) { return bendByWeight(gamma, variant, spacing); };
     list.push_back(p);
   }
