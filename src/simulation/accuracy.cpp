@@ -81,8 +81,6 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
         choice.sentence += ", with " + formatReal(choice.membrane_share) +
                            " of the stated membrane stiffness, the least tried for which that holds (sub-steps are fewer)";
       if (!choice.why_integrator.empty()) choice.sentence += "; " + choice.why_integrator;
-      if (choice.may_buckle)
-        choice.sentence += "; but it may buckle where these points do not show it: another run may end elsewhere";
       break;
     }
     const std::string reached = "; its estimated error has reached " + estimate;
@@ -98,6 +96,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       break;
     }
   }
+  if (choice.may_buckle) choice.sentence += "; it may buckle, so that another run may end elsewhere";
   return choice.points;
 }
 

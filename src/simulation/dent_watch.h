@@ -21,7 +21,7 @@ enum class Buckling { kUnlikely, kPossible, kLikely };
 /// where b is the curvature across t: the wave grows as exp(s time) where the right side is positive, and for some k that is
 /// where -t.N t exceeds 2 b sqrt(S D), the classical buckling load [Timoshenko 1961, 11.1]. Looked at are waves that the full
 /// cloud can show and coarser copies of the simulation cannot. N and b are those of the triangles between the simulation points.
-/// Buckling is possible, too, where two neighbouring points have turned against each other by a radian.
+/// Buckling is possible, too, where the difference of the normals of two neighbouring points has grown by that of a radian.
 class DentWatch {
  public:
   DentWatch() = default;  // sees nothing
@@ -40,9 +40,9 @@ class DentWatch {
   /// Of an equilibrium, by the load at which dents begin.
   Buckling judgeEquilibrium(const Points& positions);
 
-  /// Of a force (N) on these simulation points, spread over a patch of this radius (m), that presses a surface with short dents
-  /// in, which the membrane forces between few points do not tell: by the classical buckling pressure of a sphere of its
-  /// curvature, 4 sqrt(S D) b^2.
+  /// Of a force (N) in any direction on these simulation points, spread over a patch of this radius (m), to which a surface with
+  /// short dents may give way, which the membrane forces between few points do not tell: by the classical buckling pressure of a
+  /// sphere of its curvature, 4 sqrt(S D) b^2.
   Buckling judgeForce(const std::vector<Index>& loaded, double force, double radius) const;
 
   /// What a snapshot must hold: of each triangle the logarithm of the growth so far; of surfaces without short dents first that

@@ -17,6 +17,8 @@ constexpr Index kRatio = 4;
 // Of a solid: doubled spacing in space, a sixteenth of the cost. Fewer points than the other carry no shape of a body.
 constexpr Index kSolidRatio = 8, kFewestOfSolid = 100;
 constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
+// At least, even if the copy happened to take hardly more sub-steps than the other, as in the first steps near a tool.
+constexpr double kLeastFineness = 1.5;
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws by other seeds; see docs/accuracy_control.md.
 constexpr double kSpaceFactor = 1.6;  // also of what transfer loses, and of solids
@@ -253,6 +255,8 @@ Buckling ErrorEstimator::judgeBuckling(const Points& positions, IntegratorType t
 
 std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps,
                                    const std::vector<NamedForces::Named>& forces) {
+  const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(positions, type, forces);
+  seen_.may_buckle = seen_.may_buckle || buckling != Buckling::kUnlikely;
   if (seen_.is_lost) return "";
   const bool was_halved = seen_.is_halved;
   if (!stepCopies(type, substeps)) {
@@ -288,12 +292,11 @@ std::string ErrorEstimator::follow(const Points& positions, IntegratorType type,
   const bool was_chaotic = seen_.is_chaotic;
   const double far = seen_.is_halved || is_solid_ ? kChaoticDistanceOfOthers : kChaoticDistance;
   seen_.is_chaotic = seen_.twin_distance > far * spacing_;
-  const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(positions, type, forces);
-  seen_.may_buckle = seen_.may_buckle || seen_.is_chaotic || buckling != Buckling::kUnlikely;
+  seen_.may_buckle = seen_.may_buckle || seen_.is_chaotic;
   if (!seen_.has_dented && buckling == Buckling::kLikely) {
     seen_.has_dented = true;
-    return "the error cannot be estimated until the next reset: the surface is compressed so far that it buckles in dents too "
-           "short for its points to show";
+    return "the error cannot be estimated until the next reset: compressed, or loaded by a force, as the surface is, it may "
+           "buckle in dents too short for its points to show";
   }
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
     return "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
@@ -328,7 +331,8 @@ double ErrorEstimator::measureTime(IntegratorType type) const {
                                          : findLargestDistance(shadow, verlet_->state().positions);
     return kDampingFactor * coarse * error;
   }
-  const double fine = seen_.substeps > 0 ? static_cast<double>(seen_.twin_substeps) / own : static_cast<double>(kFineness);
+  const double taken = seen_.substeps > 0 ? static_cast<double>(seen_.twin_substeps) / own : static_cast<double>(kFineness);
+  const double fine = std::max(taken, kLeastFineness * coarse);
   return kVerletFactor * findLargestDistance(shadow, twin_->state().positions) / (1.0 / (coarse * coarse) - 1.0 / (fine * fine));
 }
 

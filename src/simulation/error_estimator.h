@@ -103,7 +103,7 @@ class ErrorEstimator {
     bool follows_verlet = false;                     // verlet_ has taken every step
     bool is_halved = false;                          // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
-    bool may_buckle = false;                         // any of these has been, or nearly so
+    bool may_buckle = false;                         // chaotic, dented or with others, or nearly so, at any time
     bool is_unbalanced = false;                      // the last equilibrium is none
     bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
   };

@@ -22,6 +22,8 @@ std::optional<double> findStatistic(const std::string& name, const Statistics& s
       if (field == name && name != "state_hash") found = static_cast<double>(value);
     }
   });
+  // Nothing was looked at.
+  if (name == "may_buckle" && std::isnan(statistics.error_estimate)) found = statistics.error_estimate;
   return found;
 }
 

@@ -241,6 +241,8 @@ TEST(ReadScene, HoldsRulesAmongFields) {
   EXPECT_EQ(problemOf("material: {bending_poisson_ratio: 0.3}"), "accepted");
   EXPECT_TRUE(contains(problemOf("material: {bending_poisson_ratio: 0.3}\nmass_spring: {bending: none}"),
                        "material.bending_poisson_ratio: found one where nothing bends by it"));
+  EXPECT_TRUE(contains(problemOf("material: {bending_poisson_ratio: 0.3, bending_rigidity: 0}"),
+                       "material.bending_poisson_ratio: found one where nothing bends by it"));
   EXPECT_EQ(problemOf("mass_spring: {membrane: springs, stiffness: uniform, spring_constant: 100}"), "accepted");
   EXPECT_TRUE(contains(problemOf("mass_spring: {stiffness: uniform, spring_constant: 100}"), "mass_spring.stiffness: found"));
   EXPECT_EQ(problemOf("mass_spring: {membrane: springs, stiffness: uniform}"),

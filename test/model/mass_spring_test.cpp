@@ -87,11 +87,12 @@ TEST_P(MassSpringVariants, FastForcesAndThenSlowOnesAreAllForcesBitForBit) {
 
 TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
   for (const Surface& surface : {makeSphere(120, 0.3), makeSheet(9, 8, 0.8, 0.7, 0.3)}) {
-    const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0, 0.3);
     const Index n = static_cast<Index>(surface.points.size());
     std::vector<double> masses;
     for (Index i = 0; i < n; ++i) masses.push_back(1.0 + 0.1 * (i % 7));
-    for (const auto& [scale, amount] : {std::pair(1.0, 0.0), {1.0, 0.03}, {0.1, 0.003}}) {  // the last one crushed
+    // The last one crushed.
+    for (const auto& [nu, scale, amount] : {std::tuple(0.3, 1.0, 0.0), {-0.9, 1.0, 0.03}, {0.3, 1.0, 0.03}, {0.3, 0.1, 0.003}}) {
+      const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0, nu);
       Points positions = surface.points;
       for (Vec3& x : positions) x *= scale;
       const State state = stateAt(perturb(positions, amount));

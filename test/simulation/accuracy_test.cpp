@@ -292,6 +292,59 @@ TEST(ErrorEstimate, SaysBesideItsNumberThatASphereMayBuckle) {
   EXPECT_NE(chosen.accuracyChoice().sentence.find("may buckle"), std::string::npos) << chosen.accuracyChoice().sentence;
 }
 
+TEST(ErrorEstimate, IsANumberFromTheFirstStepBesideATool) {
+  // In this one the copy in finer sub-steps needs no more of them than the other.
+  SceneParams p = thinSphere();
+  p.material.density = 1000.0;
+  p.material.damping = 2.0;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-0.6, -0.6, -0.6);
+  pin.region.max = Vec3(0.6, 0.6, -0.3);
+  p.pins.push_back(pin);
+  tool::ToolParams ball;
+  ball.id = "ball";
+  ball.shape.kind = geometry::Solid::Kind::kSphere;
+  ball.shape.radius = 0.1;
+  ball.path.resize(2);
+  ball.path[0].position = Vec3(0.0, 0.0, 0.62);
+  ball.path[1] = ball.path[0];
+  ball.path[1].time = 1.0;
+  ball.path[1].position.z() = 0.61;
+  p.tools.push_back(ball);
+  Simulation s(p, io::makeShape(p.cloud));
+  for (int k = 0; k < 3; ++k) {
+    run(s, 1);
+    EXPECT_TRUE(std::isfinite(s.statistics().error_time)) << k;
+    EXPECT_GT(s.statistics().error_time, 0.0) << k;
+  }
+}
+
+TEST(ErrorEstimate, LooksForBucklingAlsoWhereItsCopiesAreLost) {
+  // A knife takes away what the copies follow before the force presses.
+  SceneParams p = thinSphere();
+  p.material.density = 1000.0;
+  p.material.damping = 2.0;
+  tool::ToolParams knife;
+  knife.id = "knife";
+  knife.mode = tool::Mode::kCut;
+  knife.shape.kind = geometry::Solid::Kind::kBox;
+  knife.shape.size = Vec3(0.002, 0.1, 0.4);
+  knife.path.resize(3);
+  knife.path[0].position = Vec3(0.013, 0.7, 0.0);
+  knife.path[1].time = 0.04;
+  knife.path[1].position = Vec3(0.013, 0.3, 0.0);
+  knife.path[2].time = 0.05;
+  knife.path[2].position = Vec3(0.013, 0.8, 0.0);
+  p.tools.push_back(knife);
+  p.forces.push_back({"press", Vec3(0.0, 0.0, 0.5), Vec3(0.0, 0.0, -2.0), 0.15, 0.06, 1e300});
+  Simulation s(p, io::makeShape(p.cloud));
+  run(s, 11);
+  ASSERT_TRUE(std::isinf(s.statistics().error_estimate));
+  EXPECT_FALSE(s.statistics().may_buckle);
+  run(s, 4);
+  EXPECT_TRUE(s.statistics().may_buckle);
+}
+
 void expectTheSame(const simulation::Statistics& a, const simulation::Statistics& b) {
   EXPECT_EQ(a.may_buckle, b.may_buckle);
   EXPECT_EQ(a.error_estimate, b.error_estimate);

@@ -60,6 +60,16 @@ TEST(Expectations, ReadTheStatistics) {
   EXPECT_NEAR(computeQuantity("max_speed", simulation), 9.81 * 0.1, 1e-9);
 }
 
+TEST(Expectations, KnowNothingOfBucklingWithoutAnEstimate) {
+  SceneParams params = makeFallingSheet();
+  for (const bool estimate : {true, false}) {
+    params.accuracy.estimate = estimate;
+    params.expect = {{"may_buckle", 0.0, 0.0}};
+    Simulation sheet = runSteps(params, 1);
+    EXPECT_EQ(checkExpectations(sheet).empty(), estimate);
+  }
+}
+
 TEST(Expectations, KnowEveryNameThatTheSchemaKnows) {
   SceneParams params = makeFallingSheet();
   params.cloud.shape = CloudParams::Shape::kSphere;

@@ -44,7 +44,7 @@ inline void visit(Fields& fields, MaterialParams& p) {
   fields.number("bending_poisson_ratio", p.bending_poisson_ratio, "", strictlyBetween(-1.0, 0.5),
                 "Poisson's ratio of bending, with `mass_spring.bending: curvature`: how much the curvatures along and across "
                 "feel each other; `auto` = poisson_ratio with `bending_rigidity: auto`, a plate of one material, and 0 with a "
-                "stated one, which strips of any width then have; regions have no other");
+                "stated one, which strips of any width then have");
   fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9),
                 "mass density; the areal density is this times the thickness");
   fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "force = -damping * mass * velocity");

@@ -264,7 +264,8 @@ inline void visit(Fields& fields, CreaseParams& p) { visitRegion(fields, p.regio
 inline void visit(Fields& fields, MaterialChangeParams& p) {
   fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "`auto` = as everywhere");
   fields.number("bending_rigidity", p.bending_rigidity, "N m", between(1e-20, 1e20),
-                "`auto` = as everywhere; follows young_modulus where `material.bending_rigidity` is `auto`");
+                "`auto` = as everywhere; follows young_modulus where `material.bending_rigidity` is `auto`; Poisson's ratio of "
+                "bending is that of the whole surface, also with a rigidity stated here");
   fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9), "`auto` = as everywhere");
   fields.require(!p.isEmpty(), "", "found none of young_modulus, bending_rigidity, density; accepted: at least one");
 }
@@ -363,10 +364,11 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "found " + formatReal(p.material.poisson_ratio) +
                      " with mass_spring.membrane: springs; accepted: 1/3, which pure springs have by construction");
   fields.require(p.material.bending_poisson_ratio.is_auto ||
-                     (p.model == ModelKind::kMassSpring && p.mass_spring.bending == model::Bending::kCurvature),
+                     (p.model == ModelKind::kMassSpring && p.mass_spring.bending == model::Bending::kCurvature &&
+                      p.material.bendingRigidity() > 0.0),
                  "material.bending_poisson_ratio",
                  "found one where nothing bends by it; accepted: auto, or model: mass_spring with mass_spring.bending: "
-                 "curvature");
+                 "curvature and a bending_rigidity above 0");
   fields.require(p.mass_spring.damping == model::Damping::kAlongSpring || p.material.spring_damping > 0.0, "mass_spring.damping",
                  "found relative_velocity with material.spring_damping: 0, which damps nothing; accepted: along_spring, or a "
                  "spring_damping above 0");
