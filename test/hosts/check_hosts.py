@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Three hosts, made of network namespaces: the master on one, the simulation on another, the commands on a third. Each one's link
 is cut for a while and restored: the surface goes on meanwhile, a wrench that no longer comes ends, and afterwards all is as
-before. Needs root and the right to make network namespaces; skipped (status 77) without."""
+before. Needs root and network namespaces that can be made and used; skipped (status 77) without."""
 import json
 import os
 import subprocess
@@ -24,7 +24,14 @@ force: {radius: 0.03, timeout: 0.5}
 
 
 def run(*command):
-    subprocess.run(command, check=True)
+    subprocess.run(command, check=True, stderr=subprocess.PIPE, universal_newlines=True)
+
+
+def describe(error):
+    """In one line: the command that failed and what it said, or the program that is missing."""
+    if isinstance(error, subprocess.CalledProcessError):
+        return "%s: %s" % (" ".join(error.cmd), " ".join(error.stderr.split()) or "status %d" % error.returncode)
+    return str(error)
 
 
 class Network:
@@ -32,18 +39,19 @@ class Network:
 
     def __enter__(self):
         try:
-            run("ip", "netns", "add", PREFIX + "switch")
-        except (OSError, subprocess.CalledProcessError):
-            print("skipped: network namespaces cannot be made here")
-            sys.exit(SKIPPED)
-        try:
             self.build()
+        except (OSError, subprocess.CalledProcessError) as error:
+            # Nothing of this package has run yet: the machine cannot do it.
+            self.__exit__()
+            print("skipped: network namespaces cannot be made and used here (%s)" % describe(error))
+            sys.exit(SKIPPED)
         except BaseException:
             self.__exit__()
             raise
         return self
 
     def build(self):
+        run("ip", "netns", "add", PREFIX + "switch")
         switch = ["ip", "-n", PREFIX + "switch", "link"]
         run(*switch, "add", "bridge", "type", "bridge")
         run(*switch, "set", "bridge", "up")
@@ -54,10 +62,15 @@ class Network:
             run("ip", "-n", PREFIX + host, "address", "add", address + "/24", "dev", "net")
             for name in ("lo", "net"):
                 run("ip", "-n", PREFIX + host, "link", "set", name, "up")
+            # In a chroot and in many containers namespaces can be made, but no program can enter them.
+            run("ip", "netns", "exec", PREFIX + host, "true")
 
     def __exit__(self, *error):
         for host in ["switch"] + list(HOSTS):
-            subprocess.run(["ip", "netns", "delete", PREFIX + host], stderr=subprocess.DEVNULL)
+            try:
+                subprocess.run(["ip", "netns", "delete", PREFIX + host], stderr=subprocess.DEVNULL)
+            except OSError:  # there is no ip
+                return
 
     def link(self, host, state):
         run("ip", "-n", PREFIX + "switch", "link", "set", "to_" + host, state)
