@@ -62,7 +62,27 @@ install_packages() {
   fi
   echo "packages: installing ${#missing[@]} of $#: ${missing[*]}"
   as_root apt-get update -qq
-  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends "${missing[@]}" >/dev/null
+  # Its progress comes on the standard output, since sudo closes all other files.
+  as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends -o APT::Status-Fd=1 "${missing[@]}" |
+    show_progress
+}
+
+# Of what apt prints: how much there is to be installed, and every tenth of its progress. That comes as lines
+# "dlstatus:N:PERCENT:TEXT" and "pmstatus:PACKAGE:PERCENT:TEXT", where a package may have a colon in its name.
+show_progress() {
+  awk -F: '
+    / newly installed,|^Need to get |^After this operation,/ { print "packages: " $0; fflush() }
+    $1 != "dlstatus" && $1 != "pmstatus" { next }
+    {
+      for (i = 2; i <= 4; ++i) if ($i ~ /^[0-9.]+$/) percent = $i
+      tenth = int(percent / 10)
+    }
+    $1 != stage || tenth > last {
+      printf "packages: %s %d %%\n", $1 == "dlstatus" ? "downloaded" : "installed", 10 * tenth
+      fflush()
+      stage = $1
+      last = tenth
+    }'
 }
 
 # Everything the build, the tests and the demo need; "install_deps rviz" and "install_deps rviz pictures" add to it.
