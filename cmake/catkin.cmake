@@ -76,7 +76,7 @@ install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_
 install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # They lie beside each other, since some use others.
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
-                      scripts/modelling_client.py
+                      scripts/launched_node.py scripts/modelling_client.py
                       scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
                       scripts/tool_on_frame.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})

@@ -1,9 +1,11 @@
 #!/usr/bin/env python3
 """What happens in the demo: publishes a scan as the surface at rest, pulls the surface by its highest point with a force that
-grows and turns, lets go, and writes a summary and a picture. It talks to the node as any other client would, over topics only."""
+grows and turns, lets go, ends the recording, and writes a summary and a picture. It talks to the node as any other client would, over
+topics only."""
 import os
 import sys
 import threading
+import time
 
 import numpy as np
 import rospy
@@ -11,10 +13,12 @@ from sensor_msgs.msg import PointCloud2
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 import draw_cloud  # noqa: E402
+from launched_node import end_launch, end_neighbor, run_node  # noqa: E402
 from scan_clouds import make_cloud, prepare_scan, read_field, read_positions  # noqa: E402
 from deformable_surface.msg import PointForce, Statistics  # noqa: E402
 
 GROW_UNTIL, TURN_UNTIL = 0.25, 0.6  # shares of the duration: the force grows, then turns, then is gone
+RECORDER_PATIENCE = 60.0            # s of wall time; the recorder writes what it has taken, packed, before it ends
 LEAN = 0.8                          # the force's horizontal part over its whole, so that the surface sways as the force turns
 
 
@@ -34,7 +38,7 @@ class Demo:
             raise ValueError("no scan is given; give one: scan:=FILE")
         self.output = rospy.get_param("~output")
         self.strength = float(rospy.get_param("~force", 2.0))
-        self.radius = float(rospy.get_param("~radius", 0.02))
+        self.radius = float(rospy.get_param("~radius", 0.0))
         self.duration = float(rospy.get_param("~duration", 8.0))
         self.frame = rospy.get_param("~frame", "world")
         self.azimuth = float(rospy.get_param("~azimuth", -60.0))
@@ -59,18 +63,35 @@ class Demo:
 
     def run(self):
         """Returns the sentence that says why the demo failed, or nothing."""
+        rospy.on_shutdown(self.ended.set)
         rospy.loginfo("publishing %d points of %s", len(self.points), os.path.basename(self.path))
         self.cloud.publish(make_cloud(self.points, rospy.Time.now(), self.frame))
         patience = rospy.get_param("~patience", 120.0)  # s of wall time; a slow machine may fall behind real time
-        if not self.ended.wait(patience) and not rospy.is_shutdown():
+        ended = self.ended.wait(patience)
+        if rospy.is_shutdown():
+            return "it was shut down before its end; nothing is written"
+        if not ended:
             if self.rest is None:
                 return "no deformed surface arrived within %g s" % patience
             rospy.logwarn("the demo did not reach %g simulated seconds within %g s; ending it here", self.duration, patience)
+        bag = self.end_recording()
         with self.lock:
             if self.best is None or self.last is None:
                 return "the run ended before there was a deformed surface with statistics"
-            self.write_results()
+            self.write_results(bag)
         return None
+
+    def end_recording(self):
+        """Ends the recorder of the launch, which would go on as long as that does. Returns what the summary says of its bag."""
+        if not end_neighbor("record"):
+            return "none: no recorder was started with this node"
+        path = os.path.join(self.output, "demo.bag")
+        end = time.time() + RECORDER_PATIENCE
+        while not os.path.exists(path):  # it has another name until it is complete
+            if time.time() > end:
+                return "none: %s was not complete after %g s" % (path, RECORDER_PATIENCE)
+            time.sleep(0.05)
+        return "%s (%.0f MB)" % (path, os.path.getsize(path) / 1e6)
 
     def take_statistics(self, message):
         """They come while the surface rests, too, and are the demo's clock."""
@@ -107,7 +128,7 @@ class Demo:
         message.force.x, message.force.y, message.force.z = force
         self.force.publish(message)
 
-    def write_results(self):
+    def write_results(self, bag):
         positions, displacement, time = self.best
         largest = np.nanmax(displacement)
         picture = os.path.join(self.output, "surface.png")
@@ -122,22 +143,22 @@ class Demo:
             ("steps", "%d (%.2f s simulated)" % (self.last.step, self.last.simulation_time)),
             ("real-time factor", "%.2f (median)" % np.median(self.speeds)),
             ("largest displacement", "%.1f mm (at %.2f s, under at most %g N)" % (1000 * largest, time, self.strength)),
-            ("picture", picture)]
+            ("picture", picture),
+            ("bag", bag)]
         with open(os.path.join(self.output, "summary.txt"), "w") as stream:
             stream.writelines("%-22s%s\n" % line for line in lines)
         rospy.loginfo("wrote %s and summary.txt; the demo is over, and the launch ends with it", picture)
 
 
 def main():
-    rospy.init_node("demo_client")
     try:
         problem = Demo().run()
     except (OSError, ValueError, KeyError) as error:
         problem = str(error)
-    if problem:
-        rospy.logfatal("demo: %s", problem)
-        sys.exit(1)
+    if not problem:
+        end_launch()
+    return problem
 
 
 if __name__ == "__main__":
-    main()
+    run_node("demo_client", main)

@@ -14,6 +14,7 @@ from sensor_msgs.msg import PointCloud2
 from shape_msgs.msg import SolidPrimitive
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from launched_node import end_launch, run_node  # noqa: E402
 from scan_clouds import make_cloud, read_field, read_positions  # noqa: E402
 
 PATIENCE = 60.0  # s of wall time for each step
@@ -212,21 +213,24 @@ class Modeller:
 
 
 def main():
-    rospy.init_node("modelling_client")
     modeller = Modeller()
     try:
         modeller.edit_service.wait_for_service(PATIENCE)
         modeller.run()
+    except rospy.ROSInterruptException:
+        raise
     except (RuntimeError, rospy.ROSException) as error:
-        rospy.logfatal("modelling: %s", error)
-        sys.exit(1)
+        return str(error)
     output = rospy.get_param("~output", "")
     if output:
         with open(output, "w") as stream:
             stream.writelines("%-10s %s\n" % line for line in modeller.table)
     if rospy.get_param("~spray_only", False):
         rospy.spin()
+    else:
+        end_launch()
+    return None
 
 
 if __name__ == "__main__":
-    main()
+    run_node("modelling_client", main)

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Plays the tracked points of a bag as clouds, at their pace: from sensor_msgs/PointCloud2, or from any message with a list of
 geometry_msgs/Point, which trackers of ropes and cloths publish in types of their own. The bag brings those types along."""
+import os
 import sys
 
 import rosbag
 import rospy
 from sensor_msgs import point_cloud2
 from sensor_msgs.msg import PointCloud2
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from launched_node import run_node  # noqa: E402
 
 
 def read_points(message):
@@ -23,7 +27,6 @@ def read_points(message):
 
 
 def main():
-    rospy.init_node("play_tracked")
     publisher = rospy.Publisher("tracked", PointCloud2, queue_size=10, latch=True)
     rate = float(rospy.get_param("~rate", 1.0))  # times the recorded pace
     try:
@@ -35,8 +38,7 @@ def main():
         if not rate > 0:
             raise ValueError("rate is %s; accepted: a positive number" % rate)
     except (OSError, ValueError, KeyError, rosbag.ROSBagException) as error:
-        rospy.logfatal("play_tracked: %s", error)
-        sys.exit(1)
+        return str(error)
     # The first is the surface at rest, which takes a moment to build.
     before = messages[0][0]
     for i, (stamp, header, points) in enumerate(messages):
@@ -47,7 +49,8 @@ def main():
         publisher.publish(cloud)
     rospy.loginfo("played %d messages of %s", len(messages), topic)
     rospy.spin()
+    return None
 
 
 if __name__ == "__main__":
-    main()
+    run_node("play_tracked", main)

@@ -8,21 +8,21 @@ import rospy
 from sensor_msgs.msg import PointCloud2
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from launched_node import run_node  # noqa: E402
 from scan_clouds import make_cloud, prepare_scan  # noqa: E402
 
 
 def main():
-    rospy.init_node("publish_scan")
     try:
         points = prepare_scan(rospy.get_param("~scan"), rospy.get_param("~up", "z"), float(rospy.get_param("~height", 0.3)))
     except (OSError, ValueError, KeyError) as error:
-        rospy.logfatal("publish_scan: %s", error)
-        sys.exit(1)
+        return str(error)
     publisher = rospy.Publisher("cloud_in", PointCloud2, queue_size=1, latch=True)
     publisher.publish(make_cloud(points, rospy.Time.now(), rospy.get_param("~frame", "world")))
     rospy.loginfo("published %d points of %s", len(points), os.path.basename(rospy.get_param("~scan")))
     rospy.spin()
+    return None
 
 
 if __name__ == "__main__":
-    main()
+    run_node("publish_scan", main)
