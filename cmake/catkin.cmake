@@ -145,7 +145,7 @@ if(CATKIN_ENABLE_TESTING)
   set(devel_env ${CATKIN_DEVEL_PREFIX}/env.sh)
 
   # Launch files for real uses, each with a master of its own; one whose scan is not at hand skips itself.
-  foreach(case camera_bag garment modelling modelling_plane poke record track tracked)
+  foreach(case camera_bag demo demo_interrupted garment modelling modelling_plane poke record spaces track tracked)
     add_test(NAME launch_${case}
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_launch.py ${case})
     set_tests_properties(launch_${case} PROPERTIES SKIP_RETURN_CODE 77)

@@ -91,7 +91,7 @@ class Demo:
             if time.time() > end:
                 return "none: %s was not complete after %g s" % (path, RECORDER_PATIENCE)
             time.sleep(0.05)
-        return "%s (%.0f MB)" % (path, os.path.getsize(path) / 1e6)
+        return "%s (%.1f MB)" % (path, os.path.getsize(path) / 1e6)
 
     def take_statistics(self, message):
         """They come while the surface rests, too, and are the demo's clock."""

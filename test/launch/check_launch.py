@@ -1,13 +1,19 @@
 #!/usr/bin/env python3
 """Starts a launch file for a real use with a real recording or scan, and looks at what comes of it: check_launch.py CASE. Each
-case has a master of its own. Without the folder of scans that DEFORMABLE_SURFACE_DATA names a case is skipped (status 77)."""
+case has a master of its own. A case that needs the folder of scans that DEFORMABLE_SURFACE_DATA names is skipped without it (status
+77). Files are in folders with a space and an apostrophe in their names."""
+import glob
 import os
+import re
+import shlex
 import signal
 import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
+import xml.etree.ElementTree
 
 import numpy as np
 
@@ -33,7 +39,11 @@ class Launch:
             port = probe.getsockname()[1]
         os.environ.update(ROS_MASTER_URI="http://127.0.0.1:%d" % port, ROS_IP="127.0.0.1",
                           PATH="/usr/bin:/bin:" + os.environ["PATH"])
-        self.process = subprocess.Popen(["roslaunch", "-p", str(port), "deformable_surface", name] + list(arguments))
+        self.process = subprocess.Popen(["roslaunch", "-p", str(port), "deformable_surface", name] + list(arguments),
+                                        stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True)
+        self.lines = []
+        self.reader = threading.Thread(target=self.read)
+        self.reader.start()
         import rosgraph
         end = time.time() + PATIENCE
         while not rosgraph.is_master_online():
@@ -47,9 +57,18 @@ class Launch:
     def __enter__(self):
         return self
 
-    def __exit__(self, *error):
+    def read(self):
+        for line in self.process.stdout:
+            print(line, end="", flush=True)
+            self.lines.append(line)
+
+    def __exit__(self, kind, *error):
+        """Ends it as Ctrl-C does. roslaunch loses its patience with a node after 15 s."""
         self.process.send_signal(signal.SIGINT)
         self.process.wait(30)
+        self.reader.join()
+        killed = [line for line in self.lines if "escalating" in line or "Traceback" in line]
+        assert kind or not killed, killed
 
     def listen(self, topic, kind):
         import rospy
@@ -67,6 +86,25 @@ class Launch:
         print("found: %s" % what)
 
 
+def make_folder():
+    return tempfile.TemporaryDirectory(prefix="a folder's ")
+
+
+def link_into(folder, path):
+    """The same file in the folder, under a name with a space."""
+    link = os.path.join(folder, "a " + os.path.basename(path))
+    os.symlink(path, link)
+    return link
+
+
+def write_ball(path, points=2000):
+    """An upright scan: points of a sphere, evenly on a spiral."""
+    z = 1 - (2 * np.arange(points) + 1) / points
+    angle = np.arange(points) * np.pi * (3 - np.sqrt(5))
+    around = np.sqrt(1 - z * z)
+    np.savetxt(path, np.stack([around * np.cos(angle), around * np.sin(angle), z], axis=1))
+
+
 def largest_displacement(last):
     from scan_clouds import read_field
     return np.nanmax(read_field(last["deformed"], "displacement")) if "deformed" in last else 0.0
@@ -76,7 +114,7 @@ def check_poke():
     scan = find_data("open3d_bunny/bunnyData.pcd")
     from deformable_surface.msg import ToolWrenchArray
     from sensor_msgs.msg import PointCloud2
-    with Launch("poke.launch", "scan:=" + scan, "up:=y") as launch:
+    with make_folder() as folder, Launch("poke.launch", "scan:=" + link_into(folder, scan), "up:=y") as launch:
         keep = [launch.listen("deformed", PointCloud2), launch.listen("tool_wrenches", ToolWrenchArray)]  # noqa: F841
         launch.wait("the bunny, every point of it", lambda last: "deformed" in last and last["deformed"].width == 30571)
         launch.wait("a ball on the frame of tf that pushes with more than 0.1 N", lambda last: any(
@@ -101,7 +139,8 @@ def check_camera_bag():
     from deformable_surface.msg import PointForce
     from scan_clouds import read_positions
     from sensor_msgs.msg import PointCloud2
-    with Launch("camera_bag.launch", "bag:=" + bag, "topic:=/camera/depth/points") as launch:
+    with make_folder() as folder, \
+            Launch("camera_bag.launch", "bag:=" + link_into(folder, bag), "topic:=/camera/depth/points") as launch:
         keep = launch.listen("deformed", PointCloud2)  # noqa: F841
         launch.wait("the first cloud", lambda last: "deformed" in last)
         force = rospy.Publisher("/deformable_surface/force", PointForce, queue_size=1, latch=True)
@@ -120,7 +159,7 @@ def check_garment():
     scan = find_data("diffcloth_garments/tshirt1900.obj")
     from scan_clouds import read_field, read_positions
     from sensor_msgs.msg import PointCloud2
-    with Launch("garment.launch", "scan:=" + scan, "up:=y") as launch:
+    with make_folder() as folder, Launch("garment.launch", "scan:=" + link_into(folder, scan), "up:=y") as launch:
         keep = launch.listen("deformed", PointCloud2)  # noqa: F841
         launch.wait("the shirt", lambda last: "deformed" in last and last["deformed"].width == 1921)
         rest = read_positions(launch.last["deformed"]) - 0.0
@@ -140,7 +179,8 @@ def check_tracked():
     from sensor_msgs.msg import PointCloud2
     with rosbag.Bag(path) as bag:
         recorded = [np.array(read_points(message)) for _, message, _ in bag.read_messages([topic])]
-    with Launch("tracked.launch", "bag:=" + path, "topic:=" + topic, "columns:=3") as launch:
+    with make_folder() as folder, \
+            Launch("tracked.launch", "bag:=" + link_into(folder, path), "topic:=" + topic, "columns:=3") as launch:
         keep = [launch.listen(topic, PointCloud2) for topic in ("deformed", "simulation_points")]  # noqa: F841
         launch.wait("the placemat", lambda last: len(last) == 2)
 
@@ -176,7 +216,7 @@ def check_track():
 
     clouds = [refine(refine(points).swapaxes(0, 1)).reshape(-1, 3) for _, points in recorded]
     moved = np.linalg.norm(clouds[-1] - clouds[0], axis=1).max()
-    with tempfile.TemporaryDirectory() as folder:
+    with make_folder() as folder:
         path, scene, table = (os.path.join(folder, name) for name in ("in.bag", "scene.yaml", "statistics.csv"))
         with rosbag.Bag(path, "w") as bag:
             for (stamp, _), points in zip(recorded, clouds):
@@ -202,7 +242,7 @@ def check_track():
 
 def check_record():
     import rosbag
-    with tempfile.TemporaryDirectory() as folder:
+    with make_folder() as folder:
         path = os.path.join(folder, "record.bag")
         with Launch("record.launch", "output:=" + path) as launch:
             import rospy
@@ -223,12 +263,76 @@ def check_record():
         assert counts == {"/deformable_surface/force": 3, "/deformable_surface/statistics": 3}, counts
 
 
+def check_clean_end(launch):
+    launch.reader.join()
+    assert launch.process.returncode == 0, launch.process.returncode
+    # Of roslaunch in red: what it calls an error. Of the surface in yellow and red: but for how fast the machine is.
+    loud = [line for line in launch.lines if re.search(r"\033\[3[13]m", line) and "slower than real time" not in line]
+    assert not loud, loud
+
+
+def check_demo():
+    import rosbag
+    with make_folder() as folder:
+        scan = os.path.join(folder, "a ball.xyz")
+        write_ball(scan)
+        with Launch("demo.launch", "scan:=" + scan, "output:=" + folder, "duration:=1") as launch:
+            launch.process.wait(2 * PATIENCE)
+            check_clean_end(launch)
+        bag, picture = os.path.join(folder, "demo.bag"), os.path.join(folder, "surface.png")
+        with open(os.path.join(folder, "summary.txt")) as stream:
+            summary = stream.read()
+        assert "%s (%.1f MB)" % (bag, os.path.getsize(bag) / 1e6) in summary, summary
+        assert os.path.getmtime(bag) <= os.path.getmtime(picture), "it was recorded while the picture was drawn"
+        with rosbag.Bag(bag) as recorded:
+            counts = {topic: info.message_count for topic, info in recorded.get_type_and_topic_info().topics.items()}
+        assert counts["/deformable_surface/cloud_in"] == 1 and counts["/deformable_surface/force"] > 1, counts
+
+
+def check_demo_interrupted():
+    from deformable_surface.msg import PointForce
+    with make_folder() as folder:
+        scan = os.path.join(folder, "a ball.xyz")
+        write_ball(scan)
+        with Launch("demo.launch", "scan:=" + scan, "output:=" + folder, "duration:=100") as launch:
+            keep = launch.listen("force", PointForce)  # noqa: F841
+            launch.wait("a pull", lambda last: "force" in last)
+        # That no node had to be killed is looked at on the way out.
+        assert not os.path.exists(os.path.join(folder, "summary.txt"))
+
+
+PATHS = {"bag", "output", "scan", "scene"}  # the arguments of launch files that are paths
+
+
+def find_split_paths(args):
+    """The paths among a node's args that would be several words if they had blanks in them."""
+    return [match for match in re.findall(r"\$\((?:find|arg) [^)]*\)", args)
+            if (match.startswith("$(find") or match[6:-1] in PATHS)
+            and len(shlex.split(args.replace(match, "a b"))) != len(shlex.split(args.replace(match, "a")))]
+
+
+def check_spaces():
+    """What roslaunch gives to a program as words: every path in it is one, whatever its folders are called."""
+    assert find_split_paths("-O $(arg output)/demo.bag") == ["$(arg output)"]
+    assert find_split_paths('-O "$(arg output)/demo.bag" $(arg topic)') == []
+    folder = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "launch")
+    files = glob.glob(os.path.join(folder, "*.launch"))
+    found = 0
+    for path in files:
+        for node in xml.etree.ElementTree.parse(path).iter("node"):
+            args = node.get("args", "")
+            assert not find_split_paths(args), (path, find_split_paths(args))
+            found += len(args) > 0
+    assert found > 4, (files, found)
+
+
 def run_modelling(*arguments):
-    with tempfile.TemporaryDirectory() as folder:
+    with make_folder() as folder:
         output = os.path.join(folder, "steps.txt")
         with Launch("modelling.launch", "unattended:=true", "output:=" + output, *arguments) as launch:
             # The launch ends with the script, which says itself what is not as it should be.
             launch.process.wait(4 * PATIENCE)
+            check_clean_end(launch)
         with open(output) as stream:
             steps = stream.read()
     print(steps)
