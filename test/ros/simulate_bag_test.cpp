@@ -63,15 +63,26 @@ TEST_F(SimulateBag, RefusesATopicThatTheBagDoesNotHave) {
   EXPECT_NE(err_.find("this bag has none"), std::string::npos) << err_;
 }
 
-TEST_F(SimulateBag, NotesHowMuchOfALongerBagItSimulated) {
+TEST_F(SimulateBag, CountsTheCommandsThatCameAfterItsEnd) {
   writeBag("in.bag", [](rosbag::Bag& bag) {
-    bag.write("/deformable_surface/force", ros::Time(kStart + 2.5), makeForce(kStart + 2.5, 1.0));
+    for (const double time : {0.05, 0.1, 0.15, 2.5})
+      bag.write("/deformable_surface/force", ros::Time(kStart + time), makeForce(kStart + time, 1.0));
   });
   EXPECT_EQ(run({"--bag_in", path("in.bag")}), 0) << err_;
-  EXPECT_NE(out_.find("note: simulated the first 0.1 s (the scene's duration) of the 2.5 s"), std::string::npos) << out_;
-  EXPECT_NE(out_.find("clouds 1, forces 0, wrenches 0"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("clouds 1, forces 1, wrenches 0"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("3 of 5 clouds and commands, from 0.1 to 2.5 s after the first cloud; the run ended at 0.1 s"), std::string::npos)
+      << out_;
   EXPECT_EQ(run({"--bag_in", path("in.bag"), "--duration", "0.2"}), 0) << err_;
-  EXPECT_EQ(out_.find("simulated the first"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("1 of 5 clouds and commands, from 2.5 to 2.5 s"), std::string::npos) << out_;
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--duration", "2.6"}), 0) << err_;
+  EXPECT_EQ(out_.find("not taken"), std::string::npos) << out_;
+}
+
+TEST_F(SimulateBag, LooksAtNoExpectationsOfTheScenesOwnCloud) {
+  writeBag("in.bag", [](rosbag::Bag&) {});
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", "expect={max_displacement: [1, 2]}"}), 0) << err_;
+  EXPECT_EQ(out_.find("not as expected"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("note: what the scene expects is not looked at"), std::string::npos) << out_;
 }
 
 TEST_F(SimulateBag, EndsAForceAfterItsDuration) {

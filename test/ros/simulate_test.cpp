@@ -265,6 +265,23 @@ TEST_F(Simulate, NotesWhatIsNotAsExpected) {
   EXPECT_EQ(out_.find("expect.max_x"), std::string::npos) << out_;
 }
 
+TEST_F(Simulate, LooksAtExpectationsAfterTheDurationOfTheSceneOnly) {
+  const std::string expect = "expect={max_displacement: [1, 2]}";
+  EXPECT_EQ(run({"--set", expect, "--duration", "0.2"}), 0) << err_;
+  EXPECT_EQ(out_.find("not as expected"), std::string::npos) << out_;
+  EXPECT_NE(out_.find("note: what the scene expects is not looked at"), std::string::npos) << out_;
+  // The same, stated twice.
+  EXPECT_EQ(run({"--set", expect, "--duration", "0.1"}), 0) << err_;
+  EXPECT_NE(out_.find("not as expected"), std::string::npos) << out_;
+  // A scene that states no duration has that of the parameters.
+  std::ofstream(path("scene.yaml")) << "{model: mass_spring, cloud: {shape: sheet, points: 100}, simplification: {target_points: 40}, "
+                                       "gravity: [0, 0, 0], integrator: {time_step: 0.05}}";
+  EXPECT_EQ(run({"--set", expect}), 0) << err_;
+  EXPECT_NE(out_.find("not as expected"), std::string::npos) << out_;
+  EXPECT_EQ(run({"--set", expect, "--duration", "0.1"}), 0) << err_;
+  EXPECT_EQ(out_.find("not as expected"), std::string::npos) << out_;
+}
+
 TEST_F(Simulate, GivesTheSameFilesForEveryNumberOfThreads) {
   for (const char* threads : {"1", "3"}) {
     const std::string n = threads;
