@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cstdio>
 #include <cstdlib>
 #include <fstream>
@@ -227,12 +228,25 @@ TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {
   EXPECT_EQ(problemOf("accuracy: {position_error: 0.01, step_budget: 0.01}"),
             "accuracy.step_budget: found beside a position_error; accepted: one of the two");
   EXPECT_EQ(problemOf("accuracy: {position_error: 0.01, estimate: false}"), "accepted");
-  for (const char* number : {"{target_points: 100}", "{threshold: 0.1}", "{method: none}"})
-    EXPECT_TRUE(contains(problemOf(std::string("accuracy: {step_budget: 0.01}\nsimplification: ") + number),
-                         "accuracy: found a wish beside a given number of simulation points"))
-        << number;
   EXPECT_TRUE(contains(problemOf("accuracy: {position_error: -1}"), "accuracy.position_error"));
   EXPECT_TRUE(contains(problemOf("accuracy: {position_error: .nan}"), "accuracy.position_error"));
+}
+
+TEST(ReadScene, NamesWhatStatesTheNumberOfPointsBesideAWishAndFollowsItsOwnAdvice) {
+  const std::string wish = "accuracy: {step_budget: 0.01}\nsimplification: ";
+  const std::vector<std::array<std::string, 3>> cases{
+      {"{target_points: 100}", "simplification.target_points 100", "simplification.target_points=0"},
+      {"{threshold: 0.1}", "simplification.threshold 0.1", "simplification.threshold=auto"},
+      {"{method: none}", "simplification.method none", "simplification.method=delaunay"}};
+  for (const auto& [number, found, advice] : cases) {
+    EXPECT_TRUE(contains(problemOf(wish + number), "accuracy: found a wish beside " + found + ", which states")) << number;
+    EXPECT_TRUE(contains(problemOf(wish + number), "give --set " + advice)) << number;
+    Value root = parseYaml("model: mass_spring\n" + wish + number, "test.yaml");
+    setByPath(root, advice);
+    EXPECT_NO_THROW(readScene(root)) << number;
+  }
+  EXPECT_TRUE(contains(problemOf(wish + "{target_points: 100, threshold: 0.1}"),
+                       "target_points 100, simplification.threshold 0.1, which states"));
 }
 
 TEST(ReadScene, HoldsRulesAmongFields) {

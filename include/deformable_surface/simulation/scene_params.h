@@ -231,6 +231,21 @@ inline void visit(Fields& fields, AccuracyParams& p) {
               "estimate the error in every step, from coarser copies of the simulation; trials for a position_error always do");
 }
 
+/// Why an accuracy cannot choose the number of simulation points: the keys that state it, and how to leave it free. Empty if it is.
+inline std::string describeStatedNumber(const cloud::SimplificationParams& how) {
+  std::string keys, values;
+  const auto add = [&](const std::string& key, const std::string& found, const std::string& free) {
+    keys += (keys.empty() ? "" : ", ") + ("simplification." + key) + " " + found;
+    values += " --set simplification." + key + "=" + free;
+  };
+  if (how.method != cloud::SimplificationMethod::kDelaunay) add("method", "none", "delaunay");
+  if (how.target_points != 0) add("target_points", std::to_string(how.target_points), "0");
+  if (!how.threshold.is_auto) add("threshold", formatReal(how.threshold.value), "auto");
+  if (keys.empty()) return "";
+  return "found a wish beside " + keys + ", which states the number of simulation points; accepted: one of the two; leave out what "
+         "states it, or give" + values;
+}
+
 inline void visitRegion(Fields& fields, geometry::Region& region) {
   // Bounds of a box may lie far outside any cloud, to mean a half-space.
   const bool is_box = fields.begin("box", region.kind == geometry::Region::Kind::kBox, "");
@@ -392,12 +407,8 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "found a wish, but only mass_spring has its points chosen by the error; accepted: 0");
   fields.require(!is_solid || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
                  "found a wish, which is not built for elastic_solid; accepted: 0");
-  const cloud::SimplificationParams& how = p.simplification;
-  const bool is_number_free =
-      how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && how.threshold.is_auto;
-  fields.require(is_number_free || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy",
-                 "found a wish beside a given number of simulation points; accepted: simplification.method delaunay, "
-                 "target_points 0, threshold auto");
+  const std::string stated = describeStatedNumber(p.simplification);
+  fields.require(stated.empty() || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy", stated);
   fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "in gravity_frame");
   fields.text("gravity_frame", p.gravity_frame, "empty = frame_id; else looked up in tf by the node");
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");
