@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """What happens in the demo: publishes a scan as the surface at rest, pulls the surface by its highest point with a force that
-grows and turns, lets go, ends the recording, and writes a summary and a picture. It talks to the node as any other client would, over
-topics only."""
+grows and turns, lets go, ends the recording, and writes a summary and a picture. It talks to the node as any other client would,
+over topics only."""
 import os
 import sys
 import threading

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How a node in Python ends: on Ctrl-C at once, whatever it does, and a launch that has done its work without an error. It is a file of
-its own because every such node of the launch files needs it."""
+"""How a node in Python ends: on Ctrl-C at once, and a launch that has done its work without an error. It is a file of its own
+because several nodes of the launch files need it."""
 import os
 import signal
 import sys
@@ -10,8 +10,8 @@ import rospy
 
 
 def run_node(name, main):
-    """Runs main() as the node and exits the process. A sentence that it returns is logged as the reason why it failed. Python's own
-    handler of Ctrl-C interrupts main() where it is; that of rospy would only be noticed by what asks for it."""
+    """Runs main() as the node and exits the process. A sentence that it returns is logged as the reason why it failed. Python's
+    own handler of Ctrl-C interrupts main() wherever it is; rospy's only sets a flag."""
     problem = None
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
@@ -48,8 +48,8 @@ def end_neighbor(name):
 
 
 def end_launch():
-    """Ends the launch that started this node, as Ctrl-C does, and waits until it does. The attribute `required` ends it too, but calls
-    that an error. Without a launch it does nothing."""
+    """Ends the launch that started this node, as Ctrl-C does, and waits until it does. The attribute `required` ends it too, but
+    calls that an error. Without a launch it does nothing."""
     if find_launch():
         os.kill(os.getppid(), signal.SIGINT)
         rospy.spin()

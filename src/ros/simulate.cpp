@@ -324,9 +324,10 @@ class Run {
          ", wrenches " + std::to_string(wrenches_) + ", commands to tools " + std::to_string(tools_));
     if (not_taken_ == 0) return;
     const auto findTime = [this](std::int64_t stamp) { return formatShort(static_cast<double>(stamp - run_start_) * 1e-9); };
-    note("not taken from " + options_.bag_in + ": " + std::to_string(not_taken_) + " of " + std::to_string(bag_->entries().size()) +
-         " clouds and commands, from " + findTime(first_not_taken_) + " to " + findTime(bag_->entries().rbegin()->first) +
-         " s after the first cloud; the run ended at " + formatShort(runTime()) + " s; --duration S sets its end");
+    note("not taken from " + options_.bag_in + ": " + std::to_string(not_taken_) + " of " +
+         std::to_string(bag_->entries().size()) + " clouds and commands, from " + findTime(first_not_taken_) + " to " +
+         findTime(bag_->entries().rbegin()->first) + " s after the first cloud; the run ended at " + formatShort(runTime()) +
+         " s; --duration S sets its end");
   }
 
   void noteExpectations() {

@@ -136,7 +136,8 @@ std::string describeOptions() {
          "  --statistics FILE.csv one row per step\n"
          "  --threads N           worker threads; the result is the same for every N\n"
          "  --quiet               errors only\n\n"
-         "What the scene expects of its own cloud and duration is looked at after the last step: each bound that is not kept is a note, and no error.\n"
+         "What the scene expects of its own cloud and duration is looked at after the last step: each bound that is not kept\n"
+         "is a note, and no error.\n"
          "Exit status: 0 done; 2 the command line, the scene or an input file is wrong; 3 no sound step could be taken, and\n"
          "the last good state is written.\n";
 }

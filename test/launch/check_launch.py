@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Starts a launch file for a real use with a real recording or scan, and looks at what comes of it: check_launch.py CASE. Each
-case has a master of its own. A case that needs the folder of scans that DEFORMABLE_SURFACE_DATA names is skipped without it (status
-77). Files are in folders with a space and an apostrophe in their names."""
+case has a master of its own. A case that needs the folder of scans that DEFORMABLE_SURFACE_DATA names is skipped without it
+(status 77). Files are in folders with a space and an apostrophe in their names."""
 import glob
 import os
 import re

@@ -70,7 +70,8 @@ TEST_F(SimulateBag, CountsTheCommandsThatCameAfterItsEnd) {
   });
   EXPECT_EQ(run({"--bag_in", path("in.bag")}), 0) << err_;
   EXPECT_NE(out_.find("clouds 1, forces 1, wrenches 0"), std::string::npos) << out_;
-  EXPECT_NE(out_.find("3 of 5 clouds and commands, from 0.1 to 2.5 s after the first cloud; the run ended at 0.1 s"), std::string::npos)
+  EXPECT_NE(out_.find("3 of 5 clouds and commands, from 0.1 to 2.5 s after the first cloud; the run ended at 0.1 s"),
+            std::string::npos)
       << out_;
   EXPECT_EQ(run({"--bag_in", path("in.bag"), "--duration", "0.2"}), 0) << err_;
   EXPECT_NE(out_.find("1 of 5 clouds and commands, from 2.5 to 2.5 s"), std::string::npos) << out_;

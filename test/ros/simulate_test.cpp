@@ -274,8 +274,8 @@ TEST_F(Simulate, LooksAtExpectationsAfterTheDurationOfTheSceneOnly) {
   EXPECT_EQ(run({"--set", expect, "--duration", "0.1"}), 0) << err_;
   EXPECT_NE(out_.find("not as expected"), std::string::npos) << out_;
   // A scene that states no duration has that of the parameters.
-  std::ofstream(path("scene.yaml")) << "{model: mass_spring, cloud: {shape: sheet, points: 100}, simplification: {target_points: 40}, "
-                                       "gravity: [0, 0, 0], integrator: {time_step: 0.05}}";
+  std::ofstream(path("scene.yaml")) << "{model: mass_spring, cloud: {shape: sheet, points: 100}, gravity: [0, 0, 0], "
+                                       "simplification: {target_points: 40}, integrator: {time_step: 0.05}}";
   EXPECT_EQ(run({"--set", expect}), 0) << err_;
   EXPECT_NE(out_.find("not as expected"), std::string::npos) << out_;
   EXPECT_EQ(run({"--set", expect, "--duration", "0.1"}), 0) << err_;

@@ -231,7 +231,7 @@ inline void visit(Fields& fields, AccuracyParams& p) {
               "estimate the error in every step, from coarser copies of the simulation; trials for a position_error always do");
 }
 
-/// Why an accuracy cannot choose the number of simulation points: the keys that state it, and how to leave it free. Empty if it is.
+/// Why an accuracy cannot choose the number of simulation points: the keys that state it, and how to free it. Empty if it can.
 inline std::string describeStatedNumber(const cloud::SimplificationParams& how) {
   std::string keys, values;
   const auto add = [&](const std::string& key, const std::string& found, const std::string& free) {
@@ -242,8 +242,8 @@ inline std::string describeStatedNumber(const cloud::SimplificationParams& how) 
   if (how.target_points != 0) add("target_points", std::to_string(how.target_points), "0");
   if (!how.threshold.is_auto) add("threshold", formatReal(how.threshold.value), "auto");
   if (keys.empty()) return "";
-  return "found a wish beside " + keys + ", which states the number of simulation points; accepted: one of the two; leave out what "
-         "states it, or give" + values;
+  return "found a wish beside " + keys +
+         ", which states the number of simulation points; accepted: one of the two; leave out what states it, or give" + values;
 }
 
 inline void visitRegion(Fields& fields, geometry::Region& region) {
