@@ -1,7 +1,6 @@
 #include "simulate.h"
 
 #include "frames.h"
-#include "mesh_files.h"
 #include "progress_bar.h"
 #include "robot_tools.h"
 #include "simulate_bag.h"
@@ -14,9 +13,10 @@
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
-#include "deformable_surface/io/point_files.h"
+#include "deformable_surface/io/load_scene.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/ros/find_package.h"
 #include "deformable_surface/ros/commands.h"
 #include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -39,20 +39,12 @@ constexpr int kDone = 0, kWrongInput = 2, kNoSoundStep = 3, kInterrupted = 128;
 constexpr char kDefaultFrame[] = "map";
 
 SceneParams loadScene(const SimulateOptions& options) {
-  Value root = io::loadYamlFile(options.scene);
-  for (const std::string& assignment : options.assignments) io::setByPath(root, assignment);
-  SceneParams params = io::readScene(root);
+  SceneParams params = io::loadScene(options.scene, options.assignments, findPackage);
   io::checkForSimulate(params, options.bag_in.empty());
-  readMeshFiles(params.tools);
   if (!params.robot.links.empty() && (options.bag_in.empty() || params.robot.file.empty()))
     throw InputError(
         "robot.links: found some without --bag_in, which has their frames, or without robot.file; accepted: both, or no links");
   return params;
-}
-
-cloud::PointCloud loadCloud(const SceneParams& params) {
-  if (params.cloud.file.empty()) return io::makeShape(params.cloud);
-  return io::readPointFile(params.cloud.file, params.cloud.scale, params.input.max_points, findPackage);
 }
 
 /// One run: surfaces from the scene or the bag, one after the other, and the outputs.
@@ -81,7 +73,7 @@ class Run {
   int run() {
     noteIdleForces();
     if (options_.bag_in.empty()) {
-      begin(build(loadCloud(params_), "", 0), 0);
+      begin(build(io::loadCloud(params_, findPackage), "", 0), {}, 0);
     } else {
       bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
                    toNanoseconds(params_.integrator.time_step));

@@ -5,7 +5,6 @@
 #include "fit_service.h"
 #include "frame_thread.h"
 #include "inbox.h"
-#include "mesh_files.h"
 #include "node_diagnostics.h"
 #include "publishers.h"
 #include "queue_thread.h"
@@ -20,8 +19,10 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/io/mesh_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/ros/find_package.h"
 #include "deformable_surface/ros/tool_decoder.h"
 #include "deformable_surface/ros/xmlrpc_value.h"
 
@@ -68,7 +69,7 @@ simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) 
   if (!tree.valid()) tree.setSize(0);
   simulation::SceneParams params =
       io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
-  readMeshFiles(params.tools);
+  io::readMeshFiles(params.tools, findPackage);
   const std::filesystem::path directory = params.save_directory;
   std::error_code error;
   if (!directory.empty() && !(directory.is_absolute() && std::filesystem::is_directory(directory, error)))
