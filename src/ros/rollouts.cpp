@@ -13,7 +13,9 @@ namespace {
 using std::chrono::steady_clock;
 
 // Each holds a copy of the surface while it waits; a planner that has more branches sends them as results come.
-constexpr std::size_t kMaxWaiting = 64;
+constexpr std::size_t kMaxWaiting = 256;
+// Goals that came and are not looked at, and messages that wait for a slow client.
+constexpr int kQueue = 1000;
 constexpr double kStatusFrequency = 1.0;  // Hz
 // As often as a progress bar moves smoothly.
 constexpr std::chrono::milliseconds kFeedbackPeriod(100);
@@ -41,8 +43,9 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
 // The server tells its status from time to time, and reads how often from a parameter, which is here for that long only: of its
 // own accord it would wake a node that rests more often than everything else. Changes of status are told at once in any case.
 void Rollouts::start(const ros::NodeHandle& node) {
-  const std::string key = "rollout/actionlib_status_frequency";
-  node.setParam(key, kStatusFrequency);
+  node.setParam("rollout/actionlib_status_frequency", kStatusFrequency);
+  node.setParam("rollout/actionlib_server_sub_queue_size", kQueue);
+  node.setParam("rollout/actionlib_server_pub_queue_size", kQueue);
   server_->start();
   node.deleteParam("rollout");
 }
