@@ -44,7 +44,10 @@ void Inbox::put(const ToolConstPtr& tool) {
 void Inbox::putCommand(Command command) {
   const std::lock_guard<std::mutex> lock(mutex_);
   command.is_stamped = command.stamp != 0;
-  if (!command.is_stamped) command.stamp = readClock();
+  if (!command.is_stamped) {
+    command.stamp = readClock();
+    command.seen = seeTransform(command.header().frame_id, surface_frame_, transforms_);
+  }
   if (commands_.size() >= kMaxCommands) {
     commands_.pop_front();
     ++num_commands_dropped_;
@@ -114,6 +117,11 @@ void Inbox::doJobs() {
     Job& job = *jobs_.front();
     jobs_.pop_front();
     updateEndsStep();
+void Inbox::setSurfaceFrame(const std::string& frame) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  surface_frame_ = frame;
+}
+
     job.state = Job::State::kRunning;
     lock.unlock();
     (*job.work)();

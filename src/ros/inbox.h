@@ -2,6 +2,8 @@
 // only put here, so that no message ever waits for a step, and the simulation itself needs no locks.
 #pragma once
 
+#include "frames.h"
+
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/Tool.h"
 #include "deformable_surface/ros/cloud_decoder.h"
@@ -36,6 +38,9 @@ struct Command {
   geometry_msgs::WrenchStampedConstPtr wrench;
   ToolConstPtr tool;
   bool is_stamped = true;
+  std::optional<SeenTransform> seen;  // without a stamp: of its frame, when it arrived
+
+  const std_msgs::Header& header() const { return force ? force->header : wrench ? wrench->header : tool->header; }
 };
 
 class Inbox {
@@ -58,7 +63,7 @@ class Inbox {
     ClockNews clock;
   };
 
-  explicit Inbox(bool use_simulated_clock) : clock_(use_simulated_clock) {}
+  Inbox(bool use_simulated_clock, const tf2::BufferCore& transforms) : clock_(use_simulated_clock), transforms_(transforms) {}
 
   // For callbacks. None of them waits but perform().
   /// A cloud that was not fetched yet gives way to the new one. arrival: as in IncomingCloud.
@@ -87,6 +92,8 @@ class Inbox {
   /// Does the jobs that wait.
   void doJobs();
   bool isClosed() const { return closed_; }
+  /// The frame of the surface that commands are for, from now on.
+  void setSurfaceFrame(const std::string& frame);
   /// The same, for what looks at it while it works.
   const std::atomic<bool>* closing() const { return &closed_; }
   /// Whether a step that is under way is to end, for it to look at: the inbox is closed, or work waits that ends it.
@@ -110,6 +117,8 @@ class Inbox {
   std::optional<IncomingCloud> cloud_;
   std::deque<Command> commands_;
   std::deque<Job*> jobs_;
+  const tf2::BufferCore& transforms_;
+  std::string surface_frame_;
   bool was_woken_ = false, frame_wanted_ = false;
   std::atomic<bool> closed_{false}, ends_step_{false};
   int num_clouds_replaced_ = 0, num_commands_dropped_ = 0;

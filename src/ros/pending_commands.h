@@ -95,3 +95,9 @@ class PendingCommands {
 };
 
 }  // namespace deformable_surface::node
+  void see(Command& command) const;
+  void hear(const Command& command);
+  void tellWaiting(const Command& command);
+  void refuse(const Command& command, const std::string& reason);
+  bool hasGuessedFrame(const Command& command) const;
+  std::string surface_frame_;

@@ -76,8 +76,10 @@ class Run {
       begin(build(io::loadCloud(params_, findPackage), "", 0), {}, 0);
     } else {
       bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
-                   toNanoseconds(params_.integrator.time_step));
-      tool_commands_.emplace(bag_->transforms());
+                   toNanoseconds(params_.integrator.time_step),
+                   [this](const std::string& cloud_frame) { return findFrame(cloud_frame); },
+                   params_.input.policy == simulation::InputPolicy::kReplace);
+      tool_commands_.emplace(bag_->transforms(), params_.input.tool_timeout);
       if (!params_.robot.links.empty())
         tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
       playBag();
@@ -148,16 +150,20 @@ class Run {
   void takeCommand(const InputBag::Event& event) {
     while (canStep() && now() < event.stamp) step();
     try {
+    const SeenTransform* const seen = event.seen ? &*event.seen : nullptr;
       if (const auto* force = std::get_if<PointForce>(&event.message)) {
-        simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms()));
+      if (!event.unknown_frame.empty())
+        throw InputError("header.frame_id: found " + quote(event.unknown_frame) + " without a stamp, and no transform to " +
+                         quote(frame_) + " when it was recorded or soon after; accepted: frames that tf knows then");
+        simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms(), seen));
         ++forces_;
       } else if (const auto* wrench = std::get_if<geometry_msgs::WrenchStamped>(&event.message)) {
-        simulation_->setForce(toForce(*wrench, simulation_->time(), frame_, bag_->transforms(), params_.force));
+        simulation_->setForce(toForce(*wrench, simulation_->time(), frame_, bag_->transforms(), params_.force, seen));
         ++wrenches_;
       } else {
         const DecodedTools& decoded = std::get<DecodedTools>(event.message);
         if (!decoded.ok()) throw InputError(decoded.refusal);
-        for (const Tool& tool : decoded.tools) tool_commands_->apply(tool, *simulation_, frame_);
+        for (const Tool& tool : decoded.tools) tool_commands_->apply(tool, *simulation_, frame_, seen);
         tools_ += decoded.tools.size();
       }
     } catch (const InputError& error) {
@@ -170,7 +176,7 @@ class Run {
     endIfInterrupted();
     auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
     simulation->setInterrupt(&terminal_.stop.has_come);
-    const std::string frame = !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
+    const std::string frame = findFrame(cloud_frame);
     simulation->setGravity(findGravity(frame, stamp));
     frame_ = frame;
     return simulation;
@@ -196,6 +202,10 @@ class Run {
   Vec3 findGravity(const std::string& frame, std::int64_t stamp) const {
     if (params_.gravity_frame.empty() || params_.gravity_frame == frame) return params_.gravity;
     if (!bag_) {
+  std::string findFrame(const std::string& cloud_frame) const {
+    return !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
+  }
+
       throw InputError("gravity_frame: found " + quote(params_.gravity_frame) +
                        " without a bag that has transforms; accepted: the surface's frame, " + quote(frame));
     }

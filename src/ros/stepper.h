@@ -110,6 +110,7 @@ class Stepper {
   void tellOfBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
+  void setSurfaceFrame(const std::string& frame);
   bool isAgain(const CloudWork& work) const;
   bool isTracking() const;
 

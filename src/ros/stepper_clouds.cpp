@@ -65,6 +65,7 @@ void Stepper::handleClouds() {
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
     if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
+    if (!simulation_) setSurfaceFrame(work.frame);
     if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
@@ -114,6 +115,11 @@ void Stepper::takeResult(CloudResult&& result) {
 }
 
 // Once, so that nobody takes the node for dead.
+void Stepper::setSurfaceFrame(const std::string& frame) {
+  inbox_.setSurfaceFrame(frame);
+  commands_.setSurfaceFrame(frame);
+}
+
 void Stepper::tellOfBuilding() {
   if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
   building_->is_told = true;
@@ -169,6 +175,7 @@ void Stepper::begin(CloudResult&& result) {
   is_as_built_ = true;
   frame_ = result.frame;
   snapshots_.clear();
+  setSurfaceFrame(frame_);
   beginAnew(result.stamp);
   if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) schedule_.skipTo(delayed(result.arrival), 0);
   updateGravity();

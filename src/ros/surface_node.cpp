@@ -82,9 +82,9 @@ struct SurfaceNode::Impl {
   ros::CallbackQueue input_queue, service_queue, reset_queue;
   ros::NodeHandle node, private_node, service_node, reset_node;
   Complaints complaints;
+  tf2::BufferCore transforms;
   Inbox inbox;
   CloudWorker worker;
-  tf2::BufferCore transforms;
   tf2_ros::TransformListener transform_listener;
   Publishers publishers;
   FrameThread frames;
@@ -117,7 +117,9 @@ struct SurfaceNode::Impl {
         service_node(onQueue(given_private, service_queue)),
         reset_node(onQueue(given_private, reset_queue)),
         complaints(private_node.getNamespace()),
-        inbox(ros::Time::isSimTime()),
+        // Steps that stay behind the clock ask for what is that much older.
+        transforms(ros::Duration(tf2::BufferCore::DEFAULT_CACHE_TIME + params.input.delay)),
+        inbox(ros::Time::isSimTime(), transforms),
         worker(inbox, complaints, DecodeLimits{params.input.max_points}),
         // Not in a thread of its own, which would wake up a hundred times a second.
         transform_listener(transforms, node, false),

@@ -1,7 +1,5 @@
 #include "tool_commands.h"
 
-#include "frames.h"
-
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/tool_decoder.h"
@@ -174,7 +172,8 @@ tool::Pose ToolCommands::Course::predict(double time) const {
   return {T_surface_frame * (pose.position + (time - given) * velocity), (frame * turned * pose.orientation).normalized()};
 }
 
-void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame) {
+void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame,
+                         const SeenTransform* seen) {
   const ToolParams* const before = findTool(simulation, command.id);
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   ToolParams tool;
@@ -203,7 +202,7 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
                        " (rad/s)");
     }
     course.T_surface_frame =
-        findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_);
+        findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_, seen);
   } catch (const FrameError& error) {
     throw FrameError("tool " + quote(command.id.substr(0, kShownId)) + " " + error.what());
   } catch (const InputError& error) {

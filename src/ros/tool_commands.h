@@ -3,6 +3,8 @@
 // `simulate` share it.
 #pragma once
 
+#include "frames.h"
+
 #include "deformable_surface/Tool.h"
 #include "deformable_surface/simulation/simulation.h"
 
@@ -49,13 +51,15 @@ class ToolCommands {
   };
 
  public:
-  explicit ToolCommands(const tf2::BufferCore& transforms) : transforms_(transforms) {}
+  /// timeout: s without a message for its velocity, or a transform of its frame, after which a tool is silent; 0 = never.
+  explicit ToolCommands(const tf2::BufferCore& transforms, double timeout = 0.0) : transforms_(transforms), timeout_(timeout) {}
 
   /// Carries out a command at the beginning of a step. A tool that is new is at its pose at once. One that is there already moves
   /// from where it is to where the message has it, over the time since the message before, but at least a step and at most
   /// kLongestMove or a step. Throws InputError, and changes nothing, for values, frames and ids that are not accepted, and for
-  /// what is not built.
-  void apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame);
+  /// what is not built. seen: the transform that a command without a stamp uses, or null.
+  void apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame,
+             const SeenTransform* seen = nullptr);
 
   /// To be called before each step: gives tools that follow a frame, or have a velocity, their way through it. stamp: of the end
   /// of the step, when a tool is where tf has its frame then. A frame that tf does not know as late is approached where it was
