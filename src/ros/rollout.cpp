@@ -116,7 +116,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
   const auto record = [&](std::uint64_t step) {
     std_msgs::Header header;
     header.frame_id = surface_frame;
-    header.stamp.fromNSec(static_cast<std::uint64_t>(schedule.stamp(plan.first + step)));
+    header.stamp.fromNSec(static_cast<std::uint64_t>(schedule.begin(plan.first + step)));
     if (cloud != plan.cloud_steps.end() && *cloud == step) {
       ++cloud;
       result.clouds.emplace_back();

@@ -80,7 +80,8 @@ void Rollouts::accept(Server::GoalHandle goal) {
       job->copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
       if (!goal.getGoal()->snapshot.empty()) job->copy->restore(stepper_.snapshots().find(goal.getGoal()->snapshot).snapshot);
       job->frame = stepper_.frame();
-      job->schedule.emplace(stepper_.schedule());
+      cloud = stepper_.cloud();
+      job->schedule.emplace(stepper_.scheduleFrom(job->copy->stepCount()));
     } catch (const std::exception& error) {
       refusal = error.what();
     }

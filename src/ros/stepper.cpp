@@ -342,12 +342,37 @@ bool Stepper::updateGravity() {
 
 // ---- Output ----
 
-void Stepper::publishWrenches() { wrenches_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), frame_); }
+// The ROS time at which the state is the surface's. One that waits, as in a pause, is that of now, and so is one that is so late
+// that the lag is about to be let go.
+std::int64_t Stepper::outputStamp() const {
+  const std::uint64_t step = simulation_->stepCount();
+  if (params_.output.stamp == simulation::OutputStamp::kSimulation) return schedule_.stamp(step);
+  const std::int64_t begin = schedule_.begin(step);
+  if (isLockstep()) return begin;
+  const bool waits = isPaused() || is_held_ || !is_gravity_known_ || begin > now_;
+  const bool is_let_go = !is_clock_simulated_ && now_ - begin > kMaxLag;
+  return now_ != 0 && (waits || is_let_go) ? now_ : begin;
+}
+
+StepSchedule Stepper::scheduleFrom(std::uint64_t step) const {
+  StepSchedule schedule = schedule_;
+  if (params_.output.stamp == simulation::OutputStamp::kSimulation) {
+    schedule.start(schedule.zero());
+  } else {
+    schedule.resumeAt(outputStamp(), step);
+  }
+  return schedule;
+}
+
+void Stepper::publishWrenches() {
+  wrenches_.publish(*simulation_, outputStamp(), frame_, commands_.silentTools());
+}
 
 Moment Stepper::makeMoment() {
   Moment moment;
   moment.sight = simulation_->sight();
-  moment.stamp = schedule_.stamp(simulation_->stepCount());
+  moment.stamp = outputStamp();
+  moment.cloud = cloud_;
   moment.time_input = time_input_;
   moment.revision = shown_revision_ = simulation_->revision();
   moment.surface_revision = shown_surface_revision_ = simulation_->surfaceRevision();
@@ -387,6 +412,14 @@ StepperStatus Stepper::status() const {
     status.lag = std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
   }
   if (is_failed_) {
+void Stepper::publishToolStatuses() {
+  ToolStatusArray statuses;
+  if (!commands_.toolStatuses().takeNews(statuses)) return;
+  statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
+  statuses.header.frame_id = frame_;
+  wrenches_.publish(statuses);
+}
+
     status.state = "stopped by a failed step";
   } else if (is_held_) {
     status.state = "growing a surface";

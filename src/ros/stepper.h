@@ -80,7 +80,8 @@ class Stepper {
   void setParams(const simulation::SceneParams& params);
   /// Is called when a snapshot has brought back others.
   void onParams(std::function<void()> call) { on_params_ = std::move(call); }
-  const StepSchedule& schedule() const { return schedule_; }
+  /// Where the stamps of a rollout lie that begins now with this step.
+  StepSchedule scheduleFrom(std::uint64_t step) const;
   /// Takes no step until letGo() or replaceHeld(), because a copy of the surface is being worked on that is to take its place.
   void hold();
   void letGo();
@@ -137,6 +138,7 @@ class Stepper {
 
   simulation::SceneParams params_;
   std::function<void()> on_params_;
+  std::int64_t outputStamp() const;
   Inbox& inbox_;
   CloudWorker& worker_;
   const Publishers& publishers_;  // what any thread may ask of them

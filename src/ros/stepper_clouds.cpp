@@ -200,6 +200,8 @@ void Stepper::begin(CloudResult&& result) {
   moment.params = simulation_->params();
   moment.frame = frame_;
   moment.all = moment.is_kept = true;
+  // At rest it is the cloud itself, at its stamp.
+  if (inbox_.now() - result.stamp <= kOldCloud) moment.stamp = result.stamp;
   frames_.show(std::move(moment));
   publishWrenches();
 }
