@@ -27,11 +27,63 @@ std::string makeKey(const Command& command) {
   return command.force ? "force " + command.force->id : kWrenchId;
 }
 
+// As input.lockstep has it.
+std::string topicOf(const Command& command) { return command.force ? "force" : command.wrench ? "wrench" : "tools"; }
+
+std::string describe(const Command& command) {
+  if (command.wrench) return "wrench ";
+  return command.force ? "force " + quote(command.force->id) + " " : "tool " + quote(command.tool->id) + " ";
+}
+
 }  // namespace
 
 void PendingCommands::append(std::vector<Command>&& commands) {
-  commands_.insert(commands_.end(), std::make_move_iterator(commands.begin()), std::make_move_iterator(commands.end()));
-  for (; commands_.size() > kMaxWaiting; commands_.pop_front()) ++num_dropped_;
+  for (Command& command : commands) {
+    if (!lockstep_.empty() && !command.is_stamped) {
+      refuse(command, describe(command) + "found no stamp; accepted with input.lockstep: commands with a stamp");
+      continue;
+    }
+    see(command);
+    hear(command);
+    tellWaiting(command);
+    commands_.push_back(std::move(command));
+  }
+  for (; commands_.size() > kMaxWaiting; commands_.pop_front()) {
+    ++num_dropped_;
+    if (commands_.front().tool)
+      tool_statuses_.tellRefused(*commands_.front().tool, "dropped: " + std::to_string(kMaxWaiting) + " newer commands wait");
+  }
+}
+
+void PendingCommands::refuse(const Command& command, const std::string& reason) {
+  complaints_.report(Complaint::kCommandRefused, reason);
+  if (command.tool) tool_statuses_.tellRefused(*command.tool, reason);
+}
+
+void PendingCommands::tellWaiting(const Command& command) {
+  if (!command.tool) return;
+  tool_statuses_.tellWaiting(*command.tool, surface_frame_.empty() ? "there is no surface yet" : "its step has not come yet");
+}
+
+void PendingCommands::hear(const Command& command) {
+  std::int64_t& newest = newest_.emplace(topicOf(command), kNever).first->second;
+  newest = std::max(newest, command.stamp);
+}
+
+bool PendingCommands::areCompleteAt(std::int64_t time) const {
+  return std::all_of(lockstep_.begin(), lockstep_.end(), [&](const std::string& topic) {
+    const auto newest = newest_.find(topic);
+    return newest != newest_.end() && newest->second > time;
+  });
+}
+
+std::string PendingCommands::missingFrame(std::int64_t begin, std::int64_t end, const std::string& frame) const {
+  for (const Command& command : commands_) {
+    const std_msgs::Header& header = command.header();
+    if (command.stamp > begin || (command.tool && command.tool->action != Tool::ADD)) continue;
+    if (!isKnown(header.frame_id, frame, header.stamp, transforms_)) return header.frame_id;
+  }
+  return tools_.missingFrame(ros::Time().fromNSec(static_cast<std::uint64_t>(end)), frame);
 }
 
 void PendingCommands::dropBefore(std::int64_t stamp) {
@@ -89,6 +141,8 @@ void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Si
     carryOut(*command, SteadyClock::now() + kTransformPatience, simulation, frame);
   commands_.erase(commands_.begin(), later);
   last_begin_ = begin;
+  newest_.clear();
+  tool_statuses_.clear();
   const ros::Time stamp = ros::Time().fromNSec(static_cast<std::uint64_t>(end));
   for (const std::string& problem : tools_.move(stamp, simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
 }
@@ -157,6 +211,14 @@ void PendingCommands::apply(const Command& command, simulation::Simulation& simu
   if (forces_.size() >= kMaxForces && forces_.count(force.id) == 0) {
     throw InputError("force " + quote(force.id) + ": found " + std::to_string(forces_.size()) +
                      " forces at a time already; accepted: no more");
+  newest_.clear();
+  tool_statuses_.clear();
+  const auto keep = [&](const Command& command) {
+    hear(command);
+    tellWaiting(command);
+  };
+  for (const auto& [key, waiting] : without_frame_) keep(waiting.command);
+  for (const Command& command : commands_) keep(command);
   }
   simulation.setForce(force);
   forces_[force.id] = force.force.isZero(0.0) ? time : force.end;

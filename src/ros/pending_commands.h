@@ -22,12 +22,19 @@ namespace deformable_surface::node {
 
 class PendingCommands {
  public:
-  PendingCommands(const simulation::WrenchParams& wrench, const tf2::BufferCore& transforms, Complaints& complaints)
-      : wrench_(wrench), transforms_(transforms), complaints_(complaints), tools_(transforms) {}
+  PendingCommands(const simulation::WrenchParams& wrench, const simulation::InputParams& input, const tf2::BufferCore& transforms,
+                  Complaints& complaints)
+      : wrench_(wrench),
+        lockstep_(simulation::splitNames(input.lockstep)),
+        transforms_(transforms),
+        complaints_(complaints),
+        tools_(transforms, input.tool_timeout) {}
 
   /// See ToolCommands.
   void setStanding(std::vector<Tool> tools) { tools_.setStanding(std::move(tools)); }
-  /// Too many: the oldest are dropped.
+  /// The frame of the surface that commands are for. Those without a stamp that came before see their transforms now.
+  void setSurfaceFrame(const std::string& frame);
+  /// Too many: the oldest are dropped. In lockstep those without a stamp are refused.
   void append(std::vector<Command>&& commands);
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
@@ -61,6 +68,14 @@ class PendingCommands {
 
   /// The ids of the forces that wait, each once, in the order of arrival.
   std::vector<std::string> waitingForces() const;
+  /// In lockstep: whether every topic that steps wait for has brought a command stamped after the time (ns).
+  bool areCompleteAt(std::int64_t time) const;
+  /// In lockstep: the frame that a command for the step, or a tool in it, needs and tf does not know yet; empty: there is none.
+  std::string missingFrame(std::int64_t begin, std::int64_t end, const std::string& frame) const;
+
+  ToolStatuses& toolStatuses() { return tool_statuses_; }
+  std::set<std::string> silentTools() const { return tools_.silent(); }
+
   int numWaiting() const { return static_cast<int>(commands_.size() + without_frame_.size()); }
   int numDropped() const { return num_dropped_; }
   /// How many were applied after the step at whose beginning they should have been.
@@ -82,8 +97,15 @@ class PendingCommands {
 
   const simulation::WrenchParams wrench_;
   const tf2::BufferCore& transforms_;
+  void see(Command& command) const;
+  void hear(const Command& command);
+  void tellWaiting(const Command& command);
+  void refuse(const Command& command, const std::string& reason);
+  bool hasGuessedFrame(const Command& command) const;
   Complaints& complaints_;
   std::deque<Command> commands_;          // in the order of arrival
+  const std::vector<std::string> lockstep_;       // topics; none: steps follow the clock
+  std::map<std::string, std::int64_t> newest_;    // by topic: ns, the latest stamp that came
   std::deque<Command> kept_;              // applied, see keepSince()
   std::int64_t keep_since_ = std::numeric_limits<std::int64_t>::max();
   std::map<std::string, double> forces_;  // when they end, s of simulation time
@@ -95,9 +117,3 @@ class PendingCommands {
 };
 
 }  // namespace deformable_surface::node
-  void see(Command& command) const;
-  void hear(const Command& command);
-  void tellWaiting(const Command& command);
-  void refuse(const Command& command, const std::string& reason);
-  bool hasGuessedFrame(const Command& command) const;
-  std::string surface_frame_;

@@ -120,6 +120,14 @@ class Stepper {
 
   bool isDue() const;
   /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
+  bool isLockstep() const { return !params_.input.lockstep.empty(); }
+  /// Is there what a step in lockstep waits for?
+  bool isHeard() const;
+  bool hasFrames();
+  // In lockstep no time passes but that of the commands.
+  void skipTo(std::int64_t now, std::uint64_t step);
+  void resumeAt(std::int64_t now, std::uint64_t step);
+
   bool waitsUntilLater(std::int64_t now) const;
   bool canRest() const;
   bool takeStep();
@@ -172,6 +180,7 @@ class Stepper {
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
   bool is_as_built_ = false;  // its cloud and params_ made the surface, and nothing else
+  std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
   double call_seconds_ = 0.0;  // of the services called in the last turn
 

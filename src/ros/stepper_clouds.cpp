@@ -177,7 +177,7 @@ void Stepper::begin(CloudResult&& result) {
   snapshots_.clear();
   setSurfaceFrame(frame_);
   beginAnew(result.stamp);
-  if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) schedule_.skipTo(delayed(result.arrival), 0);
+  if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) skipTo(delayed(result.arrival), 0);
   updateGravity();
   ++counts_.clouds_accepted;
   counts_.clouds_again += is_again;
@@ -189,7 +189,7 @@ void Stepper::begin(CloudResult&& result) {
     for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
     news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
   }
-  const double behind = is_clock_simulated_ ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
+  const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
   if (behind > kToldLag)
     news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
   ROS_INFO_STREAM(complaints_.name() << news);

@@ -244,6 +244,41 @@ void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, 
 
 bool ToolCommands::isMoving() const {
   return stand_.size() < standing_.size() ||
+// A velocity that has ended is none: the tool stays where it was then.
+std::string ToolCommands::endVelocity(double now, double step, Course& course) const {
+  if (!(now >= course.ends - kRounding * step)) return "";
+  const double moved = course.ends - course.given;
+  const double angle = moved * course.spin.norm();
+  course.pose.position += moved * course.velocity;
+  if (angle > 0.0) course.pose.orientation = Eigen::AngleAxisd(angle, course.spin.normalized()) * course.pose.orientation;
+  course.velocity = course.spin = Vec3::Zero();
+  course.ends = kNever;
+  course.is_silent = true;
+  return "no message for " + formatReal(timeout_) + " s; its twist has ended, and its wrench is stale";
+}
+
+std::string ToolCommands::noticeSilence(const ros::Time& stamp, Course& course) const {
+  const bool was_silent = course.is_silent;
+  // A stamp of 0 is that of a frame that never changes.
+  course.is_silent = timeout_ > 0.0 && !course.frame_stamp.isZero() && (stamp - course.frame_stamp).toSec() > timeout_;
+  if (was_silent || !course.is_silent) return "";
+  return "no transform of frame " + quote(course.frame) + " for " + formatReal(timeout_) +
+         " s; it stays where it is, and its wrench is stale";
+}
+
+std::set<std::string> ToolCommands::silent() const {
+  std::set<std::string> ids;
+  for (const auto& [id, course] : courses_)
+    if (course.is_silent) ids.insert(id);
+  return ids;
+}
+
+std::string ToolCommands::missingFrame(const ros::Time& stamp, const std::string& surface_frame) const {
+  for (const auto& [id, course] : courses_)
+    if (course.follows_frame && !isKnown(course.frame, surface_frame, stamp, transforms_)) return course.frame;
+  return "";
+}
+
          std::any_of(courses_.begin(), courses_.end(), [](const auto& entry) { return entry.second.isMoving(); });
 }
 

@@ -79,6 +79,10 @@ class ToolCommands {
     courses_.clear();
     stand_.clear();
   }
+  /// A frame that a tool follows and tf does not know as late as the stamp; empty: there is none.
+  std::string missingFrame(const ros::Time& stamp, const std::string& surface_frame) const;
+  /// Ids of the tools that are silent.
+  std::set<std::string> silent() const;
 
   /// What a snapshot needs: where tools are going, by id, and which of those that stand have been added.
   struct Memory {
