@@ -8,6 +8,7 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
+#include <optional>
 #include <string>
 
 namespace deformable_surface::node {

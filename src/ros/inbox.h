@@ -58,6 +58,7 @@ class Inbox {
   struct Content {
     std::optional<IncomingCloud> cloud;
     std::vector<Command> commands;  // in the order of arrival; none from before a jump back of the clock
+    std::string tools_refused;      // why the last message of tools could not be read; empty: each could
     bool frame_wanted = false;
     bool closed = false;
     ClockNews clock;
@@ -72,6 +73,8 @@ class Inbox {
   void put(const PointForceConstPtr& force);
   void put(const geometry_msgs::WrenchStampedConstPtr& wrench);
   void put(const ToolConstPtr& tool);
+  /// Why a message of tools could not be read.
+  void putRefusedTools(const std::string& reason);
   /// ns of the ROS clock; 0 if there is no valid time yet.
   std::int64_t now();
   /// A message of /clock.
@@ -89,11 +92,11 @@ class Inbox {
   // For the simulation thread.
   /// Waits until something comes or the time is there, and takes all but the jobs.
   Content take(SteadyTime until);
+  /// The frame of the surface that commands are for, from now on.
+  void setSurfaceFrame(const std::string& frame);
   /// Does the jobs that wait.
   void doJobs();
   bool isClosed() const { return closed_; }
-  /// The frame of the surface that commands are for, from now on.
-  void setSurfaceFrame(const std::string& frame);
   /// The same, for what looks at it while it works.
   const std::atomic<bool>* closing() const { return &closed_; }
   /// Whether a step that is under way is to end, for it to look at: the inbox is closed, or work waits that ends it.
@@ -114,11 +117,12 @@ class Inbox {
   mutable std::mutex mutex_;
   std::condition_variable came_, answered_;
   ClockWatch clock_;
-  std::optional<IncomingCloud> cloud_;
-  std::deque<Command> commands_;
-  std::deque<Job*> jobs_;
   const tf2::BufferCore& transforms_;
   std::string surface_frame_;
+  std::optional<IncomingCloud> cloud_;
+  std::deque<Command> commands_;
+  std::string tools_refused_;
+  std::deque<Job*> jobs_;
   bool was_woken_ = false, frame_wanted_ = false;
   std::atomic<bool> closed_{false}, ends_step_{false};
   int num_clouds_replaced_ = 0, num_commands_dropped_ = 0;

@@ -37,6 +37,23 @@ std::string describe(const Command& command) {
 
 }  // namespace
 
+void PendingCommands::see(Command& command) const {
+  if (command.is_stamped || (command.seen && command.seen->target == surface_frame_)) return;
+  command.seen = seeTransform(command.header().frame_id, surface_frame_, transforms_);
+}
+
+// Its frame was not known when it came: it took the transform that was the latest in its step, which a replay does not know.
+bool PendingCommands::hasGuessedFrame(const Command& command) const {
+  const std::string frame = withoutSlash(command.header().frame_id);
+  const bool has_pose = !command.tool || command.tool->action == Tool::ADD;
+  return !command.is_stamped && !command.seen && has_pose && !frame.empty() && frame != surface_frame_;
+}
+
+void PendingCommands::setSurfaceFrame(const std::string& frame) {
+  surface_frame_ = withoutSlash(frame);
+  for (Command& command : commands_) see(command);
+}
+
 void PendingCommands::append(std::vector<Command>&& commands) {
   for (Command& command : commands) {
     if (!lockstep_.empty() && !command.is_stamped) {
@@ -124,6 +141,8 @@ void PendingCommands::forgetKept() {
 }
 
 void PendingCommands::clear() {
+  newest_.clear();
+  tool_statuses_.clear();
   kept_.clear();
   commands_.clear();
   without_frame_.clear();
@@ -141,8 +160,6 @@ void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Si
     carryOut(*command, SteadyClock::now() + kTransformPatience, simulation, frame);
   commands_.erase(commands_.begin(), later);
   last_begin_ = begin;
-  newest_.clear();
-  tool_statuses_.clear();
   const ros::Time stamp = ros::Time().fromNSec(static_cast<std::uint64_t>(end));
   for (const std::string& problem : tools_.move(stamp, simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
 }
@@ -158,22 +175,28 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
   try {
     apply(command, simulation, frame);
     ++num_applied_;
+    if (command.tool) tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
     if (is_kept) kept_.push_back(command);
-    num_late_ += command.stamp <= last_begin_;
+    num_late_ += command.stamp <= last_begin_ || hasGuessedFrame(command);
   } catch (const FrameError& error) {
     // However many come, the first says how long they wait.
     if (older != without_frame_.end()) give_up = older->second.give_up;
     if (SteadyClock::now() < give_up && (older != without_frame_.end() || without_frame_.size() < kMaxForces)) {
       complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the command waits for it");
+      if (command.tool) tool_statuses_.tellWaiting(*command.tool, error.what());
       num_dropped_ += older != without_frame_.end();
       without_frame_[key] = {command, give_up};
       return;
     }
-    complaints_.report(Complaint::kCommandRefused, error.what());
+    refuse(command, error.what());
   } catch (const InputError& error) {
     if (is_kept) kept_.push_back(command);
     const std::string rest = is_kept ? " (by the surface that is there; it is tried again on the one that is being built)" : "";
-    if (!cancels) complaints_.report(Complaint::kCommandRefused, error.what() + rest);
+    if (!cancels) {
+      refuse(command, error.what() + rest);
+    } else {
+      tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
+    }
     return;  // what waits is as good as before
   }
   if (command.tool && command.tool->action == Tool::DELETEALL) {
@@ -188,6 +211,14 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
 }
 
 void PendingCommands::forget() {
+  newest_.clear();
+  tool_statuses_.clear();
+  const auto keep = [&](const Command& command) {
+    hear(command);
+    tellWaiting(command);
+  };
+  for (const auto& [key, waiting] : without_frame_) keep(waiting.command);
+  for (const Command& command : commands_) keep(command);
   forces_.clear();
   tools_.forget();
   last_begin_ = kNever;
@@ -201,24 +232,17 @@ void PendingCommands::restore(const Memory& memory) {
 }
 
 void PendingCommands::apply(const Command& command, simulation::Simulation& simulation, const std::string& frame) {
-  if (command.tool) return tools_.apply(*command.tool, simulation, frame);
+  const SeenTransform* const seen = command.seen ? &*command.seen : nullptr;
+  if (command.tool) return tools_.apply(*command.tool, simulation, frame, seen);
   const double time = simulation.time();
-  const simulation::ForceParams force = command.force ? toForce(*command.force, time, frame, transforms_)
-                                                      : toForce(*command.wrench, time, frame, transforms_, wrench_);
+  const simulation::ForceParams force = command.force ? toForce(*command.force, time, frame, transforms_, seen)
+                                                      : toForce(*command.wrench, time, frame, transforms_, wrench_, seen);
   for (auto entry = forces_.begin(); entry != forces_.end();) {
     entry = entry->second <= time ? forces_.erase(entry) : std::next(entry);
   }
   if (forces_.size() >= kMaxForces && forces_.count(force.id) == 0) {
     throw InputError("force " + quote(force.id) + ": found " + std::to_string(forces_.size()) +
                      " forces at a time already; accepted: no more");
-  newest_.clear();
-  tool_statuses_.clear();
-  const auto keep = [&](const Command& command) {
-    hear(command);
-    tellWaiting(command);
-  };
-  for (const auto& [key, waiting] : without_frame_) keep(waiting.command);
-  for (const Command& command : commands_) keep(command);
   }
   simulation.setForce(force);
   forces_[force.id] = force.force.isZero(0.0) ? time : force.end;

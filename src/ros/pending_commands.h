@@ -5,6 +5,7 @@
 #include "complaints.h"
 #include "inbox.h"
 #include "tool_commands.h"
+#include "tool_statuses.h"
 
 #include "deformable_surface/simulation/simulation.h"
 
@@ -15,6 +16,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -66,8 +68,6 @@ class PendingCommands {
   /// Whether what is done before a step may change with time, by itself.
   bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
 
-  /// The ids of the forces that wait, each once, in the order of arrival.
-  std::vector<std::string> waitingForces() const;
   /// In lockstep: whether every topic that steps wait for has brought a command stamped after the time (ns).
   bool areCompleteAt(std::int64_t time) const;
   /// In lockstep: the frame that a command for the step, or a tool in it, needs and tf does not know yet; empty: there is none.
@@ -76,9 +76,12 @@ class PendingCommands {
   ToolStatuses& toolStatuses() { return tool_statuses_; }
   std::set<std::string> silentTools() const { return tools_.silent(); }
 
+  /// The ids of the forces that wait, each once, in the order of arrival.
+  std::vector<std::string> waitingForces() const;
   int numWaiting() const { return static_cast<int>(commands_.size() + without_frame_.size()); }
   int numDropped() const { return num_dropped_; }
-  /// How many were applied after the step at whose beginning they should have been.
+  /// How many were applied after the step at whose beginning they should have been, or with a transform that was not known when
+  /// they came.
   std::uint64_t numLate() const { return num_late_; }
   std::uint64_t numApplied() const { return num_applied_; }
 
@@ -94,22 +97,24 @@ class PendingCommands {
   void carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
                 const std::string& frame);
   void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
-
-  const simulation::WrenchParams wrench_;
-  const tf2::BufferCore& transforms_;
   void see(Command& command) const;
   void hear(const Command& command);
   void tellWaiting(const Command& command);
   void refuse(const Command& command, const std::string& reason);
   bool hasGuessedFrame(const Command& command) const;
-  Complaints& complaints_;
-  std::deque<Command> commands_;          // in the order of arrival
+
+  const simulation::WrenchParams wrench_;
   const std::vector<std::string> lockstep_;       // topics; none: steps follow the clock
   std::map<std::string, std::int64_t> newest_;    // by topic: ns, the latest stamp that came
+  const tf2::BufferCore& transforms_;
+  Complaints& complaints_;
+  std::string surface_frame_;
+  std::deque<Command> commands_;          // in the order of arrival
   std::deque<Command> kept_;              // applied, see keepSince()
   std::int64_t keep_since_ = std::numeric_limits<std::int64_t>::max();
   std::map<std::string, double> forces_;  // when they end, s of simulation time
   ToolCommands tools_;
+  ToolStatuses tool_statuses_;
   std::map<std::string, Waiting> without_frame_;  // the newest for each force and tool
   std::int64_t last_begin_ = kNever;      // of the last step (ns)
   int num_dropped_ = 0;

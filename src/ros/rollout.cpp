@@ -8,7 +8,6 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/commands.h"
 #include "deformable_surface/ros/encode.h"
-#include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/ros/tool_decoder.h"
 
 #include <algorithm>
@@ -131,7 +130,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
       ++sample;
       result.wrenches.push_back(makeToolWrenches(header, copy.toolReactions(), copy.pinReactions()));
       result.statistics.emplace_back();
-      encodeStatistics(copy.statistics(), result.statistics.back());
+      encodeStatistics(copy.statistics(), plan.cloud, result.statistics.back());
       result.statistics.back().header = header;
     }
   };

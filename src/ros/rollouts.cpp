@@ -40,8 +40,9 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
   queue_thread_.start();
 }
 
-// The server tells its status from time to time, and reads how often from a parameter, which is here for that long only: of its
-// own accord it would wake a node that rests more often than everything else. Changes of status are told at once in any case.
+// The server reads these from parameters, which are here for that long only. It tells its status from time to time: of its own
+// accord it would wake a node that rests more often than everything else; changes of status are told at once in any case. And it
+// drops goals and results beyond fifty that wait, so that a client with more would never be answered.
 void Rollouts::start(const ros::NodeHandle& node) {
   node.setParam("rollout/actionlib_status_frequency", kStatusFrequency);
   node.setParam("rollout/actionlib_server_sub_queue_size", kQueue);
@@ -67,6 +68,7 @@ Rollouts::~Rollouts() {
 // The copy is made here, of the surface as it is when the goal comes, however long the goal then waits.
 void Rollouts::accept(Server::GoalHandle goal) {
   auto job = std::make_shared<Job>();
+  CloudId cloud;
   std::string refusal;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -93,6 +95,7 @@ void Rollouts::accept(Server::GoalHandle goal) {
   if (refusal.empty()) {
     try {
       job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
+      job->plan.cloud = cloud;
     } catch (const std::exception& error) {
       refusal = error.what();
     }

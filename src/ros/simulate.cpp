@@ -15,9 +15,8 @@
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/io/load_scene.h"
 #include "deformable_surface/io/scene.h"
-#include "deformable_surface/io/shapes.h"
-#include "deformable_surface/ros/find_package.h"
 #include "deformable_surface/ros/commands.h"
+#include "deformable_surface/ros/find_package.h"
 #include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/expectations.h"
 #include "deformable_surface/simulation/loads.h"
@@ -26,6 +25,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 
 namespace deformable_surface::node {
 namespace {
@@ -123,16 +123,17 @@ class Run {
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(decoded, stamp);
     std::unique_ptr<Simulation> simulation;
+    const std::string cloud_frame = decoded.header.frame_id;
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
-      simulation = build(std::move(decoded.cloud), decoded.header.frame_id, stamp);
+      simulation = build(std::move(decoded.cloud), cloud_frame, stamp);
     } catch (const InputError& error) {
       return reportRefusal("cloud", stamp, error);
     }
     // The old surface takes the steps that end before the new one is there.
     if (simulation_) stepUntil(stamp);
     if (status_ != kDone) return;
-    begin(std::move(simulation), stamp);
+    begin(std::move(simulation), cloud_frame, stamp);
     ++clouds_;
   }
 
@@ -149,12 +150,12 @@ class Run {
   // Takes effect at the first step that begins at or after the stamp.
   void takeCommand(const InputBag::Event& event) {
     while (canStep() && now() < event.stamp) step();
-    try {
     const SeenTransform* const seen = event.seen ? &*event.seen : nullptr;
-      if (const auto* force = std::get_if<PointForce>(&event.message)) {
+    try {
       if (!event.unknown_frame.empty())
         throw InputError("header.frame_id: found " + quote(event.unknown_frame) + " without a stamp, and no transform to " +
                          quote(frame_) + " when it was recorded or soon after; accepted: frames that tf knows then");
+      if (const auto* force = std::get_if<PointForce>(&event.message)) {
         simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms(), seen));
         ++forces_;
       } else if (const auto* wrench = std::get_if<geometry_msgs::WrenchStamped>(&event.message)) {
@@ -183,7 +184,7 @@ class Run {
   }
 
   // A surface at rest, whose time 0 is the stamp.
-  void begin(std::unique_ptr<Simulation> simulation, std::int64_t stamp) {
+  void begin(std::unique_ptr<Simulation> simulation, const std::string& cloud_frame, std::int64_t stamp) {
     if (!simulation_) {
       run_start_ = stamp;
       end_ = stamp + toNanoseconds(params_.duration);
@@ -194,18 +195,21 @@ class Run {
     note(std::to_string(simulation_->input().size()) + " input points");
     for (const std::string& line : simulation_->buildNotes()) note(line);
     for (const std::string& line : simulation_->buildWarnings()) warn(line);
-    if (output_bag_) output_bag_->begin(frame_, *simulation_);
+    ++cloud_.number;
+    cloud_.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
+    cloud_.frame = cloud_frame;
+    if (output_bag_) output_bag_->begin(frame_, cloud_, *simulation_);
     writeState();
+  }
+
+  std::string findFrame(const std::string& cloud_frame) const {
+    return !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
   }
 
   // In the surface's frame.
   Vec3 findGravity(const std::string& frame, std::int64_t stamp) const {
     if (params_.gravity_frame.empty() || params_.gravity_frame == frame) return params_.gravity;
     if (!bag_) {
-  std::string findFrame(const std::string& cloud_frame) const {
-    return !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
-  }
-
       throw InputError("gravity_frame: found " + quote(params_.gravity_frame) +
                        " without a bag that has transforms; accepted: the surface's frame, " + quote(frame));
     }
@@ -263,7 +267,8 @@ class Run {
 
   void writeState() {
     if (frames_) frames_->add(runTime(), *simulation_);
-    if (output_bag_) output_bag_->add(runTime(), now(), *simulation_);
+    const std::set<std::string> silent = tool_commands_ ? tool_commands_->silent() : std::set<std::string>();
+    if (output_bag_) output_bag_->add(runTime(), now(), silent, *simulation_);
   }
 
   void finish() {
@@ -364,6 +369,7 @@ class Run {
   std::optional<InputBag> bag_;
   std::optional<ToolCommands> tool_commands_;  // with the bag
   std::unique_ptr<Simulation> simulation_;
+  CloudId cloud_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
   unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0, tools_ = 0;  // taken; all but the first from the bag

@@ -44,7 +44,7 @@ Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorke
       is_clock_simulated_(ros::Time::isSimTime()),
       delay_(std::llround(params.input.delay * 1e9)),
       schedule_(params.integrator.time_step),
-      commands_(params.force, transforms, complaints) {}
+      commands_(params.force, params.input, transforms, complaints) {}
 
 bool Stepper::turn(Inbox::SteadyTime until) {
   Inbox::Content content = inbox_.take(nextDeadline(until));
@@ -55,6 +55,7 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   for (Command& command : content.commands)
     if (!command.is_stamped) command.stamp = stampOfArrival(command.stamp, timeStep());
   commands_.append(std::move(content.commands));
+  if (!content.tools_refused.empty()) commands_.toolStatuses().tellRefused(Tool(), content.tools_refused);
   if (content.cloud) clouds_.put(std::move(*content.cloud));
   if (now_ != 0) handleClouds();
   if (simulation_ && !is_gravity_known_) updateGravity();
@@ -78,11 +79,11 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   const auto now = steady_clock::now();
   if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
   if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
-  if (canRest()) {
   if (isLockstep()) {
     if (!isDue()) return until;  // a command wakes the inbox
     return missing_since_ ? std::min<Inbox::SteadyTime>(until, now + kPollPeriod) : Inbox::SteadyTime(now);
   }
+  if (canRest()) {
     const milliseconds unheard = simulation_->isLeftAlone() ? kLeftAlonePeriod : kUnheardRestPeriod;
     const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : unheard;
     return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + period));
@@ -113,8 +114,8 @@ void Stepper::handleClock(const ClockNews& clock) {
     const std::int64_t skipped = simulation_ && waitsUntilLater(now_ - clock.skipped)
                                      ? std::max<std::int64_t>(0, now_ - schedule_.begin(simulation_->stepCount() + 1))
                                      : clock.skipped;
-    schedule_.skip(skipped);
     if (isLockstep()) return;
+    schedule_.skip(skipped);
     if (skipped > 0 && simulation_) {
       complaints_.report(Complaint::kClock,
                          "the clock jumped forward by " + formatShort(toSeconds(skipped)) + " s, which is not caught up");
@@ -411,6 +412,14 @@ Moment Stepper::makeMoment() {
   return moment;
 }
 
+void Stepper::publishToolStatuses() {
+  ToolStatusArray statuses;
+  if (!commands_.toolStatuses().takeNews(statuses)) return;
+  statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
+  statuses.header.frame_id = frame_;
+  wrenches_.publish(statuses);
+}
+
 // Making a moment costs a copy of the state.
 bool Stepper::isWanted() const {
   return publishers_.isWanted(simulation_->revision() != shown_revision_,
@@ -433,6 +442,7 @@ StepperStatus Stepper::status() const {
   status.commands_late = commands_.numLate();
   status.commands_waiting = commands_.numWaiting();
   status.commands_dropped = commands_.numDropped();
+  for (const std::string& id : commands_.silentTools()) status.silent_tools += (status.silent_tools.empty() ? "" : ", ") + id;
   const CloudWorker::Counts came = worker_.counts();
   status.clouds_received = came.received;
   status.clouds_ignored += came.ignored;
@@ -444,14 +454,6 @@ StepperStatus Stepper::status() const {
     status.lag = isLockstep() ? 0.0 : std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
   }
   if (is_failed_) {
-void Stepper::publishToolStatuses() {
-  ToolStatusArray statuses;
-  if (!commands_.toolStatuses().takeNews(statuses)) return;
-  statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
-  statuses.header.frame_id = frame_;
-  wrenches_.publish(statuses);
-}
-
     status.state = "stopped by a failed step";
   } else if (is_held_) {
     status.state = "growing a surface";

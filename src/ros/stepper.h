@@ -39,6 +39,7 @@ struct StepperStatus {
   int frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
+  std::string silent_tools;  // ids
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;  // the same, since a call of a service did
@@ -62,6 +63,7 @@ class Stepper {
   /// Null while there is no surface.
   simulation::Simulation* simulation() { return simulation_.get(); }
   const std::string& frame() const { return frame_; }
+  const CloudId& cloud() const { return cloud_; }
   /// By ~pause, or after a failed step until ~pause false, a reset or a new cloud.
   bool isPaused() const { return is_paused_ || is_failed_; }
   void setPaused(bool paused);
@@ -108,18 +110,16 @@ class Stepper {
   void observeReady();
   void begin(CloudResult&& result);
   void beginAnew(std::int64_t zero);
+  void setSurfaceFrame(const std::string& frame);
   void tellOfBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
-  void setSurfaceFrame(const std::string& frame);
   bool isAgain(const CloudWork& work) const;
   bool isTracking() const;
 
   void restart(std::int64_t now);
   std::int64_t delayed(std::int64_t clock) const;
 
-  bool isDue() const;
-  /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
   bool isLockstep() const { return !params_.input.lockstep.empty(); }
   /// Is there what a step in lockstep waits for?
   bool isHeard() const;
@@ -128,6 +128,8 @@ class Stepper {
   void skipTo(std::int64_t now, std::uint64_t step);
   void resumeAt(std::int64_t now, std::uint64_t step);
 
+  bool isDue() const;
+  /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
   bool waitsUntilLater(std::int64_t now) const;
   bool canRest() const;
   bool takeStep();
@@ -136,8 +138,10 @@ class Stepper {
   bool updateGravity();
   void letGoOfLag(double call_seconds);
   Moment makeMoment();
+  std::int64_t outputStamp() const;
   bool isWanted() const;
   void publishWrenches();
+  void publishToolStatuses();
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
@@ -146,7 +150,6 @@ class Stepper {
 
   simulation::SceneParams params_;
   std::function<void()> on_params_;
-  std::int64_t outputStamp() const;
   Inbox& inbox_;
   CloudWorker& worker_;
   const Publishers& publishers_;  // what any thread may ask of them
@@ -159,6 +162,7 @@ class Stepper {
 
   std::unique_ptr<simulation::Simulation> simulation_;
   std::string frame_;
+  CloudId cloud_;
   StepSchedule schedule_;
   std::int64_t now_ = 0;  // ns of the ROS clock, less the delay; 0 = there is no valid time yet
   WaitingClouds clouds_;
@@ -176,11 +180,11 @@ class Stepper {
   std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and when a surface was last begun to be built with them
   PendingCommands commands_;
   SnapshotShelf snapshots_;  // of this surface
+  std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
   bool is_paused_ = false;  // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
   bool is_as_built_ = false;  // its cloud and params_ made the surface, and nothing else
-  std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
   double call_seconds_ = 0.0;  // of the services called in the last turn
 

@@ -58,15 +58,16 @@ void Stepper::handleClouds() {
   work.kind = isTracking() ? CloudWork::Kind::kObserve : CloudWork::Kind::kBuild;
   work.arrival = arrivalOf(*incoming);
   work.stamp = stampOf(*incoming);
+  work.cloud_frame = incoming->decoded.header.frame_id;
   work.cloud = std::move(incoming->decoded.cloud);
   work.params = params_;
   // The steps of a surface that is there go on beside it.
   work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
-    if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
     if (!simulation_) setSurfaceFrame(work.frame);
-    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, {}, {}, {}, {}});
+    if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
   worker_.begin(std::move(work));
@@ -114,12 +115,12 @@ void Stepper::takeResult(CloudResult&& result) {
   }
 }
 
-// Once, so that nobody takes the node for dead.
 void Stepper::setSurfaceFrame(const std::string& frame) {
   inbox_.setSurfaceFrame(frame);
   commands_.setSurfaceFrame(frame);
 }
 
+// Once, so that nobody takes the node for dead.
 void Stepper::tellOfBuilding() {
   if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
   building_->is_told = true;
@@ -174,13 +175,16 @@ void Stepper::begin(CloudResult&& result) {
   }
   is_as_built_ = true;
   frame_ = result.frame;
-  snapshots_.clear();
   setSurfaceFrame(frame_);
+  snapshots_.clear();
   beginAnew(result.stamp);
   if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) skipTo(delayed(result.arrival), 0);
   updateGravity();
   ++counts_.clouds_accepted;
   counts_.clouds_again += is_again;
+  cloud_.number = static_cast<std::uint32_t>(counts_.clouds_accepted);
+  cloud_.stamp.fromNSec(static_cast<std::uint64_t>(result.stamp));
+  cloud_.frame = result.cloud_frame;
   worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
 
   std::string news = ": the cloud came again: the surface that was made of it begins anew";
@@ -196,12 +200,12 @@ void Stepper::begin(CloudResult&& result) {
   for (const std::string& warning : simulation_->buildWarnings()) complaints_.report(Complaint::kNotice, warning);
   building_.reset();
   Moment moment = makeMoment();
+  // At rest it is the cloud itself, at its stamp.
+  if (inbox_.now() - result.stamp <= kOldCloud) moment.stamp = result.stamp;
   moment.viewer = std::move(result.viewer);
   moment.params = simulation_->params();
   moment.frame = frame_;
   moment.all = moment.is_kept = true;
-  // At rest it is the cloud itself, at its stamp.
-  if (inbox_.now() - result.stamp <= kOldCloud) moment.stamp = result.stamp;
   frames_.show(std::move(moment));
   publishWrenches();
 }

@@ -208,7 +208,7 @@ struct SurfaceNode::Impl {
           for (Tool& tool : decoded.tools) inbox.put(boost::make_shared<const Tool>(std::move(tool)));
           if (decoded.ok()) return;
           complaints.report(Complaint::kToolsRefused, "~tools: " + decoded.refusal);
-          inbox.wake();
+          inbox.putRefusedTools(decoded.refusal);
         }));
   }
 

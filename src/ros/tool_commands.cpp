@@ -165,11 +165,12 @@ bool isToolId(const std::string& id) {
 }
 
 tool::Pose ToolCommands::Course::predict(double time) const {
-  const Vec3 turn = (time - given) * spin;
+  const double moving = std::min(time, ends) - given;
+  const Vec3 turn = moving * spin;
   const double angle = turn.norm();
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, angle > 0.0 ? Vec3(turn / angle) : Vec3(Vec3::UnitZ())));
   const Eigen::Quaterniond frame(T_surface_frame.linear());
-  return {T_surface_frame * (pose.position + (time - given) * velocity), (frame * turned * pose.orientation).normalized()};
+  return {T_surface_frame * (pose.position + moving * velocity), (frame * turned * pose.orientation).normalized()};
 }
 
 void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame,
@@ -201,6 +202,7 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
       throw InputError("twist.angular: found " + formatReal(course.spin.norm()) + "; accepted: up to " + formatReal(fastest) +
                        " (rad/s)");
     }
+    if (timeout_ > 0.0 && course.hasVelocity()) course.ends = now + timeout_;
     course.T_surface_frame =
         findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_, seen);
   } catch (const FrameError& error) {
@@ -242,8 +244,6 @@ void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, 
   course.frame_stamp = seen.stamp;
 }
 
-bool ToolCommands::isMoving() const {
-  return stand_.size() < standing_.size() ||
 // A velocity that has ended is none: the tool stays where it was then.
 std::string ToolCommands::endVelocity(double now, double step, Course& course) const {
   if (!(now >= course.ends - kRounding * step)) return "";
@@ -279,6 +279,8 @@ std::string ToolCommands::missingFrame(const ros::Time& stamp, const std::string
   return "";
 }
 
+bool ToolCommands::isMoving() const {
+  return stand_.size() < standing_.size() ||
          std::any_of(courses_.begin(), courses_.end(), [](const auto& entry) { return entry.second.isMoving(); });
 }
 
@@ -298,15 +300,24 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   for (auto& [id, course] : courses_) {
     if (!course.isMoving()) continue;
+    const auto tell = [&](const std::string& problem) {
+      if (!problem.empty()) problems.push_back("tool " + quote(id) + ": " + problem);
+    };
+    tell(endVelocity(now, step, course));
     if (!course.follows_frame && now < course.arrives - kRounding * step) continue;
     try {
-      if (course.follows_frame) lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);
+      if (course.follows_frame) {
+        lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);
+        tell(noticeSilence(stamp, course));
+      }
       const ToolParams& tool = *findTool(simulation, id);
       // A velocity lasts beyond the step, so that friction at its end still counts it.
-      const double end = std::max(course.arrives, now + (course.follows_frame ? 1.0 : 2.0) * step);
+      const double ahead = std::min(now + (course.follows_frame ? 1.0 : 2.0) * step, std::max(course.ends, now + step));
+      const double end = std::max(course.arrives, ahead);
       simulation.moveTool(id, {makeWaypoint(now, tool::interpolate(tool.path, now)), makeWaypoint(end, course.predict(end))});
     } catch (const InputError& error) {
       problems.push_back(std::string(error.what()) + "; the tool stays where it is");
+      noticeSilence(stamp, course);
     }
   }
   return problems;

@@ -307,11 +307,11 @@ inline void visit(Fields& fields, WrenchParams& p) {
 }
 
 inline void visit(Fields& fields, OutputParams& p) {
-  fields.flag("normals", p.normals, "normals of the full cloud");
-  fields.flag("resample", p.resample, "insert points where the surface is stretched");
   fields.choice("stamp", p.stamp, {{"clock", OutputStamp::kClock}, {"simulation", OutputStamp::kSimulation}},
                 "the node: header stamps are the ROS time of the state; `simulation`: the cloud's stamp plus simulation time, "
                 "which falls behind the clock by every pause and jumps back at `~reset`");
+  fields.flag("normals", p.normals, "normals of the full cloud");
+  fields.flag("resample", p.resample, "insert points where the surface is stretched");
   fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: clouds and markers");
 }
 
