@@ -6,7 +6,8 @@ find_package(PCL REQUIRED COMPONENTS common io)
 find_path(ASSIMP_INCLUDE_DIR assimp/Importer.hpp)
 find_library(ASSIMP_LIBRARY assimp)
 
-add_message_files(FILES DeformedUpdate.msg PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg ToolWrench.msg ToolWrenchArray.msg)
+add_message_files(FILES DeformedUpdate.msg PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg
+                  ToolStatus.msg ToolStatusArray.msg ToolWrench.msg ToolWrenchArray.msg)
 add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
                   Snapshot.srv Step.srv)
 add_action_files(FILES Rollout.action)
@@ -21,7 +22,7 @@ catkin_package(
                  tf2_msgs tf2_ros urdf visualization_msgs xmlrpcpp
   DEPENDS EIGEN3)
 
-file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp)
+file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp src/io/mesh_files.cpp src/io/load_scene.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
 file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/*nodelet.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet|/hand[a-z_]*)\\.cpp$")
@@ -35,16 +36,16 @@ target_include_directories(deformable_surface_core PUBLIC include)
 target_include_directories(deformable_surface_core SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS})
 target_link_libraries(deformable_surface_core PUBLIC yaml-cpp Threads::Threads)
 
-# PCL stays inside: the headers of io do not name it.
+# PCL and assimp stay inside: the headers of io do not name them.
 add_library(deformable_surface_io ${io_sources})
-target_include_directories(deformable_surface_io SYSTEM PRIVATE ${PCL_INCLUDE_DIRS})
+target_include_directories(deformable_surface_io SYSTEM PRIVATE ${PCL_INCLUDE_DIRS} ${ASSIMP_INCLUDE_DIR})
 target_compile_definitions(deformable_surface_io PRIVATE ${PCL_DEFINITIONS})
-target_link_libraries(deformable_surface_io PUBLIC deformable_surface_core PRIVATE ${PCL_LIBRARIES})
+target_link_libraries(deformable_surface_io PUBLIC deformable_surface_core PRIVATE ${PCL_LIBRARIES} ${ASSIMP_LIBRARY})
 
 add_library(deformable_surface_ros ${ros_sources})
 add_dependencies(deformable_surface_ros ${PROJECT_NAME}_generate_messages_cpp)
-target_include_directories(deformable_surface_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS} PRIVATE ${ASSIMP_INCLUDE_DIR})
-target_link_libraries(deformable_surface_ros PUBLIC deformable_surface_io ${catkin_LIBRARIES} PRIVATE ${ASSIMP_LIBRARY})
+target_include_directories(deformable_surface_ros SYSTEM PUBLIC ${catkin_INCLUDE_DIRS})
+target_link_libraries(deformable_surface_ros PUBLIC deformable_surface_io ${catkin_LIBRARIES})
 
 add_library(deformable_surface_nodelet ${nodelet_sources})
 target_link_libraries(deformable_surface_nodelet PUBLIC deformable_surface_ros)
@@ -106,7 +107,7 @@ if(CATKIN_ENABLE_TESTING)
     endif()
   endforeach()
 
-  file(GLOB io_tests CONFIGURE_DEPENDS test/io/point_files*_test.cpp test/scenario/*_test.cpp)
+  file(GLOB io_tests CONFIGURE_DEPENDS test/io/point_files*_test.cpp test/io/load_scene_test.cpp test/scenario/*_test.cpp)
   foreach(source ${io_tests})
     get_filename_component(name ${source} NAME_WE)
     add_unit_test(${name} deformable_surface_io ${source})

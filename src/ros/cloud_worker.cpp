@@ -118,6 +118,7 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
   result.stamp = work.stamp;
   result.arrival = work.arrival;
   result.frame = std::move(work.frame);
+  result.cloud_frame = std::move(work.cloud_frame);
   const InterruptScope scope(*inbox_.closing());
   try {
     setNumThreads(work.num_threads);

@@ -28,7 +28,7 @@ struct CloudWork {
   cloud::PointCloud cloud;
   std::int64_t stamp = 0, arrival = 0;                          // ns
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // T_surface_cloud
-  std::string frame;               // of the surface
+  std::string frame, cloud_frame;  // of the surface; of the message
   simulation::SceneParams params;  // to build with
   int num_threads = 1;             // of the loops over its points; >= 1
 };
@@ -36,7 +36,7 @@ struct CloudWork {
 /// What became of it.
 struct CloudResult {
   std::int64_t stamp = 0, arrival = 0;  // ns
-  std::string frame;
+  std::string frame, cloud_frame;
   std::string refusal;  // one sentence; empty: it was accepted, and of these there is what was asked for:
   std::unique_ptr<simulation::Simulation> simulation, viewer;
   std::unique_ptr<simulation::ObservedCloud> observed;

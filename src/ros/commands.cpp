@@ -22,7 +22,7 @@ void requireNotNegative(const std::string& name, double value, const char* unit)
 }  // namespace
 
 simulation::ForceParams toForce(const PointForce& message, double now, const std::string& surface_frame,
-                                const tf2::BufferCore& transforms) {
+                                const tf2::BufferCore& transforms, const SeenTransform* seen) {
   const std::string name = "force " + quote(message.id);
   if (message.id.empty()) throw InputError("force id: found empty text; accepted: a name");
   const Vec3 point(message.point.x, message.point.y, message.point.z);
@@ -33,7 +33,7 @@ simulation::ForceParams toForce(const PointForce& message, double now, const std
   requireNotNegative(name + " duration", message.duration, "s");
 
   const Eigen::Isometry3d transform =
-      findTransform(name, message.header.frame_id, surface_frame, message.header.stamp, transforms);
+      findTransform(name, message.header.frame_id, surface_frame, message.header.stamp, transforms, seen);
   simulation::ForceParams params;
   params.id = message.id;
   params.point = transform * point;
@@ -45,11 +45,12 @@ simulation::ForceParams toForce(const PointForce& message, double now, const std
 }
 
 simulation::ForceParams toForce(const geometry_msgs::WrenchStamped& message, double now, const std::string& surface_frame,
-                                const tf2::BufferCore& transforms, const simulation::WrenchParams& wrench) {
+                                const tf2::BufferCore& transforms, const simulation::WrenchParams& wrench,
+                                const SeenTransform* seen) {
   const Vec3 force(message.wrench.force.x, message.wrench.force.y, message.wrench.force.z);
   requireFinite("wrench force", force);
   const Eigen::Isometry3d transform =
-      findTransform("wrench", message.header.frame_id, surface_frame, message.header.stamp, transforms);
+      findTransform("wrench", message.header.frame_id, surface_frame, message.header.stamp, transforms, seen);
   simulation::ForceParams params;
   params.id = kWrenchId;
   params.point = transform.translation();

@@ -38,11 +38,27 @@ LatestTransform lookUp(const std::string& what, const std::string& source, const
 
 std::string withoutSlash(const std::string& frame) { return !frame.empty() && frame[0] == '/' ? frame.substr(1) : frame; }
 
+std::optional<SeenTransform> seeTransform(const std::string& from, const std::string& to, const tf2::BufferCore& transforms) {
+  const std::string source = withoutSlash(from), target = withoutSlash(to);
+  if (source.empty() || target.empty() || source == target) return std::nullopt;
+  try {
+    return SeenTransform{source, target, lookUp("", source, target, ros::Time(), transforms).transform};
+  } catch (const InputError&) {
+    return std::nullopt;  // the step that carries the command out says why
+  }
+}
+
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
-                                const tf2::BufferCore& transforms) {
+                                const tf2::BufferCore& transforms, const SeenTransform* seen) {
   const std::string source = withoutSlash(from), target = withoutSlash(to);
   if (source.empty() || source == target) return Eigen::Isometry3d::Identity();
+  if (seen && seen->source == source && seen->target == target) return seen->transform;
   return lookUp(what, source, target, stamp, transforms).transform;
+}
+
+bool isKnown(const std::string& from, const std::string& to, const ros::Time& stamp, const tf2::BufferCore& transforms) {
+  const std::string source = withoutSlash(from), target = withoutSlash(to);
+  return source.empty() || source == target || transforms.canTransform(target, source, stamp);
 }
 
 LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to,

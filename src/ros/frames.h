@@ -8,6 +8,7 @@
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
 
+#include <optional>
 #include <string>
 
 namespace deformable_surface::node {
@@ -21,11 +22,23 @@ class FrameError : public InputError {
 /// tf2 knows frames without a leading slash only; old bags have one.
 std::string withoutSlash(const std::string& frame);
 
-/// The transform that takes coordinates of `from` to those of `to` at the stamp (0 = the latest), without waiting. An empty or
-/// the same frame is no transform. Throws, beginning with `what`, FrameError if there is none, and InputError if it is not
-/// finite, which tf2 lets through.
+/// A transform as tf knew it when a command without a stamp arrived. The command uses this one in whichever step it takes effect,
+/// so that a replay, which knows what tf learned later, gives the same.
+struct SeenTransform {
+  std::string source, target;
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();
+};
+/// The latest transform that tf knows now; nothing if it knows none.
+std::optional<SeenTransform> seeTransform(const std::string& from, const std::string& to, const tf2::BufferCore& transforms);
+
+/// The transform that takes coordinates of `from` to those of `to`, without waiting: `seen` if that is between these frames, else
+/// tf's at the stamp (0 = the latest). An empty or the same frame is no transform. Throws, beginning with `what`, FrameError if
+/// there is none, and InputError if it is not finite, which tf2 lets through.
 Eigen::Isometry3d findTransform(const std::string& what, const std::string& from, const std::string& to, const ros::Time& stamp,
-                                const tf2::BufferCore& transforms);
+                                const tf2::BufferCore& transforms, const SeenTransform* seen = nullptr);
+
+/// Whether tf knows that transform at the stamp.
+bool isKnown(const std::string& from, const std::string& to, const ros::Time& stamp, const tf2::BufferCore& transforms);
 
 /// The same at the stamp, or at the latest that tf knows where that is earlier: frames of now, whose transforms are still to
 /// come.

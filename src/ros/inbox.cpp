@@ -30,26 +30,36 @@ void Inbox::put(DecodedCloud&& cloud, std::int64_t arrival) {
 }
 
 void Inbox::put(const PointForceConstPtr& force) {
-  putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force, nullptr, nullptr});
+  putCommand({static_cast<std::int64_t>(force->header.stamp.toNSec()), force, nullptr, nullptr, true, {}});
 }
 
 void Inbox::put(const geometry_msgs::WrenchStampedConstPtr& wrench) {
-  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), nullptr, wrench, nullptr});
+  putCommand({static_cast<std::int64_t>(wrench->header.stamp.toNSec()), nullptr, wrench, nullptr, true, {}});
 }
 
 void Inbox::put(const ToolConstPtr& tool) {
-  putCommand({static_cast<std::int64_t>(tool->header.stamp.toNSec()), nullptr, nullptr, tool});
+  putCommand({static_cast<std::int64_t>(tool->header.stamp.toNSec()), nullptr, nullptr, tool, true, {}});
 }
 
 void Inbox::putCommand(Command command) {
   const std::lock_guard<std::mutex> lock(mutex_);
   command.is_stamped = command.stamp != 0;
-  if (!command.is_stamped) command.stamp = readClock();
+  if (!command.is_stamped) {
+    command.stamp = readClock();
+    command.seen = seeTransform(command.header().frame_id, surface_frame_, transforms_);
+  }
   if (commands_.size() >= kMaxCommands) {
     commands_.pop_front();
     ++num_commands_dropped_;
   }
   commands_.push_back(std::move(command));
+  came_.notify_one();
+}
+
+void Inbox::putRefusedTools(const std::string& reason) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  tools_refused_ = reason;
+  was_woken_ = true;
   came_.notify_one();
 }
 
@@ -107,6 +117,11 @@ std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
   return job.state == Job::State::kDone ? "" : "the node is shutting down";
 }
 
+void Inbox::setSurfaceFrame(const std::string& frame) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  surface_frame_ = frame;
+}
+
 void Inbox::doJobs() {
   std::unique_lock<std::mutex> lock(mutex_);
   updateEndsStep();
@@ -142,6 +157,7 @@ Inbox::Content Inbox::take(SteadyTime until) {
   content.cloud = std::exchange(cloud_, std::nullopt);
   content.commands.assign(std::make_move_iterator(commands_.begin()), std::make_move_iterator(commands_.end()));
   commands_.clear();
+  content.tools_refused = std::exchange(tools_refused_, "");
   content.frame_wanted = std::exchange(frame_wanted_, false);
   content.closed = closed_;
   content.clock = clock_.take();

@@ -2,6 +2,8 @@
 // only put here, so that no message ever waits for a step, and the simulation itself needs no locks.
 #pragma once
 
+#include "frames.h"
+
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/Tool.h"
 #include "deformable_surface/ros/cloud_decoder.h"
@@ -36,6 +38,9 @@ struct Command {
   geometry_msgs::WrenchStampedConstPtr wrench;
   ToolConstPtr tool;
   bool is_stamped = true;
+  std::optional<SeenTransform> seen;  // without a stamp: of its frame, when it arrived
+
+  const std_msgs::Header& header() const { return force ? force->header : wrench ? wrench->header : tool->header; }
 };
 
 class Inbox {
@@ -53,12 +58,13 @@ class Inbox {
   struct Content {
     std::optional<IncomingCloud> cloud;
     std::vector<Command> commands;  // in the order of arrival; none from before a jump back of the clock
+    std::string tools_refused;      // why the last message of tools could not be read; empty: each could
     bool frame_wanted = false;
     bool closed = false;
     ClockNews clock;
   };
 
-  explicit Inbox(bool use_simulated_clock) : clock_(use_simulated_clock) {}
+  Inbox(bool use_simulated_clock, const tf2::BufferCore& transforms) : clock_(use_simulated_clock), transforms_(transforms) {}
 
   // For callbacks. None of them waits but perform().
   /// A cloud that was not fetched yet gives way to the new one. arrival: as in IncomingCloud.
@@ -67,6 +73,8 @@ class Inbox {
   void put(const PointForceConstPtr& force);
   void put(const geometry_msgs::WrenchStampedConstPtr& wrench);
   void put(const ToolConstPtr& tool);
+  /// Why a message of tools could not be read.
+  void putRefusedTools(const std::string& reason);
   /// ns of the ROS clock; 0 if there is no valid time yet.
   std::int64_t now();
   /// A message of /clock.
@@ -84,6 +92,8 @@ class Inbox {
   // For the simulation thread.
   /// Waits until something comes or the time is there, and takes all but the jobs.
   Content take(SteadyTime until);
+  /// The frame of the surface that commands are for, from now on.
+  void setSurfaceFrame(const std::string& frame);
   /// Does the jobs that wait.
   void doJobs();
   bool isClosed() const { return closed_; }
@@ -107,8 +117,11 @@ class Inbox {
   mutable std::mutex mutex_;
   std::condition_variable came_, answered_;
   ClockWatch clock_;
+  const tf2::BufferCore& transforms_;
+  std::string surface_frame_;
   std::optional<IncomingCloud> cloud_;
   std::deque<Command> commands_;
+  std::string tools_refused_;
   std::deque<Job*> jobs_;
   bool was_woken_ = false, frame_wanted_ = false;
   std::atomic<bool> closed_{false}, ends_step_{false};

@@ -16,6 +16,7 @@
 #include "deformable_surface/Statistics.h"
 #include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/ToolStatusArray.h"
 #include "deformable_surface/ToolWrenchArray.h"
 
 #include <ros/message_traits.h>
@@ -87,6 +88,9 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
        "after every step: what the surface does to each tool; `~tools/<id>/wrench`, a geometry_msgs/WrenchStamped, has it of one",
        define<ToolWrenchArray>()},
+      {Kind::kPublished, "tool_status", "deformable_surface/ToolStatusArray",
+       "latched; what became of the last command to each tool: it waits, was accepted or was refused, and why",
+       define<ToolStatusArray>()},
       {Kind::kPublished, "rollout/feedback", "deformable_surface/RolloutActionFeedback", "how far a rollout is", ""},
       {Kind::kPublished, "rollout/result", "deformable_surface/RolloutActionResult", "what became of it", ""},
       {Kind::kPublished, "rollout/status", "actionlib_msgs/GoalStatusArray", "of all goals", ""},

@@ -1,6 +1,7 @@
 // A moment of the surface on its way from the thread that steps to the one that shows.
 #pragma once
 
+#include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <cstdint>
@@ -13,6 +14,7 @@ namespace deformable_surface::node {
 struct Moment {
   simulation::Snapshot sight;
   std::int64_t stamp = 0;                              // ns
+  CloudId cloud;
   double time_input = 0.0;                             // s spent on commands in the last step, for the statistics
   std::uint64_t revision = 0, surface_revision = 0;    // of the simulation
   bool all = false;      // clouds and markers too that have not changed since they were published

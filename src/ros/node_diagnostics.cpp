@@ -83,6 +83,8 @@ void NodeDiagnostics::describeInput(Status& status) const {
   const int refused = complaints_.count(Complaint::kCloudRefused);
   if (complaints_.isRecent()) {
     status.summary(DiagnosticStatus::WARN, complaints_.last());
+  } else if (!now_.silent_tools.empty()) {
+    status.summary(DiagnosticStatus::WARN, "silent tools: " + now_.silent_tools);
   } else {
     status.summary(DiagnosticStatus::OK, "ok");
   }
@@ -100,6 +102,7 @@ void NodeDiagnostics::describeInput(Status& status) const {
   status.add("commands refused", complaints_.count(Complaint::kCommandRefused) + complaints_.count(Complaint::kToolsRefused));
   status.add("calls refused", complaints_.count(Complaint::kCallRefused));
   status.add("commands dropped", now_.commands_dropped + inbox_.numCommandsDropped());
+  status.add("silent tools", now_.silent_tools.empty() ? "none" : now_.silent_tools);
   status.add("last complaint", complaints_.last());
 }
 

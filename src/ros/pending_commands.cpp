@@ -27,11 +27,80 @@ std::string makeKey(const Command& command) {
   return command.force ? "force " + command.force->id : kWrenchId;
 }
 
+// As input.lockstep has it.
+std::string topicOf(const Command& command) { return command.force ? "force" : command.wrench ? "wrench" : "tools"; }
+
+std::string describe(const Command& command) {
+  if (command.wrench) return "wrench ";
+  return command.force ? "force " + quote(command.force->id) + " " : "tool " + quote(command.tool->id) + " ";
+}
+
 }  // namespace
 
+void PendingCommands::see(Command& command) const {
+  if (command.is_stamped || (command.seen && command.seen->target == surface_frame_)) return;
+  command.seen = seeTransform(command.header().frame_id, surface_frame_, transforms_);
+}
+
+// Its frame was not known when it came: it took the transform that was the latest in its step, which a replay does not know.
+bool PendingCommands::hasGuessedFrame(const Command& command) const {
+  const std::string frame = withoutSlash(command.header().frame_id);
+  const bool has_pose = !command.tool || command.tool->action == Tool::ADD;
+  return !command.is_stamped && !command.seen && has_pose && !frame.empty() && frame != surface_frame_;
+}
+
+void PendingCommands::setSurfaceFrame(const std::string& frame) {
+  surface_frame_ = withoutSlash(frame);
+  for (Command& command : commands_) see(command);
+}
+
 void PendingCommands::append(std::vector<Command>&& commands) {
-  commands_.insert(commands_.end(), std::make_move_iterator(commands.begin()), std::make_move_iterator(commands.end()));
-  for (; commands_.size() > kMaxWaiting; commands_.pop_front()) ++num_dropped_;
+  for (Command& command : commands) {
+    if (!lockstep_.empty() && !command.is_stamped) {
+      refuse(command, describe(command) + "found no stamp; accepted with input.lockstep: commands with a stamp");
+      continue;
+    }
+    see(command);
+    hear(command);
+    tellWaiting(command);
+    commands_.push_back(std::move(command));
+  }
+  for (; commands_.size() > kMaxWaiting; commands_.pop_front()) {
+    ++num_dropped_;
+    if (commands_.front().tool)
+      tool_statuses_.tellRefused(*commands_.front().tool, "dropped: " + std::to_string(kMaxWaiting) + " newer commands wait");
+  }
+}
+
+void PendingCommands::refuse(const Command& command, const std::string& reason) {
+  complaints_.report(Complaint::kCommandRefused, reason);
+  if (command.tool) tool_statuses_.tellRefused(*command.tool, reason);
+}
+
+void PendingCommands::tellWaiting(const Command& command) {
+  if (!command.tool) return;
+  tool_statuses_.tellWaiting(*command.tool, surface_frame_.empty() ? "there is no surface yet" : "its step has not come yet");
+}
+
+void PendingCommands::hear(const Command& command) {
+  std::int64_t& newest = newest_.emplace(topicOf(command), kNever).first->second;
+  newest = std::max(newest, command.stamp);
+}
+
+bool PendingCommands::areCompleteAt(std::int64_t time) const {
+  return std::all_of(lockstep_.begin(), lockstep_.end(), [&](const std::string& topic) {
+    const auto newest = newest_.find(topic);
+    return newest != newest_.end() && newest->second > time;
+  });
+}
+
+std::string PendingCommands::missingFrame(std::int64_t begin, std::int64_t end, const std::string& frame) const {
+  for (const Command& command : commands_) {
+    const std_msgs::Header& header = command.header();
+    if (command.stamp > begin || (command.tool && command.tool->action != Tool::ADD)) continue;
+    if (!isKnown(header.frame_id, frame, header.stamp, transforms_)) return header.frame_id;
+  }
+  return tools_.missingFrame(ros::Time().fromNSec(static_cast<std::uint64_t>(end)), frame);
 }
 
 void PendingCommands::dropBefore(std::int64_t stamp) {
@@ -72,6 +141,8 @@ void PendingCommands::forgetKept() {
 }
 
 void PendingCommands::clear() {
+  newest_.clear();
+  tool_statuses_.clear();
   kept_.clear();
   commands_.clear();
   without_frame_.clear();
@@ -104,22 +175,28 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
   try {
     apply(command, simulation, frame);
     ++num_applied_;
+    if (command.tool) tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
     if (is_kept) kept_.push_back(command);
-    num_late_ += command.stamp <= last_begin_;
+    num_late_ += command.stamp <= last_begin_ || hasGuessedFrame(command);
   } catch (const FrameError& error) {
     // However many come, the first says how long they wait.
     if (older != without_frame_.end()) give_up = older->second.give_up;
     if (SteadyClock::now() < give_up && (older != without_frame_.end() || without_frame_.size() < kMaxForces)) {
       complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the command waits for it");
+      if (command.tool) tool_statuses_.tellWaiting(*command.tool, error.what());
       num_dropped_ += older != without_frame_.end();
       without_frame_[key] = {command, give_up};
       return;
     }
-    complaints_.report(Complaint::kCommandRefused, error.what());
+    refuse(command, error.what());
   } catch (const InputError& error) {
     if (is_kept) kept_.push_back(command);
     const std::string rest = is_kept ? " (by the surface that is there; it is tried again on the one that is being built)" : "";
-    if (!cancels) complaints_.report(Complaint::kCommandRefused, error.what() + rest);
+    if (!cancels) {
+      refuse(command, error.what() + rest);
+    } else {
+      tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
+    }
     return;  // what waits is as good as before
   }
   if (command.tool && command.tool->action == Tool::DELETEALL) {
@@ -134,6 +211,14 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
 }
 
 void PendingCommands::forget() {
+  newest_.clear();
+  tool_statuses_.clear();
+  const auto keep = [&](const Command& command) {
+    hear(command);
+    tellWaiting(command);
+  };
+  for (const auto& [key, waiting] : without_frame_) keep(waiting.command);
+  for (const Command& command : commands_) keep(command);
   forces_.clear();
   tools_.forget();
   last_begin_ = kNever;
@@ -147,10 +232,11 @@ void PendingCommands::restore(const Memory& memory) {
 }
 
 void PendingCommands::apply(const Command& command, simulation::Simulation& simulation, const std::string& frame) {
-  if (command.tool) return tools_.apply(*command.tool, simulation, frame);
+  const SeenTransform* const seen = command.seen ? &*command.seen : nullptr;
+  if (command.tool) return tools_.apply(*command.tool, simulation, frame, seen);
   const double time = simulation.time();
-  const simulation::ForceParams force = command.force ? toForce(*command.force, time, frame, transforms_)
-                                                      : toForce(*command.wrench, time, frame, transforms_, wrench_);
+  const simulation::ForceParams force = command.force ? toForce(*command.force, time, frame, transforms_, seen)
+                                                      : toForce(*command.wrench, time, frame, transforms_, wrench_, seen);
   for (auto entry = forces_.begin(); entry != forces_.end();) {
     entry = entry->second <= time ? forces_.erase(entry) : std::next(entry);
   }

@@ -5,6 +5,7 @@
 #include "complaints.h"
 #include "inbox.h"
 #include "tool_commands.h"
+#include "tool_statuses.h"
 
 #include "deformable_surface/simulation/simulation.h"
 
@@ -15,6 +16,7 @@
 #include <deque>
 #include <limits>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -22,12 +24,19 @@ namespace deformable_surface::node {
 
 class PendingCommands {
  public:
-  PendingCommands(const simulation::WrenchParams& wrench, const tf2::BufferCore& transforms, Complaints& complaints)
-      : wrench_(wrench), transforms_(transforms), complaints_(complaints), tools_(transforms) {}
+  PendingCommands(const simulation::WrenchParams& wrench, const simulation::InputParams& input, const tf2::BufferCore& transforms,
+                  Complaints& complaints)
+      : wrench_(wrench),
+        lockstep_(simulation::splitNames(input.lockstep)),
+        transforms_(transforms),
+        complaints_(complaints),
+        tools_(transforms, input.tool_timeout) {}
 
   /// See ToolCommands.
   void setStanding(std::vector<Tool> tools) { tools_.setStanding(std::move(tools)); }
-  /// Too many: the oldest are dropped.
+  /// The frame of the surface that commands are for. Those without a stamp that came before see their transforms now.
+  void setSurfaceFrame(const std::string& frame);
+  /// Too many: the oldest are dropped. In lockstep those without a stamp are refused.
   void append(std::vector<Command>&& commands);
   /// Drops those that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
@@ -59,11 +68,20 @@ class PendingCommands {
   /// Whether what is done before a step may change with time, by itself.
   bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
 
+  /// In lockstep: whether every topic that steps wait for has brought a command stamped after the time (ns).
+  bool areCompleteAt(std::int64_t time) const;
+  /// In lockstep: the frame that a command for the step, or a tool in it, needs and tf does not know yet; empty: there is none.
+  std::string missingFrame(std::int64_t begin, std::int64_t end, const std::string& frame) const;
+
+  ToolStatuses& toolStatuses() { return tool_statuses_; }
+  std::set<std::string> silentTools() const { return tools_.silent(); }
+
   /// The ids of the forces that wait, each once, in the order of arrival.
   std::vector<std::string> waitingForces() const;
   int numWaiting() const { return static_cast<int>(commands_.size() + without_frame_.size()); }
   int numDropped() const { return num_dropped_; }
-  /// How many were applied after the step at whose beginning they should have been.
+  /// How many were applied after the step at whose beginning they should have been, or with a transform that was not known when
+  /// they came.
   std::uint64_t numLate() const { return num_late_; }
   std::uint64_t numApplied() const { return num_applied_; }
 
@@ -79,15 +97,24 @@ class PendingCommands {
   void carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
                 const std::string& frame);
   void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
+  void see(Command& command) const;
+  void hear(const Command& command);
+  void tellWaiting(const Command& command);
+  void refuse(const Command& command, const std::string& reason);
+  bool hasGuessedFrame(const Command& command) const;
 
   const simulation::WrenchParams wrench_;
+  const std::vector<std::string> lockstep_;       // topics; none: steps follow the clock
+  std::map<std::string, std::int64_t> newest_;    // by topic: ns, the latest stamp that came
   const tf2::BufferCore& transforms_;
   Complaints& complaints_;
+  std::string surface_frame_;
   std::deque<Command> commands_;          // in the order of arrival
   std::deque<Command> kept_;              // applied, see keepSince()
   std::int64_t keep_since_ = std::numeric_limits<std::int64_t>::max();
   std::map<std::string, double> forces_;  // when they end, s of simulation time
   ToolCommands tools_;
+  ToolStatuses tool_statuses_;
   std::map<std::string, Waiting> without_frame_;  // the newest for each force and tool
   std::int64_t last_begin_ = kNever;      // of the last step (ns)
   int num_dropped_ = 0;

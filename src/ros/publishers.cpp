@@ -108,7 +108,7 @@ void Publishers::publish(Moment& moment) {
   if (isStatisticsHeard()) {
     const auto message = boost::make_shared<Statistics>();
     message->header = header;
-    encodeStatistics(viewer_->statistics(), *message);
+    encodeStatistics(viewer_->statistics(), moment.cloud, *message);
     message->time_input = moment.time_input;
     message->time_publish = time_publish_;
     statistics_.publish(message);

@@ -1,10 +1,10 @@
 #include "robot_tools.h"
 
-#include "mesh_files.h"
-
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/io/mesh_files.h"
 #include "deformable_surface/io/point_files.h"
+#include "deformable_surface/ros/find_package.h"
 
 #include <urdf/model.h>
 
@@ -34,7 +34,7 @@ void setPrimitive(std::uint8_t type, const std::vector<double>& dimensions, Tool
 
 void setMesh(const urdf::Mesh& mesh, Tool& tool) {
   tool.shape = Tool::MESH;
-  const geometry::Solid solid = readMeshFile(mesh.filename, Vec3(mesh.scale.x, mesh.scale.y, mesh.scale.z));
+  const geometry::Solid solid = io::readMeshFile(mesh.filename, Vec3(mesh.scale.x, mesh.scale.y, mesh.scale.z), findPackage);
   for (const Vec3& v : solid.mesh->vertices()) {
     geometry_msgs::Point vertex;
     vertex.x = v.x();

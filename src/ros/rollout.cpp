@@ -8,7 +8,6 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/commands.h"
 #include "deformable_surface/ros/encode.h"
-#include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/ros/tool_decoder.h"
 
 #include <algorithm>
@@ -116,7 +115,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
   const auto record = [&](std::uint64_t step) {
     std_msgs::Header header;
     header.frame_id = surface_frame;
-    header.stamp.fromNSec(static_cast<std::uint64_t>(schedule.stamp(plan.first + step)));
+    header.stamp.fromNSec(static_cast<std::uint64_t>(schedule.begin(plan.first + step)));
     if (cloud != plan.cloud_steps.end() && *cloud == step) {
       ++cloud;
       result.clouds.emplace_back();
@@ -131,7 +130,7 @@ RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame,
       ++sample;
       result.wrenches.push_back(makeToolWrenches(header, copy.toolReactions(), copy.pinReactions()));
       result.statistics.emplace_back();
-      encodeStatistics(copy.statistics(), result.statistics.back());
+      encodeStatistics(copy.statistics(), plan.cloud, result.statistics.back());
       result.statistics.back().header = header;
     }
   };

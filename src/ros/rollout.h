@@ -5,6 +5,7 @@
 #include "deformable_surface/RolloutGoal.h"
 #include "deformable_surface/RolloutResult.h"
 #include "deformable_surface/ros/step_schedule.h"
+#include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <tf2/buffer_core.h>
@@ -25,6 +26,7 @@ struct RolloutPlan {
   std::uint64_t first = 0, steps = 0;                  // the step that it begins with, and how many are taken
   std::vector<std::uint64_t> cloud_steps, sample_steps;  // ascending: after so many steps of the rollout
   std::uint8_t clouds = RolloutGoal::NONE;
+  CloudId cloud;  // of the surface
 };
 
 /// Gives the goal's tools and forces to the copy. Throws InputError for what is not accepted; the copy is then of no use.

@@ -13,7 +13,9 @@ namespace {
 using std::chrono::steady_clock;
 
 // Each holds a copy of the surface while it waits; a planner that has more branches sends them as results come.
-constexpr std::size_t kMaxWaiting = 64;
+constexpr std::size_t kMaxWaiting = 256;
+// Goals that came and are not looked at, and messages that wait for a slow client.
+constexpr int kQueue = 1000;
 constexpr double kStatusFrequency = 1.0;  // Hz
 // As often as a progress bar moves smoothly.
 constexpr std::chrono::milliseconds kFeedbackPeriod(100);
@@ -38,11 +40,13 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
   queue_thread_.start();
 }
 
-// The server tells its status from time to time, and reads how often from a parameter, which is here for that long only: of its
-// own accord it would wake a node that rests more often than everything else. Changes of status are told at once in any case.
+// The server reads these from parameters, which are here for that long only. It tells its status from time to time: of its own
+// accord it would wake a node that rests more often than everything else; changes of status are told at once in any case. And it
+// drops goals and results beyond fifty that wait, so that a client with more would never be answered.
 void Rollouts::start(const ros::NodeHandle& node) {
-  const std::string key = "rollout/actionlib_status_frequency";
-  node.setParam(key, kStatusFrequency);
+  node.setParam("rollout/actionlib_status_frequency", kStatusFrequency);
+  node.setParam("rollout/actionlib_server_sub_queue_size", kQueue);
+  node.setParam("rollout/actionlib_server_pub_queue_size", kQueue);
   server_->start();
   node.deleteParam("rollout");
 }
@@ -64,6 +68,7 @@ Rollouts::~Rollouts() {
 // The copy is made here, of the surface as it is when the goal comes, however long the goal then waits.
 void Rollouts::accept(Server::GoalHandle goal) {
   auto job = std::make_shared<Job>();
+  CloudId cloud;
   std::string refusal;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -77,7 +82,8 @@ void Rollouts::accept(Server::GoalHandle goal) {
       job->copy = std::make_unique<simulation::Simulation>(stepper_.simulation()->fork());
       if (!goal.getGoal()->snapshot.empty()) job->copy->restore(stepper_.snapshots().find(goal.getGoal()->snapshot).snapshot);
       job->frame = stepper_.frame();
-      job->schedule.emplace(stepper_.schedule());
+      cloud = stepper_.cloud();
+      job->schedule.emplace(stepper_.scheduleFrom(job->copy->stepCount()));
     } catch (const std::exception& error) {
       refusal = error.what();
     }
@@ -89,6 +95,7 @@ void Rollouts::accept(Server::GoalHandle goal) {
   if (refusal.empty()) {
     try {
       job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
+      job->plan.cloud = cloud;
     } catch (const std::exception& error) {
       refusal = error.what();
     }

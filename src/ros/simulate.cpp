@@ -1,7 +1,6 @@
 #include "simulate.h"
 
 #include "frames.h"
-#include "mesh_files.h"
 #include "progress_bar.h"
 #include "robot_tools.h"
 #include "simulate_bag.h"
@@ -14,10 +13,10 @@
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
-#include "deformable_surface/io/point_files.h"
+#include "deformable_surface/io/load_scene.h"
 #include "deformable_surface/io/scene.h"
-#include "deformable_surface/io/shapes.h"
 #include "deformable_surface/ros/commands.h"
+#include "deformable_surface/ros/find_package.h"
 #include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/expectations.h"
 #include "deformable_surface/simulation/loads.h"
@@ -26,6 +25,7 @@
 #include <cmath>
 #include <cstdio>
 #include <optional>
+#include <set>
 
 namespace deformable_surface::node {
 namespace {
@@ -50,20 +50,12 @@ bool isOtherRun(const SimulateOptions& options, const SceneParams& params) {
 }
 
 SceneParams loadScene(const SimulateOptions& options) {
-  Value root = io::loadYamlFile(options.scene);
-  for (const std::string& assignment : options.assignments) io::setByPath(root, assignment);
-  SceneParams params = io::readScene(root);
+  SceneParams params = io::loadScene(options.scene, options.assignments, findPackage);
   io::checkForSimulate(params, options.bag_in.empty());
-  readMeshFiles(params.tools);
   if (!params.robot.links.empty() && (options.bag_in.empty() || params.robot.file.empty()))
     throw InputError(
         "robot.links: found some without --bag_in, which has their frames, or without robot.file; accepted: both, or no links");
   return params;
-}
-
-cloud::PointCloud loadCloud(const SceneParams& params) {
-  if (params.cloud.file.empty()) return io::makeShape(params.cloud);
-  return io::readPointFile(params.cloud.file, params.cloud.scale, params.input.max_points, findPackage);
 }
 
 /// One run: surfaces from the scene or the bag, one after the other, and the outputs.
@@ -96,11 +88,13 @@ class Run {
   int run() {
     noteIdleForces();
     if (options_.bag_in.empty()) {
-      begin(build(loadCloud(params_), "", 0), 0);
+      begin(build(io::loadCloud(params_, findPackage), "", 0), {}, 0);
     } else {
       bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
-                   toNanoseconds(params_.integrator.time_step));
-      tool_commands_.emplace(bag_->transforms());
+                   toNanoseconds(params_.integrator.time_step),
+                   [this](const std::string& cloud_frame) { return findFrame(cloud_frame); },
+                   params_.input.policy == simulation::InputPolicy::kReplace);
+      tool_commands_.emplace(bag_->transforms(), params_.input.tool_timeout);
       if (!params_.robot.links.empty())
         tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
       playBag();
@@ -147,16 +141,17 @@ class Run {
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(decoded, stamp);
     std::unique_ptr<Simulation> simulation;
+    const std::string cloud_frame = decoded.header.frame_id;
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
-      simulation = build(std::move(decoded.cloud), decoded.header.frame_id, stamp);
+      simulation = build(std::move(decoded.cloud), cloud_frame, stamp);
     } catch (const InputError& error) {
       return reportRefusal("cloud", stamp, error);
     }
     // The old surface takes the steps that end before the new one is there.
     if (simulation_) stepUntil(stamp);
     if (status_ != kDone) return;
-    begin(std::move(simulation), stamp);
+    begin(std::move(simulation), cloud_frame, stamp);
     ++clouds_;
   }
 
@@ -173,17 +168,21 @@ class Run {
   // Takes effect at the first step that begins at or after the stamp.
   void takeCommand(const InputBag::Event& event) {
     while (canStep() && now() < event.stamp) step();
+    const SeenTransform* const seen = event.seen ? &*event.seen : nullptr;
     try {
+      if (!event.unknown_frame.empty())
+        throw InputError("header.frame_id: found " + quote(event.unknown_frame) + " without a stamp, and no transform to " +
+                         quote(frame_) + " when it was recorded or soon after; accepted: frames that tf knows then");
       if (const auto* force = std::get_if<PointForce>(&event.message)) {
-        simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms()));
+        simulation_->setForce(toForce(*force, simulation_->time(), frame_, bag_->transforms(), seen));
         ++forces_;
       } else if (const auto* wrench = std::get_if<geometry_msgs::WrenchStamped>(&event.message)) {
-        simulation_->setForce(toForce(*wrench, simulation_->time(), frame_, bag_->transforms(), params_.force));
+        simulation_->setForce(toForce(*wrench, simulation_->time(), frame_, bag_->transforms(), params_.force, seen));
         ++wrenches_;
       } else {
         const DecodedTools& decoded = std::get<DecodedTools>(event.message);
         if (!decoded.ok()) throw InputError(decoded.refusal);
-        for (const Tool& tool : decoded.tools) tool_commands_->apply(tool, *simulation_, frame_);
+        for (const Tool& tool : decoded.tools) tool_commands_->apply(tool, *simulation_, frame_, seen);
         tools_ += decoded.tools.size();
       }
     } catch (const InputError& error) {
@@ -196,14 +195,14 @@ class Run {
     endIfInterrupted();
     auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
     simulation->setInterrupt(&terminal_.stop.has_come);
-    const std::string frame = !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
+    const std::string frame = findFrame(cloud_frame);
     simulation->setGravity(findGravity(frame, stamp));
     frame_ = frame;
     return simulation;
   }
 
   // A surface at rest, whose time 0 is the stamp.
-  void begin(std::unique_ptr<Simulation> simulation, std::int64_t stamp) {
+  void begin(std::unique_ptr<Simulation> simulation, const std::string& cloud_frame, std::int64_t stamp) {
     if (!simulation_) {
       run_start_ = stamp;
       end_ = stamp + toNanoseconds(params_.duration);
@@ -214,8 +213,15 @@ class Run {
     note(std::to_string(simulation_->input().size()) + " input points");
     for (const std::string& line : simulation_->buildNotes()) note(line);
     for (const std::string& line : simulation_->buildWarnings()) warn(line);
-    if (output_bag_) output_bag_->begin(frame_, *simulation_);
+    ++cloud_.number;
+    cloud_.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
+    cloud_.frame = cloud_frame;
+    if (output_bag_) output_bag_->begin(frame_, cloud_, *simulation_);
     writeState();
+  }
+
+  std::string findFrame(const std::string& cloud_frame) const {
+    return !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
   }
 
   // In the surface's frame.
@@ -279,7 +285,8 @@ class Run {
 
   void writeState() {
     if (frames_) frames_->add(runTime(), *simulation_);
-    if (output_bag_) output_bag_->add(runTime(), now(), *simulation_);
+    const std::set<std::string> silent = tool_commands_ ? tool_commands_->silent() : std::set<std::string>();
+    if (output_bag_) output_bag_->add(runTime(), now(), silent, *simulation_);
   }
 
   void finish() {
@@ -378,6 +385,7 @@ class Run {
   std::optional<InputBag> bag_;
   std::optional<ToolCommands> tool_commands_;  // with the bag
   std::unique_ptr<Simulation> simulation_;
+  CloudId cloud_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
   unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0, tools_ = 0;  // taken; all but the first from the bag

@@ -9,12 +9,12 @@
 #include <tf2/exceptions.h>
 #include <tf2_msgs/TFMessage.h>
 
-#include <cstring>
-#include <set>
-#include <vector>
+#include <utility>
 
 namespace deformable_surface::node {
 namespace {
+
+constexpr std::int64_t kTransformPatience = 2'000'000'000;  // ns, as long as the node waits
 
 std::vector<std::uint8_t> readBytes(const rosbag::MessageInstance& instance) {
   std::vector<std::uint8_t> bytes(instance.size());
@@ -23,16 +23,19 @@ std::vector<std::uint8_t> readBytes(const rosbag::MessageInstance& instance) {
   return bytes;
 }
 
-// A message that begins with a header has its stamp behind the 4 bytes of the sequence number. Zero if there is none.
-std::int64_t readStamp(const rosbag::MessageInstance& instance) {
-  const std::vector<std::uint8_t> bytes = readBytes(instance);
-  std::uint32_t seconds = 0, nanoseconds = 0;
-  if (bytes.size() >= 12) {
-    std::memcpy(&seconds, bytes.data() + 4, sizeof seconds);
-    std::memcpy(&nanoseconds, bytes.data() + 8, sizeof nanoseconds);
+// Of a message that begins with one; of no more than the frame's name when it claims more than there is.
+std_msgs::Header readHeader(const rosbag::MessageInstance& instance) {
+  std::vector<std::uint8_t> bytes = readBytes(instance);
+  std_msgs::Header header;
+  ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
+  try {
+    stream.next(header);
+  } catch (const ros::serialization::StreamOverrunException&) {
   }
-  return std::int64_t{seconds} * 1000000000 + nanoseconds;
+  return header;
 }
+
+std::int64_t toNanoseconds(const ros::Time& time) { return static_cast<std::int64_t>(time.toNSec()); }
 
 DecodedTools decode(const rosbag::MessageInstance& instance) {
   const std::vector<std::uint8_t> bytes = readBytes(instance);
@@ -66,12 +69,13 @@ std::string removeSlash(const std::string& topic) { return topic[0] == '/' ? top
 }  // namespace
 
 InputBag::InputBag(const std::string& file, const std::map<std::string, std::string>& topics, std::set<std::string> required,
-                   const DecodeLimits& limits, std::int64_t time_step)
-    : file_(file), limits_(limits), time_step_(time_step) {
+                   const DecodeLimits& limits, std::int64_t time_step,
+                   const std::function<std::string(const std::string&)>& find_frame, bool replaces)
+    : file_(file), limits_(limits), time_step_(time_step), find_frame_(find_frame), replaces_(replaces) {
   try {
     bag_.open(file, rosbag::bagmode::Read);
     index(topics, std::move(required));
-    readTransforms();
+    read();
   } catch (const rosbag::BagException& error) {
     throw InputError(file + ": cannot be read as a bag (" + error.what() + "); accepted: a complete .bag file of ROS 1");
   } catch (const ros::serialization::StreamOverrunException&) {
@@ -120,44 +124,90 @@ void InputBag::index(const std::map<std::string, std::string>& topics, std::set<
   }
 
   view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(wanted));
-  for (const rosbag::MessageInstance& instance : *view_) addEntries(instance);
 }
 
-void InputBag::addEntries(const rosbag::MessageInstance& instance) {
-  const auto recorded = static_cast<std::int64_t>(instance.getTime().toNSec());
-  const std::int64_t arrived = stampOfArrival(recorded, time_step_);
-  if (!instance.isType<ToolArray>()) {
-    const std::int64_t stamp = readStamp(instance);
-    const bool is_cloud = instance.isType<sensor_msgs::PointCloud2>();
-    entries_.emplace(stamp != 0 ? stamp : is_cloud ? recorded : arrived, Entry{instance});
-    return;
-  }
-  const DecodedTools decoded = decode(instance);
-  if (!decoded.ok()) entries_.emplace(recorded, Entry{instance});
-  for (std::size_t i = 0; i < decoded.tools.size(); ++i) {
-    const ros::Time stamp = decoded.tools[i].header.stamp;
-    entries_.emplace(stamp.isZero() ? arrived : static_cast<std::int64_t>(stamp.toNSec()), Entry{instance, i});
-  }
-}
-
-void InputBag::readTransforms() {
+// In the order of recording, so that a command without a stamp sees what tf knew when it came.
+void InputBag::read() {
   rosbag::View view(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf", "tf", "/tf_static", "tf_static"}));
   // The buffer holds the whole bag, and a second more for stamps that are older than their recording.
   const ros::Duration length = view.size() == 0 ? ros::Duration(0.0) : view.getEndTime() - view.getBeginTime();
   transforms_ = std::make_unique<tf2::BufferCore>(length + ros::Duration(1.0));
-  for (const rosbag::MessageInstance& instance : view) {
-    const tf2_msgs::TFMessage::ConstPtr message = instance.instantiate<tf2_msgs::TFMessage>();
-    if (!message) continue;
-    for (const geometry_msgs::TransformStamped& transform : message->transforms) {
-      transforms_->setTransform(transform, "bag", removeSlash(instance.getTopic()) == "tf_static");
-    }
+  auto transform = view.begin();
+  for (const rosbag::MessageInstance& instance : *view_) {
+    for (; transform != view.end() && transform->getTime() <= instance.getTime(); ++transform) addTransforms(*transform);
+    addEntries(instance);
   }
+  for (; transform != view.end(); ++transform) addTransforms(*transform);
+  for (const Unknown& unknown : unknown_) giveUp(unknown);
+  unknown_.clear();
+}
+
+void InputBag::addTransforms(const rosbag::MessageInstance& instance) {
+  const tf2_msgs::TFMessage::ConstPtr message = instance.instantiate<tf2_msgs::TFMessage>();
+  if (!message) return;
+  for (const geometry_msgs::TransformStamped& transform : message->transforms)
+    transforms_->setTransform(transform, "bag", removeSlash(instance.getTopic()) == "tf_static");
+  seeAgain(toNanoseconds(instance.getTime()));
+}
+
+void InputBag::addEntries(const rosbag::MessageInstance& instance) {
+  const std::int64_t recorded = toNanoseconds(instance.getTime());
+  if (!instance.isType<ToolArray>()) {
+    const std_msgs::Header header = readHeader(instance);
+    if (!instance.isType<sensor_msgs::PointCloud2>()) return addCommand(recorded, header, true, {instance, 0, {}, {}});
+    entries_.emplace(header.stamp.isZero() ? recorded : toNanoseconds(header.stamp), Entry{instance, 0, {}, {}});
+    if (surface_frame_.empty() || replaces_) surface_frame_ = find_frame_(header.frame_id);
+    return seeAgain(recorded);
+  }
+  const DecodedTools decoded = decode(instance);
+  if (!decoded.ok()) entries_.emplace(recorded, Entry{instance, 0, {}, {}});
+  for (std::size_t i = 0; i < decoded.tools.size(); ++i) {
+    const Tool& tool = decoded.tools[i];
+    addCommand(recorded, tool.header, tool.action == Tool::ADD, {instance, i, {}, {}});
+  }
+}
+
+void InputBag::addCommand(std::int64_t recorded, const std_msgs::Header& header, bool has_frame, Entry entry) {
+  if (!header.stamp.isZero()) {
+    entries_.emplace(toNanoseconds(header.stamp), std::move(entry));
+    return;
+  }
+  unknown_.push_back({recorded, has_frame ? withoutSlash(header.frame_id) : "", std::move(entry), false});
+  seeAgain(recorded);
+}
+
+// As the node does: a command waits for its frame for a while, and then counts from the step in which that came.
+void InputBag::seeAgain(std::int64_t recorded) {
+  std::vector<Unknown> rest;
+  for (Unknown& unknown : unknown_) {
+    const std::string& frame = unknown.frame;
+    if (unknown.has_waited && recorded - unknown.recorded > kTransformPatience) {
+      giveUp(unknown);
+      continue;
+    }
+    if (!surface_frame_.empty()) unknown.entry.seen = seeTransform(frame, surface_frame_, *transforms_);
+    if (unknown.entry.seen || frame.empty() || frame == withoutSlash(surface_frame_)) {
+      entries_.emplace(stampOfArrival(unknown.has_waited ? recorded : unknown.recorded, time_step_), std::move(unknown.entry));
+      continue;
+    }
+    unknown.has_waited = !surface_frame_.empty();
+    rest.push_back(std::move(unknown));
+  }
+  unknown_ = std::move(rest);
+}
+
+void InputBag::giveUp(const Unknown& unknown) {
+  Entry entry = unknown.entry;
+  entry.unknown_frame = unknown.frame;
+  entries_.emplace(stampOfArrival(unknown.recorded, time_step_), std::move(entry));
 }
 
 InputBag::Event InputBag::read(std::int64_t stamp, const Entry& entry) const {
   const rosbag::MessageInstance& instance = entry.instance;
   Event event;
   event.stamp = stamp;
+  event.seen = entry.seen;
+  event.unknown_frame = entry.unknown_frame;
   try {
     if (const auto force = instance.instantiate<PointForce>()) {
       event.message = *force;

@@ -1,11 +1,11 @@
 #include "simulate_files.h"
 
-#include "mesh_files.h"
 #include "simulate_outputs.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/io/point_files.h"
+#include "deformable_surface/ros/find_package.h"
 
 #include <unistd.h>
 

@@ -4,7 +4,6 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/point_files.h"
-#include "deformable_surface/ros/surface_output.h"
 
 #include <ros/time.h>
 
@@ -111,13 +110,14 @@ void OutputBag::CloseOrLeave::operator()(rosbag::Bag* bag) const noexcept {
   }
 }
 
-void OutputBag::begin(const std::string& frame_id, const simulation::Simulation& simulation) {
+void OutputBag::begin(const std::string& frame_id, const CloudId& cloud, const simulation::Simulation& simulation) {
   frame_id_ = frame_id;
+  cloud_ = cloud;
   encoder_ = std::make_unique<SurfaceEncoder>(simulation.input(), simulation.params().output.normals);
   markers_ = std::make_unique<SimulationMarkers>(simulation);
 }
 
-void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& simulation) {
+void OutputBag::add(double time, std::int64_t stamp, const std::set<std::string>& silent, simulation::Simulation& simulation) {
   if (!pace_.isDue(time)) return;
   std_msgs::Header header;
   header.frame_id = frame_id_;
@@ -140,14 +140,14 @@ void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& sim
   cloud.header = header;
   write("simulation_points", cloud);
 
-  write("tool_wrenches", makeToolWrenches(header, simulation.toolReactions(), simulation.pinReactions()));
+  write("tool_wrenches", makeToolWrenches(header, simulation.toolReactions(), simulation.pinReactions(), silent));
 
   visualization_msgs::MarkerArray markers;
   markers_->make(header, simulation, markers);
   write("markers", markers);
 
   Statistics message;
-  encodeStatistics(simulation.statistics(), message);
+  encodeStatistics(simulation.statistics(), cloud_, message);
   message.header = header;
   const double nan = std::numeric_limits<double>::quiet_NaN();
   for (double* wall_time :

@@ -5,6 +5,7 @@
 #include "deformable_surface/io/pending_file.h"
 #include "deformable_surface/ros/encode.h"
 #include "deformable_surface/ros/markers.h"
+#include "deformable_surface/ros/surface_output.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <rosbag/bag.h>
@@ -12,6 +13,7 @@
 #include <cstdint>
 #include <fstream>
 #include <memory>
+#include <set>
 #include <string>
 
 namespace deformable_surface::node {
@@ -63,9 +65,9 @@ class OutputBag {
  public:
   OutputBag(const std::string& file, double rate, double time_step);
   /// For a new surface, at rest.
-  void begin(const std::string& frame_id, const simulation::Simulation& simulation);
-  /// time: s since the run began; stamp: ns on the clock of the bag, >= 0.
-  void add(double time, std::int64_t stamp, simulation::Simulation& simulation);
+  void begin(const std::string& frame_id, const CloudId& cloud, const simulation::Simulation& simulation);
+  /// time: s since the run began; stamp: ns on the clock of the bag, >= 0; silent: ids of the tools that are.
+  void add(double time, std::int64_t stamp, const std::set<std::string>& silent, simulation::Simulation& simulation);
   void finish();
 
  private:
@@ -79,6 +81,7 @@ class OutputBag {
   std::unique_ptr<rosbag::Bag, CloseOrLeave> bag_;
   Pace pace_;
   std::string frame_id_;
+  CloudId cloud_;
   std::unique_ptr<SurfaceEncoder> encoder_;
   std::unique_ptr<SimulationMarkers> markers_;
 };

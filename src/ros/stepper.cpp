@@ -21,8 +21,8 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// How often what is waited for, a transform, is looked at.
-constexpr milliseconds kPollPeriod(20);
+// How often what is waited for, a transform, is looked at; for how long a step in lockstep waits for one.
+constexpr milliseconds kPollPeriod(20), kTransformPatience(2000);
 // More lag than this on the computer's clock would only be felt as delay; it is let go instead.
 constexpr std::int64_t kMaxLag = 250'000'000;
 // How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
@@ -44,7 +44,7 @@ Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorke
       is_clock_simulated_(ros::Time::isSimTime()),
       delay_(std::llround(params.input.delay * 1e9)),
       schedule_(params.integrator.time_step),
-      commands_(params.force, transforms, complaints) {}
+      commands_(params.force, params.input, transforms, complaints) {}
 
 bool Stepper::turn(Inbox::SteadyTime until) {
   Inbox::Content content = inbox_.take(nextDeadline(until));
@@ -55,12 +55,13 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   for (Command& command : content.commands)
     if (!command.is_stamped) command.stamp = stampOfArrival(command.stamp, timeStep());
   commands_.append(std::move(content.commands));
+  if (!content.tools_refused.empty()) commands_.toolStatuses().tellRefused(Tool(), content.tools_refused);
   if (content.cloud) clouds_.put(std::move(*content.cloud));
   if (now_ != 0) handleClouds();
   if (simulation_ && !is_gravity_known_) updateGravity();
   // What passed while the surface slept is part of what services see.
   bool has_stepped = false;
-  while (isDue() && simulation_->isAsleep() && takeStep()) has_stepped = true;
+  while (isDue() && simulation_->isAsleep() && hasFrames() && takeStep()) has_stepped = true;
   // The clock was read before them: what they take shows as lag in the next turn.
   const double call_seconds = call_seconds_;
   const Timer calls;
@@ -68,7 +69,8 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   call_seconds_ = calls.seconds();
   if (content.frame_wanted && simulation_) show();
   letGoOfLag(call_seconds);
-  if (isDue() && takeStep()) has_stepped = true;
+  if (isDue() && hasFrames() && takeStep()) has_stepped = true;
+  publishToolStatuses();
   if (has_stepped && std::exchange(is_frame_due_, false) && isWanted()) frames_.show(makeMoment());
   return true;
 }
@@ -77,6 +79,10 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
   const auto now = steady_clock::now();
   if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
   if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
+  if (isLockstep()) {
+    if (!isDue()) return until;  // a command wakes the inbox
+    return missing_since_ ? std::min<Inbox::SteadyTime>(until, now + kPollPeriod) : Inbox::SteadyTime(now);
+  }
   if (canRest()) {
     const milliseconds unheard = simulation_->isLeftAlone() ? kLeftAlonePeriod : kUnheardRestPeriod;
     const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : unheard;
@@ -108,6 +114,7 @@ void Stepper::handleClock(const ClockNews& clock) {
     const std::int64_t skipped = simulation_ && waitsUntilLater(now_ - clock.skipped)
                                      ? std::max<std::int64_t>(0, now_ - schedule_.begin(simulation_->stepCount() + 1))
                                      : clock.skipped;
+    if (isLockstep()) return;
     schedule_.skip(skipped);
     if (skipped > 0 && simulation_) {
       complaints_.report(Complaint::kClock,
@@ -131,7 +138,7 @@ void Stepper::handleClock(const ClockNews& clock) {
 void Stepper::restart(std::int64_t now) {
   simulation_->reset();
   beginAnew(schedule_.zero());
-  schedule_.skipTo(now, 0);
+  skipTo(now, 0);
   updateGravity();
 }
 
@@ -146,7 +153,7 @@ void Stepper::beginAnew(std::int64_t zero) {
 }
 
 void Stepper::letGoOfLag(double call_seconds) {
-  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_ || is_clock_simulated_) return;
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_ || is_clock_simulated_ || isLockstep()) return;
   const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
   if (!(lag > kMaxLag)) return;
   schedule_.skip(lag);
@@ -181,8 +188,34 @@ std::string Stepper::obstacle() {
 }
 
 bool Stepper::isDue() const {
-  return simulation_ && !isPaused() && !is_held_ && is_gravity_known_ && now_ != 0 &&
-         now_ >= schedule_.begin(simulation_->stepCount() + 1);
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return false;
+  if (isLockstep()) return isHeard();
+  return now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
+}
+
+bool Stepper::isHeard() const { return commands_.areCompleteAt(schedule_.begin(simulation_->stepCount())); }
+
+// A frame that does not come is waited for as long as a command is.
+bool Stepper::hasFrames() {
+  if (!isLockstep()) return true;
+  const std::uint64_t step = simulation_->stepCount();
+  const std::string missing = commands_.missingFrame(schedule_.begin(step), schedule_.begin(step + 1), frame_);
+  if (missing.empty()) {
+    missing_since_.reset();
+    return true;
+  }
+  if (!missing_since_) missing_since_ = steady_clock::now();
+  if (steady_clock::now() - *missing_since_ > kTransformPatience) return true;
+  complaints_.report(Complaint::kWaiting, "step " + std::to_string(step) + " waits for a transform of frame " + quote(missing));
+  return false;
+}
+
+void Stepper::skipTo(std::int64_t now, std::uint64_t step) {
+  if (!isLockstep()) schedule_.skipTo(now, step);
+}
+
+void Stepper::resumeAt(std::int64_t now, std::uint64_t step) {
+  if (!isLockstep()) schedule_.resumeAt(now, step);
 }
 
 bool Stepper::waitsUntilLater(std::int64_t now) const {
@@ -190,7 +223,7 @@ bool Stepper::waitsUntilLater(std::int64_t now) const {
 }
 
 void Stepper::setPaused(bool paused) {
-  if (isPaused() && !paused && simulation_) schedule_.skipTo(now_, simulation_->stepCount());
+  if (isPaused() && !paused && simulation_) skipTo(now_, simulation_->stepCount());
   if (!paused) is_failed_ = false;
   is_paused_ = paused;
 }
@@ -199,7 +232,7 @@ void Stepper::setPaused(bool paused) {
 void Stepper::reset() {
   commands_.clear();
   restart(now_);
-  if (now_ != 0) schedule_.resumeAt(now_, 0);
+  if (now_ != 0) resumeAt(now_, 0);
 }
 
 void Stepper::hold() { is_held_ = is_held_valid_ = true; }
@@ -207,7 +240,7 @@ void Stepper::hold() { is_held_ = is_held_valid_ = true; }
 void Stepper::letGo() {
   if (!is_held_) return;
   is_held_ = false;
-  if (simulation_) schedule_.skipTo(now_, simulation_->stepCount());
+  if (simulation_) skipTo(now_, simulation_->stepCount());
 }
 
 void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
@@ -238,7 +271,7 @@ void Stepper::restoreSnapshot(const std::string& name) {
   if (on_params_) on_params_();
   is_failed_ = is_frame_due_ = false;
   last_frame_ = countFrames();
-  schedule_.resumeAt(now_, simulation_->stepCount());
+  resumeAt(now_, simulation_->stepCount());
 }
 
 void Stepper::setParams(const simulation::SceneParams& params) {
@@ -265,12 +298,12 @@ double Stepper::secondsInStep() const {
 }
 
 std::uint32_t Stepper::takeSteps(std::uint32_t count) {
-  schedule_.skipTo(now_, simulation_->stepCount());
+  skipTo(now_, simulation_->stepCount());
   std::uint32_t taken = 0;
   while (taken < count && !*inbox_.endingStep() && takeStep()) ++taken;
   is_frame_due_ = false;
   // They may have run ahead of the clock, which those to come do not wait for.
-  if (now_ != 0) schedule_.resumeAt(now_, simulation_->stepCount());
+  if (now_ != 0) resumeAt(now_, simulation_->stepCount());
   commands_.forgetSteps();
   return taken;
 }
@@ -331,7 +364,7 @@ bool Stepper::updateGravity() {
   try {
     simulation_->setGravity(findGravityTransform().linear() * params_.gravity);
     // The time spent waiting is not caught up.
-    if (!is_gravity_known_) schedule_.skipTo(now_, simulation_->stepCount());
+    if (!is_gravity_known_) skipTo(now_, simulation_->stepCount());
     return is_gravity_known_ = true;
   } catch (const InputError& error) {
     // Once known, the last one stays.
@@ -342,16 +375,49 @@ bool Stepper::updateGravity() {
 
 // ---- Output ----
 
-void Stepper::publishWrenches() { wrenches_.publish(*simulation_, schedule_.stamp(simulation_->stepCount()), frame_); }
+// The ROS time at which the state is the surface's. One that waits, as in a pause, is that of now, and so is one that is so late
+// that the lag is about to be let go.
+std::int64_t Stepper::outputStamp() const {
+  const std::uint64_t step = simulation_->stepCount();
+  if (params_.output.stamp == simulation::OutputStamp::kSimulation) return schedule_.stamp(step);
+  const std::int64_t begin = schedule_.begin(step);
+  if (isLockstep()) return begin;
+  const bool waits = isPaused() || is_held_ || !is_gravity_known_ || begin > now_;
+  const bool is_let_go = !is_clock_simulated_ && now_ - begin > kMaxLag;
+  return now_ != 0 && (waits || is_let_go) ? now_ : begin;
+}
+
+StepSchedule Stepper::scheduleFrom(std::uint64_t step) const {
+  StepSchedule schedule = schedule_;
+  if (params_.output.stamp == simulation::OutputStamp::kSimulation) {
+    schedule.start(schedule.zero());
+  } else {
+    schedule.resumeAt(outputStamp(), step);
+  }
+  return schedule;
+}
+
+void Stepper::publishWrenches() {
+  wrenches_.publish(*simulation_, outputStamp(), frame_, commands_.silentTools());
+}
 
 Moment Stepper::makeMoment() {
   Moment moment;
   moment.sight = simulation_->sight();
-  moment.stamp = schedule_.stamp(simulation_->stepCount());
+  moment.stamp = outputStamp();
+  moment.cloud = cloud_;
   moment.time_input = time_input_;
   moment.revision = shown_revision_ = simulation_->revision();
   moment.surface_revision = shown_surface_revision_ = simulation_->surfaceRevision();
   return moment;
+}
+
+void Stepper::publishToolStatuses() {
+  ToolStatusArray statuses;
+  if (!commands_.toolStatuses().takeNews(statuses)) return;
+  statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
+  statuses.header.frame_id = frame_;
+  wrenches_.publish(statuses);
 }
 
 // Making a moment costs a copy of the state.
@@ -376,6 +442,7 @@ StepperStatus Stepper::status() const {
   status.commands_late = commands_.numLate();
   status.commands_waiting = commands_.numWaiting();
   status.commands_dropped = commands_.numDropped();
+  for (const std::string& id : commands_.silentTools()) status.silent_tools += (status.silent_tools.empty() ? "" : ", ") + id;
   const CloudWorker::Counts came = worker_.counts();
   status.clouds_received = came.received;
   status.clouds_ignored += came.ignored;
@@ -384,7 +451,7 @@ StepperStatus Stepper::status() const {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();
     status.accuracy = simulation_->accuracyChoice().sentence;
-    status.lag = std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
+    status.lag = isLockstep() ? 0.0 : std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
   }
   if (is_failed_) {
     status.state = "stopped by a failed step";
@@ -396,7 +463,9 @@ StepperStatus Stepper::status() const {
     status.state = "waiting for the clock";
   } else if (simulation_ && !is_gravity_known_) {
     status.state = "waiting for the transform of gravity_frame";
-  } else if (simulation_ && waitsUntilLater(now_)) {
+  } else if (simulation_ && isLockstep() && !isHeard()) {
+    status.state = "waiting for commands after " + formatReal(toSeconds(schedule_.begin(status.step))) + " s (input.lockstep)";
+  } else if (simulation_ && !isLockstep() && waitsUntilLater(now_)) {
     status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
   } else if (simulation_) {
     status.state = "running";

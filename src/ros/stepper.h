@@ -39,6 +39,7 @@ struct StepperStatus {
   int frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
+  std::string silent_tools;  // ids
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;  // the same, since a call of a service did
@@ -62,6 +63,7 @@ class Stepper {
   /// Null while there is no surface.
   simulation::Simulation* simulation() { return simulation_.get(); }
   const std::string& frame() const { return frame_; }
+  const CloudId& cloud() const { return cloud_; }
   /// By ~pause, or after a failed step until ~pause false, a reset or a new cloud.
   bool isPaused() const { return is_paused_ || is_failed_; }
   void setPaused(bool paused);
@@ -80,7 +82,8 @@ class Stepper {
   void setParams(const simulation::SceneParams& params);
   /// Is called when a snapshot has brought back others.
   void onParams(std::function<void()> call) { on_params_ = std::move(call); }
-  const StepSchedule& schedule() const { return schedule_; }
+  /// Where the stamps of a rollout lie that begins now with this step.
+  StepSchedule scheduleFrom(std::uint64_t step) const;
   /// Takes no step until letGo() or replaceHeld(), because a copy of the surface is being worked on that is to take its place.
   void hold();
   void letGo();
@@ -107,6 +110,7 @@ class Stepper {
   void observeReady();
   void begin(CloudResult&& result);
   void beginAnew(std::int64_t zero);
+  void setSurfaceFrame(const std::string& frame);
   void tellOfBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
@@ -115,6 +119,14 @@ class Stepper {
 
   void restart(std::int64_t now);
   std::int64_t delayed(std::int64_t clock) const;
+
+  bool isLockstep() const { return !params_.input.lockstep.empty(); }
+  /// Is there what a step in lockstep waits for?
+  bool isHeard() const;
+  bool hasFrames();
+  // In lockstep no time passes but that of the commands.
+  void skipTo(std::int64_t now, std::uint64_t step);
+  void resumeAt(std::int64_t now, std::uint64_t step);
 
   bool isDue() const;
   /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
@@ -126,8 +138,10 @@ class Stepper {
   bool updateGravity();
   void letGoOfLag(double call_seconds);
   Moment makeMoment();
+  std::int64_t outputStamp() const;
   bool isWanted() const;
   void publishWrenches();
+  void publishToolStatuses();
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
@@ -148,6 +162,7 @@ class Stepper {
 
   std::unique_ptr<simulation::Simulation> simulation_;
   std::string frame_;
+  CloudId cloud_;
   StepSchedule schedule_;
   std::int64_t now_ = 0;  // ns of the ROS clock, less the delay; 0 = there is no valid time yet
   WaitingClouds clouds_;
@@ -165,6 +180,7 @@ class Stepper {
   std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and when a surface was last begun to be built with them
   PendingCommands commands_;
   SnapshotShelf snapshots_;  // of this surface
+  std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
   bool is_paused_ = false;  // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;

@@ -58,14 +58,16 @@ void Stepper::handleClouds() {
   work.kind = isTracking() ? CloudWork::Kind::kObserve : CloudWork::Kind::kBuild;
   work.arrival = arrivalOf(*incoming);
   work.stamp = stampOf(*incoming);
+  work.cloud_frame = incoming->decoded.header.frame_id;
   work.cloud = std::move(incoming->decoded.cloud);
   work.params = params_;
   // The steps of a surface that is there go on beside it.
   work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
+    if (!simulation_) setSurfaceFrame(work.frame);
     if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
-    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, {}, {}, {}, {}});
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
   worker_.begin(std::move(work));
@@ -111,6 +113,11 @@ void Stepper::takeResult(CloudResult&& result) {
       ready_.pop_front();
     }
   }
+}
+
+void Stepper::setSurfaceFrame(const std::string& frame) {
+  inbox_.setSurfaceFrame(frame);
+  commands_.setSurfaceFrame(frame);
 }
 
 // Once, so that nobody takes the node for dead.
@@ -168,12 +175,16 @@ void Stepper::begin(CloudResult&& result) {
   }
   is_as_built_ = true;
   frame_ = result.frame;
+  setSurfaceFrame(frame_);
   snapshots_.clear();
   beginAnew(result.stamp);
-  if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) schedule_.skipTo(delayed(result.arrival), 0);
+  if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) skipTo(delayed(result.arrival), 0);
   updateGravity();
   ++counts_.clouds_accepted;
   counts_.clouds_again += is_again;
+  cloud_.number = static_cast<std::uint32_t>(counts_.clouds_accepted);
+  cloud_.stamp.fromNSec(static_cast<std::uint64_t>(result.stamp));
+  cloud_.frame = result.cloud_frame;
   worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
 
   std::string news = ": the cloud came again: the surface that was made of it begins anew";
@@ -182,13 +193,15 @@ void Stepper::begin(CloudResult&& result) {
     for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
     news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
   }
-  const double behind = is_clock_simulated_ ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
+  const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
   if (behind > kToldLag)
     news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
   ROS_INFO_STREAM(complaints_.name() << news);
   for (const std::string& warning : simulation_->buildWarnings()) complaints_.report(Complaint::kNotice, warning);
   building_.reset();
   Moment moment = makeMoment();
+  // At rest it is the cloud itself, at its stamp.
+  if (inbox_.now() - result.stamp <= kOldCloud) moment.stamp = result.stamp;
   moment.viewer = std::move(result.viewer);
   moment.params = simulation_->params();
   moment.frame = frame_;

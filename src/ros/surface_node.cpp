@@ -5,7 +5,6 @@
 #include "fit_service.h"
 #include "frame_thread.h"
 #include "inbox.h"
-#include "mesh_files.h"
 #include "node_diagnostics.h"
 #include "publishers.h"
 #include "queue_thread.h"
@@ -20,8 +19,10 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/io/mesh_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/ros/find_package.h"
 #include "deformable_surface/ros/tool_decoder.h"
 #include "deformable_surface/ros/xmlrpc_value.h"
 
@@ -68,7 +69,7 @@ simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) 
   if (!tree.valid()) tree.setSize(0);
   simulation::SceneParams params =
       io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
-  readMeshFiles(params.tools);
+  io::readMeshFiles(params.tools, findPackage);
   const std::filesystem::path directory = params.save_directory;
   std::error_code error;
   if (!directory.empty() && !(directory.is_absolute() && std::filesystem::is_directory(directory, error)))
@@ -81,9 +82,9 @@ struct SurfaceNode::Impl {
   ros::CallbackQueue input_queue, service_queue, reset_queue;
   ros::NodeHandle node, private_node, service_node, reset_node;
   Complaints complaints;
+  tf2::BufferCore transforms;
   Inbox inbox;
   CloudWorker worker;
-  tf2::BufferCore transforms;
   tf2_ros::TransformListener transform_listener;
   Publishers publishers;
   FrameThread frames;
@@ -116,7 +117,9 @@ struct SurfaceNode::Impl {
         service_node(onQueue(given_private, service_queue)),
         reset_node(onQueue(given_private, reset_queue)),
         complaints(private_node.getNamespace()),
-        inbox(ros::Time::isSimTime()),
+        // Steps that stay behind the clock ask for what is that much older.
+        transforms(ros::Duration(tf2::BufferCore::DEFAULT_CACHE_TIME + params.input.delay)),
+        inbox(ros::Time::isSimTime(), transforms),
         worker(inbox, complaints, DecodeLimits{params.input.max_points}),
         // Not in a thread of its own, which would wake up a hundred times a second.
         transform_listener(transforms, node, false),
@@ -205,7 +208,7 @@ struct SurfaceNode::Impl {
           for (Tool& tool : decoded.tools) inbox.put(boost::make_shared<const Tool>(std::move(tool)));
           if (decoded.ok()) return;
           complaints.report(Complaint::kToolsRefused, "~tools: " + decoded.refusal);
-          inbox.wake();
+          inbox.putRefusedTools(decoded.refusal);
         }));
   }
 

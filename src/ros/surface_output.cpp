@@ -21,7 +21,10 @@ cloud::PointCloud makeOutputCloud(const simulation::Surface& surface, const clou
   return output;
 }
 
-void encodeStatistics(const simulation::Statistics& statistics, Statistics& message) {
+void encodeStatistics(const simulation::Statistics& statistics, const CloudId& cloud, Statistics& message) {
+  message.cloud = cloud.number;
+  message.cloud_stamp = cloud.stamp;
+  message.cloud_frame = cloud.frame;
   message.simulation_time = statistics.simulation_time;
   message.step = statistics.step;
   message.points = statistics.points;

@@ -1,7 +1,5 @@
 #include "tool_commands.h"
 
-#include "frames.h"
-
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/ros/tool_decoder.h"
@@ -167,14 +165,16 @@ bool isToolId(const std::string& id) {
 }
 
 tool::Pose ToolCommands::Course::predict(double time) const {
-  const Vec3 turn = (time - given) * spin;
+  const double moving = std::min(time, ends) - given;
+  const Vec3 turn = moving * spin;
   const double angle = turn.norm();
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(angle, angle > 0.0 ? Vec3(turn / angle) : Vec3(Vec3::UnitZ())));
   const Eigen::Quaterniond frame(T_surface_frame.linear());
-  return {T_surface_frame * (pose.position + (time - given) * velocity), (frame * turned * pose.orientation).normalized()};
+  return {T_surface_frame * (pose.position + moving * velocity), (frame * turned * pose.orientation).normalized()};
 }
 
-void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame) {
+void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation, const std::string& surface_frame,
+                         const SeenTransform* seen) {
   const ToolParams* const before = findTool(simulation, command.id);
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   ToolParams tool;
@@ -202,8 +202,9 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
       throw InputError("twist.angular: found " + formatReal(course.spin.norm()) + "; accepted: up to " + formatReal(fastest) +
                        " (rad/s)");
     }
+    if (timeout_ > 0.0 && course.hasVelocity()) course.ends = now + timeout_;
     course.T_surface_frame =
-        findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_);
+        findTransform("header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms_, seen);
   } catch (const FrameError& error) {
     throw FrameError("tool " + quote(command.id.substr(0, kShownId)) + " " + error.what());
   } catch (const InputError& error) {
@@ -243,6 +244,41 @@ void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, 
   course.frame_stamp = seen.stamp;
 }
 
+// A velocity that has ended is none: the tool stays where it was then.
+std::string ToolCommands::endVelocity(double now, double step, Course& course) const {
+  if (!(now >= course.ends - kRounding * step)) return "";
+  const double moved = course.ends - course.given;
+  const double angle = moved * course.spin.norm();
+  course.pose.position += moved * course.velocity;
+  if (angle > 0.0) course.pose.orientation = Eigen::AngleAxisd(angle, course.spin.normalized()) * course.pose.orientation;
+  course.velocity = course.spin = Vec3::Zero();
+  course.ends = kNever;
+  course.is_silent = true;
+  return "no message for " + formatReal(timeout_) + " s; its twist has ended, and its wrench is stale";
+}
+
+std::string ToolCommands::noticeSilence(const ros::Time& stamp, Course& course) const {
+  const bool was_silent = course.is_silent;
+  // A stamp of 0 is that of a frame that never changes.
+  course.is_silent = timeout_ > 0.0 && !course.frame_stamp.isZero() && (stamp - course.frame_stamp).toSec() > timeout_;
+  if (was_silent || !course.is_silent) return "";
+  return "no transform of frame " + quote(course.frame) + " for " + formatReal(timeout_) +
+         " s; it stays where it is, and its wrench is stale";
+}
+
+std::set<std::string> ToolCommands::silent() const {
+  std::set<std::string> ids;
+  for (const auto& [id, course] : courses_)
+    if (course.is_silent) ids.insert(id);
+  return ids;
+}
+
+std::string ToolCommands::missingFrame(const ros::Time& stamp, const std::string& surface_frame) const {
+  for (const auto& [id, course] : courses_)
+    if (course.follows_frame && !isKnown(course.frame, surface_frame, stamp, transforms_)) return course.frame;
+  return "";
+}
+
 bool ToolCommands::isMoving() const {
   return stand_.size() < standing_.size() ||
          std::any_of(courses_.begin(), courses_.end(), [](const auto& entry) { return entry.second.isMoving(); });
@@ -264,15 +300,24 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   for (auto& [id, course] : courses_) {
     if (!course.isMoving()) continue;
+    const auto tell = [&](const std::string& problem) {
+      if (!problem.empty()) problems.push_back("tool " + quote(id) + ": " + problem);
+    };
+    tell(endVelocity(now, step, course));
     if (!course.follows_frame && now < course.arrives - kRounding * step) continue;
     try {
-      if (course.follows_frame) lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);
+      if (course.follows_frame) {
+        lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);
+        tell(noticeSilence(stamp, course));
+      }
       const ToolParams& tool = *findTool(simulation, id);
       // A velocity lasts beyond the step, so that friction at its end still counts it.
-      const double end = std::max(course.arrives, now + (course.follows_frame ? 1.0 : 2.0) * step);
+      const double ahead = std::min(now + (course.follows_frame ? 1.0 : 2.0) * step, std::max(course.ends, now + step));
+      const double end = std::max(course.arrives, ahead);
       simulation.moveTool(id, {makeWaypoint(now, tool::interpolate(tool.path, now)), makeWaypoint(end, course.predict(end))});
     } catch (const InputError& error) {
       problems.push_back(std::string(error.what()) + "; the tool stays where it is");
+      noticeSilence(stamp, course);
     }
   }
   return problems;

@@ -14,7 +14,7 @@ geometry_msgs::Vector3 toMessage(const Vec3& v) {
 }  // namespace
 
 ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions,
-                                 const std::vector<simulation::PinReaction>& pins) {
+                                 const std::vector<simulation::PinReaction>& pins, const std::set<std::string>& silent) {
   ToolWrenchArray message;
   message.header = header;
   for (const simulation::ToolReaction& reaction : reactions) {
@@ -24,6 +24,7 @@ ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vect
     wrench.wrench.torque = toMessage(reaction.torque);
     wrench.contacts = static_cast<std::uint32_t>(reaction.contacts);
     wrench.penetration = reaction.penetration;
+    wrench.stale = silent.count(reaction.id) > 0;
     message.wrenches.push_back(wrench);
   }
   for (const simulation::PinReaction& reaction : pins) {

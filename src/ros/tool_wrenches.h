@@ -6,13 +6,16 @@
 
 #include <geometry_msgs/WrenchStamped.h>
 
+#include <set>
+#include <string>
 #include <vector>
 
 namespace deformable_surface::node {
 
-/// Tools in their own frames, about their origins; pins in the frame of the header; both in the order of the reactions.
+/// Tools in their own frames, about their origins; pins in the frame of the header; both in the order of the reactions. silent:
+/// ids of the tools that are.
 ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vector<simulation::ToolReaction>& reactions,
-                                 const std::vector<simulation::PinReaction>& pins);
+                                 const std::vector<simulation::PinReaction>& pins, const std::set<std::string>& silent = {});
 
 /// The same of one tool in the surface's frame, that of the header, still about the tool's origin.
 geometry_msgs::WrenchStamped makeToolWrench(const std_msgs::Header& header, const simulation::ToolReaction& reaction,

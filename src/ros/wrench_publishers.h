@@ -1,7 +1,9 @@
-// What the node publishes after every step: what tools and pins feel. Apart from what is made for the eye (publishers.h), which a
-// thread of its own makes and which may be dropped: controllers close their loops over this.
+// What the node publishes after every step: what tools and pins feel, and what became of commands to tools. Apart from what is
+// made for the eye (publishers.h), which a thread of its own makes and which may be dropped: controllers close their loops over
+// this.
 #pragma once
 
+#include "deformable_surface/ToolStatusArray.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <ros/node_handle.h>
@@ -10,6 +12,7 @@
 #include <chrono>
 #include <functional>
 #include <map>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -21,15 +24,19 @@ class WrenchPublishers {
   /// on_subscriber is called when somebody begins to listen. The node handle must outlive this.
   WrenchPublishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
 
-  /// stamp: ns, of the simulation's state; frame: that of the surface.
-  void publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame);
+  /// stamp: ns, of the simulation's state; frame: that of the surface; silent: ids of the tools that are, whose own topics keep
+  /// the stamp of before.
+  void publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame,
+               const std::set<std::string>& silent);
+  void publish(const ToolStatusArray& statuses) { statuses_.publish(statuses); }
   bool isHeard() const;
 
  private:
   void advertise(const std::vector<tool::ToolParams>& tools);
 
   ros::NodeHandle& node_;
-  ros::Publisher all_;
+  ros::Publisher all_, statuses_;
+  std::map<std::string, ros::Time> last_heard_of_;  // of tools that are not silent: the stamp of the last state, by id
   std::map<std::string, ros::Publisher> of_tool_;   // by id
   std::chrono::steady_clock::time_point next_try_;  // to advertise
 };

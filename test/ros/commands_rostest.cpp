@@ -2,13 +2,16 @@
 #include "surface_node_fixture.h"
 
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/ToolStatusArray.h"
 #include "deformable_surface/ToolWrenchArray.h"
 
 #include <geometry_msgs/TransformStamped.h>
 #include <geometry_msgs/WrenchStamped.h>
+#include <tf2_msgs/TFMessage.h>
 #include <tf2_ros/static_transform_broadcaster.h>
 #include <visualization_msgs/MarkerArray.h>
 
+#include <algorithm>
 #include <cmath>
 
 namespace deformable_surface::node::test {
@@ -221,6 +224,125 @@ TEST_F(CommandsTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
     client.step(1);
     return wrenches.wrenches.empty();
   }));
+}
+
+TEST_F(CommandsTest, TellsWhichCloudItShowsAndWhatBecameOfEachTool) {
+  ToolStatusArray told;
+  Statistics statistics;
+  const ros::Subscriber statuses = client_->handle().subscribe<ToolStatusArray>(
+      "tool_status", 10, [&](const ToolStatusArray::ConstPtr& m) { told = *m; });
+  const ros::Subscriber steps =
+      client_->handle().subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { statistics = *m; });
+  ros::Publisher tools = client_->handle().advertise<ToolArray>("tools", 10);
+  ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0 && statuses.getNumPublishers() > 0; }));
+  const auto isTold = [&](const std::string& id, std::uint8_t status, std::uint32_t sequence) {
+    return waitUntil([&] {
+      return std::any_of(told.tools.begin(), told.tools.end(), [&](const ToolStatus& tool) {
+        return tool.id == id && tool.status == status && tool.header.seq == sequence;
+      });
+    });
+  };
+  ToolArray array;
+  array.tools.resize(1);
+  Tool& ball = array.tools[0];
+  ball.id = "ball";
+  ball.header.seq = 17;  // which the sender numbers
+  ball.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+  ball.primitive.dimensions = {0.01};
+  ball.pose.position.z = -1.0;
+  tools.publish(array);
+  EXPECT_TRUE(isTold("ball", ToolStatus::WAITING, 17));
+  EXPECT_EQ(told.tools.at(0).message, "there is no surface yet");
+
+  ASSERT_TRUE(startPaused());
+  ASSERT_TRUE(waitUntil([&] { return statistics.cloud == 1; }));
+  EXPECT_EQ(statistics.cloud_stamp, cloud_.header.stamp);
+  EXPECT_EQ(statistics.cloud_frame, "camera");
+  ASSERT_TRUE(client_->step(1).success);
+  EXPECT_TRUE(isTold("ball", ToolStatus::ACCEPTED, 17));
+  EXPECT_EQ(told.tools.at(0).step, 0u);
+
+  ball.header.seq = 18;
+  ball.primitive.dimensions = {-0.01};
+  tools.publish(array);
+  EXPECT_TRUE(isTold("ball", ToolStatus::WAITING, 18));
+  ASSERT_TRUE(client_->step(1).success);
+  EXPECT_TRUE(isTold("ball", ToolStatus::REFUSED, 18));
+  EXPECT_NE(told.tools.at(0).message.find("radius"), std::string::npos) << told.tools.at(0).message;
+
+  array.tools.resize(101);
+  tools.publish(array);
+  EXPECT_TRUE(isTold("", ToolStatus::REFUSED, 0));
+
+  // Latched, for who comes late.
+  ToolStatusArray late;
+  const ros::Subscriber other = ros::NodeHandle().subscribe<ToolStatusArray>(
+      "/surface/tool_status", 10, [&](const ToolStatusArray::ConstPtr& m) { late = *m; });
+  EXPECT_TRUE(waitUntil([&] { return late.tools.size() == 2; }));
+
+  // The next cloud is another surface, to which no tool belongs.
+  PointCloud2 next = makeSurface(ros::Time::now());
+  ASSERT_TRUE(client_->exchange(next)) << process_->output();
+  ASSERT_TRUE(waitUntil([&] { return statistics.cloud == 2; }));
+  EXPECT_EQ(statistics.cloud_stamp, next.header.stamp);
+  EXPECT_TRUE(waitUntil([&] { return told.tools.empty(); }));
+}
+
+TEST_F(CommandsTest, TheWrenchOfAToolWhoseFrameIsSilentIsStaleAndKeepsItsStamp) {
+  NodeProcess process("/silent", "{model: mass_spring, gravity: [0, 0, -1], input: {tool_timeout: 0.2}}");
+  NodeClient client("/silent");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ros::Publisher tools = client.handle().advertise<ToolArray>("tools", 10);
+  ros::Publisher transforms = ros::NodeHandle().advertise<tf2_msgs::TFMessage>("/tf", 100);
+  ToolWrenchArray wrenches;
+  const ros::Subscriber all = client.handle().subscribe<ToolWrenchArray>(
+      "tool_wrenches", 10, [&](const boost::shared_ptr<const ToolWrenchArray>& m) { wrenches = *m; });
+  std::vector<ros::Time> stamps;
+  const ros::Subscriber one = client.handle().subscribe<geometry_msgs::WrenchStamped>(
+      "tools/palm/wrench", 1000, [&](const geometry_msgs::WrenchStampedConstPtr& m) { stamps.push_back(m->header.stamp); });
+  ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0 && transforms.getNumSubscribers() > 0; }));
+  cloud_ = makeSurface(ros::Time::now());
+  ASSERT_TRUE(client.exchange(cloud_)) << process.output();
+
+  const auto tell = [&] {
+    tf2_msgs::TFMessage message;
+    message.transforms.resize(1);
+    message.transforms[0].header.frame_id = "camera";
+    message.transforms[0].header.stamp = ros::Time::now();
+    message.transforms[0].child_frame_id = "palm";
+    message.transforms[0].transform.translation.z = -0.05;
+    message.transforms[0].transform.rotation.w = 1.0;
+    transforms.publish(message);
+  };
+  ToolArray array;
+  array.tools.resize(1);
+  array.tools[0].header.frame_id = "palm";
+  array.tools[0].id = "palm";
+  array.tools[0].follow_frame = true;
+  array.tools[0].shape = Tool::PLANE;
+  array.tools[0].plane.coef = {0.0, 0.0, 1.0, 0.0};
+  tell();
+  tools.publish(array);
+  ASSERT_TRUE(waitUntil([&] {
+    tell();
+    return stamps.size() > 20 && !wrenches.wrenches.empty() && !wrenches.wrenches[0].stale;
+  })) << process.output();
+
+  // Nobody tells where the palm is any more.
+  ASSERT_TRUE(waitUntil([&] { return !wrenches.wrenches.empty() && wrenches.wrenches[0].stale; })) << process.output();
+  const ros::Time then = wrenches.header.stamp;
+  ASSERT_TRUE(waitUntil([&] { return wrenches.header.stamp > then + ros::Duration(0.2); }));
+  const std::size_t before = stamps.size();
+  ASSERT_TRUE(waitUntil([&] { return stamps.size() > before + 10; }));
+  EXPECT_EQ(stamps.back(), stamps[before]);
+  EXPECT_LE(stamps.back(), then);
+  EXPECT_TRUE(waitUntil([&] { return client.diagnosticText("silent tools") == "palm"; }));
+  EXPECT_EQ(countOf("no transform of frame 'palm' for 0.2 s", process.output()), 1u) << process.output();
+
+  ASSERT_TRUE(waitUntil([&] {
+    tell();
+    return !wrenches.wrenches[0].stale && stamps.back() > then;
+  })) << process.output();
 }
 
 TEST_F(CommandsTest, TellsOfEveryCauseButNotOfEveryMessage) {

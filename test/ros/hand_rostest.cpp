@@ -23,7 +23,7 @@ model: mass_spring
 material: {young_modulus: 1.0e5, thickness: 0.001, bending_rigidity: 0.01, damping: 20.0}
 gravity: [0, 0, 0]
 pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}]
-output: {publish_rate: 50.0}
+output: {publish_rate: 50.0, stamp: simulation}
 )";
 constexpr int kColumns = 21, kRows = 11;  // of a flat sheet of this spacing that begins at the origin
 constexpr double kSpacing = 0.01;

@@ -115,7 +115,7 @@ TEST(Publishing, UpdatesPutTogetherAreTheSurface) {
 }
 
 TEST(Publishing, TellsWhatAToolFeelsAfterEveryStep) {
-  NodeProcess process("/felt", R"({model: mass_spring, gravity: [0, 0, -1], output: {publish_rate: 1.0},
+  NodeProcess process("/felt", R"({model: mass_spring, gravity: [0, 0, -1], output: {publish_rate: 1.0, stamp: simulation},
     tools: [{id: globe, mode: solid, shape: {sphere: {radius: 1.0}}, path: [{time: 0.0, position: [0, 0, -1.01]}]}]})");
   NodeClient client("/felt");
   ASSERT_TRUE(client.waitForNode()) << process.output();

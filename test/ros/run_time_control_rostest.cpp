@@ -16,6 +16,8 @@
 #include <cmath>
 #include <deque>
 #include <iterator>
+#include <map>
+#include <string>
 
 namespace deformable_surface::node::test {
 namespace {
@@ -273,6 +275,28 @@ TEST_F(RunTimeControlTest, RolloutsAreCancelledRefusedAndTellTheirProgress) {
   EXPECT_NE(refusalOf(wrong).find("tool 'ball' found 0 times"), std::string::npos) << refusalOf(wrong);
   wrong = makeGoal(std::nan(""));
   EXPECT_NE(refusalOf(wrong).find("duration"), std::string::npos);
+}
+
+TEST_F(RunTimeControlTest, EveryOneOfManyRolloutsSentAtOnceIsAnswered) {
+  // The client has a queue of its own, of ten unless it is told otherwise.
+  client_->handle().setParam("rollout/actionlib_client_pub_queue_size", 1000);
+  Client client(client_->handle(), "rollout");
+  ASSERT_TRUE(waitUntil([&] { return client.isServerConnected(); })) << process_->output();
+  ASSERT_TRUE(client_->pause(false).success);
+  const auto send = [&](int count) {
+    std::deque<Client::GoalHandle> goals;
+    for (int k = 0; k < count; ++k) goals.push_back(client.sendGoal(makeGoal(0.2)));
+    EXPECT_TRUE(waitUntil([&] { return std::all_of(goals.begin(), goals.end(), isOver); })) << process_->output();
+    std::map<std::string, int> ends;
+    for (const Client::GoalHandle& goal : goals)
+      ++ends[isOver(goal) ? goal.getTerminalState().toString() : goal.getCommState().toString()];
+    return ends;
+  };
+  EXPECT_EQ(send(100), (std::map<std::string, int>{{"SUCCEEDED", 100}}));
+  // More than may wait: those are refused, and told so.
+  std::map<std::string, int> ends = send(400);
+  EXPECT_EQ(ends["SUCCEEDED"] + ends["REJECTED"], 400);
+  EXPECT_GE(ends["SUCCEEDED"], 256);
 }
 
 TEST_F(RunTimeControlTest, ParametersChangeWhileItRunsOrStayWithAWarning) {

@@ -123,6 +123,84 @@ TEST_F(SimulateBag, AppliesAWrenchAtItsFrameUntilTheTimeout) {
   EXPECT_NE(err_.find("nowhere"), std::string::npos) << err_;
 }
 
+/// The frame "hand" moves along x through the sheet for twelve seconds; a transform every centisecond.
+void writeHand(rosbag::Bag& bag, double begin = 0.0) {
+  for (int k = 0; k <= 1200; ++k) {
+    if (0.01 * k < begin) continue;
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms.resize(1);
+    geometry_msgs::TransformStamped& hand = transforms.transforms[0];
+    hand.header.frame_id = "sheet";
+    hand.header.stamp = ros::Time(kStart + 0.01 * k);
+    hand.child_frame_id = "hand";
+    hand.transform.translation.x = 0.1 + 0.05 * k;
+    hand.transform.translation.y = 0.45;
+    hand.transform.rotation.w = 1.0;
+    bag.write("/tf", hand.header.stamp, transforms);
+  }
+}
+
+PointForce makePush(double stamp) {
+  PointForce push;
+  push.header.frame_id = "hand";
+  push.header.stamp = ros::Time(stamp);
+  push.id = "push";
+  push.force.z = 1.0;
+  push.radius = 0.15;
+  return push;
+}
+
+// Recorded between two steps, without a stamp, or with that of the step and of the newest transform: the same.
+TEST_F(SimulateBag, ACommandWithoutAStampMeansItsFrameAsItWasWhenItWasRecorded) {
+  const auto hashOf = [&](const std::string& topic, double stamp) {
+    writeBag("in.bag", [&](rosbag::Bag& bag) {
+      writeHand(bag);
+      const ros::Time recorded(kStart + 0.045);
+      geometry_msgs::WrenchStamped wrench;
+      ToolArray array;
+      array.tools.resize(1);
+      Tool& grip = array.tools[0];
+      grip.id = "grip";
+      grip.mode = Tool::MOVE;
+      grip.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+      grip.primitive.dimensions = {0.12};
+      grip.twist.linear.z = 1.0;
+      grip.header.frame_id = wrench.header.frame_id = "hand";
+      grip.header.stamp = wrench.header.stamp = ros::Time(stamp);
+      wrench.wrench.force.z = 1.0;
+      if (topic == "force") bag.write("/deformable_surface/force", recorded, makePush(stamp));
+      if (topic == "wrench") bag.write("/deformable_surface/wrench", recorded, wrench);
+      if (topic == "tools") bag.write("/deformable_surface/tools", recorded, array);
+    });
+    EXPECT_EQ(run({"--bag_in", path("in.bag")}), 0) << err_;
+    EXPECT_EQ(err_, "");
+    return out_.substr(out_.find("state hash"));
+  };
+  const std::string at_rest = hashOf("none", 0.0);
+  for (const char* topic : {"force", "wrench", "tools"}) {
+    EXPECT_EQ(hashOf(topic, 0.0), hashOf(topic, kStart + 0.04)) << topic;
+    EXPECT_NE(hashOf(topic, 0.0), at_rest) << topic;
+  }
+}
+
+TEST_F(SimulateBag, ACommandWithoutAStampWaitsForItsFrameAsTheNodeDoes) {
+  const auto hashOf = [&](double begin, double stamp, double recorded) {
+    writeBag("in.bag", [&](rosbag::Bag& bag) {
+      writeHand(bag, begin);
+      bag.write("/deformable_surface/force", ros::Time(kStart + recorded), makePush(stamp));
+    });
+    EXPECT_EQ(run({"--bag_in", path("in.bag")}), 0) << err_;
+    return out_.substr(out_.find("state hash"));
+  };
+  // From the step in which the first transform came, which is the one that begins before it.
+  EXPECT_EQ(hashOf(0.06, 0.0, 0.025), hashOf(0.0, kStart + 0.06, 0.06));
+  EXPECT_EQ(err_, "");
+  // Longer than the node waits.
+  hashOf(3.0, 0.0, 0.025);
+  EXPECT_EQ(countLines(err_), 1u) << err_;
+  EXPECT_NE(err_.find("found 'hand' without a stamp, and no transform to 'sheet'"), std::string::npos) << err_;
+}
+
 TEST_F(SimulateBag, TakesToolsFromABagAtTheirStampsAndWritesTheirWrenches) {
   writeBag("in.bag", [](rosbag::Bag& bag) {
     // A hand takes hold of the whole sheet, and lifts it from 0.03 s on: the second of the array is stamped before the first.

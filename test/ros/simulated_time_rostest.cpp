@@ -3,7 +3,13 @@
 #include "bad_clouds.h"
 #include "node_client.h"
 
+#include "deformable_surface/DeformedUpdate.h"
+#include "deformable_surface/ToolWrenchArray.h"
+
 #include <rosgraph_msgs/Clock.h>
+#include <visualization_msgs/MarkerArray.h>
+
+#include <algorithm>
 
 namespace deformable_surface::node::test {
 namespace {
@@ -86,7 +92,7 @@ TEST_F(SimulatedTimeTest, DoesNotCatchUpAForwardJump) {
   ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
   tick(kStart + 1'000 * kStep);
   tick(kStart + 1'001 * kStep);
-  ASSERT_TRUE(client_.waitForFrame(toTime(kStart + kStep)));
+  ASSERT_TRUE(client_.waitForFrame(toTime(kStart + 1'001 * kStep)));
   tick(kStart + 1'003 * kStep);
   ASSERT_TRUE(client_.waitForDiagnostic("step", 3));
 }
@@ -155,6 +161,72 @@ TEST_F(SimulatedTimeTest, BehindTheClockByItsDelayItTakesInTimeWhatWouldElseBeLa
   EXPECT_EQ(client.diagnostic("commands late"), 0);
 }
 
+// As tf2 and RViz with another fixed frame need them: by the clock, whatever a pause or a reset did to simulation time.
+TEST_F(SimulatedTimeTest, OutputsAreStampedWithTheTimeOfTheClockThroughPausesAndResets) {
+  Statistics statistics;
+  ToolWrenchArray wrenches;
+  std::map<std::string, std::vector<ros::Time>> stamps;
+  const auto note = [&](const std::string& topic, const ros::Time& stamp) { stamps[topic].push_back(stamp); };
+  ros::NodeHandle& node = client_.handle();
+  std::vector<ros::Subscriber> subscribers = {
+      node.subscribe<Statistics>("statistics", 1000,
+                                 [&](const StatisticsConstPtr& m) {
+                                   statistics = *m;
+                                   note("statistics", m->header.stamp);
+                                 }),
+      node.subscribe<ToolWrenchArray>(
+          "tool_wrenches", 1000, [&](const ToolWrenchArray::ConstPtr& m) { note("tool_wrenches", m->header.stamp); }),
+      node.subscribe<DeformedUpdate>(
+          "deformed_update", 1000, [&](const DeformedUpdate::ConstPtr& m) { note("deformed_update", m->header.stamp); }),
+      node.subscribe<visualization_msgs::MarkerArray>("markers", 1000, [&](const visualization_msgs::MarkerArray::ConstPtr& m) {
+        for (const auto& marker : m->markers) note("markers", marker.header.stamp);
+      })};
+  for (const ros::Subscriber& subscriber : subscribers)
+    ASSERT_TRUE(waitUntil([&] { return subscriber.getNumPublishers() > 0; })) << subscriber.getTopic();
+  const auto goTo = [&](std::int64_t from, int steps) {
+    for (int k = 1; k <= steps; ++k) {
+      tick(from + k * kStep);
+      ASSERT_TRUE(client_.waitForFrame(toTime(from + k * kStep))) << process_.output();
+    }
+  };
+  tick(kStart);
+  ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
+  goTo(kStart, 5);
+
+  // A pause of a second; who comes in it sees the surface as it is now.
+  ASSERT_TRUE(client_.pause(true).success);
+  const std::int64_t paused = kStart + 105 * kStep;
+  tick(kStart + 50 * kStep);
+  tick(paused);
+  // The node has seen the clock when it says so.
+  std::vector<ros::Time> diagnosed;
+  const ros::Subscriber diagnostics = node.subscribe<diagnostic_msgs::DiagnosticArray>(
+      "/diagnostics", 100, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& m) { diagnosed.push_back(m->header.stamp); });
+  ASSERT_TRUE(waitUntil([&] { return !diagnosed.empty() && diagnosed.back() >= toTime(paused); }));
+  subscribers.push_back(node.subscribe<PointCloud2>(
+      "simulation_points", 1000, [&](const PointCloud2::ConstPtr& m) { note("simulation_points", m->header.stamp); }));
+  EXPECT_TRUE(waitUntil([&] { return !stamps["simulation_points"].empty(); })) << process_.output();
+  EXPECT_EQ(stamps["simulation_points"].front(), toTime(paused));
+  ASSERT_TRUE(client_.pause(false).success);
+  goTo(paused, 5);
+  ASSERT_TRUE(waitUntil([&] { return statistics.step == 10; }));
+  EXPECT_EQ(statistics.header.stamp, toTime(paused + 5 * kStep));
+  EXPECT_NEAR(statistics.simulation_time, 0.1, 1e-12);  // which pauses leave out
+  EXPECT_EQ(statistics.cloud_stamp, cloud_.header.stamp);
+
+  const std::int64_t reset = paused + 5 * kStep;
+  ASSERT_TRUE(client_.reset().success);
+  goTo(reset, 5);
+  ASSERT_TRUE(waitUntil([&] { return statistics.step == 5; }));
+  EXPECT_EQ(statistics.header.stamp, toTime(reset + 5 * kStep));
+
+  const auto isThere = [&](const char* topic) { return !stamps[topic].empty() && stamps[topic].back() == statistics.header.stamp; };
+  for (const char* topic : {"statistics", "tool_wrenches", "deformed_update", "simulation_points", "markers"}) {
+    EXPECT_TRUE(waitUntil([&] { return isThere(topic); })) << topic;
+    EXPECT_TRUE(std::is_sorted(stamps[topic].begin(), stamps[topic].end())) << topic;
+  }
+}
+
 TEST_F(SimulatedTimeTest, SaysWhatItWaitsForAfterAJumpFarBackAndResetBeginsAtOnce) {
   tick(kStart);
   ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
@@ -169,7 +241,7 @@ TEST_F(SimulatedTimeTest, SaysWhatItWaitsForAfterAJumpFarBackAndResetBeginsAtOnc
   ASSERT_TRUE(client_.reset().success);
   const std::int64_t now = kStart / 2 + 10'000'000'000;
   tick(now, now + 5 * kStep);
-  EXPECT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));
+  EXPECT_TRUE(client_.waitForFrame(toTime(now + 5 * kStep)));
   EXPECT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "running"; })) << client_.diagnosticText("state");
   client_.stamps.clear();
   tick(kStart / 2);
@@ -189,7 +261,7 @@ TEST_F(SimulatedTimeTest, StartsOverFromRestAfterAJumpBackWithoutANewCloud) {
   ASSERT_TRUE(first);
   client_.stamps.clear();
   tick(kStart - 100 * kStep);
-  ASSERT_TRUE(client_.waitForFrame(cloud_.header.stamp));
+  ASSERT_TRUE(client_.waitForFrame(toTime(kStart - 100 * kStep)));
   tick(kStart - 100 * kStep, kStart + 50 * kStep);
   const auto second = client_.waitForFrame(toTime(kStart + 50 * kStep));
   ASSERT_TRUE(second);

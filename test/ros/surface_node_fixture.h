@@ -51,7 +51,7 @@ material: {young_modulus: 1.0e5, thickness: 0.001, damping: 1.0}
 gravity: [0, 0, 0]
 pins: [{box: {min: [-1, -1, -1], max: [0.021, 1, 1]}}]
 force: {radius: 0.05, timeout: 0.1}
-output: {publish_rate: 100.0}
+output: {publish_rate: 100.0, stamp: simulation}
 save_directory: )" + directory_.string());
     client_ = std::make_unique<NodeClient>("/surface");
   }
@@ -59,6 +59,7 @@ save_directory: )" + directory_.string());
 
   void SetUp() override { ASSERT_TRUE(client_->waitForNode()) << process_->output(); }
 
+  // Stamps are simulation time, so that a frame tells its step.
   /// Paused, so that only ~step moves the surface.
   sensor_msgs::PointCloud2ConstPtr startPaused() {
     EXPECT_TRUE(client_->pause(true).success);

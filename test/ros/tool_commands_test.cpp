@@ -10,6 +10,8 @@
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <memory>
+#include <set>
 
 namespace deformable_surface::node {
 namespace {
@@ -56,7 +58,7 @@ geometry_msgs::TransformStamped makeTransform(const std::string& child, const Ve
 
 class ToolCommandsTest : public testing::Test {
  protected:
-  ToolCommandsTest() : simulation_(makeSimulation()), commands_(transforms_) {}
+  ToolCommandsTest() : simulation_(makeSimulation()), commands_(std::make_unique<ToolCommands>(transforms_)) {}
 
   /// A sheet at rest, far below the tools.
   static simulation::Simulation makeSimulation() {
@@ -68,10 +70,10 @@ class ToolCommandsTest : public testing::Test {
     return {params, input};
   }
 
-  void apply(const Tool& tool) { commands_.apply(tool, simulation_, "map"); }
+  void apply(const Tool& tool) { commands_->apply(tool, simulation_, "map"); }
   void step(int count = 1) {
     for (int i = 0; i < count; ++i) {
-      for (const std::string& problem : commands_.move(ros::Time(), simulation_, "map")) problems_.push_back(problem);
+      for (const std::string& problem : commands_->move(ros::Time(), simulation_, "map")) problems_.push_back(problem);
       ASSERT_TRUE(simulation_.step().ok);
     }
   }
@@ -88,7 +90,7 @@ class ToolCommandsTest : public testing::Test {
 
   tf2::BufferCore transforms_;
   simulation::Simulation simulation_;
-  ToolCommands commands_;
+  std::unique_ptr<ToolCommands> commands_;
   std::vector<std::string> problems_;
 };
 
@@ -285,6 +287,42 @@ TEST_F(ToolCommandsTest, GoOnWithTheirTwist) {
   EXPECT_NEAR(pose().position.x(), 3.7, 1e-12);
 }
 
+TEST_F(ToolCommandsTest, StopWhenNoMessageComesForTheirTwist) {
+  ToolCommands commands(transforms_, 0.095);
+  Tool ball = makeBall("ball", Vec3::Zero());
+  ball.twist.linear.x = 1.0;
+  ball.twist.angular.z = 1.0;
+  std::vector<std::string> problems;
+  const auto go = [&](int steps) {
+    for (int i = 0; i < steps; ++i) {
+      for (const std::string& problem : commands.move(ros::Time(), simulation_, "map")) problems.push_back(problem);
+      ASSERT_TRUE(simulation_.step().ok);
+    }
+  };
+  commands.apply(ball, simulation_, "map");
+  go(9);
+  EXPECT_NEAR(pose().position.x(), 0.09, 1e-12);
+  EXPECT_TRUE(commands.silent().empty());
+  go(6);
+  // Where it was at the timeout, between two steps.
+  EXPECT_NEAR(pose().position.x(), 0.095, 1e-12);
+  EXPECT_NEAR(Eigen::AngleAxisd(pose().orientation).angle(), 0.095, 1e-9);
+  EXPECT_EQ(commands.silent(), std::set<std::string>{"ball"});
+  EXPECT_FALSE(commands.isMoving());
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_EQ(problems[0], "tool 'ball': no message for 0.095 s; its twist has ended, and its wrench is stale");
+
+  // The next message, and each before its timeout.
+  for (int k = 0; k < 5; ++k) {
+    ball.pose.position.x = 0.095 + 0.05 * k;
+    commands.apply(ball, simulation_, "map");
+    go(5);
+    EXPECT_TRUE(commands.silent().empty());
+  }
+  EXPECT_NEAR(pose().position.x(), 0.095 + 0.25, 1e-9);
+  EXPECT_EQ(problems.size(), 1u);
+}
+
 TEST_F(ToolCommandsTest, AreInTheFrameOfTheirHeader) {
   transforms_.setTransform(makeTransform("hand", Vec3(1.0, 0.0, 0.0), M_PI / 2.0), "test", true);
   Tool tool = makeBall("ball", Vec3(1.0, 0.0, 0.0));
@@ -313,7 +351,7 @@ class FollowingTool : public ToolCommandsTest {
   }
   void stepOnTheClock() {
     const ros::Time end(kBegin + simulation_.time() + simulation_.params().integrator.time_step);
-    for (const std::string& problem : commands_.move(end, simulation_, "map")) problems_.push_back(problem);
+    for (const std::string& problem : commands_->move(end, simulation_, "map")) problems_.push_back(problem);
     ASSERT_TRUE(simulation_.step().ok);
   }
 
@@ -346,6 +384,32 @@ TEST_F(FollowingTool, MovesEvenlyTowardsWhereItsFrameWasLastSeen) {
   EXPECT_NEAR(x.back(), 0.30, 1e-9);
   stepOnTheClock();
   EXPECT_NEAR(pose().position.x(), x.back(), 1e-12);  // nothing new: it is there
+}
+
+TEST_F(FollowingTool, IsSilentWhileNoTransformComes) {
+  commands_ = std::make_unique<ToolCommands>(transforms_, 0.05);
+  for (int k = 0; k <= 10; ++k) place(1.0 + 0.1 * k, 0.01 * k);
+  apply(ball_);
+  for (int k = 0; k < 15; ++k) stepOnTheClock();
+  EXPECT_TRUE(commands_->silent().empty());
+  for (int k = 0; k < 10; ++k) stepOnTheClock();
+  EXPECT_EQ(commands_->silent(), std::set<std::string>{"ball"});
+  EXPECT_NEAR(pose().position.x(), 2.0, 1e-9);
+  ASSERT_EQ(problems_.size(), 1u);
+  EXPECT_EQ(problems_[0],
+            "tool 'ball': no transform of frame 'hand' for 0.05 s; it stays where it is, and its wrench is stale");
+  place(3.0, 0.25);
+  stepOnTheClock();
+  EXPECT_TRUE(commands_->silent().empty());
+}
+
+TEST_F(FollowingTool, IsNotSilentOnAFrameThatNeverChanges) {
+  commands_ = std::make_unique<ToolCommands>(transforms_, 0.05);
+  transforms_.setTransform(makeTransform("hand", Vec3(1.0, 0.0, 0.0)), "test", true);
+  apply(ball_);
+  for (int k = 0; k < 20; ++k) stepOnTheClock();
+  EXPECT_TRUE(commands_->silent().empty());
+  EXPECT_TRUE(problems_.empty());
 }
 
 TEST_F(FollowingTool, StaysWhereItIsWhileItsFrameIsLost) {

@@ -20,7 +20,7 @@ TEST(ToolWrenches, HaveToolsAndPinsWithEverythingThatIsKnownOfThem) {
   pin.points = 9;
   std_msgs::Header header;
   header.frame_id = "table";
-  const ToolWrenchArray message = makeToolWrenches(header, {tool}, {pin});
+  const ToolWrenchArray message = makeToolWrenches(header, {tool}, {pin}, {"other"});
   EXPECT_EQ(message.header.frame_id, "table");
   ASSERT_EQ(message.wrenches.size(), 1u);
   EXPECT_EQ(message.wrenches[0].id, "ball");
@@ -28,6 +28,8 @@ TEST(ToolWrenches, HaveToolsAndPinsWithEverythingThatIsKnownOfThem) {
   EXPECT_EQ(message.wrenches[0].wrench.torque.z, 6.0);
   EXPECT_EQ(message.wrenches[0].contacts, 7u);
   EXPECT_EQ(message.wrenches[0].penetration, 8.0);
+  EXPECT_FALSE(message.wrenches[0].stale);
+  EXPECT_TRUE(makeToolWrenches(header, {tool}, {pin}, {"ball"}).wrenches[0].stale);
   ASSERT_EQ(message.pins.size(), 1u);
   EXPECT_EQ(message.pins[0].id, "pins[0]");
   EXPECT_EQ(message.pins[0].wrench.force.x, -1.0);

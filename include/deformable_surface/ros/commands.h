@@ -12,15 +12,18 @@
 
 namespace deformable_surface::node {
 
+struct SeenTransform;  // src/ros/frames.h
+
 /// The force of a message that takes effect now (s of simulation time). A frame other than the surface's is looked up at the
-/// message's stamp. Throws InputError for values that are not finite or negative where that means nothing, an empty id, and a
-/// frame without a transform.
+/// message's stamp; seen: the transform that a message without a stamp uses instead, or null. Throws InputError for values that
+/// are not finite or negative where that means nothing, an empty id, and a frame without a transform.
 simulation::ForceParams toForce(const PointForce& message, double now, const std::string& surface_frame,
-                                const tf2::BufferCore& transforms);
+                                const tf2::BufferCore& transforms, const SeenTransform* seen = nullptr);
 
 /// The same for a wrench: the force part acts at the origin of the message's frame until the timeout; the torque is not applied.
 simulation::ForceParams toForce(const geometry_msgs::WrenchStamped& message, double now, const std::string& surface_frame,
-                                const tf2::BufferCore& transforms, const simulation::WrenchParams& params);
+                                const tf2::BufferCore& transforms, const simulation::WrenchParams& params,
+                                const SeenTransform* seen = nullptr);
 
 /// The id of the force that comes as a wrench.
 constexpr char kWrenchId[] = "wrench";

@@ -57,7 +57,7 @@ class StepSchedule {
 
   std::int64_t zero() const { return zero_; }
   std::int64_t begin(std::uint64_t step) const { return stamp(step) + skipped_; }
-  /// The stamp of the state before the step: the cloud's stamp plus simulation time.
+  /// The cloud's stamp plus the simulation time of the state before the step.
   std::int64_t stamp(std::uint64_t step) const;
 
  // S.

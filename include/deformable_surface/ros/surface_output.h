@@ -6,12 +6,24 @@
 #include "deformable_surface/cloud/point_cloud.h"
 #include "deformable_surface/simulation/simulation.h"
 
+#include <ros/time.h>
+
+#include <cstdint>
+#include <string>
+
 namespace deformable_surface::node {
 
 /// The surface with the input's extra fields, width and height (a row if points were inserted), for io::writePointFile().
 cloud::PointCloud makeOutputCloud(const simulation::Surface& surface, const cloud::PointCloud& input);
 
+/// The cloud that a surface is made of.
+struct CloudId {
+  std::uint32_t number = 0;  // counts those that became a surface, from 1
+  ros::Time stamp;
+  std::string frame;
+};
+
 /// Fills all but the header.
-void encodeStatistics(const simulation::Statistics& statistics, Statistics& message);
+void encodeStatistics(const simulation::Statistics& statistics, const CloudId& cloud, Statistics& message);
 
 }  // namespace deformable_surface::node

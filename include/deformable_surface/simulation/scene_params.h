@@ -106,7 +106,10 @@ struct WrenchParams {
   double timeout = 0.5;  // s, > 0
 };
 
+enum class OutputStamp { kClock, kSimulation };
+
 struct OutputParams {
+  OutputStamp stamp = OutputStamp::kClock;
   bool normals = true;
   bool resample = false;       // insert points where the surface is stretched
   double publish_rate = 30.0;  // Hz, > 0
@@ -120,6 +123,8 @@ struct InputParams {
   double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
   double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
+  double tool_timeout = 0.5;    // s, >= 0: a tool is silent after this long without news; 0 = never
+  std::string lockstep;         // topics that each step waits for; empty = steps follow the clock
 };
 
 /// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
@@ -317,9 +322,26 @@ inline void visit(Fields& fields, WrenchParams& p) {
 }
 
 inline void visit(Fields& fields, OutputParams& p) {
+  fields.choice("stamp", p.stamp, {{"clock", OutputStamp::kClock}, {"simulation", OutputStamp::kSimulation}},
+                "the node: header stamps are the ROS time of the state; `simulation`: the cloud's stamp plus simulation time, "
+                "which falls behind the clock by every pause and jumps back at `~reset`");
   fields.flag("normals", p.normals, "normals of the full cloud");
   fields.flag("resample", p.resample, "insert points where the surface is stretched");
   fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: clouds and markers");
+}
+
+/// The names in a text, which spaces or commas separate.
+inline std::vector<std::string> splitNames(const std::string& text) {
+  std::vector<std::string> names(1);
+  for (const char c : text) {
+    if (c != ' ' && c != ',') {
+      names.back() += c;
+    } else if (!names.back().empty()) {
+      names.emplace_back();
+    }
+  }
+  if (names.back().empty()) names.pop_back();
+  return names;
 }
 
 inline void visit(Fields& fields, InputParams& p) {
@@ -335,6 +357,16 @@ inline void visit(Fields& fields, InputParams& p) {
   fields.number(
       "delay", p.delay, "s", between(0.0, 10.0),
       "the node: steps stay this far behind the clock, so that messages and transforms on their way come in time for theirs");
+  fields.number("tool_timeout", p.tool_timeout, "s", between(0.0, 1e9),
+                "a tool that came over ROS or is a robot's link is silent after this long without a message for its twist or a "
+                "transform of the frame that it follows: it stops, and its wrench is stale; 0 = never");
+  fields.text("lockstep", p.lockstep,
+              "the node: topics (`force`, `wrench`, `tools`) that drive the steps instead of the clock: a step waits until each "
+              "has brought a command stamped after the step's beginning (docs/ros.md)");
+  const auto isTopic = [](const std::string& name) { return name == "force" || name == "wrench" || name == "tools"; };
+  const std::vector<std::string> topics = splitNames(p.lockstep);
+  fields.require(std::all_of(topics.begin(), topics.end(), isTopic), "lockstep",
+                 "found " + quote(p.lockstep) + "; accepted: names out of force, wrench and tools, or nothing");
 }
 
 /// Why a scene's model cannot have this change; empty if it can.

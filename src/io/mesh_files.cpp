@@ -1,38 +1,19 @@
-#include "mesh_files.h"
+#include "deformable_surface/io/mesh_files.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
-#include "deformable_surface/io/point_files.h"
 
 #include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
-#include <ros/package.h>
 
-#include <algorithm>
-#include <filesystem>
+namespace deformable_surface::io {
 
-namespace deformable_surface::node {
-
-namespace fs = std::filesystem;
-
-std::string findPackage(const std::string& package) {
-  // To ask for a package that there is not would write to the terminal.
-  std::vector<std::string> known;
-  ros::package::getAll(known);
-  if (std::find(known.begin(), known.end(), package) != known.end()) return ros::package::getPath(package);
-  std::error_code error;
-  const fs::path program = fs::read_symlink("/proc/self/exe", error);
-  const fs::path installed = program.parent_path() / "../../share" / package;
-  if (!error && fs::is_directory(installed, error)) return installed.lexically_normal().string();
-  throw InputError("package " + quote(package) + ": not found; accepted: packages on ROS_PACKAGE_PATH");
-}
-
-geometry::Solid readMeshFile(const std::string& file, const Vec3& scale) {
+geometry::Solid readMeshFile(const std::string& file, const Vec3& scale, const FindPackage& find_package) {
   const std::string scheme = "file://";
   const std::string path =
-      file.compare(0, scheme.size(), scheme) == 0 ? file.substr(scheme.size()) : io::findPointFile(file, findPackage);
+      file.compare(0, scheme.size(), scheme) == 0 ? file.substr(scheme.size()) : findPointFile(file, find_package);
   Assimp::Importer importer;
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* const scene =
@@ -57,9 +38,10 @@ geometry::Solid readMeshFile(const std::string& file, const Vec3& scale) {
   return solid;
 }
 
-void readMeshFiles(std::vector<tool::ToolParams>& tools) {
+void readMeshFiles(std::vector<tool::ToolParams>& tools, const FindPackage& find_package) {
   for (tool::ToolParams& tool : tools)
-    if (!tool.shape.mesh_file.empty()) tool.shape = readMeshFile(tool.shape.mesh_file, Vec3::Constant(tool.shape.mesh_scale));
+    if (!tool.shape.mesh_file.empty())
+      tool.shape = readMeshFile(tool.shape.mesh_file, Vec3::Constant(tool.shape.mesh_scale), find_package);
 }
 
-}  // namespace deformable_surface::node
+}  // namespace deformable_surface::io
