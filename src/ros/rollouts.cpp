@@ -1,6 +1,7 @@
 #include "rollouts.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 
 #include <algorithm>
 #include <chrono>
@@ -79,7 +80,7 @@ void Rollouts::accept(Server::GoalHandle goal) {
       job->frame = stepper_.frame();
       job->schedule.emplace(stepper_.schedule());
     } catch (const std::exception& error) {
-      refusal = error.what();
+      refusal = toOneLine(error.what());
     }
   };
   if (refusal.empty()) {
@@ -90,7 +91,7 @@ void Rollouts::accept(Server::GoalHandle goal) {
     try {
       job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
     } catch (const std::exception& error) {
-      refusal = error.what();
+      refusal = toOneLine(error.what());
     }
   }
   if (!refusal.empty()) {
@@ -157,7 +158,7 @@ void Rollouts::run(Job& job) {
   try {
     end = runRollout(job.plan, job.frame, *job.schedule, goes_on, *job.copy, result);
   } catch (const std::exception& error) {
-    result.message = error.what();
+    result.message = toOneLine(error.what());
   }
   job.copy.reset();
   if (end == RolloutEnd::kDone) {
