@@ -27,6 +27,10 @@ class PendingCommands {
 
   /// See ToolCommands.
   void setStanding(std::vector<Tool> tools) { tools_.setStanding(std::move(tools)); }
+  Index pinToFrame(const std_msgs::Header& header, const geometry::Region& region, simulation::Simulation& simulation,
+                   const std::string& frame) {
+    return tools_.pinToFrame(header, region, simulation, frame);
+  }
   /// Too many: the oldest are dropped.
   void append(std::vector<Command>&& commands);
   /// Drops those that count from before the stamp (ns).

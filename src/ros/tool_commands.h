@@ -63,6 +63,11 @@ class ToolCommands {
   /// step. A tool whose frame is not known stays where it is. Returns a sentence for each of those.
   std::vector<std::string> move(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame);
 
+  /// Pins the points in a region and has the header's frame of tf carry them, as it carries tools. Returns how many; throws
+  /// InputError for a frame that is not known.
+  Index pinToFrame(const std_msgs::Header& header, const geometry::Region& region, simulation::Simulation& simulation,
+                   const std::string& surface_frame);
+
   /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget();
   /// one that is deleted stays away until then.
   void setStanding(std::vector<Tool> tools) { standing_ = std::move(tools); }
@@ -73,17 +78,19 @@ class ToolCommands {
   /// The surface is another or at rest again: the tools of before are gone.
   void forget() {
     courses_.clear();
+    pins_.clear();
     stand_.clear();
   }
 
   /// What a snapshot needs: where tools are going, by id, and which of those that stand have been added.
   struct Memory {
-    std::map<std::string, Course> courses;
+    std::map<std::string, Course> courses, pins;
     std::set<std::string> stand;
   };
-  Memory memory() const { return {courses_, stand_}; }
+  Memory memory() const { return {courses_, pins_, stand_}; }
   void setMemory(const Memory& memory) {
     courses_ = memory.courses;
+    pins_ = memory.pins;
     stand_ = memory.stand;
   }
 
@@ -93,9 +100,12 @@ class ToolCommands {
  private:
   void lookAtFrame(const std::string& what, const ros::Time& stamp, double now, double step, const std::string& surface_frame,
                    Course& course) const;
+  void movePins(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame,
+                std::vector<std::string>& problems);
 
   const tf2::BufferCore& transforms_;
   std::map<std::string, Course> courses_;  // by id
+  std::map<std::string, Course> pins_;     // that follow a frame, by their name in the simulation
   std::vector<Tool> standing_;
   std::set<std::string> stand_;            // ids of those that have been added
 };
