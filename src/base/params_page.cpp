@@ -32,8 +32,15 @@ class Page : public Fields {
     const std::string key = joinPath(path_.back(), about.name);
     keys.push_back(key);
     sections_[path_.size() == 1 ? 0 : sections_.size() - 1].rows +=
-        "| `" + key + "` | " + (about.required ? "must be given" : "`" + standard + "`") + " | " + about.unit + " | " + accepted +
-        " | " + about.meaning + " |\n";
+        "| `" + key + "` | " + (about.required ? "must be given" : "`" + standard + "`") + " | " + about.unit + " | " +
+        escapeBars(accepted) + " | " + escapeBars(about.meaning) + " |\n";
+  }
+
+  /// A bar ends a cell, also in code.
+  static std::string escapeBars(const std::string& text) {
+    std::string escaped;
+    for (const char c : text) escaped += c == '|' ? "\\|" : std::string(1, c);
+    return escaped;
   }
 
   void onNumber(const About& about, double& value) override { addRow(about, toShortText(value), about.range.describe()); }
@@ -53,11 +60,8 @@ class Page : public Fields {
   void onRows(const About& about, Points&) override {
     addRow(about, "[]", "a list of lists of 3 numbers, each " + about.range.describe());
   }
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted,
-                const std::vector<std::string>& planned) override {
-    std::string names = "`" + join(accepted, "`, `") + "`";
-    if (!planned.empty()) names += " (not built yet: `" + join(planned, "`, `") + "`)";
-    addRow(about, accepted[chosen], names);
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
+    addRow(about, accepted[chosen], "`" + join(accepted, "`, `") + "`");
   }
   void onBounds(const About& about, std::vector<NamedBounds>&, const std::vector<std::string>& known) override {
     addRow(about, "{}",

@@ -13,6 +13,8 @@ namespace {
 
 std::string withUnit(const std::string& accepted, const char* unit) { return *unit ? accepted + " (" + unit + ")" : accepted; }
 
+std::string trimQuotes(const std::string& quoted) { return quoted.substr(1, quoted.size() - 2); }
+
 // The number in a value, also if it was written as text; false if there is none.
 bool toNumber(const Value& value, double& number) {
   if (const std::int64_t* integer = value.asInteger()) {
@@ -63,8 +65,7 @@ class Reader : public Fields {
     const Frame& frame = stack_.back();
     for (const auto& [key, value] : *frame.map->asMap()) {
       if (frame.known.count(key)) continue;
-      std::string shown = quote(key);
-      shown = shown.substr(1, shown.size() - 2);
+      const std::string shown = trimQuotes(quote(key));
       const std::string nearest = nearestKey(frame.section, shown, all_keys_);
       const std::vector<std::string> known(frame.known.begin(), frame.known.end());
       problems_.push_back(joinPath(frame.path, shown) + ": unknown key; " +
@@ -192,15 +193,11 @@ class Reader : public Fields {
     }
   }
 
-  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted,
-                const std::vector<std::string>& planned) override {
+  void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) override {
     const std::string names = join(accepted, ", ");
     const Value* given = get(about, names);
     if (!given) return;
     const std::string* text = given->asText();
-    if (text && std::count(planned.begin(), planned.end(), *text)) {
-      return addProblem(about.name, "found " + given->describe() + ", which is not built yet; accepted: " + names);
-    }
     const auto found = text ? std::find(accepted.begin(), accepted.end(), *text) : accepted.end();
     if (found == accepted.end()) return refuse(about, *given, names);
     chosen = static_cast<int>(found - accepted.begin());
@@ -214,9 +211,9 @@ class Reader : public Fields {
     if (given->isNull()) return;
     if (!given->isMap()) return refuse(about, *given, accepted);
     for (const auto& [name, item] : *given->asMap()) {
-      const std::string key = about.name + "." + name;
+      const std::string shown = trimQuotes(quote(name)), key = about.name + "." + shown;
       if (!std::count(known.begin(), known.end(), name)) {
-        addProblem(key, "unknown quantity; the nearest known one is " + nearestWord(name, known));
+        addProblem(key, "unknown quantity; the nearest known one is " + nearestWord(shown, known));
         continue;
       }
       // Infinite bounds are one-sided ones.

@@ -1,9 +1,11 @@
 // The value tree: finding members, describing values in sentences, numbers as text and back, printing as YAML.
 #include "deformable_surface/base/value.h"
 
+#include <algorithm>
 #include <cctype>
 #include <cmath>
 #include <cstdio>
+#include <cstring>
 #include <limits>
 #include <locale>
 #include <sstream>
@@ -14,6 +16,37 @@ namespace {
 
 // Sentences stay readable on a line of a terminal.
 constexpr std::size_t kMaxQuoted = 60;
+// A line of a log that is still read: two or three sentences.
+constexpr std::size_t kMaxLine = 400;
+
+/// How many bytes the character that begins there takes; 0: it is a control character, or no UTF-8.
+std::size_t measurePrintable(const std::string& text, std::size_t begin) {
+  const auto byteAt = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
+  const unsigned first = byteAt(begin);
+  if (first < 0x80) return first >= 0x20 && first != 0x7f;
+  const std::size_t length = first >= 0xf0 ? 4 : first >= 0xe0 ? 3 : 2;
+  if (first < 0xc2 || first > 0xf4) return 0;
+  for (std::size_t k = 1; k < length; ++k)
+    if ((byteAt(begin + k) & 0xc0) != 0x80) return 0;
+  // What could be written shorter, surrogates, what lies beyond Unicode, and the second block of control characters.
+  const unsigned second = byteAt(begin + 1);
+  const bool is_wrong = (first == 0xc2 && second < 0xa0) || (first == 0xe0 && second < 0xa0) || (first == 0xed && second > 0x9f) ||
+                        (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
+  return is_wrong ? 0 : length;
+}
+
+/// The text up to about a length, in whole characters. kept: characters that stay though they are not printable.
+std::string makePrintable(const std::string& text, std::size_t length, const char* kept) {
+  std::string shown;
+  for (std::size_t i = 0; i < text.size();) {
+    const std::size_t taken = measurePrintable(text, i);
+    if (i + std::max<std::size_t>(taken, 1) > length) break;
+    const bool stays = taken > 0 || (text[i] != '\0' && std::strchr(kept, text[i]));
+    shown += stays ? text.substr(i, std::max<std::size_t>(taken, 1)) : "?";
+    i += std::max<std::size_t>(taken, 1);
+  }
+  return shown;
+}
 
 bool isOneOf(const std::string& text, std::initializer_list<const char*> words) {
   for (const char* word : words) {
@@ -230,18 +263,35 @@ std::string formatReal(double value) {
 }
 
 std::string formatShort(double value) {
+  if (std::isnan(value)) return "nan";  // whose sign means nothing
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;
 }
 
 std::string quote(const std::string& text) {
-  std::string quoted = "'";
-  for (std::size_t i = 0; i < text.size() && i < kMaxQuoted; ++i) {
-    const auto byte = static_cast<unsigned char>(text[i]);
-    quoted += byte < 0x20 || byte == 0x7f ? '?' : text[i];
+  return "'" + makePrintable(text, kMaxQuoted, "") + (text.size() > kMaxQuoted ? "...'" : "'");
+}
+
+std::string toPrintable(const std::string& text) { return makePrintable(text, text.size(), "\n"); }
+
+std::string toOneLine(const std::string& text) {
+  std::string shown;
+  std::size_t left_out = 0, begin = 0;
+  while (begin <= text.size()) {
+    const std::size_t end = std::min(text.find('\n', begin), text.size());
+    const std::string line = toPrintable(text.substr(begin, end - begin));
+    begin = end + 1;
+    if (line.empty()) continue;
+    if (shown.empty()) {
+      shown = line.size() <= kMaxLine ? line : makePrintable(line, kMaxLine, "") + "...";
+    } else if (left_out == 0 && shown.size() + line.size() <= kMaxLine) {
+      shown += "; " + line;
+    } else {
+      ++left_out;
+    }
   }
-  return quoted + (text.size() > kMaxQuoted ? "...'" : "'");
+  return left_out == 0 ? shown : shown + "; and " + std::to_string(left_out) + " more";
 }
 
 std::string toYaml(const Value& value) {

@@ -27,6 +27,10 @@ constexpr std::size_t kMaxMet = 4;
 // than those are from each other is apart from every one of them, but that is one such pair, and no gap.
 constexpr int kMinPairs = 3;
 constexpr Index kAround = 12;
+// Or if it sees one point apart from it, and both have this many nearest neighbours that are not, each of them so many times nearer:
+// at the corner of a slit too few points see the other side for as many pairs.
+constexpr double kWideGap = 2.0;
+constexpr Index kOwnNeighbors = 3;
 // The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.
 constexpr double kMarginQuantile = 0.05;
 // Passes of the quick check: a search costs several tens of them.
@@ -203,10 +207,27 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
   return apart;
 }
 
-// True where enough separate pairs around a point are apart.
-std::vector<char> findAtGap(const Lists& apart, const Lists& neighbors) {
+// True where enough separate pairs around a point are apart, or one is that spans a wide gap.
+std::vector<char> findAtGap(const Points& positions, const Lists& apart, const Lists& neighbors) {
   const Index n = neighbors.size();
   std::vector<char> at_gap(n);
+  const auto isApart = [&](Index i, Index j) { return std::find(apart.begin(i), apart.end(i), j) != apart.end(i); };
+  // How far the nearest reach that are not apart; infinite where one is.
+  const auto findOwnReach = [&](Index i) {
+    const Index* const first = neighbors.begin(i);
+    if (neighbors.count(i) < kOwnNeighbors) return std::numeric_limits<double>::infinity();
+    if (std::any_of(first, first + kOwnNeighbors, [&](Index j) { return isApart(i, j); }))
+      return std::numeric_limits<double>::infinity();
+    return (positions[first[kOwnNeighbors - 1]] - positions[i]).norm();
+  };
+  const auto seesWideGap = [&](Index i) {
+    if (apart.count(i) == 0) return false;
+    const double own = findOwnReach(i);
+    return std::any_of(apart.begin(i), apart.end(i), [&](Index j) {
+      const double length = (positions[j] - positions[i]).norm();
+      return length > kWideGap * own && length > kWideGap * findOwnReach(j);
+    });
+  };
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<Index> paired;
     const auto isFree = [&](Index i) { return std::find(paired.begin(), paired.end(), i) == paired.end(); };
@@ -220,10 +241,59 @@ std::vector<char> findAtGap(const Lists& apart, const Lists& neighbors) {
       pair(i);
       const Index* last = neighbors.begin(i) + std::min(kAround, neighbors.count(i));
       for (const Index* j = neighbors.begin(i); j != last; ++j) pair(*j);
-      at_gap[i] = paired.size() >= 2 * kMinPairs;
+      at_gap[i] = paired.size() >= 2 * kMinPairs || seesWideGap(i);
     }
   });
   return at_gap;
+}
+
+// Whether each of two points lies clearly in front of the other, by normals with a common side that turn by no less.
+bool isInFront(const Points& positions, const SurfaceSides& sides, Index i, Index j, double cosine) {
+  constexpr double kClear = 0.1;  // of the length: points on a plane are not in front of each other, but for noise
+  const Vec3 d = positions[j] - positions[i];
+  const double clear = kClear * d.norm();
+  return sides.normals[i].dot(sides.normals[j]) < cosine && d.dot(sides.normals[i]) > clear && d.dot(sides.normals[j]) < -clear;
+}
+
+// See GeodesicNeighbors::num_joined. neighbors: in space.
+Index countJoined(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
+  constexpr double kBent = 0.5;  // cosine of 60 degrees, by which no smooth surface turns from point to point
+  if (!sides.oriented || sides.normals.empty() || graph.trust_radius.empty()) return 0;
+  const Index n = neighbors.size();
+  Lists facing;
+  for (Index i = 0; i < n; ++i) {
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+      const double near = std::max(graph.trust_radius[i], graph.trust_radius[*j]);
+      if ((positions[*j] - positions[i]).squaredNorm() <= near * near && isInFront(positions, sides, i, *j, kFacingCosine))
+        facing.items.push_back(*j);
+    }
+    facing.offsets.push_back(static_cast<Index>(facing.items.size()));
+  }
+  if (facing.items.empty()) return 0;
+  GeodesicGraph round;  // without links to what is in front
+  round.cost_is_distance = graph.cost_is_distance;
+  for (Index i = 0; i < n; ++i) {
+    for (Index e = graph.links.offsets[i]; e < graph.links.offsets[i + 1]; ++e) {
+      if (isInFront(positions, sides, i, graph.links.items[e], kBent)) continue;
+      round.links.items.push_back(graph.links.items[e]);
+      round.cost.push_back(graph.cost[e]);
+    }
+    round.links.offsets.push_back(static_cast<Index>(round.links.items.size()));
+  }
+  const std::vector<double> across = findGeodesicDistances(graph, positions, facing, kKeptDetour);
+  const std::vector<double> around = findGeodesicDistances(round, positions, facing, kKeptDetour);
+  Index joined = 0;
+  for (Index i = 0; i < n; ++i) {
+    bool is_joined = false;
+    for (Index e = facing.offsets[i]; e < facing.offsets[i + 1]; ++e) {
+      // Beside where two parts are nearest, the way leads over links as long as the trust radius.
+      const Index j = facing.items[e];
+      const double most = kKeptDetour * std::max(graph.trust_radius[i], graph.trust_radius[j]);
+      is_joined = is_joined || (across[e] <= most && !(around[e] <= most));
+    }
+    joined += is_joined;
+  }
+  return joined;
 }
 
 }  // namespace
@@ -282,7 +352,7 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
                      " points; the three numbers must be equal");
   }
   const Apart apart = findApart(graph, positions, sides, neighbors);
-  const std::vector<char> at_gap = findAtGap(apart.lists, neighbors);
+  const std::vector<char> at_gap = findAtGap(positions, apart.lists, neighbors);
   std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
   std::vector<Index> count(n), refused(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
@@ -328,6 +398,7 @@ GeodesicNeighbors keepGeodesicNeighbors(const GeodesicGraph& graph, const Points
     std::nth_element(gaps.begin(), quantile, gaps.end());
     result.margin = *quantile;
   }
+  result.num_joined = countJoined(graph, positions, sides, neighbors);
   result.num_refused = std::accumulate(refused.begin(), refused.end(), Index{0});
   joinBlocks(blocks, count, result.lists);
   return result;

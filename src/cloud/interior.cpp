@@ -53,7 +53,8 @@ Interior fillSurface(const SurfaceDipoles& dipoles, const Points& surface, doubl
   // As many places as fit, in the middle.
   const Eigen::Array3d across = ((high - low) / spacing).array().floor() + 1.0;
   if (!(across.prod() <= kMostPlaces))
-    throw InputError("fill: found a surface whose box holds " + formatShort(across.prod()) + " places at a spacing of " +
+    throw InputError("fill: found a surface whose box holds " +
+                     (std::isfinite(across.prod()) ? formatShort(across.prod()) : "countless") + " places at a spacing of " +
                      formatShort(spacing) + " m; accepted: up to " + formatShort(kMostPlaces) +
                      "; ask for fewer simulation points");
   const Eigen::Array<Index, 3, 1> counts = across.cast<Index>();

@@ -28,10 +28,6 @@ constexpr double kOppositeScale = 0.05;
 // Cosine of 60 degrees. Steeper bends from point to point do not tell which way unoriented normals belong together.
 constexpr double kBendCosine = 0.5;
 
-// Cosine of 107 degrees. Points whose oriented normals turn towards each other by more lie on both sides of a gap, as legs do
-// beside where they are nearest; concave edges of bodies turn by less.
-constexpr double kFacingCosine = -0.3;
-
 // Of the lengths around a point: the tenth above may be the few bridges between parts.
 constexpr double kTreeQuantile = 0.9;
 // The trust radius over that length. With less, jittered samplings lose links that are theirs; with more, narrower gaps are

@@ -6,6 +6,10 @@
 
 namespace deformable_surface::cloud {
 
+/// Cosine of 107 degrees. Points whose oriented normals turn towards each other by more lie on both sides of a gap, as legs do
+/// beside where they are nearest; concave edges of bodies turn by less.
+constexpr double kFacingCosine = -0.3;
+
 /// The squared anisotropic length of a link (m^2), symmetric in its ends. See GeodesicGraph.
 double measureSquaredLength(const Points& positions, const SurfaceSides& sides, Index i, Index j);
 

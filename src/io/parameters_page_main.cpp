@@ -1,6 +1,15 @@
-// Prints the page docs/parameters.md, so that it can be made anew: parameters_page > docs/parameters.md
+// Prints what is made from the schema of scenes: the page docs/parameters.md, or with --scene the file scenes/default.yaml.
 #include "deformable_surface/io/scene.h"
 
 #include <cstdio>
+#include <string>
 
-int main() { return std::fputs(deformable_surface::io::parametersPage().c_str(), stdout) < 0 ? 1 : 0; }
+int main(int argc, char** argv) {
+  using namespace deformable_surface::io;
+  const bool is_scene = argc == 2 && argv[1] == std::string("--scene");
+  if (argc > 1 && !is_scene) {
+    std::fprintf(stderr, "parameters_page: found arguments; accepted: none (docs/parameters.md) or --scene (scenes/default.yaml)\n");
+    return 2;
+  }
+  return std::fputs((is_scene ? defaultScene() : parametersPage()).c_str(), stdout) < 0 ? 1 : 0;
+}

@@ -1,5 +1,7 @@
 #include "complaints.h"
 
+#include "deformable_surface/base/value.h"
+
 #include <ros/console.h>
 
 #include <cstring>
@@ -12,12 +14,6 @@ namespace {
 constexpr std::chrono::seconds kSilence(5);
 // More than a user's mistakes make together; names that keep changing must fill neither the memory nor the log.
 constexpr std::size_t kMaxCauses = 32;
-
-// Several problems come in several lines; the log wants one.
-std::string inOneLine(std::string text) {
-  for (std::size_t at; (at = text.find('\n')) != std::string::npos;) text.replace(at, 1, "; ");
-  return text;
-}
 
 // What tells causes apart: names in quotes as they are, of the rest no character that a number may have.
 std::string withoutNumbers(const std::string& text) {
@@ -34,7 +30,7 @@ std::string withoutNumbers(const std::string& text) {
 
 void Complaints::report(Complaint complaint, const std::string& sentence) {
   const std::lock_guard<std::mutex> lock(mutex_);
-  last_ = inOneLine(sentence);
+  last_ = toOneLine(sentence);
   last_time_ = Clock::now();
   ++counts_[static_cast<int>(complaint)];
   Cause& cause = findCause(complaint, last_);

@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 
 #include <cstdint>
 #include <exception>
@@ -42,7 +43,7 @@ FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Com
       fit(request, response);
     } catch (const std::exception& error) {
       response.success = false;
-      response.message = error.what();
+      response.message = toOneLine(error.what());
       complaints_.report(Complaint::kCallRefused, "call refused: " + response.message);
     }
     return true;

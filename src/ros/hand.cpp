@@ -5,6 +5,7 @@
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -234,7 +235,7 @@ void Hand::onTool(const Feedback& feedback) {
   try {
     readPose(feedback->pose);
   } catch (const InputError& error) {
-    return tell(error.what(), false);
+    return tell(toOneLine(error.what()), false);
   }
   found->second.tool.pose = feedback->pose;
   found->second.sent = ros::WallTime::now();

@@ -1,6 +1,6 @@
 #include "hand_markers.h"
 
-#include "deformable_surface/Tool.h"
+#include "deformable_surface/tool/tool_modes.h"
 
 #include <algorithm>
 #include <cmath>
@@ -91,14 +91,8 @@ InteractiveMarker makeInteractive(const std_msgs::Header& header, const std::str
 // Those of ~markers, a little transparent.
 std_msgs::ColorRGBA chooseColor(std::uint8_t mode) {
   constexpr float kAlpha = 0.6f;
-  switch (mode) {
-    case Tool::ATTRACT: return makeColor(0.2f, 0.4f, 0.9f, kAlpha);
-    case Tool::MOVE: return makeColor(0.2f, 0.8f, 0.3f, kAlpha);
-    case Tool::ERASE: return makeColor(0.9f, 0.9f, 0.9f, kAlpha);
-    case Tool::CUT: return makeColor(0.9f, 0.8f, 0.1f, kAlpha);
-    case Tool::HEAT: return makeColor(0.9f, 0.3f, 0.1f, kAlpha);
-    default: return makeColor(0.6f, 0.6f, 0.6f, kAlpha);
-  }
+  const auto& [red, green, blue] = tool::findMode(mode)->color;
+  return makeColor(red, green, blue, kAlpha);
 }
 
 // The hand makes no cones.

@@ -6,11 +6,13 @@
 #include "deformable_surface/SelectRegion.h"
 #include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/tool/tool_modes.h"
 
 #include <std_srvs/SetBool.h>
 #include <std_srvs/Trigger.h>
 
 #include <algorithm>
+#include <cctype>
 #include <limits>
 #include <random>
 #include <tuple>
@@ -52,15 +54,13 @@ void Hand::makeMenus() {
     add(spot_menu_, "Crease here", [this] { edit(EditParticlesRequest::CREASE, radius()); });
   }
 
-  struct Mode {
-    const char* name;
-    std::uint8_t mode;
-  };
-  std::vector<Mode> modes = {{"Solid", Tool::SOLID}, {"Attract", Tool::ATTRACT}, {"Move", Tool::MOVE}};
-  if (isOfParticles()) modes.insert(modes.end(), {{"Erase", Tool::ERASE}, {"Cut", Tool::CUT}, {"Heat", Tool::HEAT}});
   const auto mode_menu = tool_menu_.insert("Mode");
-  for (const Mode& mode : modes) {
-    tool_menu_.insert(mode_menu, mode.name, [this, mode = mode.mode](const Feedback& feedback) {
+  for (const tool::ModeInfo& info : tool::kModes) {
+    // What is no surface of particles may be any of the other two.
+    if (!(isOfParticles() ? info.oriented_particles.is_known : info.mass_spring.is_known && info.elastic_solid.is_known)) continue;
+    std::string title = info.name;
+    title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
+    tool_menu_.insert(mode_menu, title, [this, mode = info.code](const Feedback& feedback) {
       HandTool& tool = held_.at(feedback->marker_name).tool;
       tool.mode = mode;
       showTool(tool);

@@ -9,12 +9,18 @@ namespace deformable_surface::node {
 
 enum class InterfaceKind { kSubscribed, kPublished, kService };
 
+/// A message file, or a part of a service's.
+struct Definition {
+  std::string type;  // of this package, as in "Tool"; empty: it belongs to the entry alone
+  std::string text;
+};
+
 struct InterfaceEntry {
   InterfaceKind kind;
   std::string name;        // below the node's private name; a leading slash: global
   std::string type;        // as in "sensor_msgs/PointCloud2"
   std::string meaning;     // Markdown, without the bar of tables
-  std::string definition;  // what the message or service file says; empty for types of other packages
+  std::vector<Definition> definitions;  // its message files, the types that they use behind them; none: of another package
 };
 
 const std::vector<InterfaceEntry>& interfaceTable();

@@ -71,15 +71,8 @@ Vec3 onCircle(int k, int n) {
 }
 
 std_msgs::ColorRGBA chooseColor(tool::Mode mode) {
-  switch (mode) {
-    case tool::Mode::kSolid: return makeColor(0.6f, 0.6f, 0.6f);
-    case tool::Mode::kAttract: return makeColor(0.2f, 0.4f, 0.9f);
-    case tool::Mode::kMove: return makeColor(0.2f, 0.8f, 0.3f);
-    case tool::Mode::kErase: return makeColor(0.9f, 0.9f, 0.9f);
-    case tool::Mode::kCut: return makeColor(0.9f, 0.8f, 0.1f);
-    case tool::Mode::kHeat: break;
-  }
-  return makeColor(0.9f, 0.3f, 0.1f);
+  const auto& [red, green, blue] = tool::infoOf(mode).color;
+  return makeColor(red, green, blue);
 }
 
 void setPose(const tool::Pose& pose, Marker& marker) {

@@ -34,6 +34,10 @@ class PendingCommands {
 
   /// See ToolCommands.
   void setStanding(std::vector<Tool> tools) { tools_.setStanding(std::move(tools)); }
+  Index pinToFrame(const std_msgs::Header& header, const geometry::Region& region, simulation::Simulation& simulation,
+                   const std::string& frame) {
+    return tools_.pinToFrame(header, region, simulation, frame);
+  }
   /// The frame of the surface that commands are for. Those without a stamp that came before see their transforms now.
   void setSurfaceFrame(const std::string& frame);
   /// Too many: the oldest are dropped. In lockstep those without a stamp are refused.

@@ -49,7 +49,7 @@ class Finder : public Fields {
   void onText(const About&, std::string&) override {}
   void onVector(const About& about, double*, int size) override { add(about, false, size); }
   void onRows(const About&, Points&) override {}
-  void onChoice(const About&, int&, const std::vector<std::string>&, const std::vector<std::string>&) override {}
+  void onChoice(const About&, int&, const std::vector<std::string>&) override {}
   void onBounds(const About&, std::vector<NamedBounds>&, const std::vector<std::string>&) override {}
   bool onBegin(const About& about, bool) override {
     path_.push_back(about.name);
@@ -226,7 +226,7 @@ bool Reconfigure::set(const Config& wanted, Config& now) {
     try {
       stepper_.setParams(readRunTimeParams(wanted, stepper_.params()));
     } catch (const std::exception& error) {
-      problem = error.what();
+      problem = toOneLine(error.what());
     }
     now = printRunTimeParams(stepper_.params());
     // Also where nothing changed: clients show what they asked for until they hear otherwise.

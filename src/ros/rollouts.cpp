@@ -1,6 +1,7 @@
 #include "rollouts.h"
 
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/base/value.h"
 
 #include <algorithm>
 #include <chrono>
@@ -85,7 +86,7 @@ void Rollouts::accept(Server::GoalHandle goal) {
       cloud = stepper_.cloud();
       job->schedule.emplace(stepper_.scheduleFrom(job->copy->stepCount()));
     } catch (const std::exception& error) {
-      refusal = error.what();
+      refusal = toOneLine(error.what());
     }
   };
   if (refusal.empty()) {
@@ -97,7 +98,7 @@ void Rollouts::accept(Server::GoalHandle goal) {
       job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
       job->plan.cloud = cloud;
     } catch (const std::exception& error) {
-      refusal = error.what();
+      refusal = toOneLine(error.what());
     }
   }
   if (!refusal.empty()) {
@@ -164,7 +165,7 @@ void Rollouts::run(Job& job) {
   try {
     end = runRollout(job.plan, job.frame, *job.schedule, goes_on, *job.copy, result);
   } catch (const std::exception& error) {
-    result.message = error.what();
+    result.message = toOneLine(error.what());
   }
   job.copy.reset();
   if (end == RolloutEnd::kDone) {

@@ -175,7 +175,7 @@ bool Services::perform(Response& response, const Work& work, bool ends_step) {
       response.success = true;
     } catch (const std::exception& error) {
       response.success = false;
-      response.message = error.what();
+      response.message = toOneLine(error.what());
     }
   };
   const std::string refusal = inbox_.perform(answer, ends_step);
@@ -232,13 +232,17 @@ bool Services::select(const SelectRegionRequest& request, bool pinned, SelectReg
     stepper_.requireFree();
     if (request.orientation && !(pinned && stepper_.simulation()->particles()))
       throw InputError("orientation: found true; accepted: with ~pin of oriented particles");
-    const geometry::Region region = readRegion(request, stepper_.frame(), transforms_);
-    response.count =
-        static_cast<std::uint32_t>(pinned ? stepper_.simulation()->pin(region, request.orientation)
-                                          : stepper_.simulation()->unpin(region));
+    if (request.follow_frame && (!pinned || request.orientation || request.header.frame_id.empty()))
+      throw InputError("follow_frame: found true; accepted: with ~pin, a header.frame_id to follow and orientation false");
+    geometry::Region region = readRegion(request, stepper_.frame(), transforms_);
+    region.outside = request.outside;
+    simulation::Simulation& surface = *stepper_.simulation();
+    response.count = static_cast<std::uint32_t>(request.follow_frame ? stepper_.pinToFrame(request.header, region)
+                                                : pinned             ? surface.pin(region, request.orientation)
+                                                                     : surface.unpin(region));
     if (response.count == 0)
-      throw InputError(std::string("no ") + (pinned ? "" : "pinned ") +
-                       "simulation point lies in the shape; nothing was changed");
+      throw InputError(std::string("no ") + (pinned ? "" : "pinned ") + "simulation point lies " +
+                       (request.outside ? "outside of" : "in") + " the shape; nothing was changed");
     stepper_.show();
     return std::to_string(response.count) + " simulation points " + (pinned ? "pinned" : "freed");
   });

@@ -33,7 +33,7 @@ namespace {
 using simulation::SceneParams;
 using simulation::Simulation;
 
-constexpr int kDone = 0, kWrongInput = 2, kNoSoundStep = 3, kInterrupted = 128;
+constexpr int kDone = 0, kWrongInput = 2, kNoSoundStep = 3, kNotAsExpected = 4, kInterrupted = 128;
 
 // RViz shows nothing without a frame, and this one means "fixed in the world" everywhere (REP 105).
 constexpr char kDefaultFrame[] = "map";
@@ -73,7 +73,12 @@ class Run {
                        formatReal(1.0 / dt) + " (Hz)");
     }
     checkFilesDiffer(options, params_);
-    if (!params_.expect.empty() && isOtherRun(options, params_)) {
+    const bool is_other = isOtherRun(options, params_);
+    if (options.strict && (params_.expect.empty() || is_other))
+      throw InputError(std::string("--strict: found a scene ") +
+                       (is_other ? "with another cloud or duration than its own" : "without expect") +
+                       "; accepted: one that expects something of its own cloud and duration");
+    if (!params_.expect.empty() && is_other) {
       params_.expect.clear();
       note("what the scene expects is not looked at: it is of the scene's own cloud and duration");
     }
@@ -298,9 +303,10 @@ class Run {
     }
     if (statistics_) statistics_->finish();
     if (output_bag_) output_bag_->finish();
-    if (options_.quiet) return;
+    if (options_.quiet && !options_.strict) return;
     if (bag_) noteBag();
-    if (status_ == kDone) noteExpectations();
+    if (status_ == kDone) checkExpectations();
+    if (options_.quiet) return;
 
     const simulation::Statistics statistics = simulation_->statistics();
     float largest = 0.0f;
@@ -337,12 +343,16 @@ class Run {
          " s; --duration S sets its end");
   }
 
-  void noteExpectations() {
+  void checkExpectations() {
+    std::vector<std::string> violations;
     try {
-      for (const std::string& violation : simulation::checkExpectations(*simulation_)) note("not as expected: " + violation);
+      violations = simulation::checkExpectations(*simulation_);
     } catch (const InputError& error) {
-      for (const std::string& problem : error.problems()) note("not as expected: " + problem);
+      violations = error.problems();
     }
+    for (const std::string& violation : violations)
+      options_.strict ? report("not as expected: " + violation) : note("not as expected: " + violation);
+    if (options_.strict && !violations.empty() && status_ == kDone) status_ = kNotAsExpected;
   }
 
   // Stamp of the state, ns, and time since the run began, s.

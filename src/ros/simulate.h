@@ -23,7 +23,8 @@ struct Terminal {
 };
 
 /// arguments: without the name of the program. Returns the exit status: 0 done; 2 the command line, the scene or an input file is
-/// wrong (a line on err for each problem); 3 no sound step could be taken, and the last good state is written; 128 + the signal.
+/// wrong (a line on err for each problem); 3 no sound step could be taken, and the last good state is written; 4
+/// with --strict: the expectations of the scene are not kept, and everything is written; 128 + the signal.
 int simulate(const std::vector<std::string>& arguments, const Terminal& terminal);
 
 }  // namespace deformable_surface::node

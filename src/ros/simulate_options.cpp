@@ -12,7 +12,7 @@ namespace {
 
 const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",   "--frames",     "--frame_rate",
                                              "--bag_in", "--topic",    "--bag_out", "--statistics", "--threads"};
-const std::vector<std::string> kFlags{"--quiet", "--help"};
+const std::vector<std::string> kFlags{"--quiet", "--strict", "--help"};
 
 std::string refuseUnknown(const std::string& option) {
   std::vector<std::string> known = kValueOptions;
@@ -73,8 +73,8 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
       continue;
     }
     // Options without a value.
-    if (argument == "--quiet" || argument == "--help") {
-      (argument == "--quiet" ? options.quiet : options.help) = true;
+    if (std::find(kFlags.begin(), kFlags.end(), argument) != kFlags.end()) {
+      (argument == "--quiet" ? options.quiet : argument == "--strict" ? options.strict : options.help) = true;
       continue;
     }
     // Options with a value.
@@ -135,11 +135,12 @@ std::string describeOptions() {
          "  --bag_out OUT.bag     what the node would publish, under /deformable_surface/, stamped in simulation time\n"
          "  --statistics FILE.csv one row per step\n"
          "  --threads N           worker threads; the result is the same for every N\n"
+         "  --strict              exit status 4 if the scene's expectations are not kept\n"
          "  --quiet               errors only\n\n"
          "What the scene expects of its own cloud and duration is looked at after the last step: each bound that is not kept\n"
-         "is a note, and no error.\n"
+         "is a note, with --strict an error.\n"
          "Exit status: 0 done; 2 the command line, the scene or an input file is wrong; 3 no sound step could be taken, and\n"
-         "the last good state is written.\n";
+         "the last good state is written; 4 with --strict: done, but not as expected.\n";
 }
 
 }  // namespace deformable_surface::node

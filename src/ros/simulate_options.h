@@ -11,6 +11,7 @@ namespace deformable_surface::node {
 struct SimulateOptions {
   bool help = false;
   bool quiet = false;
+  bool strict = false;  // expectations that are not kept are an error
   std::string scene;
   std::vector<std::string> assignments;  // KEY=VALUE of --set, then of --duration and --threads
   std::string final_file, frames_directory, statistics_file, bag_in, bag_out;  // empty = not wanted

@@ -54,6 +54,10 @@ class Stepper {
 
   /// See ToolCommands. Before the first turn.
   void setStanding(std::vector<Tool> tools) { commands_.setStanding(std::move(tools)); }
+  /// See ToolCommands.
+  Index pinToFrame(const std_msgs::Header& header, const geometry::Region& region) {
+    return commands_.pinToFrame(header, region, *simulation_, frame_);
+  }
   std::vector<std::string> waitingForces() const { return commands_.waitingForces(); }
 
   /// Waits for the next thing to do, but not beyond the given time, and does it. Returns false when the inbox is closed.

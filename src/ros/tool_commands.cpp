@@ -95,6 +95,19 @@ Solid readShape(const Tool& command) {
   throw InputError("shape: found " + std::to_string(command.shape) + "; accepted: 0 (PRIMITIVE), 1 (PLANE), 2 (MESH)");
 }
 
+static_assert(tool::infoOf(Mode::kSolid).code == Tool::SOLID && tool::infoOf(Mode::kAttract).code == Tool::ATTRACT &&
+                  tool::infoOf(Mode::kMove).code == Tool::MOVE && tool::infoOf(Mode::kErase).code == Tool::ERASE &&
+                  tool::infoOf(Mode::kCut).code == Tool::CUT && tool::infoOf(Mode::kHeat).code == Tool::HEAT,
+              "the table of modes has the codes of the message");
+
+// "0 (SOLID), 1 (ATTRACT), ...".
+std::string listModeCodes() {
+  std::string all;
+  for (const tool::ModeInfo& info : tool::kModes)
+    all += (all.empty() ? "" : ", ") + std::to_string(info.code) + " (" + tool::messageName(info) + ")";
+  return all;
+}
+
 double findReach(const Solid& solid) {
   if (solid.kind == Solid::Kind::kPlane)
     throw InputError("shape: found a PLANE that is to ATTRACT, whose reach would be without end; accepted: PRIMITIVE, MESH");
@@ -139,13 +152,9 @@ bool removeTools(const Tool& command, simulation::Simulation& simulation) {
 ToolParams readTool(const Tool& command) {
   ToolParams tool;
   tool.id = command.id;
-  // In the order of the constants of the message.
-  constexpr Mode kModes[] = {Mode::kSolid, Mode::kAttract, Mode::kMove, Mode::kErase, Mode::kCut, Mode::kHeat};
-  if (command.mode > Tool::HEAT) {
-    throw InputError("mode: found " + std::to_string(command.mode) +
-                     "; accepted: 0 (SOLID), 1 (ATTRACT), 2 (MOVE), 3 (ERASE), 4 (CUT), 5 (HEAT)");
-  }
-  tool.mode = kModes[command.mode];
+  const tool::ModeInfo* const mode = tool::findMode(command.mode);
+  if (!mode) throw InputError("mode: found " + std::to_string(command.mode) + "; accepted: " + listModeCodes());
+  tool.mode = mode->mode;
   tool.shape = readShape(command);
   tool.friction = command.friction;
   tool.strength = command.strength;
@@ -279,8 +288,46 @@ std::string ToolCommands::missingFrame(const ros::Time& stamp, const std::string
   return "";
 }
 
+Index ToolCommands::pinToFrame(const std_msgs::Header& header, const geometry::Region& region,
+                               simulation::Simulation& simulation, const std::string& surface_frame) {
+  if (pins_.size() >= kMaxTools)
+    throw InputError("found " + std::to_string(pins_.size()) + " pins that follow frames already; accepted: no more");
+  Course course;
+  course.given = course.arrives = simulation.time();
+  course.frame = header.frame_id;
+  course.follows_frame = true;
+  course.T_surface_frame = findTransform("header.frame_id", header.frame_id, surface_frame, header.stamp, transforms_);
+  std::size_t number = 0;
+  const auto nameOf = [](std::size_t k) { return "followed pin " + std::to_string(k); };
+  while (pins_.count(nameOf(number)) > 0 || simulation.findPinPath(nameOf(number))) ++number;
+  const Index count = simulation.pinAlong(nameOf(number), region, {makeWaypoint(course.given, course.predict(course.given))});
+  if (count > 0) pins_[nameOf(number)] = course;
+  return count;
+}
+
+void ToolCommands::movePins(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame,
+                            std::vector<std::string>& problems) {
+  const double now = simulation.time(), step = simulation.params().integrator.time_step;
+  for (auto entry = pins_.begin(); entry != pins_.end();) {
+    auto& [id, course] = *entry;
+    const std::vector<tool::WaypointParams>* const path = simulation.findPinPath(id);
+    if (!path) {  // all of its points are free again
+      entry = pins_.erase(entry);
+      continue;
+    }
+    ++entry;
+    try {
+      lookAtFrame("pin", stamp, now, step, surface_frame, course);
+      const double end = std::max(course.arrives, now + step);
+      simulation.movePin(id, {makeWaypoint(now, tool::interpolate(*path, now)), makeWaypoint(end, course.predict(end))});
+    } catch (const InputError& error) {
+      problems.push_back(std::string(error.what()) + "; the pinned points stay where they are");
+    }
+  }
+}
+
 bool ToolCommands::isMoving() const {
-  return stand_.size() < standing_.size() ||
+  return !pins_.empty() || stand_.size() < standing_.size() ||
          std::any_of(courses_.begin(), courses_.end(), [](const auto& entry) { return entry.second.isMoving(); });
 }
 
@@ -320,6 +367,7 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
       noticeSilence(stamp, course);
     }
   }
+  movePins(stamp, simulation, surface_frame, problems);
   return problems;
 }
 

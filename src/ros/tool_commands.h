@@ -73,6 +73,11 @@ class ToolCommands {
   /// former, and for each that falls silent.
   std::vector<std::string> move(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame);
 
+  /// Pins the points in a region and has the header's frame of tf carry them, as it carries tools. Returns how many; throws
+  /// InputError for a frame that is not known.
+  Index pinToFrame(const std_msgs::Header& header, const geometry::Region& region, simulation::Simulation& simulation,
+                   const std::string& surface_frame);
+
   /// Tools that are there without anybody sending them: each is added as soon as its frame is known, and again after forget();
   /// one that is deleted stays away until then.
   void setStanding(std::vector<Tool> tools) { standing_ = std::move(tools); }
@@ -87,17 +92,19 @@ class ToolCommands {
   /// The surface is another or at rest again: the tools of before are gone.
   void forget() {
     courses_.clear();
+    pins_.clear();
     stand_.clear();
   }
 
   /// What a snapshot needs: where tools are going, by id, and which of those that stand have been added.
   struct Memory {
-    std::map<std::string, Course> courses;
+    std::map<std::string, Course> courses, pins;
     std::set<std::string> stand;
   };
-  Memory memory() const { return {courses_, stand_}; }
+  Memory memory() const { return {courses_, pins_, stand_}; }
   void setMemory(const Memory& memory) {
     courses_ = memory.courses;
+    pins_ = memory.pins;
     stand_ = memory.stand;
   }
 
@@ -107,6 +114,8 @@ class ToolCommands {
  private:
   void lookAtFrame(const std::string& what, const ros::Time& stamp, double now, double step, const std::string& surface_frame,
                    Course& course) const;
+  void movePins(const ros::Time& stamp, simulation::Simulation& simulation, const std::string& surface_frame,
+                std::vector<std::string>& problems);
 
   std::string endVelocity(double now, double step, Course& course) const;
   std::string noticeSilence(const ros::Time& stamp, Course& course) const;
@@ -114,6 +123,7 @@ class ToolCommands {
   const tf2::BufferCore& transforms_;
   const double timeout_;  // s
   std::map<std::string, Course> courses_;  // by id
+  std::map<std::string, Course> pins_;     // that follow a frame, by their name in the simulation
   std::vector<Tool> standing_;
   std::set<std::string> stand_;            // ids of those that have been added
 };

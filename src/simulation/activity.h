@@ -39,7 +39,6 @@ class Activity {
   double speed() const { return tolerance_ / quiet_time_; }  // m/s
   double acceleration() const;                               // m/s^2
   double tolerance() const { return tolerance_; }                                         // m
-  double quietTime() const { return quiet_time_; }                                        // s
 
   /// Everything moves, and what lies in balance may be looked for at once.
   void reset();
@@ -70,7 +69,6 @@ class Activity {
   /// From now on nothing sleeps unless everything does.
   void setOnlyWholly(bool only_wholly) { only_wholly_ = only_wholly; }
   bool isFresh() const { return memory_.is_fresh; }
-  void lookedAfresh() { memory_.is_fresh = false; }
 
   /// After a step of a state: counts quiet steps. Returns true if more tiles move than before.
   bool observe(const State& state);

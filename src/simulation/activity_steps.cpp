@@ -83,6 +83,10 @@ void Simulation::Impl::wakeForStep(const NamedForces::Update& update) {
   for (const Eigen::AlignedBox3d& box : tool_watch.look(tools, static_cast<double>(steps + 1) * params.integrator.time_step))
     activity.wakeIn(box);
   if (!tool_watch.changed().empty()) changed();
+  if (const std::vector<Index> moving = grips.findMovingPins(time(), time() + params.integrator.time_step); !moving.empty()) {
+    activity.wake(moving);
+    changed();
+  }
   if (was_whole || !activity.isWhole()) return;
   part.reset();
   march.resume();
@@ -141,6 +145,7 @@ void Simulation::Impl::beginAsleep(double now) {
   march.prepare(now, state);
   part_march = march.memory();
   for (const Eigen::AlignedBox3d& box : tool_watch.changed()) activity.wakeIn(box);
+  activity.wake(grips.findMovingPins(now, now + params.integrator.time_step));
   changed();
 }
 

@@ -154,7 +154,7 @@ void ContactLoad::addReactions(double time, const model::State& state, std::vect
     forEachTouch(body, time, state.positions, [&](const Touch& touch) {
       const Vec3& x = state.positions[touch.point];
       const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
-      const Vec3 on_point = touch.force + FrictionLoad::findForce(*this, tool, touch, sliding);
+      const Vec3 on_point = touch.force + FrictionLoad::Law(*this, tool, touch).findForce(sliding);
       force -= on_point;
       torque -= (x - pose.position).cross(on_point);
       ++found->contacts;
@@ -175,69 +175,75 @@ void ContactLoad::appendContacts(double time, const model::State& state, const s
       const Vec3& x = state.positions[touch.point];
       const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
       contacts.push_back(
-          {place, touch.point, x, touch.normal, touch.force + FrictionLoad::findForce(*this, tool, touch, sliding)});
+          {place, touch.point, x, touch.normal, touch.force + FrictionLoad::Law(*this, tool, touch).findForce(sliding)});
     });
   }
 }
 
+bool FrictionLoad::rubs(const ToolParams& tool) { return tool.friction > 0.0 && isPushing(tool); }
+
 bool FrictionLoad::isEmpty() const {
   return std::none_of(contact_.bodies_.begin(), contact_.bodies_.end(),
-                      [](const ContactLoad::Body& body) { return body.tool.friction > 0.0; });
+                      [](const ContactLoad::Body& body) { return rubs(body.tool); });
 }
 
-Vec3 FrictionLoad::findForce(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch,
-                             const Vec3& sliding) {
-  if (!(tool.friction > 0.0) || !isPushing(tool)) return Vec3::Zero();
-  const double speed = sliding.norm(), most = contact.masses_[touch.point] * contact.rate_ * speed;
+FrictionLoad::Law::Law(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch)
+    : limit(rubs(tool) ? tool.friction * touch.force.norm() : 0.0), creep(rubs(tool) ? creepOf(contact, touch.point) : 0.0) {}
+
+double FrictionLoad::Law::creepOf(const ContactLoad& contact, Index point) { return contact.masses_[point] * contact.rate_; }
+
+Vec3 FrictionLoad::Law::findForce(const Vec3& sliding) const {
+  const double speed = sliding.norm();
   if (!(speed > 0.0)) return Vec3::Zero();
-  return -std::min(tool.friction * touch.force.norm(), most) / speed * sliding;
+  return -std::min(limit, creep * speed) / speed * sliding;
+}
+
+double FrictionLoad::Law::findDamping(const Vec3& sliding) const {
+  const double speed = sliding.norm();
+  return speed > 0.0 ? std::min(limit / speed, creep) : creep;
+}
+
+// Calls visit(touch, law, motion) for every point that a tool rubs; motion: that of the tool at the time motion_time.
+template <class Visit>
+void FrictionLoad::forEachRub(double motion_time, double time, const Points& positions, Visit&& visit) const {
+  for (const ContactLoad::Body& body : contact_.bodies_) {
+    if (!rubs(body.tool)) continue;
+    const tool::Motion motion = tool::findMotion(body.tool.path, motion_time);
+    contact_.forEachTouch(body, time, positions, [&](const ContactLoad::Touch& touch) {
+      visit(touch, Law(contact_, body.tool, touch), motion);
+    });
+  }
 }
 
 void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
-  for (const ContactLoad::Body& body : contact_.bodies_) {
-    const ToolParams& tool = body.tool;
-    if (!(tool.friction > 0.0)) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, time);
-    contact_.forEachTouch(body, time, state.positions, [&](const ContactLoad::Touch& touch) {
-      const Vec3 sliding = findSliding(motion, state.positions[touch.point], state.velocities[touch.point], touch.normal);
-      forces[touch.point] += findForce(contact_, tool, touch, sliding);
-    });
-  }
+  forEachRub(time, time, state.positions, [&](const ContactLoad::Touch& touch, const Law& law, const tool::Motion& motion) {
+    const Index i = touch.point;
+    forces[i] += law.findForce(findSliding(motion, state.positions[i], state.velocities[i], touch.normal));
+  });
   contact_.seconds_ += timer.seconds();
 }
 
 double FrictionLoad::estimateWork(double from, double to, const model::State&, const model::State& after) const {
   double work = 0.0;
-  for (const ContactLoad::Body& body : contact_.bodies_) {
-    const ToolParams& tool = body.tool;
-    if (!(tool.friction > 0.0)) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, from);
-    contact_.forEachTouch(body, to, after.positions, [&](const ContactLoad::Touch& touch) {
-      work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
-    });
-  }
+  forEachRub(from, to, after.positions, [&](const ContactLoad::Touch& touch, const Law& law, const tool::Motion& motion) {
+    work += law.limit * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
+  });
   return work;
 }
 
 void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  for (const ContactLoad::Body& body : contact_.bodies_) {
-    const ToolParams& tool = body.tool;
-    if (!(tool.friction > 0.0)) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, time);
-    contact_.forEachTouch(body, time, state.positions, [&](const ContactLoad::Touch& touch) {
-      const Vec3 sliding = findSliding(motion, state.positions[touch.point], state.velocities[touch.point], touch.normal);
-      const double speed = sliding.norm(), most = contact_.masses_[touch.point] * contact_.rate_;
-      const double damping = speed > 0.0 ? std::min(tool.friction * touch.force.norm() / speed, most) : most;
-      stiffness.add(touch.point, touch.point, damping / step * (Mat3::Identity() - touch.normal * touch.normal.transpose()));
-    });
-  }
+  forEachRub(time, time, state.positions, [&](const ContactLoad::Touch& touch, const Law& law, const tool::Motion& motion) {
+    const Index i = touch.point;
+    const double damping = law.findDamping(findSliding(motion, state.positions[i], state.velocities[i], touch.normal));
+    stiffness.add(i, i, damping / step * (Mat3::Identity() - touch.normal * touch.normal.transpose()));
+  });
 }
 
 void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
   for (const ContactLoad::Body& body : contact_.bodies_)
-    for (Index i = 0; body.tool.friction > 0.0 && i < state.size(); ++i) damping[i] += contact_.masses_[i] * contact_.rate_;
+    for (Index i = 0; rubs(body.tool) && i < state.size(); ++i) damping[i] += Law::creepOf(contact_, i);
 }
 
 }  // namespace deformable_surface::simulation

@@ -16,12 +16,84 @@ void Grips::setTools(const std::vector<tool::ToolParams>& tools) {
   for (const tool::ToolParams& tool : tools) {
     if (tool.mode != tool::Mode::kMove) continue;
     Grip grip;
-    const auto before = std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return g.tool.id == tool.id; });
+    const auto before =
+        std::find_if(grips_.begin(), grips_.end(), [&](const Grip& g) { return !g.is_pin && g.tool.id == tool.id; });
     if (before != grips_.end() && before->tool.start == tool.start) grip = *before;
     grip.tool = tool;
     grips.push_back(std::move(grip));
   }
+  for (Grip& grip : grips_)
+    if (grip.is_pin) grips.push_back(std::move(grip));
   grips_ = std::move(grips);
+}
+
+void Grips::addPin(const std::string& id, const std::vector<tool::WaypointParams>& path, double time, std::vector<Index> points,
+                   const model::State& state) {
+  std::vector<char> kept(state.positions.size(), 1);
+  for (const Index i : points) kept[i] = 0;
+  keepOnPins(kept);
+  Grip grip;
+  grip.is_pin = grip.has_begun = true;
+  grip.tool.mode = tool::Mode::kMove;
+  grip.tool.id = id;
+  grip.tool.path = path;
+  const tool::Pose pose = tool::interpolate(path, time);
+  for (const Index i : points)
+    grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
+  grip.points = std::move(points);
+  grips_.push_back(std::move(grip));
+}
+
+void Grips::movePin(const std::string& id, const std::vector<tool::WaypointParams>& path) {
+  for (Grip& grip : grips_)
+    if (grip.is_pin && grip.tool.id == id) grip.tool.path = path;
+}
+
+const Grips::Grip* Grips::findPin(const std::string& id) const {
+  for (const Grip& grip : grips_)
+    if (grip.is_pin && grip.tool.id == id) return &grip;
+  return nullptr;
+}
+
+void Grips::keepOnPins(const std::vector<char>& kept) {
+  for (Grip& grip : grips_) {
+    if (!grip.is_pin) continue;
+    std::size_t count = 0;
+    for (std::size_t k = 0; k < grip.points.size(); ++k) {
+      if (!kept[grip.points[k]]) continue;
+      grip.points[count] = grip.points[k];
+      grip.places[count++] = grip.places[k];
+    }
+    grip.points.resize(count);
+    grip.places.resize(count);
+  }
+  const auto isGone = [](const Grip& grip) { return grip.is_pin && grip.points.empty(); };
+  grips_.erase(std::remove_if(grips_.begin(), grips_.end(), isGone), grips_.end());
+}
+
+void Grips::clearPins() {
+  grips_.erase(std::remove_if(grips_.begin(), grips_.end(), [](const Grip& grip) { return grip.is_pin; }), grips_.end());
+}
+
+bool Grips::hasPins() const {
+  return std::any_of(grips_.begin(), grips_.end(), [](const Grip& grip) { return grip.is_pin; });
+}
+
+bool Grips::isOnPin(Index point) const {
+  return std::any_of(grips_.begin(), grips_.end(), [&](const Grip& grip) {
+    return grip.is_pin && std::binary_search(grip.points.begin(), grip.points.end(), point);
+  });
+}
+
+std::vector<Index> Grips::findMovingPins(double from, double to) const {
+  std::vector<Index> moving;
+  for (const Grip& grip : grips_) {
+    if (!grip.is_pin) continue;
+    const tool::Pose before = tool::interpolate(grip.tool.path, from), after = tool::interpolate(grip.tool.path, to);
+    if (before.position == after.position && before.orientation.coeffs() == after.orientation.coeffs()) continue;
+    moving.insert(moving.end(), grip.points.begin(), grip.points.end());
+  }
+  return moving;
 }
 
 bool Grips::readForces() const {
@@ -30,6 +102,7 @@ bool Grips::readForces() const {
 
 void Grips::reset() {
   for (Grip& grip : grips_) {
+    if (grip.is_pin) continue;
     grip.has_begun = false;
     grip.points.clear();
     grip.places.clear();
@@ -45,6 +118,7 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
     update.changed = true;
   };
   for (Grip& grip : grips_) {
+    if (grip.is_pin) continue;
     const bool active = tool::isActive(grip.tool, time + slack);
     if (!active && !grip.points.empty()) letGo(grip);
     if (active && !grip.has_begun) {
@@ -97,6 +171,7 @@ void Grips::renumber(const std::vector<Index>& new_index) {
 void Grips::addReactions(double time, const model::State& state, const Points& forces,
                          std::vector<ToolReaction>& reactions) const {
   for (const Grip& grip : grips_) {
+    if (grip.is_pin) continue;
     const auto found =
         std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == grip.tool.id; });
     if (found == reactions.end()) continue;

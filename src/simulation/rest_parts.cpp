@@ -46,6 +46,9 @@ bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s) {
 }
 
 void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
+  if (found.num_joined > static_cast<Index>(s.dense.positions.size()) / kGapShare)
+    s.warnings.push_back(count(found.num_joined, "points are linked to points in front of them, whose normals face theirs: ") +
+                         "a gap is too narrow for the sampling, and its sides stick together");
   if (found.margin < kClearMargin && hasGaps(found, s))
     s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
                       "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +

@@ -43,7 +43,7 @@ void Simulation::setState(const model::State& state) {
     if (!isWithin(state.velocities[i], kMaxSpeed))
       throw InputError(point + "found a velocity that is not finite or too large; accepted: up to " +
                        formatReal(kMaxSpeed) + " m/s");
-    if (impl_->pinned[i] && !state.velocities[i].isZero(0.0))
+    if (impl_->pinned[i] && !impl_->grips.isOnPin(static_cast<Index>(i)) && !state.velocities[i].isZero(0.0))
       throw InputError(point + "found a velocity though it is pinned; accepted: zero");
   }
   impl_->leaveTrial("a state was given");
@@ -115,8 +115,8 @@ void Simulation::Impl::disturb(double size, Points& positions) const {
 
 void Simulation::setTool(const tool::ToolParams& tool) {
   std::vector<std::string> problems = checkParams(tool);
-  const ModelKind model = impl_->params.model;
-  if (!hasToolMode(model, tool.mode)) problems.push_back("mode: " + describeWrongToolMode(model, tool.mode));
+  for (const ToolProblem& problem : findToolProblems(impl_->params.model, tool))
+    problems.push_back(problem.field + ": " + problem.sentence);
   for (std::string& problem : problems) problem = "tool " + quote(tool.id) + " " + problem;
   if (!problems.empty()) throw InputError(std::move(problems));
   std::vector<tool::ToolParams> tools = impl_->tools;
@@ -156,8 +156,10 @@ const std::vector<tool::ToolParams>& Simulation::tools() const { return impl_->t
 
 Index Simulation::pin(const geometry::Region& region, bool orientation) {
   Index changed = 0;
+  std::vector<char> kept(impl_->state.positions.size(), 1);  // on the pins that carry them
   for (Index i = 0; i < impl_->state.size(); ++i) {
     if (!region.contains(impl_->state.positions[i])) continue;
+    kept[i] = 0;
     impl_->pinned[i] = 1;
     impl_->state.velocities[i].setZero();
     if (!impl_->pinned_turns.empty() && orientation) {
@@ -166,9 +168,49 @@ Index Simulation::pin(const geometry::Region& region, bool orientation) {
     }
     ++changed;
   }
+  impl_->grips.keepOnPins(kept);
   if (changed > 0) impl_->wakeAll();
   impl_->forward([&](Simulation& copy) { copy.pin(region, orientation); });
   return changed;
+}
+
+Index Simulation::pinAlong(const std::string& id, const geometry::Region& region,
+                           const std::vector<tool::WaypointParams>& path) {
+  const std::string problem = tool::findProblem(path);
+  if (!problem.empty()) throw InputError("pin " + quote(id) + " " + problem);
+  if (impl_->grips.findPin(id)) throw InputError("pin " + quote(id) + ": there is one already; accepted: a name of its own");
+  std::vector<Index> points;
+  for (Index i = 0; i < impl_->state.size(); ++i) {
+    if (!region.contains(impl_->state.positions[i])) continue;
+    impl_->pinned[i] = 1;
+    impl_->state.velocities[i].setZero();
+    points.push_back(i);
+  }
+  const Index changed = static_cast<Index>(points.size());
+  if (changed > 0) {
+    impl_->grips.addPin(id, path, impl_->time(), std::move(points), impl_->state);
+    impl_->wakeAll();
+  }
+  impl_->forward([&](Simulation& copy) { copy.pinAlong(id, region, path); });
+  return changed;
+}
+
+void Simulation::movePin(const std::string& id, const std::vector<tool::WaypointParams>& path) {
+  const std::string problem = tool::findProblem(path);
+  if (!problem.empty()) throw InputError("pin " + quote(id) + " " + problem);
+  // A coarser copy may have had no point in the region.
+  if (const Grips::Grip* const pin = impl_->grips.findPin(id)) {
+    const tool::Pose before = tool::interpolate(pin->tool.path, impl_->time()), after = tool::interpolate(path, impl_->time());
+    if (before.position != after.position || before.orientation.coeffs() != after.orientation.coeffs())
+      impl_->activity.wake(pin->points);
+    impl_->grips.movePin(id, path);
+  }
+  impl_->forward([&](Simulation& copy) { copy.movePin(id, path); });
+}
+
+const std::vector<tool::WaypointParams>* Simulation::findPinPath(const std::string& id) const {
+  const Grips::Grip* const pin = impl_->grips.findPin(id);
+  return pin ? &pin->tool.path : nullptr;
 }
 
 Index Simulation::unpin(const geometry::Region& region) {
@@ -178,6 +220,7 @@ Index Simulation::unpin(const geometry::Region& region) {
       impl_->pinned[i] = impl_->pinned_turns[i] = 0;
       ++changed;
     }
+  impl_->grips.keepOnPins(impl_->pinned);
   if (changed > 0) impl_->wakeAll();
   impl_->forward([&](Simulation& copy) { copy.unpin(region); });
   return changed;
@@ -271,6 +314,7 @@ std::vector<Index> Simulation::editParticles(const ParticleEdit& edit) {
   impl_->requireParticles();
   const ParticleLife::Changes changes = impl_->life->edit(edit, impl_->state, impl_->pinned, impl_->pinned_turns);
   impl_->follow(changes);
+  impl_->grips.keepOnPins(impl_->pinned);
   impl_->model->adopt(impl_->state);
   impl_->march.restart();
   impl_->wakeAll();

@@ -140,6 +140,7 @@ struct Simulation::Impl {
   static std::unique_ptr<Impl> make(const SceneParams& params, cloud::PointCloud&& cloud,
                                     RestSurface built);  // which nobody else has
   std::vector<AnchorLoad::Anchor> makeAnchors() const;
+  void placePins();
   void placeAnchors();
   void chooseLoads();
   void setTools(std::vector<tool::ToolParams> given);

@@ -76,6 +76,21 @@ void Simulation::Impl::placeAnchors() {
   anchors.renumber(index_of_id);
 }
 
+// Those that go along a path. A point of two pins goes with the first.
+void Simulation::Impl::placePins() {
+  grips.clearPins();
+  std::vector<std::vector<Index>> points(params.pins.size());
+  for (Index i = 0; i < state.size(); ++i)
+    for (std::size_t p = 0; p < params.pins.size(); ++p) {
+      if (!params.pins[p].region.contains(rest.points[i])) continue;
+      points[p].push_back(i);
+      break;
+    }
+  for (std::size_t p = 0; p < params.pins.size(); ++p)
+    if (!params.pins[p].path.empty() && !points[p].empty())
+      grips.addPin("pins[" + std::to_string(p) + "]", params.pins[p].path, 0.0, std::move(points[p]), state);
+}
+
 // Only the loads that can act are evaluated.
 void Simulation::Impl::chooseLoads() {
   loads = {&forces};
@@ -126,6 +141,7 @@ void Simulation::Impl::reset() {
   steps = 0;
   pinned = rest.pinned;
   pinned_turns = rest.pinned_turns;
+  placePins();
   placeAnchors();
   if (particles) {
     life = std::make_unique<ParticleLife>(*particles);

@@ -137,7 +137,7 @@ bool Simulation::Impl::isHeldAround() const {
 // whether the state was changed.
 bool Simulation::Impl::beginNested() {
   if (params.integrator.type != solve::IntegratorType::kStatic || system.isOriented() || steps > 0) return false;
-  if (pinned != rest.pinned || state.positions != rest.points) return false;
+  if (pinned != rest.pinned || grips.hasPins() || state.positions != rest.points) return false;
   if (isHeldAround() && system.hasElasticityAlone(time() + params.integrator.time_step, state)) return false;
   SceneParams scene = params;
   scene.gravity = gravity.gravity;

@@ -260,7 +260,7 @@ bool TimeMarch::isInSpace(const State& state) const {
 std::string TimeMarch::describeFailure(const SolveReport& report, const State& state) const {
   if (substeps_needed_ > 0)
     return "needs " + std::to_string(substeps_needed_) + " sub-steps, more than the " + std::to_string(kHopeless) +
-           " that can be waited for (the implicit method needs none)";
+           " that can be waited for" + (system_.isOriented() ? "" : " (the implicit method needs none)");
   if (!report.finite) return "gave values that are not finite";
   if (!isInSpace(state)) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
   return "gained energy that nothing had put in (from " + formatReal(guard_.energyBefore()) + " to " +

@@ -17,7 +17,6 @@ constexpr Index kUsualNeighbors = 8;
 
 using Float4 = float __attribute__((vector_size(4 * sizeof(float))));
 using Float8 = float __attribute__((vector_size(kLanes * sizeof(float))));
-using Choice = int __attribute__((vector_size(kLanes * sizeof(int))));
 
 DEFORMABLE_SURFACE_INLINE void load(const float* from, Float8& to) { std::memcpy(&to, from, sizeof to); }
 DEFORMABLE_SURFACE_INLINE void store(const Float8& from, float* to) { std::memcpy(to, &from, sizeof from); }
@@ -74,18 +73,19 @@ DEFORMABLE_SURFACE_INLINE void takeRoots(Float8& v) {
 
 // Vectors x y z 0 in memory, one for each point.
 DEFORMABLE_SURFACE_INLINE void gather(const float* vectors, const Index* index, Vec3x8& to) {
-  const Choice low{0, 8, 1, 9, 4, 12, 5, 13}, high{2, 10, 3, 11, 6, 14, 7, 15};
-  const Choice first{0, 1, 8, 9, 4, 5, 12, 13}, second{2, 3, 10, 11, 6, 7, 14, 15};
-  Float8 a, b, c, d;
+  Float8 a, b, c, d, ab, cd;
   const auto at = [&](int lane) { return vectors + 4 * static_cast<std::size_t>(index[lane]); };
   loadTwo(at(0), at(4), a);
   loadTwo(at(1), at(5), b);
   loadTwo(at(2), at(6), c);
   loadTwo(at(3), at(7), d);
-  const Float8 ab = __builtin_shuffle(a, b, low), cd = __builtin_shuffle(c, d, low);
-  to.x = __builtin_shuffle(ab, cd, first);
-  to.y = __builtin_shuffle(ab, cd, second);
-  to.z = __builtin_shuffle(__builtin_shuffle(a, b, high), __builtin_shuffle(c, d, high), first);
+  pick<0, 8, 1, 9, 4, 12, 5, 13>(a, b, ab);
+  pick<0, 8, 1, 9, 4, 12, 5, 13>(c, d, cd);
+  pick<0, 1, 8, 9, 4, 5, 12, 13>(ab, cd, to.x);
+  pick<2, 3, 10, 11, 6, 7, 14, 15>(ab, cd, to.y);
+  pick<2, 10, 3, 11, 6, 14, 7, 15>(a, b, ab);
+  pick<2, 10, 3, 11, 6, 14, 7, 15>(c, d, cd);
+  pick<0, 1, 8, 9, 4, 5, 12, 13>(ab, cd, to.z);
 }
 
 // Unit normals from the tangents now: at rest and after every rotation, n is along T_x x T_y + s_x T_x + s_y T_y.

@@ -172,3 +172,36 @@ TEST(CheckParams, FindsWhatAProgramSetWrong) {
   params.count = 0;
   EXPECT_EQ(checkParams(params).size(), 2u);
 }
+
+TEST(Quote, ShowsWholeCharactersAndNoneThatATerminalObeys) {
+  EXPECT_EQ(quote("a\x1b[2J\nb\x7f"), "'a?[2J?b?'");
+  EXPECT_EQ(quote("\u00fcber"), "'\u00fcber'");
+  EXPECT_EQ(quote("\xc3("), "'?('");           // cut UTF-8
+  EXPECT_EQ(quote("\xc2\x9b!"), "'??!'");      // a control character of two bytes
+  EXPECT_EQ(quote("\xed\xa0\x80"), "'???'");   // a surrogate
+  // Cut between characters.
+  EXPECT_EQ(quote(std::string(59, 'a') + "\u00fc" + "b"), "'" + std::string(59, 'a') + "...'");
+}
+
+TEST(InputError, ShowsNoCharacterThatATerminalObeys) {
+  const InputError error({"a\tb", "c\x1b[1m"});
+  EXPECT_STREQ(error.what(), "a?b\nc?[1m");
+  EXPECT_EQ(error.problems()[1], "c?[1m");
+}
+
+TEST(ToOneLine, JoinsLinesAndHasABound) {
+  EXPECT_EQ(toOneLine(""), "");
+  EXPECT_EQ(toOneLine("one\ntwo\n"), "one; two");
+  EXPECT_EQ(toOneLine("one\r\ntwo"), "one?; two");
+  const std::string sentence(150, 's');
+  std::string all = sentence;
+  for (int k = 0; k < 7; ++k) all += "\n" + sentence;
+  EXPECT_EQ(toOneLine(all), sentence + "; " + sentence + "; and 6 more");
+  EXPECT_LE(toOneLine(std::string(100000, 'x')).size(), 410u);
+  EXPECT_EQ(toOneLine(std::string(100000, 'x')).substr(400), "...");
+}
+
+TEST(FormatShort, GivesNoSignToWhatIsNoNumber) {
+  EXPECT_EQ(formatShort(-std::nan("")), "nan");
+  EXPECT_EQ(formatShort(std::nan("")), "nan");
+}

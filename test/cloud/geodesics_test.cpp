@@ -133,6 +133,56 @@ TEST(Geodesics, RoundLegsAreToldApartBesideWhereTheyAreNearestToo) {
   }
 }
 
+// An annulus of radii 6 and 10 with a slit along +x: at its corners few points see the other side, by lists that reach far.
+Points makeSlitAnnulus(double spacing, double slit, double jitter, unsigned seed) {
+  std::mt19937 random(seed);
+  const auto draw = [&] { return jitter * spacing * (2.0 * random() / 4294967295.0 - 1.0); };
+  Points points;
+  const int n = static_cast<int>(std::lround(10.0 / spacing));
+  for (int row = -n; row <= n; ++row)
+    for (int column = -n; column <= n; ++column) {
+      const Vec3 p(column * spacing + draw(), row * spacing + draw(), 0.0);
+      const bool is_in_slit = p.x() > 0.0 && std::abs(p.y()) < 0.5 * slit;
+      if (p.norm() >= 6.0 && p.norm() <= 10.0 && !is_in_slit) points.push_back(p);
+    }
+  return points;
+}
+
+TEST(Geodesics, TheCornersOfASlitAreNotGlued) {
+  for (const double spacing : {0.4, 0.5})
+    for (const double slit : {1.2, 2.0, 2.6})
+      for (const double jitter : {0.0, 0.2}) {
+        const Points points = makeSlitAnnulus(spacing, slit, jitter, 1);
+        const Lists near = nearestNeighbors(points, kListed);
+        const Lists kept = keepGeodesicNeighbors(buildGeodesicGraph(points, {}, near, {}), points, {}, near).lists;
+        std::vector<Index> all(points.size());
+        for (std::size_t i = 0; i < all.size(); ++i) all[i] = static_cast<Index>(i);
+        const Lists cells = findGeodesicCells(points, kept, all, kListed / 2).neighbors;
+        for (const Lists& lists : {kept, cells})
+          for (Index i = 0; i < lists.size(); ++i)
+            for (const Index* j = lists.begin(i); j != lists.end(i); ++j)
+              ASSERT_FALSE(points[i].x() > 0.0 && points[*j].x() > 0.0 && points[i].y() * points[*j].y() < 0.0)
+                  << spacing << " " << slit << " " << jitter << ": " << points[i].transpose() << " to " << points[*j].transpose();
+      }
+}
+
+// Legs sampled more sparsely along than around: what is joined beside where they are nearest is counted, what is apart is not.
+TEST(Geodesics, WhatSticksAcrossAGapIsCountedAndNothingElse) {
+  const auto count = [](const Gapped& cloud) {
+    const Lists links = nearestNeighbors(cloud.positions, kListed);
+    const SurfaceSides sides{cloud.normals, true};
+    return keepGeodesicNeighbors(buildGeodesicGraph(cloud.positions, sides, links, {}), cloud.positions, sides, links).num_joined;
+  };
+  for (const double gap : {0.2, 0.33}) {
+    EXPECT_GT(count(makeLegs(2.0, 3.0, gap, 0.0)), 10) << gap;
+    EXPECT_GT(count(makeLegs(2.0, 3.0, gap, 0.2)), 10) << gap;
+    for (const double radius : {2.0, 5.0})
+      for (const double jitter : {0.0, 0.2}) EXPECT_EQ(count(makeLegs(radius, 1.0, gap, jitter)), 0) << gap;
+  }
+  // Neither a thin body's two sides nor leaves of a stack face each other in front.
+  EXPECT_EQ(count(makeStack(2, 0.5, 0.1, true)), 0);
+}
+
 TEST(Geodesics, NormalsFlippedAtRandomDoNoHarm) {
   const TestSurface sheet = makeSheet(40, 0.2);
   const Lists links = nearestNeighbors(sheet.positions, kListed);

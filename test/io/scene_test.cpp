@@ -366,6 +366,65 @@ TEST(CheckForSimulate, NeedsACloudAndWholeSteps) {
   EXPECT_THROW(checkForSimulate(params), InputError);
 }
 
+TEST(ReadScene, ShowsNoCharacterThatATerminalObeys) {
+  const std::string clear = "\x1b[2J";
+  for (const std::string& text :
+       {"\"a" + clear + "\": 1", "expect: {\"max_x" + clear + "\": [0, 1]}", "integrator: {type: \"" + clear + "\"}",
+        "tools: [{id: \"x" + clear + "\", shape: {sphere: {radius: 1}}, mode: \"" + clear + "\"}]"}) {
+    // YAML itself refuses some of them, in a sentence of its own.
+    std::string said;
+    try {
+      read("model: mass_spring\n" + text);
+    } catch (const InputError& error) {
+      said = error.what();
+    }
+    EXPECT_FALSE(said.empty()) << text;
+    EXPECT_EQ(said.find('\x1b'), std::string::npos);
+  }
+  // A name of megabytes is neither shown nor compared as a whole.
+  const std::string long_name(4 << 20, 'q');
+  const std::vector<std::string> problems = problemsOf("model: mass_spring\nexpect: {? " + long_name + " : [0, 1]}");
+  ASSERT_EQ(problems.size(), 1u);
+  EXPECT_LT(problems[0].size(), 300u);
+}
+
+// Every row of a table has the cells of its head.
+TEST(ParametersPage, HasRowsOfFiveCells) {
+  std::istringstream page(parametersPage());
+  int rows = 0;
+  for (std::string line; std::getline(page, line);) {
+    if (line.empty() || line[0] != '|') continue;
+    int bars = 0;
+    for (std::size_t i = 0; i < line.size(); ++i) bars += line[i] == '|' && (i == 0 || line[i - 1] != '\\');
+    EXPECT_EQ(bars, 6) << line;
+    ++rows;
+  }
+  EXPECT_GT(rows, 100);
+}
+
+TEST(DefaultScene, IsTheOneInTheRepositoryAndReadsBackAsTheDefaults) {
+  std::ifstream file(DEFORMABLE_SURFACE_SOURCE_DIR "/scenes/default.yaml");
+  std::ostringstream text;
+  text << file.rdbuf();
+  EXPECT_EQ(text.str(), defaultScene()) << "make it anew with: parameters_page --scene > scenes/default.yaml";
+  const Value root = parseYaml(defaultScene(), "default.yaml");
+  SceneParams params = readScene(root);
+  checkForSimulate(params);
+  params.cloud.shape = simulation::CloudParams::Shape::kNone;
+  params.cloud.points = SceneParams().cloud.points;
+  params.duration = SceneParams().duration;
+  params.expect.clear();
+  EXPECT_EQ(printScene(params), printScene(SceneParams()));
+  // Nothing is left out: what is printed of the defaults is in the file, key by key.
+  const Value defaults = parseYaml(printScene(SceneParams()), "defaults");
+  for (const auto& [key, value] : *defaults.asMap()) {
+    const Value* const section = root.find(key);
+    ASSERT_TRUE(section) << key;
+    if (!value.isMap()) continue;
+    for (const auto& member : *value.asMap()) EXPECT_TRUE(key == "expect" || section->find(member.first)) << key << "." << member.first;
+  }
+}
+
 TEST(ParametersPage, IsWhatTheRepositoryHolds) {
   std::ifstream file(DEFORMABLE_SURFACE_SOURCE_DIR "/docs/parameters.md");
   std::ostringstream text;

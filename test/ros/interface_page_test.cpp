@@ -34,5 +34,18 @@ TEST(InterfacePage, HasTheFieldsOfMessagesWithTheirComments) {
   EXPECT_EQ(page.find("MSG: "), std::string::npos);
 }
 
+TEST(InterfacePage, PrintsNoMessageTwice) {
+  const std::string page = interfacePage();
+  for (const char* field : {"uint8 DELETEALL=3 ", "uint64 state_hash  ", "geometry_msgs/Vector3 force # N, the total",
+                            "float64 penetration  "}) {
+    const std::size_t first = page.find(field);
+    ASSERT_NE(first, std::string::npos) << field;
+    EXPECT_EQ(page.find(field, first + 1), std::string::npos) << field;
+  }
+  EXPECT_NE(page.find("# Statistics: see ~statistics"), std::string::npos);
+  EXPECT_NE(page.find("# Tool: see ~tools"), std::string::npos);
+  EXPECT_EQ(page.find(" are.\n"), std::string::npos);
+}
+
 }  // namespace
 }  // namespace deformable_surface::node

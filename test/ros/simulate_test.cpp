@@ -282,6 +282,23 @@ TEST_F(Simulate, LooksAtExpectationsAfterTheDurationOfTheSceneOnly) {
   EXPECT_EQ(out_.find("not as expected"), std::string::npos) << out_;
 }
 
+TEST_F(Simulate, WhatIsNotAsExpectedFailsWithStrictOnly) {
+  const std::vector<std::string> wrong{"--set", "expect={max_displacement: [1, 2]}"}, right{"--set", "expect={max_x: [0, 2]}"};
+  const auto with = [](std::vector<std::string> arguments, const std::vector<std::string>& more) {
+    arguments.insert(arguments.end(), more.begin(), more.end());
+    return arguments;
+  };
+  EXPECT_EQ(run(wrong), 0) << err_;
+  EXPECT_EQ(run(with(right, {"--strict"})), 0) << err_;
+  for (const std::vector<std::string>& more : {std::vector<std::string>{"--strict"}, {"--strict", "--quiet"}}) {
+    EXPECT_EQ(run(with(wrong, with(more, {"--final", path("end.ply")}))), 4) << out_;
+    EXPECT_NE(err_.find("simulate: not as expected: expect.max_displacement"), std::string::npos) << err_;
+    EXPECT_EQ(countFiles("end.ply"), 1);  // what was computed is written
+  }
+  EXPECT_EQ(run({"--strict"}), 2);
+  EXPECT_NE(err_.find("found a scene without expect"), std::string::npos) << err_;
+}
+
 TEST_F(Simulate, GivesTheSameFilesForEveryNumberOfThreads) {
   for (const char* threads : {"1", "3"}) {
     const std::string n = threads;

@@ -203,6 +203,29 @@ TEST_F(ToolCommandsTest, RefuseWhatMeansNothingAndKeepWhatThereIs) {
       {[](Tool& t) { t.friction = -1.0; }, "friction"},
       {[&](Tool& t) { t.strength = nan; }, "strength"},
       {[](Tool& t) { t.mode = Tool::ATTRACT; }, "strength"},
+      {[](Tool& t) { t.strength = 50.0; }, "strength: found 50.0, which mode solid of mass_spring does not use"},
+      {[](Tool& t) {
+         t.mode = Tool::ATTRACT;
+         t.strength = 1.0;
+         t.friction = 5.0;
+       },
+       "friction: found 5.0, which mode attract"},
+      {[](Tool& t) {
+         t.mode = Tool::MOVE;
+         t.friction = 0.1;
+       },
+       "friction: found 0.1, which mode move"},
+      {[](Tool& t) {
+         t.mode = Tool::CUT;
+         t.strength = 1.0;
+       },
+       "strength: found 1.0, which mode cut of mass_spring"},
+      {[](Tool& t) {
+         t.mode = Tool::CUT;
+         t.shape = Tool::PLANE;
+         t.plane.coef = {0, 0, 1, 0};
+       },
+       "found plane for mode cut"},
       {[](Tool& t) {
          t.mode = Tool::ATTRACT;
          t.shape = Tool::PLANE;
@@ -357,6 +380,56 @@ class FollowingTool : public ToolCommandsTest {
 
   Tool ball_;
 };
+
+// A pin follows a frame as a tool does: its points are where tf has the frame at the end of each step.
+TEST_F(FollowingTool, PinsThatFollowAFrameCarryTheirPointsUntilTheyAreFreed) {
+  place(1.0, 0.0);
+  place(1.1, 0.1);
+  std_msgs::Header header;
+  header.frame_id = "hand";
+  header.stamp = ros::Time(kBegin);
+  geometry::Region edge;
+  edge.min = Vec3(0.85, -1.0, -51.0);
+  edge.max = Vec3(0.95, 2.0, -49.0);
+  const Points rest = simulation_.state().positions;
+  EXPECT_FALSE(commands_.isMoving());
+  EXPECT_EQ(commands_.pinToFrame(header, edge, simulation_, "map"), 10);
+  EXPECT_TRUE(commands_.isMoving());
+  for (int k = 1; k <= 10; ++k) {
+    stepOnTheClock();
+    for (std::size_t i = 0; i < rest.size(); ++i)
+      if (edge.contains(rest[i]))
+        EXPECT_LT((simulation_.state().positions[i] - rest[i] - Vec3(0.01 * k, 0.0, 0.0)).norm(), 1e-7) << k;
+  }
+  // Tools come and go beside it.
+  Tool all;
+  all.action = Tool::DELETEALL;
+  apply(all);
+  EXPECT_TRUE(commands_.isMoving());
+  // What a snapshot holds goes on.
+  const simulation::Snapshot saved = simulation_.snapshot();
+  const ToolCommands::Memory memory = commands_.memory();
+  place(1.2, 0.2);
+  for (int k = 0; k < 10; ++k) stepOnTheClock();
+  const std::uint64_t hash = simulation_.stateHash();
+  simulation_.restore(saved);
+  commands_.setMemory(memory);
+  for (int k = 0; k < 10; ++k) stepOnTheClock();
+  EXPECT_EQ(simulation_.stateHash(), hash);
+  EXPECT_TRUE(problems_.empty());
+
+  geometry::Region everywhere;
+  everywhere.kind = geometry::Region::Kind::kSphere;
+  everywhere.radius = 1e3;
+  EXPECT_EQ(simulation_.unpin(everywhere), 10);
+  stepOnTheClock();
+  EXPECT_FALSE(commands_.isMoving());
+  EXPECT_EQ(commands_.pinToFrame(header, geometry::Region(), simulation_, "map"), 0);
+  EXPECT_FALSE(commands_.isMoving());
+  header.frame_id = "nowhere";
+  EXPECT_THROW(commands_.pinToFrame(header, everywhere, simulation_, "map"), InputError);
+  EXPECT_FALSE(commands_.isMoving());
+}
 
 TEST_F(FollowingTool, IsWhereTfHasItsFrameAtTheEndOfEachStep) {
   place(1.0, 0.0);

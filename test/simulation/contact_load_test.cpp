@@ -248,6 +248,67 @@ double slideDown(double friction, double* acceleration) {
   return meanSpeed();
 }
 
+// One law: the stiffness is the secant of the force, the bound of rows is above it, and the work is done at the force's limit.
+TEST(FrictionLoad, ForceStiffnessWorkAndRowBoundsAreThoseOfOneLaw) {
+  const std::vector<double> masses = {0.3, 0.5};
+  tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
+  tool.friction = 0.4;
+  simulation::ContactLoad contact(masses);
+  const simulation::FrictionLoad friction(contact);
+  contact.setTools({tool});
+  contact.setRate(100.0);
+  model::State state;
+  state.positions = {Vec3(0.45, 0.0, 0.0), Vec3(0.0, 0.49, 0.0)};
+  for (const double speed : {1e-3, 0.1, 3.0}) {
+    state.velocities = {Vec3(0.0, speed, 0.0), Vec3(0.0, 0.0, speed)};
+    Points pushes(2, Vec3::Zero()), forces(2, Vec3::Zero());
+    contact.addForces(0.0, state, pushes);
+    friction.addForces(0.0, state, forces);
+    const double step = 0.01;
+    BlockSparse stiffness;
+    stiffness.begin(2);
+    friction.addStiffness(0.0, state, step, stiffness);
+    stiffness.finish();
+    std::vector<double> rows(2, 0.0), damping(2, 0.0);
+    friction.addRowBounds(0.0, state, rows, damping);
+    double limits = 0.0;
+    const tool::Motion motion = tool::findMotion(tool.path, 0.0);
+    for (int i = 0; i < 2; ++i) {
+      const Vec3 normal = pushes[i].normalized(), relative = state.velocities[i] - motion.velocityAt(state.positions[i]);
+      const Vec3 sliding = relative - relative.dot(normal) * normal;
+      Eigen::VectorXd slide = Eigen::VectorXd::Zero(6), product(6);
+      slide.segment<3>(3 * i) = sliding;
+      stiffness.multiply(slide, product);
+      EXPECT_LT((step * product.segment<3>(3 * i) + forces[i]).norm(), 1e-12 * forces[i].norm()) << speed;
+      EXPECT_GE(damping[i] * sliding.norm(), (1.0 - 1e-12) * forces[i].norm());
+      EXPECT_LE(forces[i].norm(), (1.0 + 1e-12) * tool.friction * pushes[i].norm());
+      limits += tool.friction * pushes[i].norm() * step * motion.velocityAt(state.positions[i]).norm();
+    }
+    EXPECT_NEAR(friction.estimateWork(0.0, step, state, state), limits, 0.05 * limits);
+  }
+}
+
+TEST(FrictionLoad, AToolThatDoesNotPushRubsNowhere) {
+  const std::vector<double> masses = {0.3};
+  tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
+  tool.mode = tool::Mode::kAttract;
+  tool.strength = 10.0;
+  tool.reach = 0.2;
+  tool.friction = 0.4;  // which scenes and commands refuse
+  simulation::ContactLoad contact(masses);
+  const simulation::FrictionLoad friction(contact);
+  contact.setTools({tool});
+  contact.setRate(100.0);
+  model::State state;
+  state.positions = {Vec3(0.45, 0.0, 0.0)};
+  state.velocities = {Vec3(0.0, 1.0, 0.0)};
+  EXPECT_TRUE(friction.isEmpty());
+  EXPECT_EQ(friction.estimateWork(0.0, 0.01, state, state), 0.0);
+  std::vector<double> rows(1, 0.0), damping(1, 0.0);
+  friction.addRowBounds(0.0, state, rows, damping);
+  EXPECT_EQ(damping[0], 0.0);
+}
+
 TEST(FrictionLoad, ASheetSlidesDownAnInclineAsCoulombSays) {
   double acceleration = 0.0;
   EXPECT_GT(slideDown(0.2, &acceleration), 0.5);

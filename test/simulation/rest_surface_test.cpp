@@ -1,6 +1,7 @@
 // What is built on a cloud with a gap, by the way its neighbourhoods are chosen.
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
+#include "support/gaps.h"
 
 #include <gtest/gtest.h>
 
@@ -83,6 +84,21 @@ TEST(RestSurface, CoarserCopiesKeepTheGapOpen) {
 TEST(RestSurface, AGapThatTheSamplingHardlyResolvesIsNoted) {
   // 1.4 spacings.
   EXPECT_TRUE(hasNoteOfGaps(build(0.0175, {})));
+}
+
+TEST(RestSurface, TellsWhatSticksTogetherAcrossAGap) {
+  const auto tells = [](double along) {
+    const Gapped legs = makeLegs(2.0, along, 0.2, 0.0);
+    cloud::PointCloud cloud;
+    cloud.positions = legs.positions;
+    cloud.normals = legs.normals;
+    cloud.width = static_cast<std::uint32_t>(legs.positions.size());
+    const std::vector<std::string> warnings = simulation::buildRestSurface(SceneParams(), cloud).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& told) { return told.find("its sides stick together") != std::string::npos; });
+  };
+  EXPECT_TRUE(tells(3.0));
+  EXPECT_FALSE(tells(1.0));
 }
 
 }  // namespace

@@ -7,7 +7,8 @@
 
 namespace deformable_surface {
 
-/// Input that cannot be used: one sentence per problem, each naming what was found and what is accepted.
+/// Input that cannot be used: one sentence per problem, each naming what was found and what is accepted. Characters of the input
+/// that a terminal would obey are shown as in toPrintable().
 class InputError : public std::runtime_error {
  public:
   explicit InputError(std::string problem) : InputError(std::vector<std::string>{std::move(problem)}) {}
@@ -17,11 +18,7 @@ class InputError : public std::runtime_error {
   const std::vector<std::string>& problems() const { return problems_; }
 
  private:
-  static std::string joinLines(const std::vector<std::string>& lines) {
-    std::string all;
-    for (const std::string& line : lines) all += (all.empty() ? "" : "\n") + line;
-    return all;
-  }
+  static std::string joinLines(std::vector<std::string>& lines);  // which become printable
 
   std::vector<std::string> problems_;
 };

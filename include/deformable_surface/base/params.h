@@ -8,7 +8,6 @@
 #include "deformable_surface/base/value.h"
 
 #include <functional>
-#include <initializer_list>
 #include <limits>
 #include <string>
 #include <utility>
@@ -79,18 +78,17 @@ class Fields {
   void rows(const char* name, Points& value, const char* unit, const Range& range, const char* meaning) {
     onRows(take(name, meaning, unit, range), value);
   }
-  /// One of several names. planned: names that are known but not built yet.
+  /// One of several names.
   template <class Enum>
-  void choice(const char* name, Enum& value, std::initializer_list<std::pair<const char*, Enum>> names, const char* meaning,
-              std::vector<std::string> planned = {}) {
+  void choice(const char* name, Enum& value, const std::vector<std::pair<const char*, Enum>>& names, const char* meaning) {
     std::vector<std::string> accepted;
     int chosen = -1;
     for (const auto& entry : names) {
       if (entry.second == value) chosen = static_cast<int>(accepted.size());
       accepted.emplace_back(entry.first);
     }
-    onChoice(take(name, meaning), chosen, accepted, planned);
-    if (chosen >= 0) value = (names.begin() + chosen)->second;
+    onChoice(take(name, meaning), chosen, accepted);
+    if (chosen >= 0) value = names[chosen].second;
   }
   /// A map from quantities to [min, max]. known: the quantities there are.
   void bounds(const char* name, std::vector<NamedBounds>& value, const std::vector<std::string>& known, const char* meaning) {
@@ -141,8 +139,7 @@ class Fields {
   virtual void onVector(const About& about, double* value, int size) = 0;
   virtual void onRows(const About& about, Points& value) = 0;
   /// chosen: position among the accepted names, -1 = none of them.
-  virtual void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted,
-                        const std::vector<std::string>& planned) = 0;
+  virtual void onChoice(const About& about, int& chosen, const std::vector<std::string>& accepted) = 0;
   virtual void onBounds(const About& about, std::vector<NamedBounds>& value, const std::vector<std::string>& known) = 0;
   virtual bool onBegin(const About& about, bool present) = 0;
   virtual void onEnd() = 0;
@@ -166,6 +163,7 @@ void readFields(const Value& value, const std::vector<std::string>& all_keys, co
 Value printFields(const Visit& visit_params);
 std::vector<std::string> listKeys(const Visit& visit_defaults);
 std::string tabulateFields(const Visit& visit_defaults);
+std::string writeTemplate(const Visit& visit_params);
 }  // namespace internal
 
 /// Reads a map into params; what it does not name keeps its value. Returns all problems at once, one sentence each: unknown keys
@@ -201,6 +199,13 @@ template <class Params>
 std::string tabulateParams() {
   Params defaults;
   return internal::tabulateFields([&](Fields& fields) { visit(fields, defaults); });
+}
+
+/// All values as YAML that readParams() takes, each with its meaning, unit and range in a comment above it. Lists are empty; an
+/// item with every key stands above them as a comment.
+template <class Params>
+std::string writeTemplate(Params params) {
+  return internal::writeTemplate([&](Fields& fields) { visit(fields, params); });
 }
 
 /// The least number of insertions, deletions, replacements and swaps of neighbours that turn one word into the other.

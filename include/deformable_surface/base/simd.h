@@ -32,16 +32,28 @@ DEFORMABLE_SURFACE_INLINE void load(const double* from, Double4& to) {
 }
 DEFORMABLE_SURFACE_INLINE void store(const Double4& from, double* to) { *reinterpret_cast<internal::Unaligned4*>(to) = from; }
 
+/// Elements of two vectors, by their places in both together; g++ before 12 and clang have no builtin in common.
+template <int... kPlaces, class Vector>
+DEFORMABLE_SURFACE_INLINE void pick(const Vector& a, const Vector& b, Vector& to) {
+#ifdef __clang__
+  to = __builtin_shufflevector(a, b, kPlaces...);
+#else
+  using Places = decltype(a < b);  // integers of the same size
+  to = __builtin_shuffle(a, b, Places{kPlaces...});
+#endif
+}
+
 /// Rows become columns.
 DEFORMABLE_SURFACE_INLINE void transpose(Double4& a, Double4& b, Double4& c, Double4& d) {
-  using Choice = long long __attribute__((vector_size(4 * sizeof(long long))));
-  const Choice even{0, 4, 2, 6}, odd{1, 5, 3, 7}, low{0, 1, 4, 5}, high{2, 3, 6, 7};
-  const Double4 ab_even = __builtin_shuffle(a, b, even), ab_odd = __builtin_shuffle(a, b, odd);
-  const Double4 cd_even = __builtin_shuffle(c, d, even), cd_odd = __builtin_shuffle(c, d, odd);
-  a = __builtin_shuffle(ab_even, cd_even, low);
-  b = __builtin_shuffle(ab_odd, cd_odd, low);
-  c = __builtin_shuffle(ab_even, cd_even, high);
-  d = __builtin_shuffle(ab_odd, cd_odd, high);
+  Double4 ab_even, ab_odd, cd_even, cd_odd;
+  pick<0, 4, 2, 6>(a, b, ab_even);
+  pick<1, 5, 3, 7>(a, b, ab_odd);
+  pick<0, 4, 2, 6>(c, d, cd_even);
+  pick<1, 5, 3, 7>(c, d, cd_odd);
+  pick<0, 1, 4, 5>(ab_even, cd_even, a);
+  pick<0, 1, 4, 5>(ab_odd, cd_odd, b);
+  pick<2, 3, 6, 7>(ab_even, cd_even, c);
+  pick<2, 3, 6, 7>(ab_odd, cd_odd, d);
 }
 
 /// Square roots in place.

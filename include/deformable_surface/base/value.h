@@ -67,6 +67,13 @@ std::string formatShort(double value);
 /// Text in quotes for a sentence: control characters are replaced, and long text is cut.
 std::string quote(const std::string& text);
 
+/// The text with '?' for control characters, but for line breaks, and for bytes that are not UTF-8.
+std::string toPrintable(const std::string& text);
+
+/// Lines as one line for a log or an answer, with "; " between them: as many whole lines as fit into a length that a log shows,
+/// then how many were left out. A first line that is longer is cut.
+std::string toOneLine(const std::string& text);
+
 /// The tree as YAML that reads back as the same tree.
 std::string toYaml(const Value& value);
 

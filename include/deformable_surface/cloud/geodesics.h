@@ -69,6 +69,9 @@ struct GeodesicNeighbors {
   /// Length over trust radius of their nearest neighbour there, at the twentieth of them, shortest first: how far the narrowest
   /// gap is from what one would bridge, at 1. Infinite where there are no such points, and with a given exponent.
   double margin = kNoLimit;
+  /// Points with one in front of them, whose oriented normal faces theirs, that are near over the surface only by links from one
+  /// side to the other: what sticks together across a gap that is too narrow for the sampling. 0 with a given exponent.
+  Index num_joined = 0;
 };
 
 /// At gaps, takes out of the lists (nearest first) what has less than half the weight, and fills up with the next points over the

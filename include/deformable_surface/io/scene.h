@@ -33,4 +33,7 @@ std::string printScene(const simulation::SceneParams& params);
 /// The page docs/parameters.md.
 std::string parametersPage();
 
+/// The scene scenes/default.yaml: every value at its default but for those that make it a scene, with comments.
+std::string defaultScene();
+
 }  // namespace deformable_surface::io

@@ -1,5 +1,6 @@
 // What the solvers and the simulation know of a material: masses, forces, energy, stiffness and the bound for a stable step.
-// Each model (mass_spring, ...) implements this; none of them is named outside model/ and the place that chooses one.
+// Each model (mass_spring, ...) implements this, and solvers know no more of it. Where models differ in more than that, as in the
+// life of particles, the simulation names them.
 #pragma once
 
 #include "deformable_surface/base/block_sparse.h"

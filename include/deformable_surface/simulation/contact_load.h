@@ -140,8 +140,19 @@ class FrictionLoad : public solve::ExternalLoad {
 
  private:
   friend class ContactLoad;
-  static Vec3 findForce(const ContactLoad& contact, const tool::ToolParams& tool, const ContactLoad::Touch& touch,
-                        const Vec3& sliding);
+  /// The law at one touch, zero where the tool does not rub. Force, stiffness, work and row bounds all come from it.
+  struct Law {
+    Law(const ContactLoad& contact, const tool::ToolParams& tool, const ContactLoad::Touch& touch);
+    static double creepOf(const ContactLoad& contact, Index point);
+    Vec3 findForce(const Vec3& sliding) const;      // N
+    double findDamping(const Vec3& sliding) const;  // N s/m, the secant force / speed
+    double limit;  // N, mu F_n
+    double creep;  // N s/m, m r
+  };
+  /// Whether a tool has friction: it pushes, and has a coefficient.
+  static bool rubs(const tool::ToolParams& tool);
+  template <class Visit>
+  void forEachRub(double motion_time, double time, const Points& positions, Visit&& visit) const;
 
   const ContactLoad& contact_;
 };

@@ -1,5 +1,5 @@
-// Tools that carry: what is inside such a tool when it begins goes where it goes. Apart from contact, because a grip remembers
-// what it holds.
+// What carries points: tools that move what is inside them when they begin, and pins that go along a path. Apart from contact,
+// because a grip remembers what it holds.
 #pragma once
 
 #include "deformable_surface/simulation/tool_reaction.h"
@@ -20,15 +20,30 @@ class Grips {
     bool has_begun = false;
     std::vector<Index> points;  // ascending
     Points places;              // m, in the tool's frame
+    bool is_pin = false;        // a pin in motion, of whose tool only id and path count; it never lets go by itself
   };
 
   /// Those of mode move; a grip whose tool is there as before, but for its path, keeps what it holds.
   void setTools(const std::vector<tool::ToolParams>& tools);
+  /// No tool that moves, and no pin in motion.
   bool isEmpty() const { return grips_.empty(); }
   /// Whether update() looks at the forces.
   bool readForces() const;
-  /// Lets go of everything, to take hold anew.
+  /// Lets go of everything but of pins, to take hold anew.
   void reset();
+
+  /// A pin carries these points of a state from a time on. They leave the pins that carry them.
+  void addPin(const std::string& id, const std::vector<tool::WaypointParams>& path, double time, std::vector<Index> points,
+              const model::State& state);
+  void movePin(const std::string& id, const std::vector<tool::WaypointParams>& path);
+  const Grip* findPin(const std::string& id) const;
+  /// Points (n, 1 = keep) that are not kept leave the pins that carry them.
+  void keepOnPins(const std::vector<char>& kept);
+  void clearPins();
+  bool hasPins() const;
+  bool isOnPin(Index point) const;
+  /// The points of pins whose path leads elsewhere between two times.
+  std::vector<Index> findMovingPins(double from, double to) const;
 
   /// At the beginning of a step: tools whose time has come take hold of the points inside them that are not pinned, those whose
   /// time is over or whose grip is too weak let go. forces (n x 3): what acts on every point, N. slack, s: by which a beginning

@@ -28,10 +28,12 @@ namespace deformable_surface::simulation {
 
 enum class ModelKind { kMassSpring, kOrientedParticles, kElasticSolid };
 
-/// Which tools a model knows.
-bool hasToolMode(ModelKind model, tool::Mode mode);
-/// What is wrong with a mode that the model does not have: "found ...; accepted: ...".
-std::string describeWrongToolMode(ModelKind model, tool::Mode mode);
+/// A field of a tool and what is wrong with it: "found ...; accepted: ...".
+struct ToolProblem {
+  std::string field, sentence;
+};
+/// What a model refuses of a tool: a mode that it does not have, and fields that the mode does not use.
+std::vector<ToolProblem> findToolProblems(ModelKind model, const tool::ToolParams& tool);
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
@@ -58,10 +60,12 @@ struct AccuracyParams {
   bool estimate = true;         // estimate the error in every step
 };
 
-/// Fixes the points whose rest position lies in the region.
+/// Holds the points whose rest position lies in the region.
 struct PinParams {
   geometry::Region region;
   bool orientation = false;  // also clamp the tangent plane (models with orientation)
+  /// Of a frame that carries them along rigidly, ascending times; none: they stay where they are.
+  std::vector<tool::WaypointParams> path;
 };
 
 /// Particles whose rest position lies in the region are not smooth: only their spacing is kept, so that the surface can bend
@@ -272,11 +276,20 @@ inline void visitRegion(Fields& fields, geometry::Region& region) {
   }
   fields.require(is_box != is_sphere, "",
                  std::string("found ") + (is_box ? "both" : "neither") + " of box and sphere; accepted: one");
+  fields.flag("outside", region.outside, "the points that do not lie in the shape");
 }
 
 inline void visit(Fields& fields, PinParams& p) {
   visitRegion(fields, p.region);
   fields.flag("orientation", p.orientation, "also clamp the tangent plane; needs a model with orientation");
+  tool::visitPath(fields, p.path,
+                  "Of a frame that carries the points rigidly, from its pose at time 0 on; interpolated between the times and held "
+                  "outside them; none: they stay where they are.");
+  const bool turns = std::any_of(p.path.begin(), p.path.end(), [&](const tool::WaypointParams& waypoint) {
+    return waypoint.orientation != p.path.front().orientation;
+  });
+  fields.require(!p.orientation || !turns, "orientation",
+                 "found true with a path that turns; accepted: false, or a path with one orientation");
 }
 
 inline void visit(Fields& fields, CreaseParams& p) { visitRegion(fields, p.region); }
@@ -449,7 +462,7 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "found one, but the points of elastic_solid have no sides; accepted: 0");
   fields.require(!is_solid || p.pressure == 0.0, "pressure",
                  "found one, but the points of elastic_solid have no sides; accepted: 0");
-  fields.list("pins", p.pins, "Each fixes the simulation points whose rest position lies in a closed box or sphere.");
+  fields.list("pins", p.pins, "Each holds the simulation points whose rest position lies in a closed box or sphere.");
   for (std::size_t i = 0; i < p.pins.size(); ++i)
     fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles,
                    "pins[" + std::to_string(i) + "].orientation",
@@ -481,8 +494,8 @@ inline void visit(Fields& fields, SceneParams& p) {
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
   for (std::size_t i = 0; i < p.tools.size(); ++i)
-    fields.require(hasToolMode(p.model, p.tools[i].mode), "tools[" + std::to_string(i) + "].mode",
-                   describeWrongToolMode(p.model, p.tools[i].mode));
+    for (const ToolProblem& problem : findToolProblems(p.model, p.tools[i]))
+      fields.require(false, "tools[" + std::to_string(i) + "]." + problem.field, problem.sentence);
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");

@@ -125,6 +125,13 @@ class Simulation {
   /// Fixes (or frees) the simulation points whose current position lies in the region, where they are; orientation: and their
   /// orientations, where they have any. Returns how many.
   Index pin(const geometry::Region& region, bool orientation = false);
+  /// The same, and from then on a frame carries them along rigidly; path: its poses, as of a tool. id: a name for movePin(); a
+  /// pin of that name must not be there. Throws InputError for a path that is not accepted.
+  Index pinAlong(const std::string& id, const geometry::Region& region, const std::vector<tool::WaypointParams>& path);
+  /// Gives such a pin another path, on which it goes on from where it is.
+  void movePin(const std::string& id, const std::vector<tool::WaypointParams>& path);
+  /// The path of a pin of pinAlong(); null: there is none, or all of its points are free again.
+  const std::vector<tool::WaypointParams>* findPinPath(const std::string& id) const;
   Index unpin(const geometry::Region& region);
   void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
   /// Gives the simulation points that lie in the region now (null: all of them) other values of their material, until the next

@@ -3,15 +3,14 @@
 
 #include "deformable_surface/base/params.h"
 #include "deformable_surface/geometry/solid_params.h"
+#include "deformable_surface/tool/tool_modes.h"
 
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::tool {
-
-/// What a tool does; see docs/tools.md.
-enum class Mode { kSolid, kAttract, kMove, kErase, kCut, kHeat };
 
 constexpr double kLengthTolerance = 1e-3;  // what the length of a quaternion written with few digits may miss
 
@@ -26,13 +25,17 @@ struct ToolParams {
   std::string id;
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
-  double friction = 0.0;               // Coulomb's coefficient, >= 0: solid, cut
-  // >= 0; attract: N/m; move: N at which the grip lets go, 0 = never; heat, cut: K above ambient.
-  double strength = 0.0;
-  double reach = 0.0;                  // m, > 0: attract: how far from its surface it is felt
+  double friction = 0.0;               // Coulomb's coefficient, >= 0
+  double strength = 0.0;               // >= 0; unit and meaning: kModes
+  double reach = 0.0;                  // m, how far from its surface it is felt
   double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
   std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between and held outside
 };
+
+/// For the page of parameters, from the table: modes by name, and their strengths.
+const char* describeModes();
+const char* describeStrengths();
+std::vector<std::pair<const char*, Mode>> listModes();
 
 inline void visit(Fields& fields, WaypointParams& p) {
   fields.number("time", p.time, "s", anyFinite(), "when");
@@ -42,32 +45,27 @@ inline void visit(Fields& fields, WaypointParams& p) {
                  "found a quaternion of length " + formatReal(p.orientation.norm()) + "; accepted: length 1");
 }
 
+inline void visitPath(Fields& fields, std::vector<WaypointParams>& path, const char* meaning) {
+  fields.list("path", path, meaning);
+  for (std::size_t i = 1; i < path.size(); ++i)
+    fields.require(path[i - 1].time < path[i].time, "path[" + std::to_string(i) + "].time",
+                   "found " + formatReal(path[i].time) + " after " + formatReal(path[i - 1].time) +
+                       "; accepted: ascending times");
+}
+
 inline void visit(Fields& fields, ToolParams& p) {
   fields.required().text("id", p.id, "its name, not empty; no two tools share one");
   fields.require(!p.id.empty(), "id", "found empty text; accepted: a name");
-  fields.choice(
-      "mode", p.mode,
-      {{"solid", Mode::kSolid},
-       {"attract", Mode::kAttract},
-       {"move", Mode::kMove},
-       {"erase", Mode::kErase},
-       {"cut", Mode::kCut},
-       {"heat", Mode::kHeat}},
-      "`solid` keeps the surface out; `attract` draws it to the tool's surface; `move` carries what is inside when it "
-      "begins; `cut` cuts what it goes between (mass_spring), or is solid and heats what it touches (oriented particles); "
-      "`erase` takes away what is inside, `heat` warms it (oriented particles)");
+  fields.choice("mode", p.mode, listModes(), describeModes());
   fields.section(
       "shape", p.shape,
       "One of sphere, box, cylinder, cone, plane and mesh (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
       "is up).");
-  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid and cut");
-  fields.number(
-      "strength", p.strength, "", between(0.0, 1e12),
-      "attract: N/m, shared among all points by mass; move: N at which the grip lets go, 0 = never; heat and cut: K above "
-      "ambient, with cut 0 = where bonds are gone");
-  const bool needs_strength = p.mode == Mode::kAttract || p.mode == Mode::kHeat;
-  fields.require(!needs_strength || p.strength > 0.0, "strength",
-                 "found 0, with which attract and heat do nothing; accepted: above 0");
+  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid, and of cut (oriented particles)");
+  fields.number("strength", p.strength, "", between(0.0, 1e12), describeStrengths());
+  const ModeInfo& mode = infoOf(p.mode);
+  fields.require(!mode.needs_strength || p.strength > 0.0, "strength",
+                 "found 0, with which " + std::string(mode.name) + " does nothing; accepted: above 0");
   fields.number("reach", p.reach, "m", between(0.0, kMaxLength), "attract: how far from its surface it is felt");
   fields.require(p.mode != Mode::kAttract || p.reach > 0.0, "reach",
                  "found 0, with which attract does nothing; accepted: above 0");
@@ -75,12 +73,8 @@ inline void visit(Fields& fields, ToolParams& p) {
   fields.number("end", p.end, "s", anyFinite(), "the default never ends");
   fields.require(p.start < p.end, "end",
                  "found " + formatReal(p.end) + ", which is not after start, " + formatReal(p.start) + "; accepted: start < end");
-  fields.list("path", p.path, "Where it is; interpolated between the times and held outside them.");
+  visitPath(fields, p.path, "Where it is; interpolated between the times and held outside them.");
   fields.require(!p.path.empty(), "path", "found no waypoint; accepted: at least one");
-  for (std::size_t i = 1; i < p.path.size(); ++i)
-    fields.require(p.path[i - 1].time < p.path[i].time, "path[" + std::to_string(i) + "].time",
-                   "found " + formatReal(p.path[i].time) + " after " + formatReal(p.path[i - 1].time) +
-                       "; accepted: ascending times");
 }
 
 }  // namespace deformable_surface::tool

@@ -134,7 +134,7 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
 
   if (volume_stiffness_ > 0.0) {
     if (!closed_)
-      throw InputError("mass_spring.volume_stiffness: found " + std::to_string(volume_stiffness_) +
+      throw InputError("mass_spring.volume_stiffness: found " + formatReal(volume_stiffness_) +
                        " on a surface with a boundary; accepted: 0, or a closed surface");
     rest_volume_ = enclosedVolume(State{rest, {}});
     if (!(rest_volume_ > 0.0)) throw InputError("mass_spring.volume_stiffness: the surface encloses no volume; accepted: 0");

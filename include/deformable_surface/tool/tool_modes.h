@@ -1,0 +1,61 @@
+// The table of tool modes: names, message codes, colours, and which fields each of them uses with which model. Apart from the
+// tools themselves, because scenes, messages, menus and markers all read it.
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <string>
+
+namespace deformable_surface::tool {
+
+/// What a tool does; see docs/tools.md.
+enum class Mode { kSolid, kAttract, kMove, kErase, kCut, kHeat };
+
+/// Which fields a mode reads with a model; the others must not be given.
+struct ModeUse {
+  bool is_known = false;  // the model has this mode
+  bool friction = false, strength = false, reach = false;
+};
+
+struct ModeInfo {
+  Mode mode;
+  const char* name;          // in scenes; in messages in capitals
+  std::uint8_t code;         // in messages
+  const char* meaning;
+  const char* strength;      // its unit and meaning; null: no model uses it
+  bool needs_strength;       // it does nothing with 0
+  ModeUse mass_spring, oriented_particles, elastic_solid;
+  std::array<float, 3> color;  // red, green, blue
+};
+
+inline constexpr ModeUse kUnknown{}, kPlain{true}, kRubs{true, true}, kStrong{true, false, true}, kRubsHot{true, true, true},
+    kReaches{true, false, true, true};
+
+/// In the order of Mode.
+inline constexpr ModeInfo kModes[] = {
+    {Mode::kSolid, "solid", 0, "keeps the surface out", nullptr, false, kRubs, kRubs, kRubs, {0.6f, 0.6f, 0.6f}},
+    {Mode::kAttract, "attract", 1, "draws the surface to the tool's surface", "N/m, shared among all points by mass", true,
+     kReaches, kReaches, kReaches, {0.2f, 0.4f, 0.9f}},
+    {Mode::kMove, "move", 2, "carries what is inside when it begins", "N at which the grip lets go, 0 = never", false, kStrong,
+     kStrong, kStrong, {0.2f, 0.8f, 0.3f}},
+    {Mode::kErase, "erase", 3, "takes away what is inside (oriented particles)", nullptr, false, kUnknown, kPlain, kUnknown,
+     {0.9f, 0.9f, 0.9f}},
+    {Mode::kCut, "cut", 4, "cuts what it goes between (mass_spring), or is solid and heats what it touches (oriented particles)",
+     "K above ambient, 0 = where bonds are gone (oriented particles)", false, kPlain, kRubsHot, kUnknown, {0.9f, 0.8f, 0.1f}},
+    {Mode::kHeat, "heat", 5, "warms what is inside (oriented particles)", "K above ambient", true, kUnknown, kStrong, kUnknown,
+     {0.9f, 0.3f, 0.1f}},
+};
+
+constexpr const ModeInfo& infoOf(Mode mode) { return kModes[static_cast<int>(mode)]; }
+
+/// The mode of a message's code; null: none has it.
+inline const ModeInfo* findMode(int code) {
+  for (const ModeInfo& info : kModes)
+    if (info.code == code) return &info;
+  return nullptr;
+}
+
+/// "SOLID", as the message has it.
+std::string messageName(const ModeInfo& info);
+
+}  // namespace deformable_surface::tool
