@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/particle_life.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 #include "deformable_surface/model/oriented_particles/relax_on_surface.h"
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
@@ -22,6 +23,8 @@ constexpr Index kSmoothings = 4;            // of rest curvatures where samples 
 constexpr double kDensity = 0.95;
 constexpr Index kLastIterations = 40;       // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;     // of its first force
+
+constexpr Index kLook = 1024;               // particles between two looks at an interrupt
 
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
@@ -62,9 +65,11 @@ void ParticleLife::heat(double time, double step, const std::vector<ToolParams>&
     const bool cuts = tool.mode == Mode::kCut;
     const double temperature = cuts && !(tool.strength > 0.0) ? model_.params().melting : tool.strength;
     const double reach = cuts ? 0.5 * model_.lattice().spacing : 0.0;  // half a spacing: the particle as a disc
-    for (Index i = 0; i < state.size(); ++i)
+    for (Index i = 0; i < state.size(); ++i) {
+      endIfInterrupted(i, kLook);
       if (distanceTo(tool, pose, state.positions[i]) <= reach)
         state.traits[i].temperature = std::max(state.traits[i].temperature, temperature);
+    }
   }
 }
 
@@ -76,6 +81,7 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
     if (!tool::isActive(tool, time) || !(solid || tool.mode == Mode::kErase)) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     for (Index i = 0; i < state.size(); ++i) {
+      endIfInterrupted(i, kLook);
       // A solid tool keeps particles at its surface: a disc that reaches into it is in contact.
       const double reach = solid ? 0.5 * model_.lattice().spacing : 0.0;
       if (distanceTo(tool, pose, state.positions[i]) > reach) continue;
