@@ -1,5 +1,6 @@
 #include "deformable_surface/base/block_cholesky.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/simd.h"
 
 #include <Eigen/OrderingMethods>
@@ -15,6 +16,7 @@ namespace deformable_surface {
 namespace {
 
 constexpr Index kMaxWidth = 16;  // blocks in a panel: its part that the products read stays in the nearest caches
+constexpr Index kLook = 64;      // columns, or products of panels, between two looks at an interrupt
 constexpr Index kPadding = 3;    // numbers that a tile reads beyond the last row of a panel
 
 // Zeros that a panel may hold to become wider: any in the narrowest, as these cost more in handling than in arithmetic.
@@ -193,6 +195,7 @@ void BlockCholesky::order(const Lists& pattern) {
   // A column has the rows of the matrix and those of its children; children come before.
   std::vector<Index> merged;
   for (Index j = 0; j < n; ++j) {
+    endIfInterrupted(j, kLook);
     std::vector<Index>& rows = below_[j];
     std::sort(rows.begin(), rows.end());
     rows.erase(std::unique(rows.begin(), rows.end()), rows.end());
@@ -304,7 +307,9 @@ bool BlockCholesky::factorize(const std::vector<Mat3>& values) {
     const Node& node = nodes_[s];
     double* panel = &factor_[node.panel];
     for (Index r = 0; r < node.num_rows; ++r) row_in_panel_[rows_[node.rows + r]] = r;
+    endIfInterrupted();
     for (Index u = update_offsets_[s]; u < update_offsets_[s + 1]; ++u) {
+      endIfInterrupted(u, kLook);
       const Update& update = updates_[u];
       const Node& source = nodes_[update.node];
       const Index num_rows = source.num_rows - update.begin;
@@ -322,6 +327,7 @@ bool BlockCholesky::factorize(const std::vector<Mat3>& values) {
 }
 
 void BlockCholesky::solveInPlace(Eigen::VectorXd& x) {
+  endIfInterrupted();
   const Index n = static_cast<Index>(position_.size());
   for (Index i = 0; i < n; ++i)
     for (int k = 0; k < 3; ++k) permuted_[3 * position_[i] + k] = x[3 * i + k];

@@ -4,6 +4,7 @@ namespace deformable_surface {
 namespace {
 
 thread_local const std::atomic<bool>* current = nullptr;
+thread_local LookCounter* counter = nullptr;
 
 }  // namespace
 
@@ -13,8 +14,14 @@ InterruptScope::~InterruptScope() { current = before_; }
 
 const std::atomic<bool>* currentInterrupt() { return current; }
 
+LookCounter::LookCounter(std::atomic<bool>& flag, long at) : flag_(flag), at_(at) { counter = this; }
+
+LookCounter::~LookCounter() { counter = nullptr; }
+
 void endIfInterrupted() {
-  if (current && *current) throw Interrupted();
+  if (!current) return;
+  if (counter && ++counter->count_ == counter->at_) counter->flag_ = true;
+  if (*current) throw Interrupted();
 }
 
 }  // namespace deformable_surface

@@ -1,5 +1,6 @@
 #include "deformable_surface/base/scalar_cholesky.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/simd.h"
 
 #include <Eigen/OrderingMethods>
@@ -109,6 +110,8 @@ void substituteOne(Index n, const Index* starts, const Index* rows, const double
   }
 }
 
+constexpr Index kLook = 64;  // rows between two looks at an interrupt: each costs at most as many products as the factor is wide
+
 }  // namespace
 
 void ScalarCholesky::analyze(Index n, const std::vector<std::pair<Index, Index>>& pairs) {
@@ -171,7 +174,9 @@ bool ScalarCholesky::factorize(const std::vector<double>& diagonal, const std::v
   const Index n = static_cast<Index>(diagonal.size());
   std::copy(starts_.begin(), starts_.end() - 1, filled_.begin());
   std::fill(flag_.begin(), flag_.end(), -1);
+  std::fill(row_.begin(), row_.end(), 0.0);  // where the last one ended early it left numbers
   for (Index k = 0; k < n; ++k) {
+    endIfInterrupted(k, kLook);
     // The columns of row k, each after those that it depends on: from the end of the stack.
     Index top = n;
     flag_[k] = k;
@@ -194,10 +199,7 @@ bool ScalarCholesky::factorize(const std::vector<double>& diagonal, const std::v
       factor_rows_[filled_[i]] = k;
       factor_[filled_[i]++] = l;
     }
-    if (!(d > 0.0)) {
-      std::fill(row_.begin(), row_.end(), 0.0);
-      return false;
-    }
+    if (!(d > 0.0)) return false;
     inverse_[k] = 1.0 / d;
   }
   return true;

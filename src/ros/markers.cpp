@@ -322,6 +322,7 @@ SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation) {
   const model::State& state = simulation.state();
   simulation.model().refreshDisplay(state);
   edges_ = collectEdges(simulation.model().triangles());
+  if (state.positions.empty()) return;  // all particles are gone
   Vec3 low = state.positions.front(), high = low;
   for (const Vec3& p : state.positions) {
     low = low.cwiseMin(p);

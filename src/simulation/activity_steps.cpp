@@ -73,7 +73,8 @@ void Simulation::Impl::makePart() {
   part->march().setInterrupt(interrupt);
 }
 
-void Simulation::Impl::wakeForStep(const NamedForces::Update& update) {
+NamedForces::Update Simulation::Impl::wakeForStep(double now, double dt) {
+  NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
   const bool was_whole = activity.isWhole();
   if (update.changed) {
     activity.wake(update.points);
@@ -87,9 +88,10 @@ void Simulation::Impl::wakeForStep(const NamedForces::Update& update) {
     activity.wake(moving);
     changed();
   }
-  if (was_whole || !activity.isWhole()) return;
+  if (was_whole || !activity.isWhole()) return update;
   part.reset();
   march.resume();
+  return update;
 }
 
 solve::TimeMarch::Outcome Simulation::Impl::advanceWhole(double now) {

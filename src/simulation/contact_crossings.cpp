@@ -1,5 +1,6 @@
 // What solid tools pass over within a step, and what of it is over again. Apart from the forces of contact, which act in every
 // sub-step: this looks once before a step and once after it.
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/simulation/contact_load.h"
 
 #include "deformable_surface/base/notice.h"
@@ -16,6 +17,7 @@ using tool::Pose;
 using tool::ToolParams;
 
 constexpr double kRounding = 1e-6;  // of a step: by which times of its beginning may be off
+constexpr Index kLook = 64;         // points between two looks at an interrupt: each may be traced over all moments
 constexpr int kMaxMoments = 64;
 constexpr double kTurn = 0.2;  // rad between two looks at a tool that turns: ways in its frame are then nearly straight
 
@@ -113,6 +115,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
     scratch_.clear();
     auto passed = body.passed.begin();
     for (Index i = 0; i < state.size(); ++i) {
+      endIfInterrupted(i, kLook);
       const bool was_passed = passed != body.passed.end() && passed->point == i;
       if (was_passed) ++passed;
       if (held[i]) continue;
@@ -144,6 +147,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     scratch_.clear();
     auto passed = body.passed.begin();
     for (Index i = 0; i < state.size(); ++i) {
+      endIfInterrupted(i, kLook);
       if (passed != body.passed.end() && passed->point == i) {
         scratch_.push_back(*passed++);
       } else if (!held[i]) {

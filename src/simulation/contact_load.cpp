@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/contact_load.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/timer.h"
 
 #include <algorithm>
@@ -27,6 +28,8 @@ double attractionPotential(double d, double reach) {
 
 // A ball is asked with a little more than its radius, so that rounding leaves nothing out.
 constexpr double kBallMargin = 1.0 + 1e-9;
+
+constexpr Index kLook = 1024;  // points between two looks at an interrupt: milliseconds, also of tools of many triangles
 
 bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
 
@@ -70,6 +73,7 @@ void ContactLoad::forEachTouch(const Body& body, double time, const Points& posi
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
   const double ball = kBallMargin * (findRadius(tool.shape) + (pushing ? 0.0 : tool.reach)), squared_ball = ball * ball;
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
+    endIfInterrupted(i, kLook);
     // Most points are far from most tools, and need no more of them.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
     if (!is_passed && (positions[i] - pose.position).squaredNorm() > squared_ball) continue;

@@ -1,12 +1,17 @@
 #include "cut_transfer.h"
 
+#include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/parallel.h"
+
 #include <algorithm>
 #include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr int kReach = 3;  // links from the home: about as far as the points that a dense point follows lie at rest
+constexpr Index kBlock = 64;      // dense points between two looks at an interrupt: milliseconds at most
+constexpr double kGrazed = 1.01;  // of the way to the farthest source: as far as a knife is looked for
+constexpr int kReach = 3;         // links from the home: about as far as the points that a dense point follows lie at rest
 
 }  // namespace
 
@@ -20,16 +25,27 @@ CutTransfer::CutTransfer(const RestSurface& rest, const transfer::TransferParams
 bool CutTransfer::sever(const tool::BladeSweep& blade, const Points& before, const Points& after) {
   transfer_.apply(before, dense_before_);
   transfer_.apply(after, dense_after_);
+  parted_.assign(severed_.size(), 0);
+  parallelFor(static_cast<Index>(severed_.size()), kBlock, [&](Index begin, Index end) {
+    std::vector<Index> sources;
+    for (Index d = begin; d < end; ++d) {
+      if (!blade.isNear(dense_before_[d])) continue;
+      sources = rest_.transfer.sourcesOf(d);
+      double radius = 0.0;
+      for (const Index j : sources)
+        radius = std::max({radius, (before[j] - dense_before_[d]).norm(), (after[j] - dense_after_[d]).norm()});
+      const tool::BladeSweep::Looks looks = blade.findLooks(dense_before_[d], dense_after_[d], kGrazed * radius);
+      for (std::size_t j = 0; j < sources.size() && looks.first <= looks.last; ++j) {
+        if ((severed_[d] >> j & 1) != 0) continue;
+        if (!blade.wentBetween(dense_before_[d], dense_after_[d], before[sources[j]], after[sources[j]], looks)) continue;
+        parted_[d] |= std::uint64_t{1} << j;
+      }
+    }
+  });
   bool any = false;
   for (std::size_t d = 0; d < severed_.size(); ++d) {
-    if (!blade.isNear(dense_before_[d])) continue;
-    const std::vector<Index> sources = rest_.transfer.sourcesOf(static_cast<Index>(d));
-    for (std::size_t j = 0; j < sources.size(); ++j) {
-      if ((severed_[d] >> j & 1) != 0) continue;
-      if (!blade.wentBetween(dense_before_[d], dense_after_[d], before[sources[j]], after[sources[j]])) continue;
-      severed_[d] |= std::uint64_t{1} << j;
-      any = true;
-    }
+    any = any || parted_[d] != 0;
+    severed_[d] |= parted_[d];
   }
   if (any) memory_.reset();
   return any;
@@ -53,6 +69,7 @@ void CutTransfer::followLinks(const std::vector<Link>& whole) {
   Lists followed;
   std::vector<Index> reached, distance(m, -1);
   for (std::size_t d = 0; d < severed_.size(); ++d) {
+    if (d % kBlock == 0) endIfInterrupted();
     const std::vector<Index> sources = rest_.transfer.sourcesOf(static_cast<Index>(d));
     const bool touches = std::any_of(sources.begin(), sources.end(), [&](Index j) { return is_cut[j]; });
     if (!touches && severed_[d] == 0 && !is_refit_[d]) continue;
@@ -78,10 +95,10 @@ void CutTransfer::followLinks(const std::vector<Link>& whole) {
     });
     if (static_cast<Index>(reached.size()) > params_.k) reached.resize(params_.k);
     refit.push_back(static_cast<Index>(d));
-    is_refit_[d] = 1;
     followed.items.insert(followed.items.end(), reached.begin(), reached.end());
     followed.offsets.push_back(static_cast<Index>(followed.items.size()));
   }
+  for (const Index d : refit) is_refit_[d] = 1;
   transfer_.refit(refit, followed, rest_.dense.normals, params_);
 }
 

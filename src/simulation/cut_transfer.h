@@ -42,7 +42,9 @@ class CutTransfer {
   Memory severed_;              // (dense)
   mutable std::shared_ptr<const Memory> memory_;  // the same; null: not asked for yet
   std::vector<char> is_refit_;  // (dense) its row is another than at rest
+  // Scratch.
   Points dense_before_, dense_after_;
+  Memory parted_;  // (dense) by the last knife
 };
 
 }  // namespace deformable_surface::simulation

@@ -1,5 +1,7 @@
 #include "cutting.h"
 
+#include "deformable_surface/base/parallel.h"
+
 #include <algorithm>
 #include <numeric>
 
@@ -9,6 +11,7 @@ namespace {
 // Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own smallest extent if that
 // lies between the two.
 constexpr double kFinest = 0.02, kCoarsest = 0.25;
+constexpr Index kBlock = 64;  // links between two looks at an interrupt: milliseconds, where a knife lies along all of them
 
 bool isKnife(const tool::ToolParams& tool, double time) { return tool.mode == tool::Mode::kCut && tool::isActive(tool, time); }
 
@@ -31,6 +34,7 @@ bool Cutting::beginStep(const std::vector<tool::ToolParams>& tools, double time,
 bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions,
                       DeformedSurface& surface) {
   found_.clear();
+  if (model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
   bool has_parted = false;
   for (const tool::ToolParams& tool : tools) {
     if (!isKnife(tool, time)) continue;
@@ -55,9 +59,15 @@ bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, d
 }
 
 void Cutting::cut(const tool::BladeSweep& blade, const Points& positions, const std::vector<Link>& links) {
-  for (const Link& link : links)
-    if (blade.wentBetween(before_[link.first], positions[link.first], before_[link.second], positions[link.second]))
-      found_.push_back(link);
+  is_cut_.assign(links.size(), 0);
+  parallelFor(static_cast<Index>(links.size()), kBlock, [&](Index begin, Index end) {
+    for (Index l = begin; l < end; ++l) {
+      const auto& [a, b] = links[l];
+      is_cut_[l] = blade.wentBetween(before_[a], positions[a], before_[b], positions[b], blade.all());
+    }
+  });
+  for (std::size_t l = 0; l < links.size(); ++l)
+    if (is_cut_[l]) found_.push_back(links[l]);
 }
 
 void Cutting::tear(const Points& positions) {

@@ -35,6 +35,7 @@ class Cutting {
   double spacing_ = 0.0, longest_ = 0.0;  // m, mean and largest length of links at rest
   Points before_;                         // m, of the last beginStep()
   std::vector<Link> found_;               // in this step
+  std::vector<char> is_cut_;              // (links) scratch
 };
 
 }  // namespace deformable_surface::simulation

@@ -194,7 +194,9 @@ bool DeformedSurface::sever(const tool::BladeSweep& blade, const Points& before,
 void DeformedSurface::followLinks(const std::vector<std::pair<Index, Index>>& whole) {
   if (first_input_.empty()) return;
   if (!cut_) cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
+  is_following_ = true;
   cut_->followLinks(whole);
+  is_following_ = false;
   whole_ = whole;
   frame_.forget();
   invalidate();
@@ -203,7 +205,8 @@ void DeformedSurface::followLinks(const std::vector<std::pair<Index, Index>>& wh
 void DeformedSurface::restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved,
                                  const std::vector<std::pair<Index, Index>>& whole) {
   const bool is_same = cut_ ? saved == cut_->memory() && whole == whole_ : !saved;
-  if (is_same) return;
+  if (is_same && !is_following_) return;
+  is_following_ = false;
   cut_.reset();
   frame_.forget();
   if (!saved) return;

@@ -83,6 +83,7 @@ class DeformedSurface {
 
   std::unique_ptr<CutTransfer> cut_;  // null: nothing is cut
   std::vector<std::pair<Index, Index>> whole_;  // the links that it was told of last
+  bool is_following_ = false;  // it is being told of others, or was interrupted there
 
   // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
   std::vector<Index> ids_;            // of the state that the rest below belongs to

@@ -1,6 +1,7 @@
 #include "error_estimator.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 
 #include <algorithm>
 #include <cmath>
@@ -213,8 +214,10 @@ void ErrorEstimator::followVerlet(IntegratorType type) {
   twin_->setFineness(1);
   seen_.follows_verlet = isDamping(type);
   for (Simulation* copy : {verlet_.get(), twin_.get()})
-    seen_.follows_verlet = seen_.follows_verlet && copy->step().ok && copy->lastIntegrator() == IntegratorType::kVerlet;
+    seen_.follows_verlet = seen_.follows_verlet && step(*copy).ok && copy->lastIntegrator() == IntegratorType::kVerlet;
   if (seen_.follows_verlet) return;
+  if (std::count(stepped_.begin(), stepped_.end(), twin_.get()) > 0) twin_->undoStep();
+  twin_left_ = twin_->snapshot();
   twin_->restore(shadow_->snapshot());
   twin_->disturb(disturbance_);
 }
@@ -226,13 +229,13 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   // Where Verlet's steps go wrong, auto rescues them.
   const bool is_verlet = type == IntegratorType::kVerlet;
   shadow_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
-  const StepOutcome shadow = shadow_->step();
+  const StepOutcome shadow = step(*shadow_);
   StepOutcome twin;
   seen_.is_halved = isDamping(type) && !seen_.follows_verlet;
   if (!seen_.follows_verlet) {
     twin_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
     twin_->setFineness(is_verlet || seen_.is_halved ? kFineness : 1);
-    twin = twin_->step();
+    twin = step(*twin_);
   }
   const bool both_moved = shadow_->lastSubsteps() > 0 && twin_->lastSubsteps() > 0;
   if (shadow.notice.empty() && twin.notice.empty() && both_moved) {
@@ -253,8 +256,30 @@ Buckling ErrorEstimator::judgeBuckling(const Points& positions, IntegratorType t
   return worst;
 }
 
+StepOutcome ErrorEstimator::step(Simulation& copy) {
+  stepped_.push_back(&copy);
+  return copy.step();
+}
+
 std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps,
-                                   const std::vector<NamedForces::Named>& forces) {
+                                   const std::vector<NamedForces::Named>& forces, const std::atomic<bool>* interrupt) {
+  seen_before_ = seen_;
+  dents_before_ = dents_.growth();
+  stepped_.clear();
+  twin_left_ = Snapshot();
+  std::string said = followStep(positions, type, substeps, forces);
+  if (!(interrupt && *interrupt)) return said;
+  const bool has_left = twin_left_.bytes() > 0;
+  for (Simulation* copy : stepped_)
+    if (copy != twin_.get() || !has_left) copy->undoStep();
+  if (has_left) twin_->restore(twin_left_);
+  seen_ = seen_before_;
+  dents_.setGrowth(dents_before_);
+  throw Interrupted();
+}
+
+std::string ErrorEstimator::followStep(const Points& positions, IntegratorType type, Index substeps,
+                                       const std::vector<NamedForces::Named>& forces) {
   const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(positions, type, forces);
   seen_.may_buckle = seen_.may_buckle || buckling != Buckling::kUnlikely;
   if (seen_.is_lost) return "";

@@ -9,6 +9,7 @@
 #include "deformable_surface/solve/integrator_params.h"
 #include "dent_watch.h"
 
+#include <atomic>
 #include <memory>
 #include <string>
 
@@ -67,9 +68,10 @@ class ErrorEstimator {
   void lose() { seen_.is_lost = true; }
 
   /// Follows a step that the simulation has taken: positions after it, the integrator (not auto), the sub-steps, and its forces.
-  /// Allocates nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing.
+  /// Allocates nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing. If interrupt (null:
+  /// never) is true at the end it is as if the step had not been followed, and throws Interrupted.
   std::string follow(const Points& positions, solve::IntegratorType type, Index substeps,
-                     const std::vector<NamedForces::Named>& forces);
+                     const std::vector<NamedForces::Named>& forces, const std::atomic<bool>* interrupt);
 
   /// Whether the next equilibrium, the first since the last reset or given state, should be searched for twice: copies of fewer
   /// points may know nothing of others. The second search begins searchDisturbance() (m) from where the first did.
@@ -108,6 +110,9 @@ class ErrorEstimator {
     bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
   };
 
+  std::string followStep(const Points& positions, solve::IntegratorType type, Index substeps,
+                         const std::vector<NamedForces::Named>& forces);
+  StepOutcome step(Simulation& copy);
   void followVerlet(solve::IntegratorType type);
   bool stepCopies(solve::IntegratorType type, Index substeps);
   // What the twin takes the same steps as: what a method damps cannot tell of chaos.
@@ -133,6 +138,11 @@ class ErrorEstimator {
 
   DentWatch dents_;
   Seen seen_;
+  // Before the step that is followed, and the copies that have begun to take it.
+  Seen seen_before_;
+  std::vector<double> dents_before_;
+  std::vector<Simulation*> stepped_;
+  Snapshot twin_left_;  // of the twin, if it goes on from the shadow in this step
   // Scratch.
   Points coarse_now_, refined_;
 };

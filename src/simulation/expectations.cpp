@@ -153,6 +153,16 @@ std::optional<double> findContactQuantity(const std::string& name, const Simulat
   return static_cast<double>(std::count_if(nearest.begin(), nearest.end(), [&](double d) { return std::abs(d) < on_it; }));
 }
 
+// Particles may all be gone: what counts them is then 0, what is measured of them is nothing.
+void requirePoints(const std::string& name, Index points) {
+  static const char* const kCounts[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "born", "gone"};
+  if (std::find(std::begin(kCounts), std::end(kCounts), name) != std::end(kCounts)) return;
+  const Index least = name.rfind("spacing", 0) == 0 ? 2 : 1;
+  if (points < least)
+    throw InputError(name + ": found " + std::to_string(points) + " simulation points; accepted: at least " +
+                     std::to_string(least));
+}
+
 // What oriented particles make: kind of surface, distances to the nearest other particle, who came and went.
 std::optional<double> findParticleQuantity(const std::string& name, const Simulation& simulation) {
   static const char* const kNames[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "spacing_mean",
@@ -195,6 +205,7 @@ std::optional<double> findParticleQuantity(const std::string& name, const Simula
 
 double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> statistic = findStatistic(name, simulation.statistics())) return *statistic;
+  requirePoints(name, simulation.state().size());
   if (name == "volume_ratio") return computeVolumeRatio(simulation);
   if (name == "plastic_dissipation") return simulation.state().dissipated;
 

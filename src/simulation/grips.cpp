@@ -1,5 +1,6 @@
 #include "deformable_surface/simulation/grips.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/value.h"
 
 #include <algorithm>
@@ -8,6 +9,8 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew";
+
+constexpr Index kLook = 1024;  // points between two looks at an interrupt
 
 }  // namespace
 
@@ -125,6 +128,7 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
       grip.has_begun = true;
       const tool::Pose pose = tool::interpolate(grip.tool.path, time);
       for (Index i = 0; i < state.size(); ++i) {
+        endIfInterrupted(i, kLook);
         if (pinned[i] || !(tool::findSignedDistance(grip.tool.shape, pose, state.positions[i], 0.0).distance <= 0.0)) continue;
         grip.points.push_back(i);
         grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));

@@ -26,6 +26,7 @@ DEFORMABLE_SURFACE_WIDE void addWeights(Index size, const double* mass, double x
 }  // namespace
 
 void GravityLoad::addForces(double, const State&, Points& forces) const {
+  if (forces.empty()) return;
   addWeights(static_cast<Index>(forces.size()), masses_.data(), gravity.x(), gravity.y(), gravity.z(), forces.data()->data());
 }
 
@@ -156,6 +157,10 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
   forces_.erase(over, forces_.end());
   for (Named& f : forces_) {
     if (f.started || time < f.params.start) continue;
+    if (state.size() == 0) {
+      tell(f.params.id, "there is no simulation point that it could act on; it begins when there is one", update.notice);
+      continue;
+    }
     f.started = update.changed = true;
     // The points within the radius, else the nearest one.
     Index nearest = 0;
@@ -173,13 +178,16 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
     const std::string problem = findProblem(f, state, pinned);
     if (problem.empty()) {
       told_.erase(f.params.id);
-      continue;
+    } else {
+      tell(f.params.id, problem, update.notice);
     }
-    if (told_.size() >= kMaxTold) told_.clear();
-    if (!told_.insert(f.params.id).second) continue;
-    update.notice += (update.notice.empty() ? "force " : "; force ") + quote(f.params.id) + ": " + problem;
   }
   return update;
+}
+
+void NamedForces::tell(const std::string& id, const std::string& problem, std::string& notice) {
+  if (told_.size() >= kMaxTold) told_.clear();
+  if (told_.insert(id).second) notice += (notice.empty() ? "force " : "; force ") + quote(id) + ": " + problem;
 }
 
 std::string NamedForces::findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const {
@@ -220,7 +228,7 @@ double NamedForces::potential(double, const State& state) const {
 std::vector<std::pair<Vec3, Vec3>> NamedForces::active(const State& state) const {
   std::vector<std::pair<Vec3, Vec3>> list;
   for (const Named& f : forces_) {
-    if (!f.started) continue;
+    if (f.points.empty()) continue;  // not begun, or all that it acted on are gone
     Vec3 center = Vec3::Zero();
     for (std::size_t k = 0; k < f.points.size(); ++k) center += f.shares[k] * state.positions[f.points[k]];
     list.emplace_back(center, f.params.force);

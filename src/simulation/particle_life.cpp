@@ -1,11 +1,14 @@
 #include "deformable_surface/simulation/particle_life.h"
 
+#include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 #include "deformable_surface/model/oriented_particles/relax_on_surface.h"
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "settle_particles.h"
 
@@ -22,6 +25,9 @@ constexpr Index kSmoothings = 4;            // of rest curvatures where samples 
 constexpr double kDensity = 0.95;
 constexpr Index kLastIterations = 40;       // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;     // of its first force
+
+constexpr Index kMostDebris = 4;            // pieces of newborns alone: a few may have been cut off by tools
+constexpr Index kLook = 1024;               // particles between two looks at an interrupt
 
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
@@ -62,9 +68,11 @@ void ParticleLife::heat(double time, double step, const std::vector<ToolParams>&
     const bool cuts = tool.mode == Mode::kCut;
     const double temperature = cuts && !(tool.strength > 0.0) ? model_.params().melting : tool.strength;
     const double reach = cuts ? 0.5 * model_.lattice().spacing : 0.0;  // half a spacing: the particle as a disc
-    for (Index i = 0; i < state.size(); ++i)
+    for (Index i = 0; i < state.size(); ++i) {
+      endIfInterrupted(i, kLook);
       if (distanceTo(tool, pose, state.positions[i]) <= reach)
         state.traits[i].temperature = std::max(state.traits[i].temperature, temperature);
+    }
   }
 }
 
@@ -76,6 +84,7 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
     if (!tool::isActive(tool, time) || !(solid || tool.mode == Mode::kErase)) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     for (Index i = 0; i < state.size(); ++i) {
+      endIfInterrupted(i, kLook);
       // A solid tool keeps particles at its surface: a disc that reaches into it is in contact.
       const double reach = solid ? 0.5 * model_.lattice().spacing : 0.0;
       if (distanceTo(tool, pose, state.positions[i]) > reach) continue;
@@ -119,6 +128,34 @@ void ParticleLife::append(const model::NewParticle& particle, State& state) cons
   state.traits.push_back(traits);
 }
 
+// Pieces of neighbours of which all were born by growth.
+Index ParticleLife::countDebris(const State& state) const {
+  const Index n = state.size();
+  const double range = model_.params().growth.neighbor_range * model_.lattice().spacing;
+  const cloud::KdTree tree(state.positions);
+  std::vector<char> is_seen(n, 0);
+  std::vector<Index> piece;
+  std::vector<cloud::Neighbor> near;
+  Index debris = 0;
+  for (Index first = 0; first < n; ++first) {
+    if (is_seen[first]) continue;
+    bool is_newborn = true;
+    piece.assign(1, first);
+    is_seen[first] = 1;
+    for (std::size_t k = 0; k < piece.size(); ++k) {
+      endIfInterrupted(k, static_cast<std::size_t>(kLook));
+      is_newborn = is_newborn && state.traits[piece[k]].parents[0] != model::kNoParent;
+      tree.withinRadius(state.positions[piece[k]], range, near);
+      for (const cloud::Neighbor& q : near) {
+        if (std::exchange(is_seen[q.index], 1)) continue;
+        piece.push_back(q.index);
+      }
+    }
+    debris += is_newborn;
+  }
+  return debris;
+}
+
 ParticleLife::Changes ParticleLife::update(double time, double step, bool looks, const std::vector<ToolParams>& tools,
                                            State& state) const {
   Changes changes;
@@ -144,6 +181,13 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
     newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
   }
   if (newborn.empty()) return changes;
+  if (const Index debris = countDebris(state); debris > kMostDebris) {
+    if (!std::exchange(has_told_debris_, true))
+      changes.notice = "growth has run away and rests: found " + std::to_string(debris) +
+                       " pieces that consist of newborn particles alone, which have come loose from the surface; accepted: up to " +
+                       std::to_string(kMostDebris);
+    return changes;
+  }
   model::leaveOutCrowded(state.positions, growth.clearance * model_.lattice().spacing, newborn);
   for (const model::NewParticle& particle : newborn) {
     if (state.size() >= growth.max_particles) break;

@@ -29,6 +29,7 @@ StepOutcome Simulation::step() {
   if (impl_->is_viewer) return {false, "a viewer takes no steps", ""};
   return impl_->step();
 }
+void Simulation::undoStep() { impl_->undoStep(); }
 double Simulation::time() const { return impl_->time(); }
 std::uint64_t Simulation::stepCount() const { return impl_->steps; }
 const SceneParams& Simulation::params() const { return impl_->params; }

@@ -58,6 +58,8 @@ void Simulation::setState(const model::State& state) {
   impl_->part.reset();
   impl_->part_march = {};
   impl_->activity.reset();
+  const Index first = numFirst();
+  if (impl_->particles && (impl_->state.size() != first || impl_->state.next_id != first)) impl_->activity.leaveParts();
   impl_->changed();
   if (impl_->estimator) impl_->estimator->setState(state);
   impl_->surface.invalidate();

@@ -5,6 +5,7 @@
 
 #include "deformable_surface/simulation/simulation.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
@@ -30,32 +31,40 @@
 
 namespace deformable_surface::simulation {
 
-struct Snapshot::Contents {
-  std::uint64_t scene;  // see Simulation::Impl::identify()
-  State state;
-  std::uint64_t steps;
-  double time;  // s
-  std::vector<char> pinned, pinned_turns;
-  Vec3 gravity;
+/// What a step goes on from and may change. A step that is refused gives it back, and a snapshot holds it.
+struct Moment {
+  // What time alone and tools in motion change of a surface that sleeps.
   std::vector<NamedForces::Named> forces;
-  std::vector<tool::ToolParams> tools;
-  std::vector<PointValues> values;
-  double membrane_share, softening;
-  solve::IntegratorType integrator;
-  double spacing;       // m, of particles, which a fit may have found; else 0
-  RunTimePhysics physics;
-  double damping;       // 1/s
-  double contact_rate;  // 1/s
+  std::vector<ToolWatch::Seen> watched;
+  Activity::Memory activity;
+  solve::TimeMarch::Memory march, part_march;
+  bool has_part = false;
+
+  // What changes only of one that is awake.
+  State state;
+  std::uint64_t steps = 0;
+  std::vector<char> pinned, pinned_turns;
+  double membrane_share = 1.0, softening = 0.0;
+  solve::IntegratorType integrator = solve::IntegratorType::kAuto;
+  double contact_rate = 0.0;  // 1/s
   std::vector<Grips::Grip> grips;
   std::vector<ContactLoad::Body> bodies;
   std::vector<model::MassSpring::Link> cuts;
   std::shared_ptr<const CutTransfer::Memory> severed;  // null: nothing
   std::vector<TrackLoad::Seen> seen;
-  solve::TimeMarch::Memory march, part_march;
-  bool has_part;
   Points followed;
-  Activity::Memory activity;
-  std::vector<ToolWatch::Seen> watched;
+};
+
+struct Snapshot::Contents {
+  std::uint64_t scene;  // see Simulation::Impl::identify()
+  Moment moment;
+  double time;  // s
+  Vec3 gravity;
+  std::vector<tool::ToolParams> tools;
+  std::vector<PointValues> values;
+  double spacing;       // m, of particles, which a fit may have found; else 0
+  RunTimePhysics physics;
+  double damping;       // 1/s
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
   Statistics statistics;
@@ -123,6 +132,8 @@ struct Simulation::Impl {
   std::uint64_t revision = 0;           // see Simulation::revision()
 
   // Results and scratch.
+  Moment before;           // the step that is taken, or was taken last; if it slept through that, without what is awake
+  bool has_slept = false;  // through that step
   Statistics statistics;
   DeformedSurface surface;
   AccuracyChoice choice;
@@ -161,19 +172,26 @@ struct Simulation::Impl {
 
   // What a simulation hands out of itself: simulation_memory.cpp.
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
+  void keepAsleep(Moment& moment) const;
+  void keepAwake(Moment& moment) const;
+  void giveBack(const Moment& moment);
   std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;
   void restore(const Snapshot::Contents& saved);
   std::unique_ptr<Impl> fork(bool to_view) const;
 
   // A step and its parts: simulation_step.cpp.
   StepOutcome step();
+  void takeStep(const Timer& timer, bool have_loads_changed, std::optional<InterruptScope>& scope, StepOutcome& outcome);
+  void refuse(const std::string& why, StepOutcome& outcome) const;
+  void undoStep();
   bool beginNested();
   bool isHeldAround() const;
   double findUnheldLoad(double time) const;
   std::optional<double> searchAgain(double now, model::State& start) const;
   void disturb(double size, Points& positions) const;
   Grips::Update updateGrips(double now, double dt);
-  void endCuts(double now, double dt, StepOutcome& outcome);
+  void endCuts();
+  void loseEstimate(StepOutcome& outcome);
   std::string live(double now, double dt);
   ParticleLife::Changes fit(const model::GrowthParams& growth);
   void requireParticles() const;
@@ -194,7 +212,7 @@ struct Simulation::Impl {
   void followPartners(const Points& positions);
   void makePart();
   void wakeAll();
-  void wakeForStep(const NamedForces::Update& update);
+  NamedForces::Update wakeForStep(double now, double dt);
   void beginAsleep(double now);
   void wakeForce(const std::string& id);
   void loadsChanged();

@@ -28,88 +28,107 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
   return hashPoints(rest.dense.positions, h);
 }
 
+// Both reuse the room of what they overwrite.
+void Simulation::Impl::keepAsleep(Moment& moment) const {
+  moment.forces = forces.all();
+  moment.watched = tool_watch.memory();
+  moment.activity = activity.memory();
+  moment.march = march.memory();
+  moment.part_march = part ? part->march().memory() : part_march;
+  moment.has_part = part && !activity.isAsleep();
+}
+
+void Simulation::Impl::keepAwake(Moment& moment) const {
+  moment.state = state;
+  moment.steps = steps;
+  moment.pinned = pinned;
+  moment.pinned_turns = pinned_turns;
+  moment.membrane_share = membrane_share;
+  moment.softening = softening;
+  moment.integrator = params.integrator.type;
+  moment.contact_rate = contact_rate;
+  moment.grips = grips.all();
+  moment.bodies = contact.all();
+  if (cutting) moment.cuts = cutting->cuts();
+  moment.severed = surface.saveCut();
+  moment.seen = track.seen();
+  moment.followed = followed;
+}
+
+void Simulation::Impl::giveBack(const Moment& moment) {
+  if (cutting) cutting->setCuts(moment.cuts);
+  pinned = moment.pinned;
+  pinned_turns = moment.pinned_turns;
+  state = moment.state;
+  model->adopt(state);
+  placeAnchors();
+  clampHeld();
+  state = moment.state;  // cold particles may have been moving
+  steps = moment.steps;
+  membrane_share = moment.membrane_share;
+  softening = moment.softening;
+  params.integrator.type = moment.integrator;
+  applyMaterial();
+  contact_rate = moment.contact_rate;
+  contact.setRate(contact_rate);
+  forces.restore(moment.forces);
+  track.restore(moment.seen);
+  grips.restore(moment.grips);
+  contact.restore(moment.bodies);
+  chooseLoads();
+  setParts();
+  part.reset();
+  march.setMemory(moment.march);
+  part_march = moment.part_march;
+  activity.setMemory(moment.activity, state);
+  followed.clear();
+  if (!moment.followed.empty() && activity.isInParts()) followPartners(moment.followed);
+  if (moment.has_part && !is_viewer) makePart();
+  tool_watch.setMemory(moment.watched);
+  if (cutting) surface.restoreCut(moment.severed, model->stretchLinks());
+  changed();
+}
+
 std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) const {
-  Statistics now = statistics;
-  readEstimate(now);
-  return std::make_shared<const Snapshot::Contents>(
-      Snapshot::Contents{scene_hash,
-                         state,
-                         steps,
-                         time(),
-                         pinned,
-                         pinned_turns,
-                         gravity.gravity,
-                         forces.all(),
-                         tools,
-                         values,
-                         membrane_share,
-                         softening,
-                         params.integrator.type,
-                         particles ? particles->lattice().spacing : 0.0,
-                         findPhysics(params),
-                         system.damping(),
-                         contact_rate,
-                         grips.all(),
-                         contact.all(),
-                         cutting ? cutting->cuts() : std::vector<model::MassSpring::Link>(),
-                         surface.saveCut(),
-                         track.seen(),
-                         march.memory(),
-                         part ? part->march().memory() : part_march,
-                         part && !activity.isAsleep(),
-                         followed,
-                         activity.memory(),
-                         tool_watch.memory(),
-                         surface.saveInserted(),
-                         estimator && !is_sight ? estimator->memory() : nullptr,
-                         std::move(now),
-                         is_sight,
-                         estimator != nullptr,
-                         surface.revision()});
+  auto saved = std::make_shared<Snapshot::Contents>();
+  saved->scene = scene_hash;
+  keepAsleep(saved->moment);
+  keepAwake(saved->moment);
+  saved->time = time();
+  saved->gravity = gravity.gravity;
+  saved->tools = tools;
+  saved->values = values;
+  saved->spacing = particles ? particles->lattice().spacing : 0.0;
+  saved->physics = findPhysics(params);
+  saved->damping = system.damping();
+  saved->resampler = surface.saveInserted();
+  saved->estimate = estimator && !is_sight ? estimator->memory() : nullptr;
+  saved->statistics = statistics;
+  readEstimate(saved->statistics);
+  saved->is_sight = is_sight;
+  saved->is_estimated = estimator != nullptr;
+  saved->surface_revision = surface.revision();
+  return saved;
 }
 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
-  if (cutting) cutting->setCuts(saved.cuts);
-  state = saved.state;
   if (particles && particles->lattice().spacing != saved.spacing) particles->setSpacing(saved.spacing);
-  model->adopt(state);
-  placeAnchors();
-  steps = saved.steps;
-  pinned = saved.pinned;
-  pinned_turns = saved.pinned_turns;
-  clampHeld();
   values = saved.values;
-  membrane_share = saved.membrane_share;
-  softening = saved.softening;
+  membrane_share = saved.moment.membrane_share;
   setPhysics(saved.physics, params);
   takePhysics();
-  contact_rate = saved.contact_rate;
-  contact.setRate(contact_rate);
+  contact_rate = saved.moment.contact_rate;
   setDamping(saved.damping);
   gravity.gravity = saved.gravity;
-  forces.restore(saved.forces);
-  track.restore(saved.seen);
-  part.reset();
   setTools(saved.tools);
-  params.integrator.type = saved.integrator;
+  giveBack(saved.moment);
   share_notice.clear();
-  grips.restore(saved.grips);
-  contact.restore(saved.bodies);
-  march.setMemory(saved.march);
-  part_march = saved.part_march;
-  activity.setMemory(saved.activity, state);
-  followed.clear();
-  if (!saved.followed.empty() && activity.isInParts()) followPartners(saved.followed);
-  if (saved.has_part && !is_viewer) makePart();
-  tool_watch.setMemory(saved.watched);
-  changed();
   if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
   if (estimator && !saved.estimate) estimator->lose();
   // What a viewer has made of the same positions is as good as before.
   if (!is_viewer || seen_revision != saved.surface_revision) surface.invalidate();
   if (is_viewer) seen_revision = saved.surface_revision;
   surface.restoreInserted(saved.resampler);
-  if (cutting) surface.restoreCut(saved.severed, model->stretchLinks());
   statistics = saved.statistics;
   is_estimated_elsewhere = is_viewer && saved.is_estimated;
 }
@@ -161,16 +180,17 @@ Simulation Simulation::viewer() const { return Simulation(impl_->fork(true)); }
 std::size_t Snapshot::bytes() const {
   if (!contents_) return 0;
   const Contents& c = *contents_;
-  std::size_t sum = sizeof(Contents) + bytesOf(c.state.positions) + bytesOf(c.state.velocities) + bytesOf(c.state.orientations) +
-                    bytesOf(c.state.spins) + bytesOf(c.state.traits) + bytesOf(c.state.plastic) + bytesOf(c.pinned) +
-                    bytesOf(c.pinned_turns) + bytesOf(c.values) + bytesOf(c.seen) + bytesOf(c.followed) + bytesOf(c.cuts) +
-                    bytesOf(c.activity.quiet) + bytesOf(c.activity.moves);
-  if (c.severed) sum += bytesOf(*c.severed);
-  for (const ContactLoad::Body& body : c.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
-  for (const ToolWatch::Seen& seen : c.watched) sum += sizeof seen;
-  for (const NamedForces::Named& force : c.forces) sum += sizeof force + bytesOf(force.points) + bytesOf(force.shares);
+  const Moment& m = c.moment;
+  std::size_t sum = sizeof(Contents) + bytesOf(m.state.positions) + bytesOf(m.state.velocities) +
+                    bytesOf(m.state.orientations) + bytesOf(m.state.spins) + bytesOf(m.state.traits) + bytesOf(m.state.plastic) +
+                    bytesOf(m.pinned) + bytesOf(m.pinned_turns) + bytesOf(c.values) + bytesOf(m.seen) + bytesOf(m.followed) +
+                    bytesOf(m.cuts) + bytesOf(m.activity.quiet) + bytesOf(m.activity.moves);
+  if (m.severed) sum += bytesOf(*m.severed);
+  for (const ContactLoad::Body& body : m.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
+  for (const ToolWatch::Seen& seen : m.watched) sum += sizeof seen;
+  for (const NamedForces::Named& force : m.forces) sum += sizeof force + bytesOf(force.points) + bytesOf(force.shares);
   for (const tool::ToolParams& tool : c.tools) sum += sizeof tool + bytesOf(tool.path);
-  for (const Grips::Grip& grip : c.grips)
+  for (const Grips::Grip& grip : m.grips)
     sum += sizeof grip + bytesOf(grip.tool.path) + bytesOf(grip.points) + bytesOf(grip.places);
   if (c.resampler) sum += c.resampler->bytes();
   if (c.estimate)

@@ -3,6 +3,7 @@
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
@@ -14,39 +15,80 @@
 
 namespace deformable_surface::simulation {
 
-// In this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer, normals,
-// markers) is made when somebody asks for it.
+// What may change before it is known that the step is good is kept, and given back whatever it was that refused it.
 StepOutcome Simulation::Impl::step() {
   const Timer timer;
   const double dt = params.integrator.time_step;
   const double now = time();
+  keepAsleep(before);
+  const bool was_asleep = activity.isAsleep();
+  NamedForces::Update update;
+  if (was_asleep) update = wakeForStep(now, dt);
+  has_slept = activity.isAsleep();
+  if (has_slept) return passStep(timer, update.notice);
+  if (now + 1e-6 * dt >= params.duration) leaveTrial("its time has come to an end");
+  keepAwake(before);
   StepOutcome outcome;
+  try {
+    std::optional<InterruptScope> scope;
+    if (interrupt) scope.emplace(*interrupt);
+    std::string news;
+    if (life) news = live(now, dt);
+    if (!was_asleep) update = wakeForStep(now, dt);
+    for (const std::string& notice : {update.notice, news}) appendNotice(outcome.notice, notice);
+    takeStep(timer, update.changed, scope, outcome);
+  } catch (const Interrupted& interrupted) {
+    refuse(interrupted.what(), outcome);
+  } catch (...) {
+    giveBack(before);
+    throw;
+  }
+  if (!outcome.ok) giveBack(before);
+  return outcome;
+}
+
+void Simulation::Impl::refuse(const std::string& why, StepOutcome& outcome) const {
+  outcome.ok = false;
+  outcome.problem = "step " + std::to_string(before.steps + 1) + " at " +
+                    formatReal(static_cast<double>(before.steps) * params.integrator.time_step) + " s " + why +
+                    "; the state before it is kept";
+}
+
+// As if the last step had not been taken.
+void Simulation::Impl::undoStep() {
+  if (!has_slept) return giveBack(before);
+  --steps;
+  forces.restore(before.forces);
+  tool_watch.setMemory(before.watched);
+}
+
+// In this order: commands -> sub-steps (forces, integration) -> checks. What follows from the new state (transfer, normals,
+// markers) is made when somebody asks for it.
+void Simulation::Impl::takeStep(const Timer& timer, bool have_loads_changed, std::optional<InterruptScope>& scope,
+                                StepOutcome& outcome) {
+  const double dt = params.integrator.time_step;
+  const double now = time();
 
   // Commands. What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
-  std::string news;
-  const bool has_lived = life && !activity.isAsleep();
-  if (has_lived) news = live(now, dt);
-  const NamedForces::Update update = forces.update(now + 1e-6 * dt, state, pinned);
-  wakeForStep(update);
-  if (activity.isAsleep()) return passStep(timer, update.notice);
-  if (life && !has_lived) news = live(now, dt);
   clampHeld();
   Grips::Update grip;
   if (!grips.isEmpty()) grip = updateGrips(now, dt);
-  if (update.changed || grip.changed) loadsChanged();
-  if (now + 1e-6 * dt >= params.duration) leaveTrial("its time has come to an end");
-  for (const std::string& notice : {update.notice, news, grip.notice, share_notice}) appendNotice(outcome.notice, notice);
+  if (have_loads_changed || grip.changed) loadsChanged();
+  for (const std::string& notice : {grip.notice, share_notice}) appendNotice(outcome.notice, notice);
   share_notice.clear();
   beginAsleep(now);
-  if (activity.isAsleep()) return passStep(timer, outcome.notice);
+  if (activity.isAsleep()) {
+    outcome = passStep(timer, outcome.notice);
+    return;
+  }
 
   double contact_seconds = 0.0;
+  bool has_new_arrival = false;
   if (!contact.isEmpty()) {
     const Timer contact_timer;
     const bool has_changed = contact.beginStep(now, dt, state, held);
     appendNotice(outcome.notice, contact.news());
-    if (contact.hasNewArrival() && estimator)
-      estimator->forward([&](Simulation& copy) { copy.impl_->contact.adoptArrivals(contact); });
+    has_new_arrival = contact.hasNewArrival();
     if (contact.hasNewDetour()) wakeAll();  // where it comes from nobody has looked for sleepers
     if (has_changed) loadsChanged();
     contact_seconds = contact_timer.seconds();
@@ -54,13 +96,8 @@ StepOutcome Simulation::Impl::step() {
 
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
-  if (const double load = params.integrator.type == solve::IntegratorType::kStatic ? findUnheldLoad(now + dt) : 0.0; load > 0.0) {
-    outcome.ok = false;
-    outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) +
-                      " s has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(load) +
-                      " N; the state before it is kept";
-    return outcome;
-  }
+  if (const double load = params.integrator.type == solve::IntegratorType::kStatic ? findUnheldLoad(now + dt) : 0.0; load > 0.0)
+    return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(load) + " N", outcome);
   std::unique_ptr<model::State> start;  // of a second search
   if (params.integrator.type == solve::IntegratorType::kStatic && estimator && estimator->wantsSecondSearch())
     start = std::make_unique<model::State>(state);
@@ -73,12 +110,7 @@ StepOutcome Simulation::Impl::step() {
   }
   const solve::SolveReport& report = taken.report;
   appendNotice(outcome.notice, taken.notice);
-  if (!taken.ok) {
-    outcome.ok = false;
-    outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) + " s " + taken.failure +
-                      "; the state before it is kept";
-    return outcome;
-  }
+  if (!taken.ok) return refuse(taken.failure, outcome);
   const Timer search_timer;
   std::optional<double> other;
   if (start && report.converged) other = searchAgain(now, *start);
@@ -88,21 +120,26 @@ StepOutcome Simulation::Impl::step() {
     appendNotice(outcome.notice, contact.endStep(now, dt, state, held, model->triangles()));
     contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part ? part->takeContactSeconds() : 0.0);
   }
-  if (may_be_cut) endCuts(now, dt, outcome);
+  bool has_parted = false;
+  if (may_be_cut) has_parted = cutting->endStep(tools, now, dt, state.positions, surface);
+  if (has_parted) endCuts();
   const bool has_flowed = solid && solid->flow(dt, state);
   if (has_flowed) {
     march.forcesChanged();
     wakeAll();
   }
+  scope.reset();  // from here on only the copies look, which take their own steps
   ++steps;
   if (isAsTried() && steps <= choice.softening.size()) softening = choice.softening[steps - 1];
   surface.invalidate();
-  surface.resample(state);
   if (estimator) {
+    if (has_new_arrival) estimator->forward([&](Simulation& copy) { copy.impl_->contact.adoptArrivals(contact); });
+    if (has_parted) loseEstimate(outcome);
     estimate(report, outcome);
     if (other) appendNotice(outcome.notice, estimator->learnSecondSearch(*other));
     statistics.time_estimate += search_seconds;
   }
+  surface.resample(state);
   if (!has_flowed) considerSleep(report);
   changed();
 
@@ -117,7 +154,6 @@ StepOutcome Simulation::Impl::step() {
   statistics.time_solve = statistics.time_total - report.time_forces - statistics.time_estimate;
   statistics.real_time_factor = dt / statistics.time_total;
   statistics.time_transfer = statistics.time_normals = 0.0;
-  return outcome;
 }
 
 // Whether the middle of the surface lies among its pins: most such surfaces sag between them and do not swing down.
@@ -186,12 +222,13 @@ Grips::Update Simulation::Impl::updateGrips(double now, double dt) {
 }
 
 // What knives passed and what was stretched too far is severed; what was kept of the whole surface is then worth nothing.
-void Simulation::Impl::endCuts(double now, double dt, StepOutcome& outcome) {
-  if (!cutting->endStep(tools, now, dt, state.positions, surface)) return;
+void Simulation::Impl::endCuts() {
   wakeAll();
   setParts();
   march.restart();
-  if (!estimator) return;
+}
+
+void Simulation::Impl::loseEstimate(StepOutcome& outcome) {
   if (std::isfinite(estimator->total()))
     appendNotice(outcome.notice,
                  "the surface is cut, which its coarser copies do not follow: there is no error estimate until the next reset");
@@ -243,11 +280,10 @@ void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
   surface.invalidate();
 }
 
-// The copies take the same step.
+// The copies take the same step; if that is interrupted, none of them has.
 void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& outcome) {
   const Timer timer;
-  const std::string said = estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all());
-  if (!(interrupt && *interrupt)) appendNotice(outcome.notice, said);
+  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all(), interrupt));
   estimator->learnBalance(params.integrator.type != solve::IntegratorType::kStatic || report.converged);
   // Asked for, kept in the trial, but not kept now; said once.
   const double wish = params.accuracy.position_error, error = estimator->total() + softening;

@@ -1,5 +1,6 @@
 #include "tool_arrival.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/value.h"
 
@@ -14,6 +15,8 @@ namespace {
 constexpr double kTold = 1e-3;   // of the surface's extent: a tool that appears deeper than that in it is told of
 constexpr double kFree = 0.01;   // of the depth at first that may be left where a tool comes from
 constexpr int kMostLooks = 200;  // on one way: what is not free by then is as if it never were
+
+constexpr std::size_t kLook = 1024;  // points between two looks at an interrupt
 
 // Points that may be pushed, seen from a tool at a pose.
 class Overlap {
@@ -34,6 +37,7 @@ class Overlap {
     const tool::Pose moved{pose_.position + offset, pose_.orientation};
     const double ball = findRadius(tool_.shape), squared_ball = ball * ball;
     for (std::size_t i = 0; i < positions_.size(); ++i) {
+      endIfInterrupted(i, kLook);
       if (held_[i] || (positions_[i] - moved.position).squaredNorm() > squared_ball) continue;
       const geometry::SignedDistance d = tool::findSignedDistance(tool_.shape, moved, positions_[i], 0.0);
       if (d.distance < 0.0) visit(-d.distance, d.normal);

@@ -1,5 +1,7 @@
 #include "deformable_surface/solve/stable_step.h"
 
+#include "deformable_surface/base/interrupt.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -29,6 +31,7 @@ double StableStep::estimate(double time, const State& state, const System& syste
   stiffness_.finish();
   // Of D K D with D = 1 / sqrt(mass), zero on held points.
   double eigenvalue = std::max(0.0, lanczos_.boundLargest(scale_, [this](const Eigen::VectorXd& v, Eigen::VectorXd& product) {
+    endIfInterrupted();
     scaled_ = scale_.cwiseProduct(v);
     stiffness_.multiply(scaled_, product);
     product = scale_.cwiseProduct(product);

@@ -1,11 +1,14 @@
 #include "deformable_surface/solve/system.h"
 
+#include "deformable_surface/base/interrupt.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace deformable_surface::solve {
 
+// Each evaluation begins with a look at the interrupt of the thread: whatever a solver does between two of them is short.
 System::System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
                double damping, const std::vector<char>* held_turns)
     : model_(model), loads_(loads), held_(held), held_turns_(held_turns), damping_(damping) {}
@@ -16,18 +19,21 @@ bool System::dissipatesInForces() const {
 }
 
 void System::computeForces(double time, const State& state, Points& forces) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(state, forces);
   addLoads(time, state, forces);
 }
 
 void System::computeForcesOnAll(double time, const State& state, Points& forces) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(state, forces);
   addLoadsOnAll(time, state, forces);
 }
 
 void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   torques.assign(state.positions.size(), Vec3::Zero());
   model_.addForcesAndTorques(state, forces, torques);
@@ -37,6 +43,7 @@ void System::computeForcesAndTorques(double time, const State& state, Points& fo
 }
 
 void System::computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   torques.assign(state.positions.size(), Vec3::Zero());
   model_.addForcesAndTorques(state, forces, torques);
@@ -45,11 +52,13 @@ void System::computeForcesAndTorquesOnAll(double time, const State& state, Point
 }
 
 void System::computeFastForces(const State& state, Points& forces) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addFastForces(state, forces);
 }
 
 void System::computeSlowForces(const State& state, Points& forces) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addSlowForces(state, forces);
 }
@@ -66,6 +75,7 @@ void System::addLoads(double time, const State& state, Points& forces) const {
 }
 
 void System::computeConservativeForces(double time, const State& state, Points& forces) const {
+  endIfInterrupted();
   at_rest_ = state;
   at_rest_.velocities.assign(state.positions.size(), Vec3::Zero());
   forces.assign(state.positions.size(), Vec3::Zero());
@@ -122,6 +132,7 @@ void System::computeSteadyLoads(double time, const State& state, Points& forces)
 }
 
 double System::potentialEnergy(double time, const State& state) const {
+  endIfInterrupted();
   return model_.elasticEnergy(state) + loadPotential(time, state);
 }
 
@@ -133,11 +144,13 @@ double System::kineticEnergy(const State& state) const {
 }
 
 void System::addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const {
+  endIfInterrupted();
   model_.addStiffness(state, step, hessian, stiffness);
   for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
 }
 
 void System::computeStiffnessProduct(const Points& v, Points& product) const {
+  endIfInterrupted();
   product.assign(v.size(), Vec3::Zero());
   model_.addStiffnessProduct(v, product);
   model_.confine(product);
@@ -158,6 +171,7 @@ double System::largestForce(double time, const State& state) const {
 }
 
 double System::computeForcesAndLargest(double time, const State& state, Points& forces) const {
+  endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   model_.addForces(state, forces);
   loads_alone_.assign(state.positions.size(), Vec3::Zero());
@@ -174,6 +188,7 @@ double System::computeForcesAndLargest(double time, const State& state, Points& 
 }
 
 void System::computeRowBounds(double time, const State& state) const {
+  endIfInterrupted();
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   model_.addRowBounds(state, row_stiffness_, row_damping_);

@@ -10,8 +10,13 @@ namespace {
 
 using geometry::SignedDistance;
 
-constexpr double kOut = 1e-6;       // of the way: how far outside a point that was inside begins
-constexpr int kMaxLooks = 10000;    // in a step: what moves so fast beside its resolution is no cut that anybody meant
+constexpr double kOut = 1e-6;        // of the way: how far outside a point that was inside begins
+constexpr double kMostLooks = 1e15;  // in a step: as many as times within it can be told apart
+// Where a step has more looks than this, those of a part of it in which the tool hardly moves, in shares of the resolution, are
+// taken as one: a tool that waits and then jumps would be looked at for ever where it waits.
+constexpr BladeSweep::Look kMany = 10000;
+constexpr double kStill = 0.1;
+constexpr double kGrazed = 1.01;     // of half the way between two points: farther from its middle nothing lies across it
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
@@ -31,43 +36,114 @@ bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b) {
   return out && in->normal.dot(out->normal) < 0.0;
 }
 
+// Only a plane has no other side: nothing can lie between two points.
 BladeSweep::BladeSweep(const ToolParams& tool, double time, double step, const Points& before, const Points& after, double reach,
                        double resolution)
-    : solid_(tool.shape), reach_(reach) {
-  const Pose first = interpolate(tool.path, time), last = interpolate(tool.path, time + step);
+    : tool_(tool), time_(time), step_(step), reach_(reach), first_(interpolate(tool.path, time)) {
+  if (tool.shape.kind == geometry::Solid::Kind::kPlane) return;
+  const Pose last = interpolate(tool.path, time + step);
   // A path with corners, or one that turns, is longer than the way from its beginning to its end.
   double longer = 1.0;
   for (const WaypointParams& w : tool.path)
     if (w.time > time && w.time < time + step) longer += 1.0;
   bool is_near = false;
   for (std::size_t i = 0; i < before.size(); ++i) {
-    const Vec3 from = toTool(first, before[i]), to = toTool(last, after[i]);
+    const Vec3 from = toTool(first_, before[i]), to = toTool(last, after[i]);
     const double travel = (to - from).norm();
-    if (!(geometry::findSignedDistance(solid_, from, reach + travel).distance <= reach + travel)) continue;
+    if (!(geometry::findSignedDistance(tool.shape, from, reach + travel).distance <= reach + travel)) continue;
     is_near = true;
     travel_ = std::max(travel_, travel);
   }
   if (!is_near) return;
   travel_ *= longer;
-  const int looks = std::min(kMaxLooks, 1 + static_cast<int>(travel_ / resolution));
-  for (int k = 0; k <= looks; ++k) poses_.push_back(interpolate(tool.path, time + k * step / looks));
+  num_looks_ = 1 + static_cast<Look>(std::min(travel_ / resolution, kMostLooks));
+  if (num_looks_ > kMany) still_ = kStill * resolution;
+  addPieces();
 }
+
+// From corner to corner of the path. A look belongs to the piece that interpolate() finds it on.
+void BladeSweep::addPieces() {
+  const auto firstFrom = [this](double corner) {
+    Look look = static_cast<Look>((corner - time_) / step_ * static_cast<double>(num_looks_));
+    while (look > 0 && timeAt(look - 1) >= corner) --look;
+    while (look <= num_looks_ && timeAt(look) < corner) ++look;
+    return look;
+  };
+  double from = time_;
+  Look first = 0;
+  const auto add = [&](double to, Look next) {
+    const Pose a = interpolate(tool_.path, from), b = interpolate(tool_.path, to);
+    const double share = step_ / (to - from) / static_cast<double>(num_looks_);  // of the piece, from look to look
+    if (next > first)
+      pieces_.push_back({{first, next - 1}, share * (b.position - a.position),
+                         share * a.orientation.angularDistance(b.orientation)});
+    from = to;
+    first = next;
+  };
+  for (const WaypointParams& w : tool_.path)
+    if (w.time > time_ && w.time < time_ + step_) add(w.time, firstFrom(w.time));
+  add(time_ + step_, num_looks_ + 1);
+}
+
+Pose BladeSweep::poseAt(Look look) const { return interpolate(tool_.path, timeAt(look)); }
 
 bool BladeSweep::isNear(const Vec3& point) const {
   const double reach = reach_ + travel_;
-  return isNear() && geometry::findSignedDistance(solid_, toTool(poses_.front(), point), reach).distance <= reach;
+  return isNear() && geometry::findSignedDistance(tool_.shape, toTool(first_, point), reach).distance <= reach;
 }
 
-bool BladeSweep::wentBetween(const Vec3& a_before, const Vec3& a_after, const Vec3& b_before, const Vec3& b_after) const {
+// Calls visit(look, pose) at looks of a piece until it returns true: at all at which the tool may touch a ball that moves evenly,
+// and at no others but those that divide the rest.
+template <class Visit>
+bool BladeSweep::visitNear(const Piece& piece, const Looks& looks, const Vec3& before, const Vec3& after, double radius,
+                           const Visit& visit) const {
+  if (looks.last < looks.first) return false;
+  const Look middle = looks.first + (looks.last - looks.first) / 2;
+  const Pose pose = poseAt(middle);
+  const Vec3 center =
+      toTool(pose, before + static_cast<double>(middle) / static_cast<double>(num_looks_) * (after - before));
+  // How far the ball goes in the tool's frame from here to either end.
+  const double longest = static_cast<double>(looks.last - middle);
+  const double way = longest * ((after - before) / static_cast<double>(num_looks_) - piece.move).norm();
+  const double reach = radius + way + longest * piece.turn * (center.norm() + way);
+  const double distance = geometry::findSignedDistance(tool_.shape, center, reach).distance;
+  if (!(distance <= reach)) return false;
+  if (visit(middle, pose, distance <= radius)) return true;
+  if (reach - radius < still_) return false;
+  return visitNear(piece, {looks.first, middle - 1}, before, after, radius, visit) ||
+         visitNear(piece, {middle + 1, looks.last}, before, after, radius, visit);
+}
+
+BladeSweep::Looks BladeSweep::findLooks(const Vec3& before, const Vec3& after, double radius) const {
+  Looks found;
+  for (const Piece& piece : pieces_)
+    visitNear(piece, piece.looks, before, after, radius, [&](Look look, const Pose&, bool is_near) {
+      if (!is_near) return false;
+      found = found.last < found.first ? Looks{look, look} : Looks{std::min(found.first, look), std::max(found.last, look)};
+      return false;
+    });
+  return found;
+}
+
+bool BladeSweep::isBetweenAt(const Pose& pose, double share, const Pair& pair) const {
+  return isBetween(tool_.shape, toTool(pose, pair.a_before + share * (pair.a_after - pair.a_before)),
+                   toTool(pose, pair.b_before + share * (pair.b_after - pair.b_before)));
+}
+
+bool BladeSweep::wentBetween(const Vec3& a_before, const Vec3& a_after, const Vec3& b_before, const Vec3& b_after,
+                             const Looks& looks, std::int64_t* taken) const {
   if (!isNear()) return false;
-  const Vec3 middle = 0.5 * (a_before + b_before);
+  const Pair pair{a_before, a_after, b_before, b_after, 0.5 * std::max((b_before - a_before).norm(), (b_after - a_after).norm())};
+  const Vec3 before = 0.5 * (a_before + b_before), after = 0.5 * (a_after + b_after);
   const double reach = 0.5 * (b_before - a_before).norm() + travel_;
-  if (!(geometry::findSignedDistance(solid_, toTool(poses_.front(), middle), reach).distance <= reach)) return false;
-  for (std::size_t k = 0; k < poses_.size(); ++k) {
-    const double share = static_cast<double>(k) / (poses_.size() - 1);
-    if (isBetween(solid_, toTool(poses_[k], a_before + share * (a_after - a_before)),
-                  toTool(poses_[k], b_before + share * (b_after - b_before))))
-      return true;
+  if (!(geometry::findSignedDistance(tool_.shape, toTool(first_, before), reach).distance <= reach)) return false;
+  for (const Piece& piece : pieces_) {
+    const Looks now{std::max(looks.first, piece.looks.first), std::min(looks.last, piece.looks.last)};
+    const bool went = visitNear(piece, now, before, after, kGrazed * pair.half, [&](Look look, const Pose& pose, bool is_near) {
+      if (taken) ++*taken;
+      return is_near && isBetweenAt(pose, static_cast<double>(look) / static_cast<double>(num_looks_), pair);
+    });
+    if (went) return true;
   }
   return false;
 }

@@ -3,6 +3,7 @@
 #include "deformable_surface/transfer/transfer.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
@@ -166,6 +167,7 @@ void Transfer::refit(const std::vector<Index>& dense, const Lists& followed, con
                      const TransferParams& params) {
   std::vector<Index> found;
   for (std::size_t p = 0; p < dense.size(); ++p) {
+    if (p % kTilePoints == 0) endIfInterrupted();
     const std::size_t group = dense[p] / kLanes, lane = dense[p] % kLanes;
     float* const weight = weight_.data() + group * k_ * 3 * kLanes + lane;
     for (Index j = 0; j < 3 * k_; ++j) weight[j * kLanes] = 0.0f;

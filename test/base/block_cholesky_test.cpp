@@ -2,6 +2,7 @@
 
 #include "../support/dense.h"
 #include "../support/surfaces.h"
+#include "deformable_surface/base/interrupt.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
@@ -9,6 +10,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -152,6 +154,33 @@ TEST(BlockCholesky, IsExactOnDiagonalsWhateverTheirSize) {
   Eigen::VectorXd x = Eigen::VectorXd::Ones(9);
   cholesky.solveInPlace(x);
   for (Index i = 0; i < 3; ++i) EXPECT_EQ(x[3 * i], std::pow(4.0, -100 * (i - 1)));
+}
+
+TEST(BlockCholesky, LooksAtAnInterruptWhileItFactorizesAndGoesOnAfterwards) {
+  std::mt19937 generator(5);
+  constexpr Index kSide = 30;
+  const BlockSparse matrix = fill(kSide * kSide, gridPairs(kSide, 2.1, generator), 1.1, generator);
+  BlockCholesky cholesky;
+  cholesky.analyze(matrix.pattern());
+  std::atomic<bool> flag{false};
+  const InterruptScope scope(flag);
+  long looks = 0;
+  {
+    const LookCounter counter(flag);
+    ASSERT_TRUE(cholesky.factorize(matrix.values()));
+    looks = counter.count();
+  }
+  EXPECT_GT(looks, kSide * kSide / 16);  // panels are no wider
+  Eigen::VectorXd expected = Eigen::VectorXd::Ones(3 * kSide * kSide), x = expected;
+  cholesky.solveInPlace(expected);
+  {
+    const LookCounter counter(flag, looks / 2);
+    EXPECT_THROW(cholesky.factorize(matrix.values()), Interrupted);
+  }
+  flag = false;
+  ASSERT_TRUE(cholesky.factorize(matrix.values()));
+  cholesky.solveInPlace(x);
+  EXPECT_EQ(x, expected);
 }
 
 }  // namespace

@@ -1,10 +1,13 @@
 // Factors of matrices with one number a pair, against dense ones.
 #include "deformable_surface/base/scalar_cholesky.h"
 
+#include "deformable_surface/base/interrupt.h"
+
 #include <Eigen/Cholesky>
 
 #include <gtest/gtest.h>
 
+#include <atomic>
 #include <random>
 
 namespace deformable_surface::test {
@@ -111,6 +114,25 @@ TEST(ScalarCholesky, TellsThatAMatrixIsNotPositiveAndGoesOnWithTheNext) {
   cholesky.solve(b, x);
   Eigen::VectorXd expected = m.dense.llt().solve(Eigen::VectorXd::Ones(30));
   for (Index i = 0; i < 30; ++i) EXPECT_NEAR(x[i].y(), expected[i], 1e-10 * expected.norm());
+}
+
+TEST(ScalarCholesky, LooksAtAnInterruptWhileItFactorizesAndGoesOnAfterwards) {
+  const Matrix m = makeMatrix(300, 7);
+  ScalarCholesky cholesky;
+  cholesky.analyze(300, m.pairs);
+  std::atomic<bool> flag{false};
+  const InterruptScope scope(flag);
+  ASSERT_TRUE(cholesky.factorize(m.diagonal, m.values));
+  std::vector<double> expected(300), x(300);
+  cholesky.solve(m.diagonal, expected);
+  {
+    const LookCounter counter(flag, 3);
+    EXPECT_THROW(cholesky.factorize(m.diagonal, m.values), Interrupted);
+  }
+  flag = false;
+  ASSERT_TRUE(cholesky.factorize(m.diagonal, m.values));
+  cholesky.solve(m.diagonal, x);
+  EXPECT_EQ(x, expected);
 }
 
 }  // namespace

@@ -55,6 +55,16 @@ TEST(Cutting, AKnifePartsTheSheetAlongItsWayAndNowhereElse) {
   }
 }
 
+TEST(Cutting, AKnifeThatJumpsAKilometreThroughItCutsAsOneThatGoesSlowly) {
+  simulation::SceneParams p = stillSheet();
+  p.tools[0].path = {{0.0, Vec3(0.513, -500.0, 0.0)}, {p.integrator.time_step, Vec3(0.513, 500.0, 0.0)}};
+  simulation::Simulation s(p, sheetCloud()), slow(stillSheet(), sheetCloud());
+  run(s, 1);
+  run(slow, 12);
+  EXPECT_EQ(simulation::computeQuantity("components", s), 2.0);
+  EXPECT_EQ(s.model().stretchLinks(), slow.model().stretchLinks());
+}
+
 TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
   simulation::Simulation s(stillSheet(), sheetCloud());
   const Points rest = s.state().positions;

@@ -287,5 +287,36 @@ TEST(Population, ASnapshotBringsBackWhoHasGone) {
   EXPECT_EQ(s.stateHash(), later);
 }
 
+// A jittered sphere that is flat at rest flies apart, births fill the gaps, and fly off in turn.
+TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
+  SceneParams p;
+  p.model = simulation::ModelKind::kOrientedParticles;
+  p.cloud.shape = simulation::CloudParams::Shape::kSphere;
+  p.cloud.points = 500;
+  p.cloud.radius = 0.5;
+  p.cloud.jitter = 0.2;
+  p.material.young_modulus = 1e5;
+  p.material.damping = 10.0;
+  p.material.bending_rigidity = 0.1;
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.oriented_particles.rest_shape = model::RestShape::kFlat;
+  p.oriented_particles.stretching = true;
+  p.oriented_particles.growing = model::Growing::kGaps;
+  p.oriented_particles.growth.min_gap = 1.6;
+  p.gravity.setZero();
+  Simulation s(p, io::makeShape(p.cloud));
+  int told = 0;
+  Index at_end = 0;
+  for (int k = 0; k < 100; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    ASSERT_TRUE(outcome.ok) << outcome.problem;
+    told += outcome.notice.find("growth has run away and rests: found ") != std::string::npos;
+    if (k == 49) at_end = s.state().size();
+  }
+  EXPECT_EQ(told, 1);
+  EXPECT_LT(s.state().size(), 900);
+  EXPECT_LT(s.state().size() - at_end, 50);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

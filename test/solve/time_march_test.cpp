@@ -1,5 +1,6 @@
 // How long the sub-steps of a step are, and in how many of them slow forces act, as the stable step and the energy account
 // change.
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/solve/time_march.h"
 #include "oscillators.h"
 
@@ -155,6 +156,21 @@ TEST(TimeMarch, AnInterruptedStepEndsEarlyAndKeepsTheStateAndLaterStepsAreTheSam
   EXPECT_TRUE(m.march.step(0.01, m.state).ok);
   EXPECT_TRUE(undisturbed.march.step(0.01, undisturbed.state).ok);
   EXPECT_EQ(m.state.positions, undisturbed.state.positions);
+}
+
+TEST(TimeMarch, UnderAScopeNoForcesAreEvaluatedAnyMoreOnceItIsInterrupted) {
+  for (const solve::IntegratorType type : {solve::IntegratorType::kVerlet, solve::IntegratorType::kSymplecticEuler}) {
+    SCOPED_TRACE(static_cast<int>(type));
+    Interrupter load;
+    March m(1.0);
+    m.loads = {&load};
+    m.params.type = type;
+    m.model.change(1e-5);
+    load.left = 100;
+    const InterruptScope scope(load.interrupt);
+    EXPECT_THROW(m.march.step(0.0, m.state), Interrupted);
+    EXPECT_EQ(load.left, 0);
+  }
 }
 
 // A spring to the origin, of which Newton's method is not told: it takes very many iterations.

@@ -13,8 +13,8 @@ struct Interrupted : std::exception {
 };
 
 /// While it lives, the work of the thread that made it ends with Interrupted soon after the flag has become true: before the next
-/// loop of base/parallel.h, between two of its blocks, or where endIfInterrupted() is called. For work that is worth nothing
-/// unless it is finished, as building a surface; a step, which leaves a state behind, is ended by Simulation::setInterrupt().
+/// loop of base/parallel.h, between two of its blocks, or where endIfInterrupted() is called. What the work has changed stays
+/// changed: who catches Interrupted gives it back, as a step does (Simulation::Impl::step()).
 class InterruptScope {
  public:
   explicit InterruptScope(const std::atomic<bool>& flag);
@@ -30,5 +30,27 @@ class InterruptScope {
 const std::atomic<bool>* currentInterrupt();
 /// Throws Interrupted if that is true.
 void endIfInterrupted();
+/// The same in the first of so many rounds of a loop.
+template <class Integer>
+void endIfInterrupted(Integer round, Integer rounds) {
+  if (round % rounds == 0) endIfInterrupted();
+}
+
+/// For tests: counts the looks at an interrupt in the thread that made it, and makes the flag true at one of them.
+class LookCounter {
+ public:
+  /// at: the number of that look, from 1; 0: never.
+  explicit LookCounter(std::atomic<bool>& flag, long at = 0);
+  ~LookCounter();
+  LookCounter(const LookCounter&) = delete;
+  LookCounter& operator=(const LookCounter&) = delete;
+  long count() const { return count_; }
+
+ private:
+  friend void endIfInterrupted();
+  std::atomic<bool>& flag_;
+  const long at_;
+  long count_ = 0;
+};
 
 }  // namespace deformable_surface

@@ -133,6 +133,7 @@ class NamedForces : public solve::ExternalLoad {
 
  private:
   const std::vector<double>& masses_;
+  void tell(const std::string& id, const std::string& problem, std::string& notice);
   static std::string findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned);
   std::string findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const;
 

@@ -34,7 +34,8 @@ class ParticleLife {
   };
 
   /// Before the step from time (s) to time + step: temperatures, then who goes, then who is born. looks: whether it is time to
-  /// look for room to be born in.
+  /// look for room to be born in. Nobody is born while several pieces of the surface consist of newborns alone: what is born
+  /// closes a gap between its parents, so that such pieces have come loose, and growth would only feed them.
   Changes update(double time, double step, bool looks, const std::vector<tool::ToolParams>& tools, model::State& state) const;
 
   /// Grows a surface through the particles there are (sec. 7 of [Szeliski 1991]), with relaxation in between; held (n, 1 = fixed
@@ -54,7 +55,10 @@ class ParticleLife {
   void append(const model::NewParticle& particle, model::State& state) const;
   model::GrowthParams growthParams() const;
 
+  Index countDebris(const model::State& state) const;
+
   model::OrientedParticles& model_;
+  mutable bool has_told_debris_ = false;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 

@@ -71,8 +71,8 @@ class Simulation {
 
   /// Advances by exactly params.integrator.time_step.
   StepOutcome step();
-  /// Once this is true, a step that is under way ends soon, between two sub-steps or iterations, as one that failed; the state
-  /// before it is kept. Null = never. It must outlive the simulation; forks have none.
+  /// Once this is true, a step that is under way ends soon, between two evaluations of the forces or within one, as one that
+  /// failed: everything is as before it. Null = never. It must outlive the simulation; forks have none.
   void setInterrupt(const std::atomic<bool>* interrupt);
   double time() const;           // s since rest
   std::uint64_t stepCount() const;
@@ -164,6 +164,8 @@ class Simulation {
   void estimateError(const RestSurface& full);
   /// Moves every free simulation point by up to size (m) along each axis, always in the same way: what a twin starts from.
   void disturb(double size);
+  /// As if the last step had not been taken; no command may have come since.
+  void undoStep();
   /// A step goes by in which nothing happens: time alone passes.
   void passStep();
   /// Only this share, in (0, 1], of the stated membrane stiffness acts from now on and after resets, which is at rest; bending

@@ -1,6 +1,7 @@
 // The two rules: candidates of each particle in parallel, then the choice among those too close to each other, in a fixed order.
 #include "deformable_surface/model/oriented_particles/growth.h"
 
+#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "local_surface.h"
 
@@ -28,6 +29,7 @@ constexpr double kWideClearance = 0.8;
 constexpr double kWitnesses = 1.5;
 
 constexpr Index kBlock = 64;
+constexpr std::size_t kLook = 256;  // candidates between two looks at an interrupt
 
 struct Candidate {
   double squared_gap;  // m^2: the order of candidates before their indices; the growing rule has none
@@ -90,6 +92,7 @@ std::vector<NewParticle> chooseApart(std::vector<Candidate> candidates, double c
   std::vector<NewParticle> chosen;
   std::vector<cloud::Neighbor> near;
   for (std::size_t c = 0; c < candidates.size(); ++c) {
+    endIfInterrupted(c, kLook);
     if (refused[c]) continue;
     chosen.push_back(candidates[c].particle);
     tree.withinRadius(positions[c], (1.0 - kRounding) * clearance, near);

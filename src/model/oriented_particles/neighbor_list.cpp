@@ -33,6 +33,7 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
   const bool moved = hasMovedFar(positions, is_finite);
   if (!is_finite) return is_valid_ = false;
   if (is_valid_ && !moved) return true;
+  is_valid_ = false;  // an interrupt may end what follows
   const Index n = static_cast<Index>(positions.size());
   cell_ = kEdge * (radius_ + skin_);
   begins_.resize(n);
