@@ -15,6 +15,33 @@ constexpr double kMaxLinkRatio = 4.0;
 // The spacing is the distance of the neighbour that completes a hexagon: unlike the nearest one it is not moved by a close pair.
 constexpr Index kSpacingNeighbor = 6;
 
+// Union-find in which the smallest index of a set is its root.
+class Components {
+ public:
+  explicit Components(Index n) : parent_(n) { std::iota(parent_.begin(), parent_.end(), 0); }
+
+  void join(Index i, Index j) {
+    const Index a = findRoot(i), b = findRoot(j);
+    parent_[std::max(a, b)] = std::min(a, b);
+  }
+
+  std::vector<Index> label(Index& num_components) {
+    num_components = 0;
+    std::vector<Index> label(parent_.size());
+    for (Index i = 0; i < static_cast<Index>(parent_.size()); ++i)
+      label[i] = parent_[i] == i ? num_components++ : label[findRoot(i)];
+    return label;
+  }
+
+ private:
+  Index findRoot(Index i) {
+    while (parent_[i] != i) i = parent_[i] = parent_[parent_[i]];
+    return i;
+  }
+
+  std::vector<Index> parent_;
+};
+
 }  // namespace
 
 TangentPlane::TangentPlane(const Vec3& origin, const Vec3& normal) : origin_(origin) {
@@ -35,24 +62,16 @@ LinkRule::LinkRule(const Points& positions, const Points& normals, const Lists& 
 }
 
 std::vector<Index> labelComponents(const Lists& links, Index& num_components) {
-  // Union-find in which the smallest index of a set is its root.
-  const Index n = links.size();
-  std::vector<Index> parent(n);
-  std::iota(parent.begin(), parent.end(), 0);
-  const auto findRoot = [&](Index i) {
-    while (parent[i] != i) i = parent[i] = parent[parent[i]];
-    return i;
-  };
-  for (Index i = 0; i < n; ++i) {
-    for (const Index* j = links.begin(i); j != links.end(i); ++j) {
-      const Index a = findRoot(i), b = findRoot(*j);
-      parent[std::max(a, b)] = std::min(a, b);
-    }
-  }
-  num_components = 0;
-  std::vector<Index> label(n);
-  for (Index i = 0; i < n; ++i) label[i] = parent[i] == i ? num_components++ : label[findRoot(i)];
-  return label;
+  Components components(links.size());
+  for (Index i = 0; i < links.size(); ++i)
+    for (const Index* j = links.begin(i); j != links.end(i); ++j) components.join(i, *j);
+  return components.label(num_components);
+}
+
+std::vector<Index> labelComponents(Index n, const std::vector<std::pair<Index, Index>>& links, Index& num_components) {
+  Components components(n);
+  for (const auto& [i, j] : links) components.join(i, j);
+  return components.label(num_components);
 }
 
 }  // namespace deformable_surface::cloud

@@ -4,6 +4,7 @@
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
@@ -14,6 +15,7 @@
 #include <numeric>
 #include <utility>
 
+#include "parts.h"
 #include "rest_parts.h"
 #include "settle_particles.h"
 
@@ -40,6 +42,29 @@ Points findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
   s.dense_neighbors = std::move(found.lists);
   noteGaps(found, s);
   return is_given || found.num_refused > 0 ? Points{} : std::move(sides.normals);
+}
+
+// The parts of the dense points: what links between neighbours connect, over the surface or in the body.
+Parts findDenseParts(const SceneParams& params, const cloud::CleanCloud& dense) {
+  const Index n = static_cast<Index>(dense.positions.size());
+  const bool is_body = params.model == ModelKind::kElasticSolid && !params.elastic_solid.fill;
+  RestSurface s;
+  s.dense = dense;
+  Points normals;
+  if (is_body) {
+    s.dense_neighbors = cloud::nearestNeighbors(dense.positions, 2 * params.neighbors.k);
+    keepNearOverBody(params.neighbors, dense.positions, s.dense_neighbors, s);
+    normals.assign(n, Vec3::Zero());  // to which every link is flat
+  } else {
+    normals = findNeighbors(params.neighbors, s);
+    if (normals.empty()) normals = cloud::estimateNormals(dense.positions, s.dense_neighbors);
+  }
+  const cloud::LinkRule rule(dense.positions, normals, s.dense_neighbors);
+  std::vector<std::pair<Index, Index>> links;
+  for (Index i = 0; i < n; ++i)
+    for (const Index* j = s.dense_neighbors.begin(i); j != s.dense_neighbors.end(i); ++j)
+      if (rule.accepts(i, *j)) links.emplace_back(i, *j);
+  return findParts(n, links);
 }
 
 // Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent
@@ -103,6 +128,16 @@ void take(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSu
   }
 }
 
+// Fewer points can fall into more parts than the cloud has: of those only the largest are wanted, too.
+std::vector<char> markWanted(const SceneParams& params, const cloud::Rings& rings) {
+  const Index n = rings.ring.size();
+  if (params.input.keep_parts == 0) return std::vector<char>(n, 1);
+  std::vector<std::pair<Index, Index>> links;
+  for (Index i = 0; i < n; ++i)
+    for (const Index* j = rings.ring.begin(i); j != rings.ring.end(i); ++j) links.emplace_back(i, *j);
+  return markLargest(findParts(n, links), params.input.keep_parts);
+}
+
 // Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
 // ride along.
 void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
@@ -122,9 +157,10 @@ void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Li
         if (s.normals[i].dot(fine[i]) < 0.0) s.normals[i] = -s.normals[i];
     }
     s.rings = cloud::buildRings(s.points, s.normals, neighbors);
+    const std::vector<char> is_wanted = markWanted(params, s.rings);
     std::vector<Index> rest;
     for (std::size_t i = 0; i < kept.size(); ++i)
-      if (s.rings.area[i] > 0.0 && s.rings.ring.count(static_cast<Index>(i)) >= 2) rest.push_back(kept[i]);
+      if (is_wanted[i] && s.rings.area[i] > 0.0 && s.rings.ring.count(static_cast<Index>(i)) >= 2) rest.push_back(kept[i]);
     if (rest.size() == kept.size() || pruning == kMaxPrunings) break;
     kept = std::move(rest);
     if (kept.size() < 3) break;
@@ -269,11 +305,22 @@ void requireRegions(const SceneParams& params, const RestSurface& s) {
           count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
 }
 
+// Simulation points of a full surface with masses, model and pins. area: finds that of the dense points, m^2.
+void finishSurface(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area, RestSurface& s) {
+  connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
+  // The area of the full surface; where every point is simulated it is that of the rings.
+  const bool is_all = s.points.size() == s.dense.positions.size();
+  s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
+  buildModel(params, s);
+  findHingedPins(params, s.dense.positions, s);
+}
+
 }  // namespace
 
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = cleanInput(input);
+  if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s.dense), s);
   if (params.model == ModelKind::kElasticSolid) {
     if (params.elastic_solid.fill) {
       Points estimated = findNeighbors(params.neighbors, s);
@@ -282,6 +329,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     } else {
       buildRestSolid(params, input, s);
     }
+    noteParts(params, s);
     return s;
   }
   const Index n = static_cast<Index>(s.dense.positions.size());
@@ -307,16 +355,8 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     if (!is_euclidean) s.cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, kept, 2 * params.neighbors.k);
     buildParticles(params, s);
   } else {
-    connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
-    // The area of the full surface; where every point is simulated it is that of the rings.
-    const bool is_all = static_cast<Index>(s.points.size()) == n;
-    if (is_all) {
-      s.area = std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0);
-    } else if (!choose) {
-      s.area = measureArea();
-    }
-    buildModel(params, s);
-    findHingedPins(params, s.dense.positions, s);
+    const double known = s.area;
+    finishSurface(params, std::move(kept), [&] { return choose ? known : measureArea(); }, s);
     requireRegions(params, s);
   }
   const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
@@ -328,6 +368,17 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+  noteParts(params, s);
+  return s;
+}
+
+RestSurface buildTrial(const SceneParams& params, const RestSurface& full, Index points) {
+  RestSurface s;
+  s.dense = full.dense;
+  s.dense_neighbors = full.dense_neighbors;
+  s.order = full.order;
+  s.closed = full.closed;
+  finishSurface(params, full.order.keepCount(points), [&] { return full.area; }, s);
   return s;
 }
 

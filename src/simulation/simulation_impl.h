@@ -24,6 +24,7 @@
 #include "cutting.h"
 #include "deformed_surface.h"
 #include "error_estimator.h"
+#include "parts.h"
 #include "state_hash.h"
 #include "tool_watch.h"
 
@@ -138,6 +139,7 @@ struct Simulation::Impl {
   DeformedSurface surface;
   AccuracyChoice choice;
   bool is_wish_missed = false;  // said since the last reset
+  Index loose_said = 0;         // points of loose parts, as said last since the last reset
   std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
   bool is_viewer = false, is_estimated_elsewhere = false;  // it takes no steps; what it shows has an estimate
   std::optional<std::uint64_t> seen_revision;              // of the surface, in the sight that a viewer was given last
@@ -186,7 +188,8 @@ struct Simulation::Impl {
   void undoStep();
   bool beginNested();
   bool isHeldAround() const;
-  double findUnheldLoad(double time) const;
+  LooseParts findLoose(double time) const;
+  std::string holdLoose(const LooseParts& loose);
   std::optional<double> searchAgain(double now, model::State& start) const;
   void disturb(double size, Points& positions) const;
   Grips::Update updateGrips(double now, double dt);

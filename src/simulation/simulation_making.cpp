@@ -177,6 +177,7 @@ void Simulation::Impl::reset() {
   march.restart();
   if (estimator) estimator->reset();
   is_wish_missed = false;
+  loose_said = 0;
   surface.reset();
   statistics = Statistics{};
   changed();

@@ -96,8 +96,13 @@ void Simulation::Impl::takeStep(const Timer& timer, bool have_loads_changed, std
 
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
-  if (const double load = params.integrator.type == solve::IntegratorType::kStatic ? findUnheldLoad(now + dt) : 0.0; load > 0.0)
-    return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(load) + " N", outcome);
+  if (params.integrator.type == solve::IntegratorType::kStatic) {
+    const LooseParts loose = findLoose(now + dt);
+    if (loose.are_all && contact.isEmpty() && grips.isEmpty())
+      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load) + " N",
+                    outcome);
+    if (!loose.are_all) appendNotice(outcome.notice, holdLoose(loose));
+  }
   std::unique_ptr<model::State> start;  // of a second search
   if (params.integrator.type == solve::IntegratorType::kStatic && estimator && estimator->wantsSecondSearch())
     start = std::make_unique<model::State>(state);
@@ -185,20 +190,30 @@ bool Simulation::Impl::beginNested() {
   return true;
 }
 
-// The sum of the loads where nothing holds the surface against it, neither held points nor loads that resist motion, N; else 0.
-double Simulation::Impl::findUnheldLoad(double time) const {
-  constexpr double kRounding = 1e-6;  // of the sum of the sizes
-  const bool is_held = std::find(held.begin(), held.end(), 1) != held.end();
-  if (is_held || !contact.isEmpty() || !grips.isEmpty() || system.loadStiffness(time, state) > 0.0) return 0.0;
-  Points loads(state.positions.size(), Vec3::Zero());
-  system.addLoadsOnAll(time, state, loads);
-  Vec3 sum = Vec3::Zero();
-  double sizes = 0.0;
-  for (const Vec3& load : loads) {
-    sum += load;
-    sizes += load.norm();
+// The parts without an equilibrium. What tools may hold is not known before the step.
+LooseParts Simulation::Impl::findLoose(double time) const {
+  const Index n = state.size();
+  model->refreshDisplay(state);  // bonds of particles come and go
+  const Parts parts = findParts(n, model->stretchLinks());
+  std::vector<double> stiffness(n, 0.0), damping(n, 0.0);
+  for (const solve::ExternalLoad* load : loads) load->addRowBounds(time, state, stiffness, damping);
+  std::vector<char> resisted;
+  for (const double s : stiffness) resisted.push_back(s > 0.0);
+  Points sums(n, Vec3::Zero());
+  system.addLoadsOnAll(time, state, sums);
+  return findLooseParts(parts, held, resisted, sums, state.positions);
+}
+
+// Returns what a user should know of it, if that is news.
+std::string Simulation::Impl::holdLoose(const LooseParts& loose) {
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!loose.is_loose[i]) continue;
+    held[i] = 1;
+    state.velocities[i].setZero();
   }
-  return sum.norm() > kRounding * sizes ? sum.norm() : 0.0;
+  const bool is_news = loose.points > 0 && loose.points != loose_said;
+  loose_said = loose.points;
+  return is_news ? loose.describe() : "";
 }
 
 // The same step from disturbed positions, of which nothing is left: how far from the equilibrium it ends, m, infinity where it

@@ -94,16 +94,34 @@ double System::loadPotential(double time, const State& state) const {
   return energy;
 }
 
-double System::estimateWork(double from, double to, const State& before, const State& after) const {
-  double work = carryingWork(from, to, before, after);
+double System::loadWork(double from, double to, const State& before, const State& after) const {
+  double work = 0.0;
   for (const ExternalLoad* load : loads_) work += load->estimateWork(from, to, before, after);
   return work;
 }
 
+double System::estimateWork(double from, double to, const State& before, const State& after) const {
+  return carryingWork(from, to, before, after) + loadWork(from, to, before, after);
+}
+
+double System::estimateStaticWork(double from, double to, const State& before, const State& after) const {
+  double work = loadWork(from, to, before, after);
+  if (!hasCarried(before, after)) return work;
+  placed_ = before;
+  for (Index i = 0; i < after.size(); ++i)
+    if (held_[i]) placed_.positions[i] = after.positions[i];
+  work += potentialEnergy(to, placed_) - potentialEnergy(to, before);
+  return work;
+}
+
+bool System::hasCarried(const State& before, const State& after) const {
+  for (Index i = 0; i < after.size(); ++i)
+    if (held_[i] && before.positions[i] != after.positions[i]) return true;
+  return false;
+}
+
 double System::carryingWork(double from, double to, const State& before, const State& after) const {
-  bool any_moved = false;
-  for (Index i = 0; i < after.size() && !any_moved; ++i) any_moved = held_[i] && before.positions[i] != after.positions[i];
-  if (!any_moved) return 0.0;
+  if (!hasCarried(before, after)) return 0.0;
   computeForcesOnAll(from, before, forces_before_);
   computeForcesOnAll(to, after, forces_after_);
   double work = 0.0;

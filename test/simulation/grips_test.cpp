@@ -55,6 +55,36 @@ TEST(Grips, EveryMethodCarriesAlike) {
   }
 }
 
+// How far it goes in a step, and what it meets there, is the caller's choice.
+TEST(Grips, AnEquilibriumFollowsAHandOverAnyDistanceInAnyDirection) {
+  for (const double stretching : {20.0, 2000.0})
+    for (const double distance : {0.02, 0.1, 0.25})
+      for (const Vec3& along : {Vec3(-1, 0, 0), Vec3(0, 1, 0), Vec3(0, 0, 1), Vec3(0.6, 0, 0.8), Vec3(-0.6, 0, -0.8)})
+        for (const double weight : {0.0, 9.81}) {
+          simulation::SceneParams p = hangingSheet();
+          p.accuracy.estimate = false;
+          p.material.young_modulus = stretching / p.material.thickness;
+          p.gravity = Vec3(0.0, 0.0, -weight);
+          p.integrator.type = solve::IntegratorType::kStatic;
+          p.integrator.max_iterations = 400;
+          p.tools = {hand()};
+          const double step = p.integrator.time_step;
+          p.tools[0].path = {{0.0, Vec3(1.0, 0.0, 0.0), Vec4(0, 0, 0, 1)},
+                             {2.0 * step, Vec3(1.0, 0.0, 0.0) + distance * along, Vec4(0, 0, 0, 1)}};
+          simulation::Simulation s(p, sheetCloud(14));
+          const Points rest = s.state().positions;
+          for (int k = 0; k < 3; ++k) {
+            const simulation::StepOutcome outcome = s.step();
+            ASSERT_TRUE(outcome.ok) << "E h " << stretching << " by " << distance << " along " << along.transpose() << ", weight "
+                                    << weight << ": " << outcome.problem;
+          }
+          for (std::size_t i = 0; i < rest.size(); ++i) {
+            if (rest[i].x() < 0.951) continue;
+            EXPECT_LT((s.state().positions[i] - rest[i] - distance * along).norm(), 1e-9);
+          }
+        }
+}
+
 TEST(Grips, AfterItsEndTheSheetFalls) {
   simulation::SceneParams p = hangingSheet();
   p.tools = {hand()};

@@ -5,6 +5,7 @@
 #include "deformable_surface/base/types.h"
 
 #include <algorithm>
+#include <utility>
 
 namespace deformable_surface::cloud {
 
@@ -55,5 +56,7 @@ class LinkRule {
 
 /// Connected components of any lists of links, symmetric or not: (n) numbered from 0 in the order of the smallest index.
 std::vector<Index> labelComponents(const Lists& links, Index& num_components);
+/// The same of links given one by one, between n points.
+std::vector<Index> labelComponents(Index n, const std::vector<std::pair<Index, Index>>& links, Index& num_components);
 
 }  // namespace deformable_surface::cloud

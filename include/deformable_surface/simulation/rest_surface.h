@@ -50,6 +50,10 @@ struct RestSurface {
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest = kMaxIndex,
                              const std::function<Index(const RestSurface& full)>& choose = nullptr);
 
+/// The surface that buildRestSurface() makes where choose(full) returns this number of points, but for its transfer: what is tried
+/// is what will be run. Throws InputError.
+RestSurface buildTrial(const SceneParams& params, const RestSurface& full, Index points);
+
 /// The same surface with about target simulation points, from the recorded order: model and pins, without dense points or
 /// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
 RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);

@@ -124,6 +124,7 @@ enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running s
 struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
+  Index keep_parts = 0;         // >= 0; 0 = all
   double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
   double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
@@ -362,6 +363,9 @@ inline void visit(Fields& fields, InputParams& p) {
                 {{"ignore", InputPolicy::kIgnore}, {"replace", InputPolicy::kReplace}, {"track", InputPolicy::kTrack}},
                 "what a cloud on a running surface does; `track` draws the surface towards it (docs/run_time_control.md)");
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
+  fields.integer("keep_parts", p.keep_parts, "", between(0, kMaxPoints),
+                 "of a cloud in several parts (outliers, loose pieces), only so many of the largest are kept; 0 = all. Points of the "
+                 "others become NaN");
   fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
                 "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
   fields.number(

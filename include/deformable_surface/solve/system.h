@@ -68,6 +68,9 @@ class System {
   double estimateWork(double from, double to, const State& before, const State& after) const;
   /// The latter alone, J.
   double carryingWork(double from, double to, const State& before, const State& after) const;
+  /// The same for a search for an equilibrium: what moves held points takes them there at once, while the others wait, and then
+  /// these descend. That is exact for any length of the way, where the trapezoidal rule is not.
+  double estimateStaticWork(double from, double to, const State& before, const State& after) const;
   /// The forces of the loads, N; zero on held points and on points whose load has a stiffness. (n x 3), overwritten.
   void computeSteadyLoads(double time, const State& state, Points& forces) const;
 
@@ -111,6 +114,8 @@ class System {
 
  private:
   void computeRowBounds(double time, const State& state) const;
+  double loadWork(double from, double to, const State& before, const State& after) const;
+  bool hasCarried(const State& before, const State& after) const;
 
   const model::DeformableModel& model_;
   const std::vector<const ExternalLoad*>& loads_;
@@ -118,6 +123,7 @@ class System {
   const std::vector<char>* held_turns_;
   double damping_;
   mutable State at_rest_;                            // scratch: the positions with velocities of zero
+  mutable State placed_;                             // scratch: before a step, with held points where they are after it
   mutable Points forces_, loads_alone_, forces_before_, forces_after_;
   mutable std::vector<double> row_stiffness_, row_damping_;
 };
