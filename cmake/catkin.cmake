@@ -78,7 +78,7 @@ install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINAT
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
                       scripts/modelling_client.py
                       scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
-                      scripts/tool_on_frame.py
+                      scripts/tool_on_frame.py scripts/view_cloud.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(FILES LICENSE nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 

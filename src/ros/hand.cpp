@@ -82,12 +82,9 @@ void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
 /// Sizes of handles and tools follow those of the surface.
 void Hand::measure() {
   num_measured_ = points_.size();
-  Vec3 low = points_.front(), high = low;
-  for (const Vec3& p : points_) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  extent_ = (high - low).norm();
+  const Box box = findMainBox(points_);
+  extent_ = box.extent();
+  text_place_ = placeText(box, header_.frame_id);
   const cloud::KdTree tree(points_);
   std::vector<cloud::Neighbor> nearest;
   std::vector<double> distances;
@@ -97,10 +94,9 @@ void Hand::measure() {
   }
   const double median = findMedian(std::move(distances));
   spacing_ = median > 0.0 ? median : extent_;
-  top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + 2.0 * kPanelShare * extent_);
   if (!has_menus_) {
     makeMenus();
-    chooseSpot(top_);  // where it is seen
+    chooseSpot(text_place_.anchor);  // where it is seen
   }
   shown_.clear();
   showPanel();
@@ -253,7 +249,7 @@ void Hand::showTool(const HandTool& tool) {
 }
 
 void Hand::showPanel() {
-  server_.insert(makePanelHandle(header_, top_, kPanelShare * extent_, sentence_));
+  server_.insert(makePanelHandle(header_, text_place_, kPanelShare * extent_, sentence_));
   panel_menu_.apply(server_, kPanelHandle);
 }
 

@@ -96,7 +96,7 @@ class Hand {
   std::vector<std::uint32_t> ids_;  // of oriented particles, else empty
   std::size_t num_measured_ = 0;         // points of which the next two are
   double spacing_ = 0.0, extent_ = 0.0;  // m
-  Vec3 top_ = Vec3::Zero();
+  TextPlace text_place_;
 
   std::uint32_t spot_ = 0;  // a row of points_, or the id of a particle
   std::optional<Grip> grip_;

@@ -114,7 +114,7 @@ void OutputBag::CloseOrLeave::operator()(rosbag::Bag* bag) const noexcept {
 void OutputBag::begin(const std::string& frame_id, const simulation::Simulation& simulation) {
   frame_id_ = frame_id;
   encoder_ = std::make_unique<SurfaceEncoder>(simulation.input(), simulation.params().output.normals);
-  markers_ = std::make_unique<SimulationMarkers>(simulation);
+  markers_ = std::make_unique<SimulationMarkers>(simulation, frame_id);
 }
 
 void OutputBag::add(double time, std::int64_t stamp, simulation::Simulation& simulation) {
