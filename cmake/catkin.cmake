@@ -151,6 +151,11 @@ if(CATKIN_ENABLE_TESTING)
     set_tests_properties(launch_${case} PROPERTIES SKIP_RETURN_CODE 77)
   endforeach()
 
+  # The window that these open; scripts/rviz_pictures looks at all of them. Skips itself without RViz.
+  add_test(NAME window
+           COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_windows.py surface)
+  set_tests_properties(window PROPERTIES SKIP_RETURN_CODE 77)
+
   # Three hosts in network namespaces; skips itself where they cannot be made.
   add_test(NAME hosts COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/hosts/check_hosts.py)
   set_tests_properties(hosts PROPERTIES SKIP_RETURN_CODE 77)

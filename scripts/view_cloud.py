@@ -20,7 +20,8 @@ from scan_clouds import read_positions  # noqa: E402
 
 HALF_FIELD = np.tan(0.5 * 0.785)  # of view, upright; RViz's own, as in the configurations
 FULL_DISPLACEMENT = 0.25          # of the extent: full scale of the colours, as in ~markers
-TEXT_SHARE = 0.035                # height of letters over the extent, as in ~markers
+LETTER, SMALLEST_LETTER, SPACING = 0.035, 0.004, 0.01  # share of the extent, m, m: of text, as in ~markers
+ROWS_BELOW, ROWS_ABOVE = 4, 6
 FLAT = 0.1                        # smallest over middle extent of what is looked at face on
 # Columns: forward, left and up of a camera, whose optical frame has z forward and y down (REP 103).
 OPTICAL = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]], float)
@@ -56,9 +57,8 @@ class View:
         self.extent = np.linalg.norm(high - low)
         self.origin = self.turn @ (0.5 * (low + high))
         self.foot = 0.5 * (low[2] - high[2])
-        # The text above the surface, and as much below it.
-        self.tall = (high[2] - low[2]) + 0.65 * self.extent + 0.1
         self.choose_direction(turned - turned.mean(axis=0))
+        self.choose_distance(0.5 * np.hypot(*(high - low)[:2]))
 
     def choose_direction(self, points):
         """From the front left and a little above; what is flat is seen on its face."""
@@ -73,8 +73,14 @@ class View:
         if np.hypot(normal[0], normal[1]) > 0.5:
             self.yaw = float(np.arctan2(normal[1], normal[0]) + 0.4)
 
-    def distance(self):
-        return float(0.5 * max(self.tall, self.extent) / HALF_FIELD + 0.25 * self.extent)
+    def choose_distance(self, radius):
+        """The middle of the picture, as a height above the surface's, and the distance from it. radius: of the surface across z."""
+        row = max(LETTER * self.extent, SMALLEST_LETTER) + SPACING
+        # Upwards in the picture: the text, which stands upright in it, and the near edge, which is larger than in its middle.
+        top = np.cos(self.pitch) * (0.5 * self.extent + ROWS_BELOW * row) + ROWS_ABOVE * row
+        bottom = -1.2 * (np.cos(self.pitch) * -self.foot + np.sin(self.pitch) * radius)
+        self.height = float(0.5 * (top + bottom) / np.cos(self.pitch))
+        self.distance = float(0.5 * (top - bottom) / HALF_FIELD + 0.3 * self.extent)
 
     def shows(self, other):
         """Whether a surface is well seen where another was."""
@@ -94,9 +100,9 @@ class View:
                 # Balls that touch where points lie evenly on the sides of a box.
                 display["Size (m)"] = float(1.5 * self.extent / np.sqrt(self.count))
         view = manager["Views"]["Current"]
-        view.update({"Distance": self.distance(), "Yaw": self.yaw, "Pitch": self.pitch,
-                     "Focal Point": {"X": 0, "Y": 0, "Z": float(0.3 * self.extent)},
-                     "Near Clip Distance": 0.01 * self.distance()})
+        view.update({"Distance": self.distance, "Yaw": self.yaw, "Pitch": self.pitch,
+                     "Focal Point": {"X": 0, "Y": 0, "Z": self.height},
+                     "Near Clip Distance": 0.01 * self.distance})
         return configuration
 
 

@@ -5,6 +5,7 @@
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <sensor_msgs/point_cloud2_iterator.h>
@@ -104,6 +105,7 @@ void Hand::measure() {
 
 void Hand::takeWrenches(const ToolWrenchArray& message) {
   const ros::WallTime now = ros::WallTime::now();
+  noticeSlip(message);
   std::string refused;
   for (auto& [id, held] : held_) {
     const auto is_this = [&id = id](const ToolWrench& wrench) { return wrench.id == id; };
@@ -118,6 +120,19 @@ void Hand::takeWrenches(const ToolWrenchArray& message) {
   if (refused.empty()) return;
   removeTool(refused);
   tell("the surface does not take " + refused + "; its log says why", false);
+}
+
+/// What let go does not take hold again, and a handle that moves alone would not say why.
+void Hand::noticeSlip(const ToolWrenchArray& message) {
+  if (!grip_) return;
+  const auto is_grip = [](const ToolWrench& wrench) { return wrench.id == kGripId; };
+  const auto found = std::find_if(message.wrenches.begin(), message.wrenches.end(), is_grip);
+  if (found == message.wrenches.end()) return;
+  const bool has_slipped = grip_->holds && found->contacts == 0;
+  grip_->holds = found->contacts > 0;
+  if (!has_slipped) return;
+  endGrip();
+  tell("the surface slipped out of the hand, which pulls with at most " + formatShort(params_.strength) + " N", false);
 }
 
 /// At the rate of the parameters, and only what has changed. Nothing else applies changes: a menu must not go while it calls.
@@ -166,7 +181,7 @@ void Hand::onPull(const Feedback& feedback) {
       // Without a depth under the mouse nobody knows what was meant.
       if (!is_spot && !feedback->mouse_point_valid) return;
       if (!is_spot) chooseSpot(toVec3(feedback->mouse_point));
-      grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now()};
+      grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now(), false};
       return;
     }
     case InteractiveMarkerFeedback::POSE_UPDATE:
@@ -187,6 +202,7 @@ void Hand::moveGrip(const Vec3& handle) {
   tool.id = kGripId;
   tool.mode = Tool::MOVE;
   tool.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
+  tool.strength = params_.strength;
   // It takes hold where the surface is, and then goes.
   if (!grip_->is_sent) {
     tool.pose = makePose(points_[findSpot()]);
@@ -263,6 +279,7 @@ void Hand::send(const HandTool& tool, std::uint8_t action) {
   message.mode = tool.mode;
   message.primitive = tool.primitive;
   message.pose = tool.pose;
+  message.strength = tool.strength;
   if (tool.mode == Tool::HEAT) message.strength = params_.heat;
   if (tool.mode == Tool::ATTRACT) message.strength = params_.attraction;
   tools_.publish(array);

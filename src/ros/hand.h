@@ -32,6 +32,7 @@ class Hand {
     Vec3 from, start;        // m: the place that was gripped, and where the handle was then
     bool is_sent = false;    // a click alone grips nothing
     ros::WallTime heard;     // RViz speaks up several times a second while the button is down
+    bool holds = false;      // as the surface says
   };
   struct HeldTool {
     HandTool tool;
@@ -42,6 +43,7 @@ class Hand {
   // From the surface.
   void takePoints(const sensor_msgs::PointCloud2& message);
   void takeWrenches(const ToolWrenchArray& message);
+  void noticeSlip(const ToolWrenchArray& message);
   void measure();
   void refresh();
   void followSurface();

@@ -23,6 +23,7 @@ struct HandTool {
   std::uint8_t mode = 0;  // as in Tool.msg
   shape_msgs::SolidPrimitive primitive;
   geometry_msgs::Pose pose;
+  double strength = 0.0;  // N, of one that moves
 };
 
 // Names of the markers that are always there; the others are the ids of tools.

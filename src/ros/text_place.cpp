@@ -1,14 +1,13 @@
 #include "deformable_surface/ros/text_place.h"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace deformable_surface::node {
 namespace {
 
-// Letters that can be read in a window that shows the whole surface, and a gap between text and surface.
-constexpr double kLetterShare = 0.035, kGapShare = 0.1;
+// Letters that can be read in a window that shows the whole surface; of a small one those that do not drown in RViz's spacing.
+constexpr double kLetterShare = 0.035, kSmallestLetter = 0.004;
 // RViz sets lines of any height this far apart, m.
 constexpr double kLineSpacing = 0.01;
 // About as wide as the surface.
@@ -32,9 +31,9 @@ Box findMainBox(const Points& points) {
 TextPlace placeText(const Box& box, const std::string& frame_id) {
   const Vec3 up = frame_id.find("optical") == std::string::npos ? Vec3::UnitZ() : Vec3(-Vec3::UnitY());
   TextPlace place;
-  place.height = kLetterShare * box.extent();
-  const double half = 0.5 * std::abs(up.dot(box.high - box.low));
-  place.anchor = 0.5 * (box.low + box.high) + (half + kGapShare * box.extent() + kRowsBelow * (place.height + kLineSpacing)) * up;
+  place.height = std::max(kLetterShare * box.extent(), kSmallestLetter);
+  // Outside the ball around the surface: free of it whether one looks from the side or down at half a right angle.
+  place.anchor = 0.5 * (box.low + box.high) + (0.5 * box.extent() + kRowsBelow * (place.height + kLineSpacing)) * up;
   return place;
 }
 

@@ -141,6 +141,11 @@ def write_bag(path, topic, clouds, frame):
     return path
 
 
+def scene(name):
+    """One without weight."""
+    return os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "scenes", name + ".yaml")
+
+
 def publish(topic, points, frame):
     import rospy
     from scan_clouds import make_cloud
@@ -153,12 +158,12 @@ def publish(topic, points, frame):
 # ---- Cases ----
 
 def check_surface(folder):
-    """The window waits, then shows a cloud of metres in a frame far away, then one of centimetres in another."""
-    with Launch("deformable_surface.launch", "rviz:=true", "cloud:=/camera/points") as launch:
+    """The window waits, then shows a cloud of metres in a frame far away, then one of decimetres in another."""
+    with Launch("deformable_surface.launch", "rviz:=true", "cloud:=/camera/points", "scene:=" + scene("tracked")) as launch:
         await_picture(folder, "waiting", lambda p: "" if p.letters() > 300 else "there is no text", launch)
-        keep = [publish("/camera/points", make_grid(60, 40, 0.05) + [40.0, -25.0, 3.0], "far_table")]
+        keep = [publish("/camera/points", make_grid(30, 20, 0.1) + [40.0, -25.0, 3.0], "far_table")]
         await_surface(folder, "surface", launch)
-        keep.append(publish("/camera/points", make_sphere(0.02, 2000) + [0.0, 0.3, 0.5], "gripper"))
+        keep.append(publish("/camera/points", make_sphere(0.06, 2000) + [0.0, 0.3, 0.5], "gripper"))
         time.sleep(3.0)  # the old surface would be taken for the new one
         await_surface(folder, "another_surface", launch)
 
@@ -253,7 +258,7 @@ def check_modelling(folder):
 
 def check_record(folder):
     """The window of a recording, on a surface that another launch file runs."""
-    with Launch("deformable_surface.launch") as launch:
+    with Launch("deformable_surface.launch", "scene:=" + scene("camera_bag")) as launch:
         keep = publish("/deformable_surface/cloud_in", make_sphere() + [2.0, 2.0, 0.0], "cell")  # noqa: F841
         recording = subprocess.Popen(["roslaunch", "deformable_surface", "record.launch", "rviz:=true",
                                       "output:=" + os.path.join(folder, "recording.bag")])
@@ -265,7 +270,7 @@ def check_record(folder):
 
 
 def check_springs(folder):
-    with Launch("deformable_surface.launch", "rviz:=true", "view:=springs") as launch:
+    with Launch("deformable_surface.launch", "rviz:=true", "view:=springs", "scene:=" + scene("camera_bag")) as launch:
         keep = publish("/deformable_surface/cloud_in", make_sphere(), "world")  # noqa: F841
         await_picture(folder, "springs", lambda p: "" if p.has_scene and np.count_nonzero(p.scene.max(axis=2) >= SEEN) >
                       0.05 * p.scene.shape[0] * p.scene.shape[1] else "there are no springs", launch)
