@@ -79,7 +79,7 @@ install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINAT
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
                       scripts/launched_node.py scripts/modelling_client.py
                       scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
-                      scripts/tool_on_frame.py
+                      scripts/tool_on_frame.py scripts/view_cloud.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(FILES LICENSE nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
@@ -151,6 +151,11 @@ if(CATKIN_ENABLE_TESTING)
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_launch.py ${case})
     set_tests_properties(launch_${case} PROPERTIES SKIP_RETURN_CODE 77)
   endforeach()
+
+  # The window that these open; scripts/rviz_pictures looks at all of them. Skips itself without RViz.
+  add_test(NAME window
+           COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_windows.py surface)
+  set_tests_properties(window PROPERTIES SKIP_RETURN_CODE 77)
 
   # Three hosts in network namespaces; skips itself where they cannot be made.
   add_test(NAME hosts COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/hosts/check_hosts.py)

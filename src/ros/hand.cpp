@@ -83,12 +83,9 @@ void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
 /// Sizes of handles and tools follow those of the surface.
 void Hand::measure() {
   num_measured_ = points_.size();
-  Vec3 low = points_.front(), high = low;
-  for (const Vec3& p : points_) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  extent_ = (high - low).norm();
+  const Box box = findMainBox(points_);
+  extent_ = box.extent();
+  text_place_ = placeText(box, header_.frame_id);
   const cloud::KdTree tree(points_);
   std::vector<cloud::Neighbor> nearest;
   std::vector<double> distances;
@@ -98,10 +95,9 @@ void Hand::measure() {
   }
   const double median = findMedian(std::move(distances));
   spacing_ = median > 0.0 ? median : extent_;
-  top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + 2.0 * kPanelShare * extent_);
   if (!has_menus_) {
     makeMenus();
-    chooseSpot(top_);  // where it is seen
+    chooseSpot(text_place_.anchor);  // where it is seen
   }
   shown_.clear();
   showPanel();
@@ -109,6 +105,7 @@ void Hand::measure() {
 
 void Hand::takeWrenches(const ToolWrenchArray& message) {
   const ros::WallTime now = ros::WallTime::now();
+  noticeSlip(message);
   std::string refused;
   for (auto& [id, held] : held_) {
     const auto is_this = [&id = id](const ToolWrench& wrench) { return wrench.id == id; };
@@ -123,6 +120,19 @@ void Hand::takeWrenches(const ToolWrenchArray& message) {
   if (refused.empty()) return;
   removeTool(refused);
   tell("the surface does not take " + refused + "; its log says why", false);
+}
+
+/// What let go does not take hold again, and a handle that moves alone would not say why.
+void Hand::noticeSlip(const ToolWrenchArray& message) {
+  if (!grip_) return;
+  const auto is_grip = [](const ToolWrench& wrench) { return wrench.id == kGripId; };
+  const auto found = std::find_if(message.wrenches.begin(), message.wrenches.end(), is_grip);
+  if (found == message.wrenches.end()) return;
+  const bool has_slipped = grip_->holds && found->contacts == 0;
+  grip_->holds = found->contacts > 0;
+  if (!has_slipped) return;
+  endGrip();
+  tell("the surface slipped out of the hand, which pulls with at most " + formatShort(params_.strength) + " N", false);
 }
 
 /// At the rate of the parameters, and only what has changed. Nothing else applies changes: a menu must not go while it calls.
@@ -171,7 +181,7 @@ void Hand::onPull(const Feedback& feedback) {
       // Without a depth under the mouse nobody knows what was meant.
       if (!is_spot && !feedback->mouse_point_valid) return;
       if (!is_spot) chooseSpot(toVec3(feedback->mouse_point));
-      grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now()};
+      grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now(), false};
       return;
     }
     case InteractiveMarkerFeedback::POSE_UPDATE:
@@ -192,6 +202,7 @@ void Hand::moveGrip(const Vec3& handle) {
   tool.id = kGripId;
   tool.mode = Tool::MOVE;
   tool.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
+  tool.strength = params_.strength;
   // It takes hold where the surface is, and then goes.
   if (!grip_->is_sent) {
     tool.pose = makePose(points_[findSpot()]);
@@ -254,7 +265,7 @@ void Hand::showTool(const HandTool& tool) {
 }
 
 void Hand::showPanel() {
-  server_.insert(makePanelHandle(header_, top_, kPanelShare * extent_, sentence_));
+  server_.insert(makePanelHandle(header_, text_place_, kPanelShare * extent_, sentence_));
   panel_menu_.apply(server_, kPanelHandle);
 }
 
@@ -268,6 +279,7 @@ void Hand::send(const HandTool& tool, std::uint8_t action) {
   message.mode = tool.mode;
   message.primitive = tool.primitive;
   message.pose = tool.pose;
+  message.strength = tool.strength;
   if (tool.mode == Tool::HEAT) message.strength = params_.heat;
   if (tool.mode == Tool::ATTRACT) message.strength = params_.attraction;
   tools_.publish(array);

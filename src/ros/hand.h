@@ -32,6 +32,7 @@ class Hand {
     Vec3 from, start;        // m: the place that was gripped, and where the handle was then
     bool is_sent = false;    // a click alone grips nothing
     ros::WallTime heard;     // RViz speaks up several times a second while the button is down
+    bool holds = false;      // as the surface says
   };
   struct HeldTool {
     HandTool tool;
@@ -42,6 +43,7 @@ class Hand {
   // From the surface.
   void takePoints(const sensor_msgs::PointCloud2& message);
   void takeWrenches(const ToolWrenchArray& message);
+  void noticeSlip(const ToolWrenchArray& message);
   void measure();
   void refresh();
   void followSurface();
@@ -96,7 +98,7 @@ class Hand {
   std::vector<std::uint32_t> ids_;  // of oriented particles, else empty
   std::size_t num_measured_ = 0;         // points of which the next two are
   double spacing_ = 0.0, extent_ = 0.0;  // m
-  Vec3 top_ = Vec3::Zero();
+  TextPlace text_place_;
 
   std::uint32_t spot_ = 0;  // a row of points_, or the id of a particle
   std::optional<Grip> grip_;

@@ -18,7 +18,8 @@ constexpr char kHelp[] = R"(deformable_surface_hand: pulls, pins and works on a 
 
   rosrun deformable_surface deformable_surface_hand [_surface:=NAME] [_rate:=HZ] [_radius:=M]
 
-Parameters (private): surface (deformable_surface), rate (10 Hz), radius (auto, m), heat (500 K), attraction (10 N/m)
+Parameters (private): surface (deformable_surface), rate (10 Hz), radius (auto, m), strength (0 = any, N),
+  heat (500 K), attraction (10 N/m)
 In RViz: the display InteractiveMarkers with the topic ~update. docs/rviz.md says what can be done.
 )";
 

@@ -167,11 +167,16 @@ InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool&
   return marker;
 }
 
-InteractiveMarker makePanelHandle(const std_msgs::Header& header, const Vec3& point, double size, const std::string& text) {
-  InteractiveMarker marker = makeInteractive(header, kPanelHandle, makePose(point), size);
-  marker.description = text;
+InteractiveMarker makePanelHandle(const std_msgs::Header& header, const TextPlace& place, double size,
+                                  const std::string& sentence) {
+  InteractiveMarker marker = makeInteractive(header, kPanelHandle, makePose(place.anchor), size);
   const Marker button = makeMarker(Marker::CUBE, makeScale(size, size, size), makeColor(0.3f, 0.6f, 0.9f, 0.9f));
   marker.controls.push_back(makeControl("menu", InteractiveMarkerControl::MENU, button));
+  if (sentence.empty()) return marker;
+  // No description, whose letters RViz makes much smaller than the button.
+  Marker text = makeMarker(Marker::TEXT_VIEW_FACING, makeScale(1.0, 1.0, place.height), makeColor(1.0f, 1.0f, 1.0f, 1.0f));
+  text.text = showBelow(sentence);
+  marker.controls[0].markers.push_back(text);
   return marker;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/base/types.h"
+#include "deformable_surface/ros/text_place.h"
 
 #include <geometry_msgs/Pose.h>
 #include <shape_msgs/SolidPrimitive.h>
@@ -22,6 +23,7 @@ struct HandTool {
   std::uint8_t mode = 0;  // as in Tool.msg
   shape_msgs::SolidPrimitive primitive;
   geometry_msgs::Pose pose;
+  double strength = 0.0;  // N, of one that moves
 };
 
 // Names of the markers that are always there; the others are the ids of tools.
@@ -39,9 +41,9 @@ visualization_msgs::InteractiveMarker makeSpotHandle(const std_msgs::Header& hea
 /// A tool: its shape in the colour of its mode, which can be dragged, and rings and arrows to turn and move it.
 visualization_msgs::InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool& tool);
 
-/// A button of the size (m, > 0) with a line of text above it.
-visualization_msgs::InteractiveMarker makePanelHandle(const std_msgs::Header& header, const Vec3& point, double size,
-                                                      const std::string& text);
+/// A button of the size (m, > 0) with a sentence below it, empty for none.
+visualization_msgs::InteractiveMarker makePanelHandle(const std_msgs::Header& header, const TextPlace& place, double size,
+                                                      const std::string& sentence);
 
 geometry_msgs::Pose makePose(const Vec3& position);
 /// type and sizes: as of shape_msgs/SolidPrimitive.

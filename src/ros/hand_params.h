@@ -11,6 +11,7 @@ struct HandParams {
   std::string surface = "deformable_surface";
   double rate = 10.0;         // Hz, > 0
   OrAuto<double> radius;      // m, > 0
+  double strength = 0.0;      // N, >= 0; 0 = any
   double heat = 500.0;        // K above ambient, > 0
   double attraction = 10.0;   // N/m, > 0
 };
@@ -20,6 +21,8 @@ inline void visit(Fields& fields, HandParams& p) {
   fields.number("rate", p.rate, "Hz", between(0.1, 60.0), "how often, at most, the handles follow the surface");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength),
                 "what a grip, a pin and a trim take around the place; `auto` = one and a half spacings of the simulation points");
+  fields.number("strength", p.strength, "N", between(0.0, 1e12),
+                "a pull that takes more slips off the surface; 0 = none does");
   fields.number("heat", p.heat, "K", between(1e-6, 1e9), "above ambient: strength of a tool that heats");
   fields.number("attraction", p.attraction, "N/m", between(1e-9, 1e12), "strength of a tool that attracts");
   fields.require(!p.surface.empty(), "surface", "found empty text; accepted: the name of a node");

@@ -20,8 +20,6 @@ constexpr double kFullDisplacementShare = 0.25;
 constexpr double kLineWidthShare = 0.05, kPinShare = 0.5;
 // Discs that nearly touch, and axes that do not reach the next particle.
 constexpr double kDiscShare = 0.45, kAxisShare = 0.4;
-// Text that can be read, above the surface.
-constexpr double kTextShare = 0.03, kTextRoomShare = 0.2;
 // The longest arrow, as a share of the surface's extent.
 constexpr double kArrowShare = 0.3;
 // Shaft, head and head length as shares of an arrow's length.
@@ -31,6 +29,8 @@ constexpr double kShaftShare = 0.05, kHeadShare = 0.12, kHeadLengthShare = 0.25;
 constexpr int kConeSides = 24;
 // A plane is drawn as a plate of this share of its width: seen as a plane, and still with two sides.
 constexpr double kPlateShare = 1e-3;
+// Of the text above the surface; the statistics stand below it.
+constexpr int kLegendRow = 1;
 
 const Vec3 kNowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
 
@@ -168,14 +168,6 @@ std::vector<std::pair<Index, Index>> collectEdges(const std::vector<model::Weigh
 
 }  // namespace
 
-std_msgs::ColorRGBA colorOf(double value) {
-  if (std::isnan(value)) return makeColor(0.5f, 0.5f, 0.5f);
-  // Four straight pieces in the colour cube: blue, cyan, green, yellow, red.
-  const auto ramp = [](double t) { return static_cast<float>(std::min(1.0, std::max(0.0, t))); };
-  const double t = 4.0 * value;
-  return makeColor(ramp(t - 2.0), std::min(ramp(t), ramp(4.0 - t)), ramp(2.0 - t));
-}
-
 Marker makeLinksMarker(const std_msgs::Header& header, const std::string& ns, const Points& positions,
                        const std::vector<std::pair<Index, Index>>& links, const std::vector<double>& values, double full_scale,
                        double width) {
@@ -272,11 +264,16 @@ int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolP
   return num_tools;
 }
 
-Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics, const Vec3& place,
-                            double height) {
-  Marker marker = makeMarker(header, "statistics", 0, Marker::TEXT_VIEW_FACING);
-  marker.pose.position = toPoint(place);
-  marker.scale.z = height;
+Marker makeTextMarker(const std_msgs::Header& header, const std::string& ns, int id, const TextPlace& place,
+                      const std::string& text) {
+  Marker marker = makeMarker(header, ns, id, Marker::TEXT_VIEW_FACING);
+  marker.pose.position = toPoint(place.anchor);
+  marker.scale.z = place.height;
+  marker.text = text;
+  return marker;
+}
+
+Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics, const TextPlace& place) {
   std::ostringstream text;
   // Nothing that depends on the machine: recorded markers are the same, bit for bit.
   text << std::fixed << std::setprecision(2) << statistics.simulation_time << " s\n"
@@ -284,8 +281,23 @@ Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::St
        << "largest stretch " << 100.0 * statistics.max_stretch << " %";
   if (std::isfinite(statistics.error_estimate)) text << ", error " << 1000.0 * statistics.error_estimate << " mm";
   if (statistics.may_buckle) text << ", may buckle";
-  marker.text = text.str();
-  return marker;
+  return makeTextMarker(header, "statistics", 0, place, showFromRow(kLegendRow + 1, text.str()));
+}
+
+void addLegendMarkers(const std_msgs::Header& header, const std::string& ns, const std::string& quantity, const std::string& unit,
+                      double full_scale, const TextPlace& place, visualization_msgs::MarkerArray& markers) {
+  // RViz gives a text one colour, and centres it: blanks behind it move it to the left, blanks in front to the right.
+  constexpr int kNumbers = 5, kApart = 10;
+  for (int k = 0; k < kNumbers; ++k) {
+    const double share = static_cast<double>(k) / (kNumbers - 1);
+    std::ostringstream number;
+    number << std::setprecision(3) << share * full_scale << ' ' << unit;
+    const std::string before(kApart * std::max(0, 2 * k - kNumbers + 1), ' ');
+    const std::string after(kApart * std::max(0, kNumbers - 1 - 2 * k), ' ');
+    markers.markers.push_back(makeTextMarker(header, ns, k, place, showFromRow(kLegendRow, before + number.str() + after)));
+    markers.markers.back().color = colorOf(share);
+  }
+  markers.markers.push_back(makeTextMarker(header, ns, kNumbers, place, showFromRow(kLegendRow - 1, quantity)));
 }
 
 Marker makeDiscsMarker(const std_msgs::Header& header, const Points& positions, const Orientations& orientations,
@@ -318,18 +330,14 @@ Marker makeAxesMarker(const std_msgs::Header& header, const Points& positions, c
   return finish(std::move(marker));
 }
 
-SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation) {
+SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation, const std::string& frame_id) {
   const model::State& state = simulation.state();
   simulation.model().refreshDisplay(state);
   edges_ = collectEdges(simulation.model().triangles());
   if (state.positions.empty()) return;  // all particles are gone
-  Vec3 low = state.positions.front(), high = low;
-  for (const Vec3& p : state.positions) {
-    low = low.cwiseMin(p);
-    high = high.cwiseMax(p);
-  }
-  extent_ = (high - low).norm();
-  top_ = Vec3(0.5 * (low.x() + high.x()), 0.5 * (low.y() + high.y()), high.z() + kTextRoomShare * extent_);
+  const Box box = findMainBox(state.positions);
+  extent_ = box.extent();
+  text_place_ = placeText(box, frame_id);
   // Without any link the extent shared among the points has to do.
   const auto& links = edges_.empty() ? simulation.model().stretchLinks() : edges_;
   for (const auto& [a, b] : links) spacing_ += (state.positions[a] - state.positions[b]).norm() / links.size();
@@ -377,30 +385,23 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
     for (Index i = 0; i < state.size(); ++i) frames.push_back(state.frame(i));
     markers.markers.push_back(makeAxesMarker(header, positions, frames, kAxisShare * spacing_, width));
   }
-  num_tools_ = addToolMarkers(header, simulation.tools(), simulation.time(), extent_, num_tools_, markers);
+  // Who joins a bag in its middle, or lost a message, has to be told of all that is gone.
+  const auto atMost = [](int& most, int now) { most = std::max(most, now); };
+  atMost(num_tools_, addToolMarkers(header, simulation.tools(), simulation.time(), extent_, num_tools_, markers));
   const double arrow = kArrowShare * extent_;
-  num_arrows_ =
-      addForceMarkers(header, "forces", makeColor(1.0f, 0.5f, 0.0f), simulation.activeForces(), arrow, num_arrows_, markers);
+  const std_msgs::ColorRGBA orange = makeColor(1.0f, 0.5f, 0.0f), red = makeColor(0.9f, 0.1f, 0.2f);
+  atMost(num_arrows_, addForceMarkers(header, "forces", orange, simulation.activeForces(), arrow, num_arrows_, markers));
   std::vector<std::pair<Vec3, Vec3>> contacts;
   const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
   for (std::size_t t = 0; t < reactions.size(); ++t) {
     const tool::Pose pose = tool::interpolate(simulation.tools()[t].path, simulation.time());
     contacts.emplace_back(pose.position, pose.orientation * reactions[t].force);
   }
-  num_contacts_ = addForceMarkers(header, "contacts", makeColor(0.9f, 0.1f, 0.2f), contacts, arrow, num_contacts_, markers);
-  markers.markers.push_back(makeStatisticsMarker(header, simulation.statistics(), top_, kTextShare * extent_));
-}
-
-void MarkerNews::reduce(bool all, visualization_msgs::MarkerArray& array) {
-  const auto isKnown = [&](const Marker& marker) {
-    Marker& sent = sent_[{marker.ns, marker.id}];
-    const std_msgs::Header header = sent.header;
-    sent.header = marker.header;
-    const bool is_same = sent == marker && header.frame_id == marker.header.frame_id;
-    if (!is_same) sent = marker;
-    return is_same && !all;
-  };
-  array.markers.erase(std::remove_if(array.markers.begin(), array.markers.end(), isKnown), array.markers.end());
+  atMost(num_contacts_, addForceMarkers(header, "contacts", red, contacts, arrow, num_contacts_, markers));
+  addLegendMarkers(header, "strain_legend", "strain", "%", 100.0 * kFullStrain, text_place_, markers);
+  addLegendMarkers(header, "displacement_legend", "displacement", "mm", 1000.0 * kFullDisplacementShare * extent_, text_place_,
+                   markers);
+  markers.markers.push_back(makeStatisticsMarker(header, simulation.statistics(), text_place_));
 }
 
 }  // namespace deformable_surface::node

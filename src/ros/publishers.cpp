@@ -12,12 +12,10 @@
 namespace deformable_surface::node {
 namespace {
 
-// As many frames as a viewer may be behind.
-constexpr std::uint32_t kMarkersQueue = 10;
 // Statistics are small, and a gap in them is seen in every plot.
 constexpr std::uint32_t kStatisticsQueue = 100;
 // Who switches a namespace on in RViz sees it after this, though nothing changes.
-constexpr std::chrono::seconds kFullPeriod(1);
+constexpr std::chrono::seconds kMarkersPeriod(1);
 
 // An update that was lost is made good after this. A message that is lost is so seldom that the whole cloud need not come more
 // often.
@@ -47,12 +45,9 @@ Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_su
   };
   updates_ = node.advertise<DeformedUpdate>("deformed_update", kUpdatesQueue, followed);
   simulation_points_ = node.advertise<sensor_msgs::PointCloud2>("simulation_points", 1, connected);
-  // Queued, since each says only what has changed.
-  const ros::SubscriberStatusCallback shown = [this, on_subscriber](const ros::SingleSubscriberPublisher&) {
-    is_viewer_new_ = true;
-    on_subscriber();
-  };
-  markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", kMarkersQueue, shown);
+  // Latched for players of bags, which give the last message to who comes later, as it was recorded.
+  markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1, connected, ros::SubscriberStatusCallback(),
+                                                             ros::VoidConstPtr(), true);
   statistics_ = node.advertise<Statistics>("statistics", kStatisticsQueue, connected);
 }
 
@@ -76,7 +71,7 @@ void Publishers::publish(Moment& moment) {
   if (is_other) {
     viewer_ = std::move(moment.viewer);
     frame_ = std::move(moment.frame);
-    marker_maker_.emplace(*viewer_);
+    marker_maker_.emplace(*viewer_, frame_);
     is_new_ = true;
   }
   viewer_->restore(moment.sight);
@@ -104,7 +99,8 @@ void Publishers::publish(Moment& moment) {
     simulation_points_.publish(message);
   }
   const bool has_changed = isNews(moment.revision, markers_revision_);
-  if (markers_.getNumSubscribers() > 0 && (has_changed || std::chrono::steady_clock::now() >= next_full_)) publishMarkers(header);
+  const bool is_due = has_changed || std::chrono::steady_clock::now() >= next_markers_;
+  if (markers_.getNumSubscribers() > 0 && is_due) publishMarkers(header);
   if (isStatisticsHeard()) {
     const auto message = boost::make_shared<Statistics>();
     message->header = header;
@@ -126,14 +122,11 @@ void Publishers::publishUpdate(const sensor_msgs::PointCloud2ConstPtr& cloud) {
 }
 
 void Publishers::publishMarkers(const std_msgs::Header& header) {
-  const auto now = std::chrono::steady_clock::now();
-  const bool whole = is_viewer_new_.exchange(false) || is_new_ || now >= next_full_;
-  if (whole) next_full_ = now + kFullPeriod;
+  next_markers_ = std::chrono::steady_clock::now() + kMarkersPeriod;
   const auto message = boost::make_shared<visualization_msgs::MarkerArray>();
   marker_maker_->make(header, *viewer_, *message);
-  marker_news_.reduce(whole, *message);
   if (is_new_) message->markers.insert(message->markers.begin(), makeDeleteAll(header));
-  if (!message->markers.empty()) markers_.publish(message);
+  markers_.publish(message);
 }
 
 }  // namespace deformable_surface::node

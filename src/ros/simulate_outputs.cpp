@@ -114,7 +114,7 @@ void OutputBag::begin(const std::string& frame_id, const CloudId& cloud, const s
   frame_id_ = frame_id;
   cloud_ = cloud;
   encoder_ = std::make_unique<SurfaceEncoder>(simulation.input(), simulation.params().output.normals);
-  markers_ = std::make_unique<SimulationMarkers>(simulation);
+  markers_ = std::make_unique<SimulationMarkers>(simulation, frame_id);
 }
 
 void OutputBag::add(double time, std::int64_t stamp, const std::set<std::string>& silent, simulation::Simulation& simulation) {

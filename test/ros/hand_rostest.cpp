@@ -108,9 +108,9 @@ class FakeRviz {
 
 class HandTest : public ::testing::Test {
  protected:
-  void start(const std::string& scene) {
+  void start(const std::string& scene, const std::string& more = "") {
     process_ = std::make_unique<NodeProcess>("/surface", scene);
-    hand_ = std::make_unique<NodeProcess>("/hand", "{surface: /surface, rate: 20.0}", "deformable_surface_hand");
+    hand_ = std::make_unique<NodeProcess>("/hand", "{surface: /surface, rate: 20.0" + more + "}", "deformable_surface_hand");
     client_ = std::make_unique<NodeClient>("/surface");
     points_subscriber_ = client_->handle().subscribe<PointCloud2>(
         "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { points_ = *m; });
@@ -122,6 +122,14 @@ class HandTest : public ::testing::Test {
     ASSERT_TRUE(client_->waitForNode()) << process_->output();
     ASSERT_TRUE(client_->exchange(makeFlatSheet())) << process_->output();
     for (const char* name : {"surface", "spot", "panel"}) ASSERT_TRUE(rviz_.waitForMarker(name)) << name << hand_->output();
+  }
+
+  /// The sentence beside the panel as RViz shows it.
+  visualization_msgs::Marker findAnswer() {
+    for (const auto& control : rviz_.markers["panel"].controls)
+      for (const auto& marker : control.markers)
+        if (marker.type == visualization_msgs::Marker::TEXT_VIEW_FACING) return marker;
+    return {};
   }
 
   Vec3 lastPosition(int column, int row) const { return readPosition(*client_->frames.back(), row * kColumns + column); }
@@ -169,6 +177,23 @@ TEST_F(HandTest, LetsGoWhenRvizIsGone) {
   EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand") == 0; }));
 }
 
+TEST_F(HandTest, SlipsWhereThePullTakesMoreThanItsStrength) {
+  start(kScene, ", strength: 1.0");
+  const Vec3 corner(kSpacing * (kColumns - 1), 0.05, 0.0);
+  rviz_.press("surface", Vec3::Zero(), corner);
+  double way = 0.0;
+  const auto pull = [&] {
+    rviz_.drag("surface", Vec3(way += 0.0002, 0.0, 0.0));
+    return waitUntil([] { return false; }, 0.02);
+  };
+  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_["hand"] > 0; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_.count("hand") == 0; })) << hand_->output();
+  EXPECT_TRUE(waitUntil([&] { return findAnswer().text.find("at most 1 N") != std::string::npos; })) << hand_->output();
+  // The button is still down.
+  EXPECT_TRUE(waitUntil([&] { return pull() || std::abs(lastPosition(kColumns - 1, 5).x() - corner.x()) < 1e-4; }));
+  EXPECT_EQ(contacts_.count("hand"), 0u);
+}
+
 TEST_F(HandTest, PinsAndFreesWhatIsAtTheSpot) {
   start(kScene);
   ASSERT_TRUE(waitUntil([&] { return points_.width > 0; }));
@@ -213,6 +238,10 @@ TEST_F(HandTest, PausesStepsAndResets) {
   start(kScene);
   rviz_.choose("panel", "Pause");
   ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused"; })) << hand_->output();
+  // Letters that can be read where the whole surface is seen.
+  ASSERT_TRUE(waitUntil([&] { return findAnswer().text.find("paused") != std::string::npos; }));
+  EXPECT_GT(findAnswer().scale.z, 0.03 * Vec3(kSpacing * kColumns, kSpacing * kRows, 0.0).norm());
+  EXPECT_TRUE(rviz_.markers["panel"].description.empty());
   const ros::Time stamp = client_->frames.back()->header.stamp;
   rviz_.choose("panel", "Ten steps");
   ASSERT_TRUE(waitUntil([&] { return client_->frames.back()->header.stamp >= stamp + ros::Duration(0.099); }));

@@ -78,19 +78,6 @@ const Points kSquare{{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
 const std::vector<std::pair<Index, Index>> kLinks{{0, 1}, {1, 2}, {0, 2}};
 const std::vector<model::WeightedTriangle> kTriangles{{{0, 1, 2}, 1.0}, {{0, 2, 3}, 1.0}};
 
-TEST(Colors, RunFromBlueThroughGreenToRed) {
-  const auto rgb = [](double value) {
-    const auto color = colorOf(value);
-    return std::vector<float>{color.r, color.g, color.b};
-  };
-  EXPECT_EQ(rgb(0.0), (std::vector<float>{0, 0, 1}));
-  EXPECT_EQ(rgb(0.5), (std::vector<float>{0, 1, 0}));
-  EXPECT_EQ(rgb(1.0), (std::vector<float>{1, 0, 0}));
-  EXPECT_EQ(rgb(7.0), rgb(1.0));
-  EXPECT_EQ(rgb(std::numeric_limits<double>::infinity()), rgb(1.0));
-  EXPECT_EQ(rgb(std::nan("")), (std::vector<float>{0.5f, 0.5f, 0.5f}));
-}
-
 TEST(Markers, DrawLinksWithTheColoursOfTheirEnds) {
   const Marker marker =
       makeLinksMarker(makeHeader(), "stretch_springs", kSquare, kLinks, {0.0, 0.05, 0.1, 0.0}, 0.1, 0.01);
@@ -101,17 +88,16 @@ TEST(Markers, DrawLinksWithTheColoursOfTheirEnds) {
   EXPECT_EQ(marker.type, static_cast<int>(Marker::LINE_LIST));
   ASSERT_EQ(marker.points.size(), 6u);
   EXPECT_EQ(marker.points[3].y, 1.0);
-  EXPECT_EQ(marker.colors[0].b, 1.0f);
-  EXPECT_EQ(marker.colors[1].g, 1.0f);
-  EXPECT_EQ(marker.colors[3].r, 1.0f);
+  EXPECT_EQ(marker.colors[0], colorOf(0.0));
+  EXPECT_EQ(marker.colors[1], colorOf(0.5));
+  EXPECT_EQ(marker.colors[3], colorOf(1.0));
 }
 
 TEST(Markers, DrawTheSurfaceAndItsEdges) {
   const Marker surface = makeSurfaceMarker(makeHeader(), kSquare, kTriangles, {0, 0, 0, 1}, 1.0);
   EXPECT_EQ(checkMarker(surface), "");
   EXPECT_EQ(surface.points.size(), 6u);
-  EXPECT_GT(surface.colors[5].r, 0.5f);  // red, in the light
-  EXPECT_EQ(surface.colors[5].b, 0.0f);
+  EXPECT_GT(surface.colors[5].r, 4.0f * surface.colors[5].b);  // orange, in any light
   const Marker wireframe = makeWireframeMarker(makeHeader(), kSquare, kLinks, 0.01);
   EXPECT_EQ(checkMarker(wireframe), "");
   EXPECT_EQ(wireframe.points.size(), 6u);
@@ -222,8 +208,7 @@ TEST(Markers, DrawParticlesAsDiscsAndAxes) {
   const Marker discs = makeDiscsMarker(makeHeader(), kSquare, orientations, {0, 0, 0, 1}, 1.0, 0.25);
   EXPECT_EQ(checkMarker(discs), "");
   EXPECT_EQ(discs.points.size(), 4u * 18u);
-  EXPECT_GT(discs.colors.back().r, 0.5f);  // red, in the light
-  EXPECT_EQ(discs.colors.back().b, 0.0f);
+  EXPECT_GT(discs.colors.back().r, 4.0f * discs.colors.back().b);  // orange, in any light
   for (std::size_t k = 0; k < 18; ++k) EXPECT_NEAR(discs.points[k].x, 0.0, 1e-12);
   const Marker axes = makeAxesMarker(makeHeader(), kSquare, orientations, 0.5, 0.01);
   EXPECT_EQ(checkMarker(axes), "");
@@ -232,54 +217,84 @@ TEST(Markers, DrawParticlesAsDiscsAndAxes) {
   EXPECT_EQ(axes.colors[5].b, 1.0f);
 }
 
+TextPlace makePlace() {
+  TextPlace place;
+  place.anchor = Vec3(1, 2, 3);
+  place.height = 0.1;
+  return place;
+}
+
 TEST(Markers, TellWhatTheLastStepDid) {
   simulation::Statistics statistics;
   statistics.simulation_time = 1.5;
   statistics.simulation_points = 300;
   statistics.points = 4000;
-  const Marker marker = makeStatisticsMarker(makeHeader(), statistics, Vec3(1, 2, 3), 0.1);
+  const Marker marker = makeStatisticsMarker(makeHeader(), statistics, makePlace());
   EXPECT_EQ(checkMarker(marker), "");
   EXPECT_EQ(marker.pose.position.z, 3.0);
   EXPECT_NE(marker.text.find("1.50 s"), std::string::npos) << marker.text;
   EXPECT_NE(marker.text.find("300 of 4000 points"), std::string::npos) << marker.text;
   EXPECT_EQ(marker.text.find("error"), std::string::npos) << marker.text;  // there is no estimate
   statistics.error_estimate = 0.002;
-  const std::string calm = makeStatisticsMarker(makeHeader(), statistics, Vec3::Zero(), 0.1).text;
+  const std::string calm = makeStatisticsMarker(makeHeader(), statistics, makePlace()).text;
   EXPECT_NE(calm.find("error 2.00 mm"), std::string::npos) << calm;
   EXPECT_EQ(calm.find("buckle"), std::string::npos) << calm;
   statistics.may_buckle = true;
-  const std::string pressed = makeStatisticsMarker(makeHeader(), statistics, Vec3::Zero(), 0.1).text;
+  const std::string pressed = makeStatisticsMarker(makeHeader(), statistics, makePlace()).text;
   EXPECT_NE(pressed.find("error 2.00 mm, may buckle"), std::string::npos) << pressed;
 }
 
-TEST(MarkerNews, SendsAgainOnlyWhatHasChanged) {
-  const auto make = [](double stamp, double bent) {
-    visualization_msgs::MarkerArray array;
-    std_msgs::Header header = makeHeader();
-    header.stamp.fromSec(stamp);
-    array.markers = {makeSurfaceMarker(header, kSquare, kTriangles, {0, 0, 0, bent}, 1.0),
-                     makeWireframeMarker(header, kSquare, kLinks, 0.01)};
-    return array;
-  };
-  MarkerNews news;
-  auto array = make(1.0, 0.0);
-  news.reduce(false, array);
-  EXPECT_EQ(array.markers.size(), 2u);
-  array = make(2.0, 0.0);
-  news.reduce(false, array);
-  EXPECT_TRUE(array.markers.empty());
-  array = make(3.0, 1.0);
-  news.reduce(false, array);
-  ASSERT_EQ(array.markers.size(), 1u);
-  EXPECT_EQ(array.markers[0].ns, "surface");
-  array = make(4.0, 1.0);
-  news.reduce(true, array);
-  EXPECT_EQ(array.markers.size(), 2u);
-  // In another frame it lies elsewhere.
-  array = make(5.0, 1.0);
-  for (Marker& marker : array.markers) marker.header.frame_id = "other";
-  news.reduce(false, array);
-  EXPECT_EQ(array.markers.size(), 2u);
+TEST(Markers, ExplainTheColoursInThem) {
+  visualization_msgs::MarkerArray array;
+  addLegendMarkers(makeHeader(), "strain_legend", "strain", "%", 10.0, makePlace(), array);
+  expectValid(array);
+  std::map<std::string, std_msgs::ColorRGBA> colors;
+  for (const Marker& marker : array.markers) {
+    const std::size_t begin = marker.text.find_first_not_of(" \n");
+    colors[marker.text.substr(begin, marker.text.find_last_not_of(" \n") + 1 - begin)] = marker.color;
+  }
+  EXPECT_EQ(colors.count("strain"), 1u);
+  EXPECT_EQ(colors.at("0 %"), colorOf(0.0));
+  EXPECT_EQ(colors.at("5 %"), colorOf(0.5));
+  EXPECT_EQ(colors.at("10 %"), colorOf(1.0));
+}
+
+/// The rows of a text in which something stands, of so many that RViz centres on its position.
+std::set<int> rowsOf(const Marker& marker) {
+  std::set<int> rows;
+  int row = 0;
+  for (const char letter : marker.text) {
+    if (letter == '\n') {
+      ++row;
+    } else {
+      rows.insert(row);
+    }
+  }
+  EXPECT_EQ(row + 1, 2 * kRowsAbove) << marker.text;
+  return rows;
+}
+
+TEST(Markers, LeaveNoTextOnAnotherNorOnTheButtonBetweenThem) {
+  visualization_msgs::MarkerArray array;
+  addLegendMarkers(makeHeader(), "strain_legend", "strain", "%", 10.0, makePlace(), array);
+  std::set<int> legend;
+  for (const Marker& marker : array.markers)
+    for (const int row : rowsOf(marker)) legend.insert(row);
+  simulation::Statistics statistics;
+  statistics.error_estimate = 0.002;
+  statistics.may_buckle = true;
+  const std::set<int> told = rowsOf(makeStatisticsMarker(makeHeader(), statistics, makePlace()));
+  std::string sentence;
+  for (int words = 0; words < 100; ++words) {
+    Marker answer;
+    answer.text = showBelow(sentence);
+    const std::set<int> rows = rowsOf(answer);
+    if (!rows.empty()) EXPECT_GT(*rows.begin(), kRowsAbove);
+    EXPECT_LT(rows.size(), static_cast<std::size_t>(kRowsBelow));
+    sentence += sentence.empty() ? "word" : " word";
+  }
+  EXPECT_LT(*legend.rbegin(), *told.begin());
+  EXPECT_LT(*told.rbegin(), kRowsAbove - 1);
 }
 
 TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
@@ -290,7 +305,7 @@ TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
   params.model = simulation::ModelKind::kOrientedParticles;
   params.gravity.setZero();
   simulation::Simulation simulation(params, input);
-  SimulationMarkers markers(simulation);
+  SimulationMarkers markers(simulation, "map");
   visualization_msgs::MarkerArray array;
   const auto countDiscs = [&] {
     markers.make(makeHeader(), simulation, array);
@@ -314,7 +329,7 @@ TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
   for (const Marker& marker : array.markers) {
     if (marker.ns != "surface") continue;
     EXPECT_FALSE(marker.colors.empty());
-    for (const auto& color : marker.colors) EXPECT_LT(color.r + color.g, 0.1f * color.b);  // blue, in any light
+    for (const auto& color : marker.colors) EXPECT_LT(std::abs(color.r - color.b), 0.1f);  // neutral, in any light
   }
   eraser.shape.radius = 10.0;
   simulation.setTool(eraser);
@@ -332,7 +347,7 @@ TEST(SimulationMarkers, ShowASimulationInEveryNamespaceAndKeepTheRules) {
   params.pins.back().region.min = Vec3(-0.05, -0.05, -0.05);
   params.pins.back().region.max = Vec3(0.05, 0.95, 0.05);
   simulation::Simulation simulation(params, input);
-  SimulationMarkers markers(simulation);
+  SimulationMarkers markers(simulation, "map");
   visualization_msgs::MarkerArray array;
   std::map<std::string, int> actions;
   const auto make = [&] {

@@ -6,6 +6,7 @@
 #include "deformable_surface/ros/surface_node.h"
 
 #include <geometry_msgs/WrenchStamped.h>
+#include <visualization_msgs/MarkerArray.h>
 
 #include <algorithm>
 #include <cmath>
@@ -50,6 +51,25 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
   with = without = 0;
   ASSERT_TRUE(waitUntil([&] { return with + without > 20; }));
   EXPECT_EQ(with, 0);
+}
+
+TEST(Publishing, SendsEveryMessageOfMarkersWholeAndLatched) {
+  NodeProcess process("/marked", "{model: mass_spring, gravity: [0, 0, -1], activity: {sleep: never}, "
+                                 "pins: [{box: {min: [-0.01, -1, -1], max: [0.01, 1, 1]}}]}");
+  NodeClient client("/marked");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStampedSheet())) << process.output();
+  int count = 0;
+  const ros::Subscriber markers = client.handle().subscribe<visualization_msgs::MarkerArray>(
+      "markers", 10, boost::function<void(const ros::MessageEvent<visualization_msgs::MarkerArray const>&)>([&](const auto& event) {
+        // A player of bags gives who comes late the last message of what was latched, and nothing else.
+        EXPECT_EQ(event.getConnectionHeader().at("latching"), "1");
+        std::set<std::string> names;
+        for (const auto& marker : event.getConstMessage()->markers) names.insert(marker.ns);
+        for (const char* name : {"surface", "pins", "statistics", "strain_legend"}) EXPECT_EQ(names.count(name), 1u) << name;
+        ++count;
+      }));
+  ASSERT_TRUE(waitUntil([&] { return count > 10; })) << process.output();
 }
 
 TEST(Publishing, SendsACloudThatHasNotChangedToWhoIsNewOnly) {

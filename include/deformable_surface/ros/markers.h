@@ -3,20 +3,18 @@
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/ros/color_scale.h"
+#include "deformable_surface/ros/text_place.h"
 #include "deformable_surface/simulation/simulation.h"
 
 #include <std_msgs/Header.h>
 #include <visualization_msgs/MarkerArray.h>
 
-#include <map>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace deformable_surface::node {
-
-/// Blue at 0, through green and yellow, to red at 1 and beyond; grey for NaN.
-std_msgs::ColorRGBA colorOf(double value);
 
 /// Lines between linked points (LINE_LIST), each end in the colour of value / full_scale. positions (m x 3), values (m).
 /// width: of a line, m, > 0. Without links the marker deletes itself; so do those below when they have nothing to show.
@@ -43,9 +41,14 @@ int addForceMarkers(const std_msgs::Header& header, const std::string& ns, const
                     const std::vector<std::pair<Vec3, Vec3>>& forces, double length, int num_before,
                     visualization_msgs::MarkerArray& markers);
 
-/// What the last step did, as three lines of text (TEXT_VIEW_FACING) about the place, of the height (m, > 0) each.
+/// What the last step did, as lines of text (TEXT_VIEW_FACING) above the place.
 visualization_msgs::Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics,
-                                                const Vec3& place, double height);
+                                                const TextPlace& place);
+
+/// Appends what the colours mean: the name of the quantity, and below it in one row numbers from 0 to full_scale (in the unit),
+/// each in its own colour. Both stand above the statistics.
+void addLegendMarkers(const std_msgs::Header& header, const std::string& ns, const std::string& quantity, const std::string& unit,
+                      double full_scale, const TextPlace& place, visualization_msgs::MarkerArray& markers);
 
 /// Appends one marker per tool that acts at the time (s), in the colour of what it does: the primitive, a cone as triangles, a
 /// plane as a thin plate of the extent (m, > 0); and deletes those left over from the `num_before` of last time. Returns how many
@@ -66,14 +69,14 @@ visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const 
 constexpr int kMaxArrows = 100;
 
 /// All of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what it
-/// does to each tool, at its origin), statistics and, of oriented particles, discs and axes. Particles may be born and go; what
-/// was not there at first is grey where displacements are shown.
+/// does to each tool, at its origin), statistics, strain_legend, displacement_legend and, of oriented particles, discs and axes.
+/// Particles may be born and go; where displacements are shown, what was not there at first has the colour of NaN.
 class SimulationMarkers {
  public:
   /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.
-  explicit SimulationMarkers(const simulation::Simulation& simulation);
+  SimulationMarkers(const simulation::Simulation& simulation, const std::string& frame_id);
 
-  /// Replaces the content of markers.
+  /// Replaces the content of markers: all of them, those that are gone as well, so that each message is whole.
   void make(const std_msgs::Header& header, const simulation::Simulation& simulation,
             visualization_msgs::MarkerArray& markers);
 
@@ -84,21 +87,10 @@ class SimulationMarkers {
   std::vector<std::pair<Index, Index>> edges_; // of the triangles, each once
   std::size_t num_triangles_ = 0;  // that the edges are those of
   double spacing_ = 0.0;                       // m, mean length of an edge or link at rest
-  double extent_ = 0.0;                        // m, diagonal of the bounding box at rest
-  Vec3 top_ = Vec3::Zero();                    // m, above the surface at rest
-  int num_arrows_ = 0, num_tools_ = 0, num_contacts_ = 0;  // shown last time
+  double extent_ = 0.0;                        // m, diagonal of the main box at rest
+  TextPlace text_place_;                       // above the surface at rest
+  int num_arrows_ = 0, num_tools_ = 0, num_contacts_ = 0;  // the most that were shown at a time
   std::vector<double> strain_, displacement_;  // scratch
-};
-
-/// Leaves out of arrays what their receivers have already, so that what does not change costs nothing.
-class MarkerNews {
- public:
-  /// Takes out the markers that are, but for their header's stamp, as they were sent last. all: none is taken out, since somebody
-  /// may have nothing yet.
-  void reduce(bool all, visualization_msgs::MarkerArray& array);
-
- private:
-  std::map<std::pair<std::string, int>, visualization_msgs::Marker> sent_;
 };
 
 }  // namespace deformable_surface::node

@@ -1,0 +1,186 @@
+#!/usr/bin/env python3
+"""Turns a window of RViz to the surface that it shows. The window's fixed frame is a frame of tf of this node's name, which lies in
+the middle of the surface whatever the surface's own frame is; distance, direction, grid and colours follow its size. Before a surface
+comes the window says what it waits for. It is a program of its own since RViz has neither view nor frame that follow a cloud."""
+import os
+import sys
+import tempfile
+
+import numpy as np
+import rospy
+import tf2_ros
+import yaml
+from geometry_msgs.msg import TransformStamped
+from sensor_msgs.msg import PointCloud2
+from std_msgs.msg import Bool, String
+from visualization_msgs.msg import Marker
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from scan_clouds import read_positions  # noqa: E402
+
+HALF_FIELD = np.tan(0.5 * 0.785)  # of view, upright; RViz's own, as in the configurations
+FULL_DISPLACEMENT = 0.25          # of the extent: full scale of the colours, as in ~markers
+LETTER, SMALLEST_LETTER, SPACING = 0.035, 0.004, 0.01  # share of the extent, m, m: of text, as in ~markers
+ROWS_BELOW, ROWS_ABOVE = 4, 6
+FLAT = 0.1                        # smallest over middle extent of what is looked at face on
+# Columns: forward, left and up of a camera, whose optical frame has z forward and y down (REP 103).
+OPTICAL = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]], float)
+
+
+class SendFilePath:
+    """rviz/SendFilePath, by its layout: Debian has RViz's own messages for Python in a package with all of Qt."""
+    _type, _md5sum, _request_class, _response_class = "rviz/SendFilePath", "*", String, Bool
+
+
+def is_optical(frame):
+    return "optical" in frame
+
+
+def find_main_points(points):
+    """Without holes, and without stray points: those farther outside the middle eight tenths than these are wide."""
+    points = points[np.isfinite(points).all(axis=1)]
+    if len(points) == 0:
+        return points
+    lower, upper = np.sort(points, axis=0)[[len(points) // 10, len(points) - 1 - len(points) // 10]]
+    return points[((points >= 2 * lower - upper) & (points <= 2 * upper - lower)).all(axis=1)]
+
+
+class View:
+    """Of a surface in a frame: where the window's own frame lies, and from where it is looked at."""
+
+    def __init__(self, points, frame):
+        self.frame, self.count = frame, len(points)
+        main = find_main_points(points)
+        self.turn = OPTICAL if is_optical(frame) else np.eye(3)
+        turned = main @ self.turn
+        low, high = turned.min(axis=0), turned.max(axis=0)
+        self.extent = np.linalg.norm(high - low)
+        self.origin = self.turn @ (0.5 * (low + high))
+        self.foot = 0.5 * (low[2] - high[2])
+        self.choose_direction(turned - turned.mean(axis=0))
+        self.choose_distance(0.5 * np.hypot(*(high - low)[:2]))
+
+    def choose_direction(self, points):
+        """From the front left and a little above; what is flat is seen on its face."""
+        self.yaw, self.pitch = (3.5, 0.2) if is_optical(self.frame) else (5.24, 0.3)
+        lengths, axes = np.linalg.eigh(points.T @ points)
+        if not np.sqrt(max(lengths[0], 0.0)) < FLAT * np.sqrt(lengths[1]):
+            return
+        toward = np.array([np.cos(self.yaw) * np.cos(self.pitch), np.sin(self.yaw) * np.cos(self.pitch), np.sin(self.pitch)])
+        normal = axes[:, 0] * (1 if axes[:, 0] @ toward > 0 else -1)
+        # Not quite along the normal, where every dent looks flat.
+        self.pitch = float(np.clip(np.arcsin(np.clip(normal[2], -1, 1)), 0.2, 0.8))
+        if np.hypot(normal[0], normal[1]) > 0.5:
+            self.yaw = float(np.arctan2(normal[1], normal[0]) + 0.4)
+
+    def choose_distance(self, radius):
+        """The middle of the picture, as a height above the surface's, and the distance from it. radius: of the surface across z."""
+        row = max(LETTER * self.extent, SMALLEST_LETTER) + SPACING
+        # Upwards in the picture: the text, which stands upright in it, and the near edge, which is larger than in its middle.
+        top = np.cos(self.pitch) * (0.5 * self.extent + ROWS_BELOW * row) + ROWS_ABOVE * row
+        bottom = -1.2 * (np.cos(self.pitch) * -self.foot + np.sin(self.pitch) * radius)
+        self.height = float(0.5 * (top + bottom) / np.cos(self.pitch))
+        self.distance = float(0.5 * (top - bottom) / HALF_FIELD + 0.3 * self.extent)
+
+    def shows(self, other):
+        """Whether a surface is well seen where another was."""
+        return self.frame == other.frame and np.linalg.norm(self.origin - other.origin) < 0.5 * self.extent and \
+            0.5 < other.extent / self.extent < 2.0
+
+    def fit(self, configuration):
+        """The configuration of RViz, a tree, for this view."""
+        manager = configuration["Visualization Manager"]
+        for display in manager["Displays"]:
+            if display["Class"] == "rviz/Grid":
+                cell = float(10.0 ** np.floor(np.log10(self.extent / 2)))
+                display.update({"Cell Size": cell, "Plane Cell Count": int(2 * np.ceil(self.extent / cell)),
+                                "Offset": {"X": 0, "Y": 0, "Z": float(self.foot)}})
+            if display["Class"] == "rviz/PointCloud2":
+                display["Max Intensity"] = float(FULL_DISPLACEMENT * self.extent)
+                # Balls that touch where points lie evenly on the sides of a box.
+                display["Size (m)"] = float(1.5 * self.extent / np.sqrt(self.count))
+        view = manager["Views"]["Current"]
+        view.update({"Distance": self.distance, "Yaw": self.yaw, "Pitch": self.pitch,
+                     "Focal Point": {"X": 0, "Y": 0, "Z": self.height},
+                     "Near Clip Distance": 0.01 * self.distance})
+        return configuration
+
+
+def make_transform(parent, child, origin=np.zeros(3), turn=np.eye(3)):
+    transform = TransformStamped()
+    transform.header.stamp, transform.header.frame_id, transform.child_frame_id = rospy.Time.now(), parent, child
+    t, r = transform.transform.translation, transform.transform.rotation
+    t.x, t.y, t.z = origin
+    r.x, r.y, r.z, r.w = (0.5, -0.5, 0.5, 0.5) if turn is OPTICAL else (0, 0, 0, 1)
+    return transform
+
+
+class Window:
+    def __init__(self):
+        self.name = rospy.get_name().strip("/")
+        self.configuration = rospy.get_param("~configuration")
+        self.rviz = rospy.get_param("~rviz")
+        self.view = None
+        self.folder = tempfile.TemporaryDirectory()
+        self.frames = tf2_ros.StaticTransformBroadcaster()
+        # RViz says of a frame that tf has never heard of that there is an error.
+        self.frames.sendTransform(make_transform(self.name, self.name + "_origin"))
+        self.text = rospy.Publisher("~text", Marker, queue_size=1, latch=True)
+        self.say("waiting for a cloud on %s" % rospy.resolve_name("cloud_in"))
+        rospy.Subscriber("deformed", PointCloud2, self.take, queue_size=1, buff_size=1 << 26)
+
+    def say(self, sentence):
+        marker = Marker(ns="waiting", type=Marker.TEXT_VIEW_FACING, text=sentence)
+        marker.action = Marker.ADD if sentence else Marker.DELETE
+        marker.header.frame_id = self.name
+        marker.pose.orientation.w = 1.0
+        marker.pose.position.z = 0.14
+        marker.scale.z = 0.03
+        marker.color.r = marker.color.g = marker.color.b = marker.color.a = 1.0
+        self.text.publish(marker)
+
+    def take(self, message):
+        # A surface that moves is followed by the person who looks at it.
+        if self.view and (message.header.frame_id, message.width * message.height) == (self.view.frame, self.view.count):
+            return
+        points = read_positions(message)
+        if len(find_main_points(points)) < 3:
+            return
+        view = View(points, message.header.frame_id)
+        if self.view and self.view.shows(view):
+            self.view.count = view.count
+            return
+        self.view = view
+        self.frames.sendTransform([make_transform(self.name, self.name + "_origin"),
+                                   make_transform(view.frame, self.name, view.origin, view.turn)])
+        self.say("")
+        self.show(view)
+
+    def show(self, view):
+        path = os.path.join(self.folder.name, os.path.basename(self.configuration))
+        with open(self.configuration) as stream:
+            tree = view.fit(yaml.safe_load(stream))
+        tree["Visualization Manager"]["Global Options"]["Fixed Frame"] = self.name
+        with open(path, "w") as stream:
+            yaml.safe_dump(tree, stream)
+        service = rospy.resolve_name(self.rviz) + "/load_config_discarding_changes"
+        try:
+            rospy.wait_for_service(service, timeout=60.0)
+            if not rospy.ServiceProxy(service, SendFilePath)(path).data:
+                rospy.logwarn("RViz did not take %s", path)
+        except (rospy.ROSException, rospy.ServiceException) as error:
+            rospy.logwarn("the window keeps its distance: %s", error)
+
+
+def main():
+    rospy.init_node("view_cloud")
+    try:
+        window = Window()  # noqa: F841  # what it subscribed to lives as long as it does
+    except KeyError as error:
+        rospy.logfatal("view_cloud: found no parameter %s; accepted: ~configuration, a file of RViz, and ~rviz, a node", error)
+        sys.exit(1)
+    rospy.spin()
+
+
+if __name__ == "__main__":
+    main()
