@@ -97,7 +97,8 @@ void Simulation::Impl::takeStep(const Timer& timer, bool have_loads_changed, std
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
   if (const double load = params.integrator.type == solve::IntegratorType::kStatic ? findUnheldLoad(now + dt) : 0.0; load > 0.0)
-    return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(load) + " N", outcome);
+    return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(load) + " N",
+                  outcome);
   std::unique_ptr<model::State> start;  // of a second search
   if (params.integrator.type == solve::IntegratorType::kStatic && estimator && estimator->wantsSecondSearch())
     start = std::make_unique<model::State>(state);
@@ -283,7 +284,8 @@ void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
 // The copies take the same step; if that is interrupted, none of them has.
 void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& outcome) {
   const Timer timer;
-  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all(), interrupt));
+  appendNotice(outcome.notice,
+               estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all(), interrupt));
   estimator->learnBalance(params.integrator.type != solve::IntegratorType::kStatic || report.converged);
   // Asked for, kept in the trial, but not kept now; said once.
   const double wish = params.accuracy.position_error, error = estimator->total() + softening;

@@ -225,7 +225,10 @@ TEST_P(RefusedSteps, WhatNoStepBearsLeavesEverythingAsItWas) {
 }
 
 INSTANTIATE_TEST_SUITE_P(OfEveryModel, RefusedSteps, ::testing::Values(0, 1, 2),
-                         [](const auto& info) { return std::string(std::vector<const char*>{"Sheets", "Particles", "Solids"}[info.param]); });
+                         [](const auto& info) {
+                           static const char* const kNames[] = {"Sheets", "Particles", "Solids"};
+                           return std::string(kNames[info.param]);
+                         });
 
 }  // namespace
 }  // namespace deformable_surface::test
