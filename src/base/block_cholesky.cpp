@@ -168,8 +168,11 @@ Lists permuteToUpper(const Lists& pattern, const std::vector<Index>& position) {
 
 void BlockCholesky::analyze(const Lists& pattern) {
   order(pattern);
+  endIfInterrupted();
   findNodes();
+  endIfInterrupted();
   findUpdates();
+  endIfInterrupted();
   placeBlocks(pattern);
   below_ = {};
 }
@@ -182,11 +185,13 @@ void BlockCholesky::order(const Lists& pattern) {
       n, n, static_cast<Eigen::Index>(ones.size()), pattern.offsets.data(), pattern.items.data(), ones.data());
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> amd;
   Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), amd);
+  endIfInterrupted();  // not looked at within the ordering
   position_.resize(n);
   for (Index k = 0; k < n; ++k) position_[amd.indices()[k]] = k;
   const std::vector<Index> place = findPostorder(findTree(permuteToUpper(pattern, position_)));
   for (Index& p : position_) p = place[p];
 
+  endIfInterrupted();
   const Lists upper = permuteToUpper(pattern, position_);
   parent_ = findTree(upper);
   below_.assign(n, {});

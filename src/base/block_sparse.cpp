@@ -1,9 +1,16 @@
 #include "deformable_surface/base/block_sparse.h"
 
+#include "deformable_surface/base/interrupt.h"
+
 #include <algorithm>
 #include <utility>
 
 namespace deformable_surface {
+namespace {
+
+constexpr std::size_t kLook = 1024;  // blocks of a first filling between two looks at an interrupt
+
+}  // namespace
 
 void BlockSparse::begin(Index n) {
   if (n != pattern_.size()) {
@@ -28,6 +35,7 @@ void BlockSparse::add(Index i, Index j, const Mat3& block) {
   Entry& entry = order_[next_++];
   if (entry.i != i || entry.j != j || entry.slot < 0) entry = {i, j, find(i, j)};
   if (entry.slot < 0) {
+    endIfInterrupted(pending_.size(), kLook);
     pending_.push_back({std::max(i, j), std::min(i, j), i >= j ? block : Mat3(block.transpose())});
   } else if (i >= j) {
     values_[entry.slot] += block;
@@ -62,6 +70,7 @@ void BlockSparse::buildPattern() {
   std::vector<Index> rows;
   pattern_.offsets.assign(1, 0);
   for (Index column = 0; column < n; ++column) {
+    endIfInterrupted();  // begin() sees that the pattern has too few columns then
     rows.clear();
     const auto see = [&](Index row) {
       if (std::exchange(seen[row], column) != column) rows.push_back(row);

@@ -80,8 +80,8 @@ NamedForces::Update Simulation::Impl::wakeForStep(double now, double dt) {
     activity.wake(update.points);
     changed();
   }
-  // Where they are at the end of the step, and were at that of the one before.
-  for (const Eigen::AlignedBox3d& box : tool_watch.look(tools, static_cast<double>(steps + 1) * params.integrator.time_step))
+  // Where they are in the step, and were at the end of the one before.
+  for (const Eigen::AlignedBox3d& box : tool_watch.look(tools, static_cast<double>(steps + 1) * dt, dt))
     activity.wakeIn(box);
   if (!tool_watch.changed().empty()) changed();
   if (const std::vector<Index> moving = grips.findMovingPins(time(), time() + params.integrator.time_step); !moving.empty()) {

@@ -68,8 +68,8 @@ class ErrorEstimator {
   void lose() { seen_.is_lost = true; }
 
   /// Follows a step that the simulation has taken: positions after it, the integrator (not auto), the sub-steps, and its forces.
-  /// Allocates nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing. If interrupt (null:
-  /// never) is true at the end it is as if the step had not been followed, and throws Interrupted.
+  /// Allocates nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing. Throws Interrupted
+  /// if interrupt (null: never) is true at the end: it is then as if the step had not been followed.
   std::string follow(const Points& positions, solve::IntegratorType type, Index substeps,
                      const std::vector<NamedForces::Named>& forces, const std::atomic<bool>* interrupt);
 

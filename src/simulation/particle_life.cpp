@@ -184,7 +184,7 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
   if (const Index debris = countDebris(state); debris > kMostDebris) {
     if (!std::exchange(has_told_debris_, true))
       changes.notice = "growth has run away and rests: found " + std::to_string(debris) +
-                       " pieces that consist of newborn particles alone, which have come loose from the surface; accepted: up to " +
+                       " pieces of newborn particles alone, which have come loose from the surface; accepted: up to " +
                        std::to_string(kMostDebris);
     return changes;
   }

@@ -298,7 +298,8 @@ void Simulation::Impl::follow(const ParticleLife::Changes& changes) {
 // The copies take the same step; if that is interrupted, none of them has.
 void Simulation::Impl::estimate(const solve::SolveReport& report, StepOutcome& outcome) {
   const Timer timer;
-  appendNotice(outcome.notice, estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all(), interrupt));
+  appendNotice(outcome.notice,
+               estimator->follow(state.positions, lastMarch().lastType(), report.substeps, forces.all(), interrupt));
   estimator->learnBalance(params.integrator.type != solve::IntegratorType::kStatic || report.converged);
   // Asked for, kept in the trial, but not kept now; said once.
   const double wish = params.accuracy.position_error, error = estimator->total() + softening;

@@ -16,7 +16,22 @@ void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) 
   box.extend(Vec3(pose.position + reach));
 }
 
+// By where the tool was at the beginning of the step and at the corners of its path: a jump is seen from end to end.
+void extendByWay(Eigen::AlignedBox3d& box, const ToolParams& tool, double time, double step) {
+  extend(box, tool, tool::interpolate(tool.path, time - step));
+  for (const tool::WaypointParams& w : tool.path)
+    if (w.time > time - step && w.time < time) extend(box, tool, tool::interpolate(tool.path, w.time));
+}
+
 bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs(); }
+
+// Whether it goes somewhere within the step, though it may be back at its end.
+bool turnsWithin(const ToolParams& tool, double time, double step) {
+  const Pose end = tool::interpolate(tool.path, time);
+  return std::any_of(tool.path.begin(), tool.path.end(), [&](const tool::WaypointParams& w) {
+    return w.time > time - step && w.time < time && !isSame(tool::interpolate(tool.path, w.time), end);
+  });
+}
 
 // But for the path and when it acts.
 bool isSame(const ToolParams& a, const ToolParams& b) {
@@ -26,7 +41,7 @@ bool isSame(const ToolParams& a, const ToolParams& b) {
 
 }  // namespace
 
-const std::vector<Eigen::AlignedBox3d>& ToolWatch::look(const std::vector<ToolParams>& tools, double time) {
+const std::vector<Eigen::AlignedBox3d>& ToolWatch::look(const std::vector<ToolParams>& tools, double time, double step) {
   changed_.clear();
   for (std::size_t t = 0; t < std::max(tools.size(), seen_.size()); ++t) {
     Eigen::AlignedBox3d box;
@@ -37,9 +52,11 @@ const std::vector<Eigen::AlignedBox3d>& ToolWatch::look(const std::vector<ToolPa
       const bool is_active = tool::isActive(tool, time);
       const Pose pose = tool::interpolate(tool.path, time);
       const bool is_known = t < seen_.size() && isSame(tool, seen_[t].tool);
-      if (is_known && is_active == seen_[t].is_active && (!is_active || isSame(pose, seen_[t].pose))) continue;
+      const bool rests = isSame(pose, is_known ? seen_[t].pose : pose) && !turnsWithin(tool, time, step);
+      if (is_known && is_active == seen_[t].is_active && (!is_active || rests)) continue;
       if (is_active) extend(box, tool, pose);
       if (t < seen_.size() && seen_[t].is_active) extend(box, seen_[t].tool, seen_[t].pose);
+      if (is_active) extendByWay(box, tool, time, step);
       if (!is_known) {
         if (t >= seen_.size()) seen_.emplace_back();
         seen_[t].tool = tool;

@@ -13,10 +13,10 @@ class ToolWatch {
   /// Has seen no tool.
   void reset() { seen_.clear(); }
 
-  /// Looks at the tools as they are at a time (s). Returns a box (m) around what each can act on, before and after, for those
-  /// that are other than at the last look: moved, begun, ended, new, gone or made another. Empty if none is. Valid until the next
-  /// look.
-  const std::vector<Eigen::AlignedBox3d>& look(const std::vector<tool::ToolParams>& tools, double time);
+  /// Looks at the tools as they are at a time (s), the end of a step (s). Returns a box (m) around what each can act on in the
+  /// step for those that are other than at the last look: moved, begun, ended, new, gone or made another. Empty if none is. Valid
+  /// until the next look.
+  const std::vector<Eigen::AlignedBox3d>& look(const std::vector<tool::ToolParams>& tools, double time, double step);
   /// What the last look returned.
   const std::vector<Eigen::AlignedBox3d>& changed() const { return changed_; }
 

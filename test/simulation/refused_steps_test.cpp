@@ -170,18 +170,23 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
       ASSERT_TRUE(whole.ok) << whole.problem;
       ASSERT_GT(looks, undisturbed.lastSubsteps());
       const Sight before = look(s);
+      bool is_taken = false;  // what an earlier try has found out, as the pattern of a matrix, spares looks in the next
       for (const long at : {1L, 1 + static_cast<long>(draw() % looks), 1 + static_cast<long>(draw() % looks), looks}) {
         {
           const LookCounter counter(flag, at);
           const simulation::StepOutcome outcome = s.step();
-          ASSERT_FALSE(outcome.ok) << at << " of " << looks;
+          is_taken = outcome.ok;
+          if (is_taken) {
+            ASSERT_LT(counter.count(), at) << " of " << looks;
+            break;
+          }
           EXPECT_NE(outcome.problem.find("was interrupted; the state before it is kept"), std::string::npos) << outcome.problem;
           EXPECT_LE(counter.count(), at + 2);  // it ends there, and so do the copies that estimate the error
         }
         flag = false;
         ASSERT_EQ(look(s), before) << at << " of " << looks;
       }
-      ASSERT_TRUE(s.step().ok);
+      ASSERT_TRUE(is_taken || s.step().ok);
       ASSERT_EQ(look(s), look(undisturbed));
     }
   }
@@ -224,8 +229,12 @@ TEST_P(RefusedSteps, WhatNoStepBearsLeavesEverythingAsItWas) {
   EXPECT_GT(refused + interrupted, 10);
 }
 
-INSTANTIATE_TEST_SUITE_P(OfEveryModel, RefusedSteps, ::testing::Values(0, 1, 2),
-                         [](const auto& info) { return std::string(std::vector<const char*>{"Sheets", "Particles", "Solids"}[info.param]); });
+std::string nameOf(const ::testing::TestParamInfo<int>& info) {
+  static const char* const kNames[] = {"Sheets", "Particles", "Solids"};
+  return kNames[info.param];
+}
+
+INSTANTIATE_TEST_SUITE_P(OfEveryModel, RefusedSteps, ::testing::Values(0, 1, 2), nameOf);
 
 }  // namespace
 }  // namespace deformable_surface::test

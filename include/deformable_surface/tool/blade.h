@@ -12,9 +12,9 @@ namespace deformable_surface::tool {
 /// out on an opposite one. A point inside counts as being where it would be pushed out.
 bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b);
 
-/// The way of a tool through a step, looked at in even intervals of time between which it moves by no more than a resolution. Only
-/// the looks at which it is near are taken: intervals that it spends farther away than it goes in them are passed over, so that the
-/// work for a pair of points grows with the logarithm of the way alone.
+/// The way of a tool through a step, looked at in even intervals of time between which it moves by no more than a resolution.
+/// Only the looks at which it is near are taken: intervals that it spends farther away than it goes in them are passed over, so
+/// that the work for a pair of points grows with the logarithm of the way alone.
 class BladeSweep {
  public:
   /// before, after (n x 3) m: points that move straight and evenly through the step, world; only those that the tool may come as
