@@ -59,8 +59,8 @@ StepOutcome Simulation::Impl::step() {
     if (loose.are_all && contact.isEmpty() && grips.isEmpty()) {
       outcome.ok = false;
       outcome.problem = "step " + std::to_string(steps + 1) + " at " + formatReal(now) +
-                        " s has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load) +
-                        " N; the state before it is kept";
+                        " s has no equilibrium: nothing holds the surface against loads that sum up to " +
+                        formatShort(loose.load) + " N; the state before it is kept";
       return outcome;
     }
     if (!loose.are_all) appendNotice(outcome.notice, holdLoose(loose));
