@@ -63,11 +63,11 @@ double findLargestDistance(const Points& a, const Points& b) {
 }
 
 // The copies' surface, whose points are some of the level's, and how the others follow them.
-RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level) {
-  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(full.dense.positions.size());
+RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& level) {
+  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(level.dense.positions.size());
   is_simplified_ = n < num_full;
   unresolved_ = 1.0 - static_cast<double>(n) / num_full;
-  RestSurface surface = buildCoarser(coarse, full, std::max(kCoarsestPoints, n / kRatio));
+  RestSurface surface = buildCoarser(coarse, level, std::max(kCoarsestPoints, n / kRatio));
   // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
   std::vector<char> usable;
   for (Index i : surface.dense_index) {
@@ -100,16 +100,15 @@ RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const Re
   return surface;
 }
 
-ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
-                               const model::DeformableModel& model)
+ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& level, const model::DeformableModel& model)
     : damping_(params.material.damping), step_(params.integrator.time_step) {
-  const Index num_full = static_cast<Index>(full.dense.positions.size());
+  const Index num_full = static_cast<Index>(level.dense.positions.size());
   SceneParams coarse = params;
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
   const auto* solid = dynamic_cast<const model::ElasticSolid*>(&model);
-  const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, full, level);
+  const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, level);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));

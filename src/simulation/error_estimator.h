@@ -23,11 +23,9 @@ double findLargestDistance(const Points& a, const Points& b);
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
  public:
-  /// level: the simulation points whose error is estimated; full: the surface that they were chosen from, with its order of
-  /// removal (the same object where a simulation has both); model: that of the level. None is kept. Throws InputError if the
-  /// copies cannot be built.
-  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
-                 const model::DeformableModel& model);
+  /// level: the simulation points whose error is estimated, with the dense points that they were chosen from and their order of
+  /// removal; model: that of the level. None is kept. Throws InputError if the copies cannot be built.
+  ErrorEstimator(const SceneParams& params, const RestSurface& level, const model::DeformableModel& model);
   /// With forks of the copies.
   ErrorEstimator(const ErrorEstimator& other);
 
@@ -91,7 +89,7 @@ class ErrorEstimator {
   double total() const;
 
  private:
-  RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level);
+  RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& level);
   RestSurface takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid);
 
   // What has been seen since the last reset.
