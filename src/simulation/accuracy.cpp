@@ -10,7 +10,6 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -75,14 +74,14 @@ class Ladder {
   /// its first step; else every step costs about the same.
   bool canAfford(Index points, const Probe& last) {
     if (n_ <= kSmall && points < n_ && !has_tried_all_) tryAll();
-    if (points == n_ && all_) return true;
+    if (points == n_ && is_all_known_) return true;
     const double work = isStatic() ? last.spent : last.candidate.work;
     return work * std::pow(static_cast<double>(points) / last.candidate.points, kCostExponent) <= grant();
   }
 
   /// The trial of so many points; those of an equilibrium end at what can be afforded.
   Probe take(Index points) {
-    if (points == n_ && all_) return std::move(*all_);
+    if (points == n_ && is_all_known_) return std::move(all_);
     return attempt(points, isStatic() ? grant() : std::numeric_limits<double>::infinity());
   }
 
@@ -93,7 +92,8 @@ class Ladder {
   void tryAll() {
     has_tried_all_ = true;
     Probe probe = attempt(n_, kMostWorkOfSmall);
-    if (!probe.is_cut) all_ = std::move(probe);
+    is_all_known_ = !probe.is_cut;
+    if (is_all_known_) all_ = std::move(probe);
   }
 
   Probe attempt(Index points, double most_work) {
@@ -110,9 +110,9 @@ class Ladder {
   const RestSurface& full_;
   AccuracyChoice& choice_;
   const Index n_;
-  bool has_tried_all_ = false;
-  std::optional<Probe> all_;  // of all points, if it is known already
-  double spent_ = 0.0;        // work of all trials so far
+  bool has_tried_all_ = false, is_all_known_ = false;
+  Probe all_;           // of all points, if it is known already
+  double spent_ = 0.0;  // work of all trials so far
 };
 
 // The fewest points whose estimate stays below the wish.

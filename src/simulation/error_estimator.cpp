@@ -24,6 +24,11 @@ constexpr double kLeastFineness = 1.5;
 constexpr double kSpaceFactor = 1.6;  // also of what transfer loses, and of solids
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
+// With fewer simulation points estimates were below errors, and with more than this share of the input's, but not all: what is
+// left out then hardly shows in copies of a quarter of the points.
+constexpr Index kFewestCalibrated = 128;
+constexpr double kMostCalibrated = 0.5;
+
 // The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
 // those of simplification or, where all points are simulated, of time stepping.
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
@@ -109,6 +114,8 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& lev
   coarse.output.resample = false;
   const auto* solid = dynamic_cast<const model::ElasticSolid*>(&model);
   const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, level);
+  is_calibrated_ = static_cast<Index>(level.points.size()) >= kFewestCalibrated &&
+                   (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
@@ -135,6 +142,7 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
     : is_solid_(other.is_solid_),
       is_simplified_(other.is_simplified_),
       has_hinged_pins_(other.has_hinged_pins_),
+      is_calibrated_(other.is_calibrated_),
       unresolved_(other.unresolved_),
       damping_(other.damping_),
       step_(other.step_),

@@ -83,6 +83,8 @@ class ErrorEstimator {
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
+  /// Whether the numbers of points are those for which the estimate is calibrated.
+  bool isCalibrated() const { return is_calibrated_; }
   /// Whether the surface may have buckled where its points do not show it since the last reset or given state.
   bool mayBuckle() const { return seen_.may_buckle; }
   /// Their sum, m; infinite where there is no bound, see docs/accuracy_control.md.
@@ -117,6 +119,7 @@ class ErrorEstimator {
   bool is_solid_ = false;
   bool is_simplified_ = false;         // the level has fewer points than the surface
   bool has_hinged_pins_ = false;       // see RestSurface
+  bool is_calibrated_ = false;         // see isCalibrated()
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin
