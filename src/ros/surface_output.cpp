@@ -41,6 +41,7 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.error_space = statistics.error_space;
   message.error_transfer = statistics.error_transfer;
   message.error_softening = statistics.error_softening;
+  message.error_calibrated = statistics.error_calibrated;
   message.may_buckle = statistics.may_buckle;
   message.substeps = statistics.substeps;
   message.solver_iterations = statistics.solver_iterations;

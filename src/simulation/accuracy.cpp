@@ -23,8 +23,13 @@ constexpr Index kFewest = 8 * kCoarsestPoints;
 // sub-steps.
 constexpr double kSofter = 0.25;
 constexpr double kWorthwhile = 0.9;  // of the work: what a softer membrane must save, else bending or loads ask for the sub-steps
-// Points times sub-steps of a probe, about ten seconds of one core: a finer one is not begun if it would take more.
+// Points times sub-steps of a probe, about ten seconds of one core: a finer one is not begun if it would take more, and more than
+// all probes before it.
 constexpr double kMostWork = 1e8;
+// Clouds of up to so many points try all of them before all numbers but the fewest, for two seconds at most: what that shows no
+// guess has to say.
+constexpr Index kSmall = 8 * kFewest;
+constexpr double kMostWorkOfSmall = 2e7;
 // Cost of an explicit step by the number of points: the sub-steps grow with its root.
 constexpr double kCostExponent = 1.5;
 constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only ever makes them slower
@@ -57,22 +62,75 @@ void chooseMembrane(const SceneParams& params, const RestSurface& full, const Pr
   isBetter(share / std::sqrt(kSofter));  // half way back
 }
 
+// The trials of numbers of points.
+class Ladder {
+ public:
+  Ladder(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice)
+      : params_(params), full_(full), choice_(choice), n_(static_cast<Index>(full.dense.positions.size())) {}
+
+  Index size() const { return n_; }
+
+  /// Whether a trial of so many points can be afforded after this one, as far as this can tell. An equilibrium costs the most in
+  /// its first step; else every step costs about the same.
+  bool canAfford(Index points, const Probe& last) {
+    if (n_ <= kSmall && points < n_ && !has_tried_all_) tryAll();
+    if (points == n_ && is_all_known_) return true;
+    const double work = isStatic() ? last.spent : last.candidate.work;
+    return work * std::pow(static_cast<double>(points) / last.candidate.points, kCostExponent) <= grant();
+  }
+
+  /// The trial of so many points; those of an equilibrium end at what can be afforded.
+  Probe take(Index points) {
+    if (points == n_ && is_all_known_) return std::move(all_);
+    return attempt(points, isStatic() ? grant() : std::numeric_limits<double>::infinity());
+  }
+
+ private:
+  bool isStatic() const { return params_.integrator.type == IntegratorType::kStatic; }
+  double grant() const { return std::max(kMostWork, spent_); }
+
+  void tryAll() {
+    has_tried_all_ = true;
+    Probe probe = attempt(n_, kMostWorkOfSmall);
+    is_all_known_ = !probe.is_cut;
+    if (is_all_known_) all_ = std::move(probe);
+  }
+
+  Probe attempt(Index points, double most_work) {
+    Candidate tried;
+    tried.points = points;
+    tried.integrator = params_.integrator.type;
+    Probe probe = probeError(params_, full_, tried, params_.accuracy.position_error, nullptr, most_work);
+    choice_.candidates.push_back(probe.candidate);
+    spent_ += probe.spent;
+    return probe;
+  }
+
+  const SceneParams& params_;
+  const RestSurface& full_;
+  AccuracyChoice& choice_;
+  const Index n_;
+  bool has_tried_all_ = false, is_all_known_ = false;
+  Probe all_;           // of all points, if it is known already
+  double spent_ = 0.0;  // work of all trials so far
+};
+
 // The fewest points whose estimate stays below the wish.
 Index chooseByError(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
-  const Index n = static_cast<Index>(full.dense.positions.size());
+  Ladder ladder(params, full, choice);
+  const Index n = ladder.size();
   const double wish = params.accuracy.position_error;
   const std::string asked = "accuracy.position_error " + formatReal(wish) + " m: ";
   for (Index points = std::min(kFewest, n);; points = std::min(2 * points, n)) {
-    Candidate tried;
-    tried.points = points;
-    tried.integrator = params.integrator.type;
-    Probe probe = probeError(params, full, tried, wish);
-    choice.candidates.push_back(probe.candidate);
-    if (probe.failed && mayChooseIntegrator(params)) tryVerlet(params, full, probe, choice);
-    choice.take(probe.candidate);
-    choice.is_met = !probe.failed;
-    if (choice.is_met && maySoften(params)) chooseMembrane(params, full, probe, choice);
-    if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe, choice);
+    Probe probe = ladder.take(points);
+    const bool is_affordable = !probe.is_cut || points == kFewest;
+    if (is_affordable) {
+      if (probe.failed && mayChooseIntegrator(params)) tryVerlet(params, full, probe, choice);
+      choice.take(probe.candidate);
+      choice.is_met = !probe.failed;
+      if (choice.is_met && maySoften(params)) chooseMembrane(params, full, probe, choice);
+      if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe, choice);
+    }
     const std::string estimate = formatReal(choice.error) + " m";
     if (choice.is_met) {
       choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +
@@ -84,15 +142,13 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       break;
     }
     const std::string reached = "; its estimated error has reached " + estimate;
-    if (points == n) {
+    if (is_affordable && points == n) {
       choice.sentence = asked + "cannot be met even with every point simulated, which is chosen" + reached;
       break;
     }
-    const double next_work =
-        probe.candidate.work * std::pow(static_cast<double>(std::min(2 * points, n)) / points, kCostExponent);
-    if (next_work > kMostWork) {
-      choice.sentence = asked + "not met by " + sayPoints(points, n) + ", the most whose trial is affordable, which are chosen" +
-                        reached;
+    if (!is_affordable || !ladder.canAfford(std::min(2 * points, n), probe)) {
+      choice.sentence = asked + "not met by " + sayPoints(choice.points, n) +
+                        ", the most whose trial is affordable, which are chosen" + reached;
       break;
     }
   }
@@ -106,8 +162,9 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   quiet.integrator.type = type;
   quiet.accuracy = AccuracyParams{};
   quiet.activity.sleep = Sleep::kNever;  // what is timed is a surface in motion
-  Simulation simulation(quiet, buildCoarser(quiet, full, points));
-  if (params.accuracy.estimate) simulation.estimateError(full);
+  quiet.output.resample = false;
+  Simulation simulation(quiet, buildTrial(quiet, full, points));
+  if (params.accuracy.estimate) simulation.estimateError();
   const auto step = [&] {
     return simulation.step().ok ? simulation.statistics().time_total : std::numeric_limits<double>::infinity();
   };

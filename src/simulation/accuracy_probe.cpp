@@ -25,9 +25,10 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
   probe.candidate = tried;
   SceneParams quiet = params;
   quiet.accuracy = AccuracyParams{};
+  quiet.output.resample = false;
   quiet.integrator.type = tried.integrator;
-  Simulation simulation(quiet, buildCoarser(quiet, full, tried.points));
-  simulation.estimateError(full);
+  Simulation simulation(quiet, buildTrial(quiet, full, tried.points));
+  simulation.estimateError();
   if (tried.membrane_share < 1.0) simulation.softenMembrane(tried.membrane_share);
   const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
   const Index between = static_cast<Index>(static_cast<double>(tried.points) * steps / kMostKept) + 1;
@@ -53,7 +54,9 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     probe.candidate.work += static_cast<double>(tried.points) * substeps;
     if (now.solver_iterations > 0) ++implicit_steps;
     probe.is_implicit = 2 * implicit_steps > k;
+    probe.spent = probe.candidate.work;
     if (probe.candidate.error <= wish && probe.candidate.work <= most_work) continue;
+    probe.is_cut = probe.candidate.error <= wish;
     // What all of it would have cost is still of interest.
     probe.candidate.work *= static_cast<double>(steps) / k;
     probe.failed = true;

@@ -25,6 +25,11 @@ constexpr double kLeastFineness = 1.5;
 constexpr double kSpaceFactor = 1.6;  // also of what transfer loses, and of solids
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
+// With fewer simulation points estimates were below errors, and with more than this share of the input's, but not all: what is
+// left out then hardly shows in copies of a quarter of the points.
+constexpr Index kFewestCalibrated = 128;
+constexpr double kMostCalibrated = 0.5;
+
 // The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
 // those of simplification or, where all points are simulated, of time stepping.
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
@@ -64,11 +69,11 @@ double findLargestDistance(const Points& a, const Points& b) {
 }
 
 // The copies' surface, whose points are some of the level's, and how the others follow them.
-RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level) {
-  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(full.dense.positions.size());
+RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& level) {
+  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(level.dense.positions.size());
   is_simplified_ = n < num_full;
   unresolved_ = 1.0 - static_cast<double>(n) / num_full;
-  RestSurface surface = buildCoarser(coarse, full, std::max(kCoarsestPoints, n / kRatio));
+  RestSurface surface = buildCoarser(coarse, level, std::max(kCoarsestPoints, n / kRatio));
   // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
   std::vector<char> usable;
   for (Index i : surface.dense_index) {
@@ -101,16 +106,17 @@ RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const Re
   return surface;
 }
 
-ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
-                               const model::DeformableModel& model)
+ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& level, const model::DeformableModel& model)
     : damping_(params.material.damping), step_(params.integrator.time_step) {
-  const Index num_full = static_cast<Index>(full.dense.positions.size());
+  const Index num_full = static_cast<Index>(level.dense.positions.size());
   SceneParams coarse = params;
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
   const auto* solid = dynamic_cast<const model::ElasticSolid*>(&model);
-  const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, full, level);
+  const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, level);
+  is_calibrated_ = static_cast<Index>(level.points.size()) >= kFewestCalibrated &&
+                   (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
@@ -137,6 +143,7 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
     : is_solid_(other.is_solid_),
       is_simplified_(other.is_simplified_),
       has_hinged_pins_(other.has_hinged_pins_),
+      is_calibrated_(other.is_calibrated_),
       unresolved_(other.unresolved_),
       damping_(other.damping_),
       step_(other.step_),

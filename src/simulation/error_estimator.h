@@ -24,11 +24,9 @@ double findLargestDistance(const Points& a, const Points& b);
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
  public:
-  /// level: the simulation points whose error is estimated; full: the surface that they were chosen from, with its order of
-  /// removal (the same object where a simulation has both); model: that of the level. None is kept. Throws InputError if the
-  /// copies cannot be built.
-  ErrorEstimator(const SceneParams& params, const RestSurface& full, const RestSurface& level,
-                 const model::DeformableModel& model);
+  /// level: the simulation points whose error is estimated, with the dense points that they were chosen from and their order of
+  /// removal; model: that of the level. None is kept. Throws InputError if the copies cannot be built.
+  ErrorEstimator(const SceneParams& params, const RestSurface& level, const model::DeformableModel& model);
   /// With forks of the copies.
   ErrorEstimator(const ErrorEstimator& other);
 
@@ -87,13 +85,15 @@ class ErrorEstimator {
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
+  /// Whether the numbers of points are those for which the estimate is calibrated.
+  bool isCalibrated() const { return is_calibrated_; }
   /// Whether the surface may have buckled where its points do not show it since the last reset or given state.
   bool mayBuckle() const { return seen_.may_buckle; }
   /// Their sum, m; infinite where there is no bound, see docs/accuracy_control.md.
   double total() const;
 
  private:
-  RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& full, const RestSurface& level);
+  RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& level);
   RestSurface takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid);
 
   // What has been seen since the last reset.
@@ -124,6 +124,7 @@ class ErrorEstimator {
   bool is_solid_ = false;
   bool is_simplified_ = false;         // the level has fewer points than the surface
   bool has_hinged_pins_ = false;       // see RestSurface
+  bool is_calibrated_ = false;         // see isCalibrated()
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
   double damping_ = 0.0, step_ = 0.0;  // 1/s, s
   double disturbance_ = 0.0;           // m, of the twin

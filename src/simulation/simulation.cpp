@@ -13,7 +13,7 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
     impl_->params.integrator.type = impl_->chosen_integrator = impl_->choice.integrator;
   const bool has_estimate = params.accuracy.estimate && !impl_->particles;
   try {
-    if (has_estimate) estimateError(impl_->rest);
+    if (has_estimate) estimateError();
   } catch (const InputError& problem) {
     impl_->notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }

@@ -89,8 +89,8 @@ std::vector<std::string> Simulation::forceIds() const {
   return ids;
 }
 
-void Simulation::estimateError(const RestSurface& full) {
-  impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, full, impl_->rest, *impl_->model);
+void Simulation::estimateError() {
+  impl_->estimator = std::make_unique<ErrorEstimator>(impl_->params, impl_->rest, *impl_->model);
   impl_->is_measured = false;
 }
 

@@ -44,6 +44,7 @@ void Simulation::Impl::readEstimate(Statistics& into) const {
   into.error_space = estimator->space();
   into.error_transfer = estimator->transfer();
   into.error_softening = softening;
+  into.error_calibrated = estimator->isCalibrated();
   into.may_buckle = estimator->mayBuckle();
   into.error_estimate = estimator->total() + softening + activity.lost();
 }

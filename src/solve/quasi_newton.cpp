@@ -13,6 +13,10 @@ constexpr Index kMemory = 12;       // pairs: with 20 three iterations of 27 few
 constexpr Index kMost = 120;        // iterations: more cost as much as Newton's method
 constexpr Index kTrial = 30;        // iterations, in each so many of which the largest force
 constexpr double kFall = 0.2;       // has to fall to this share of itself: where all is well it does so in ten
+// From so many points on an iteration of Newton's method costs as much as hundreds of these, and the largest force rises for
+// longer before it falls: the first trial is then none.
+constexpr Index kMany = 4096;
+constexpr Index kMostOfMany = 600;
 constexpr Index kFirstRefresh = 6;  // iterations after which the preconditioner is taken anew; doubled each time
 constexpr double kGoodFall = 0.1;   // of the largest force in these, with which it need not be
 // System::findCouplings()'s: far from the equilibrium, and where it is near and tension is much what it will be.
@@ -130,13 +134,14 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
   const double energy = system.potentialEnergy(time, state);
   double at_trial = report.residual, at_refresh = report.residual;
   Index refresh = kFirstRefresh;
-  for (Index k = 1; k <= kMost && !(interrupt && *interrupt); ++k) {
+  const bool are_many = state.size() > kMany;
+  for (Index k = 1; k <= (are_many ? kMostOfMany : kMost) && !(interrupt && *interrupt); ++k) {
     findDirection(system);
     if (!search(system, time, state, report)) return false;
     ++report.iterations;
     if (isEnough()) return system.potentialEnergy(time, state) <= energy + 1e-14 * std::abs(energy);
     if (k % kTrial == 0) {
-      if (!(report.residual <= kFall * at_trial)) return false;
+      if (!(are_many && k == kTrial) && !(report.residual <= kFall * at_trial)) return false;
       at_trial = report.residual;
     }
     // What is flat at first has no tension yet, and a first step that had to be cut says so.

@@ -55,6 +55,23 @@ TEST(AccuracyChoice, SaysThatAWishCannotBeMet) {
   EXPECT_NE(s.accuracyChoice().sentence.find("cannot be met"), std::string::npos) << s.accuracyChoice().sentence;
 }
 
+// An equilibrium costs the most in its first step, in which a trial fails: the steps that it does not take cost next to nothing.
+TEST(AccuracyChoice, TriesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsAskedFor) {
+  SceneParams p = hangingSheet();
+  p.simplification = cloud::SimplificationParams();
+  p.material.young_modulus = 1e6;
+  p.integrator.type = IntegratorType::kStatic;
+  p.duration = 200.0 * p.integrator.time_step;
+  p.accuracy.position_error = 1e-5;
+  const Simulation s(p, sheetCloud(22));
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  EXPECT_TRUE(choice.is_met) << choice.sentence;
+  EXPECT_EQ(choice.points, 484) << choice.sentence;
+  EXPECT_EQ(choice.error, 0.0);
+  ASSERT_GE(choice.candidates.size(), 2u);
+  EXPECT_EQ(choice.candidates[1].points, 484);
+}
+
 TEST(AccuracyChoice, FitsATimeBudgetWithTheMostPointsAndSaysWhatThatCosts) {
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.accuracy.step_budget = 100.0;

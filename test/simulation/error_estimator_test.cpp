@@ -15,6 +15,22 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using solve::IntegratorType;
 
+TEST(ErrorEstimator, SaysForWhichNumbersOfPointsItIsMeantToCover) {
+  SceneParams p = saggingStrip(IntegratorType::kVerlet);
+  const cloud::PointCloud cloud = strip();
+  const Index n = cloud.size();
+  const std::pair<Index, bool> expected[] = {{100, false},        {128, true},    {n / 2, true},
+                                             {n * 6 / 10, false}, {n - 1, false}, {n, true}};
+  for (const auto& [points, is_calibrated] : expected) {
+    p.simplification.target_points = points;
+    Simulation s(p, cloud);
+    EXPECT_EQ(s.statistics().error_calibrated, is_calibrated) << points << " of " << n;
+    EXPECT_EQ(s.fork().statistics().error_calibrated, is_calibrated);
+  }
+  p.accuracy.estimate = false;
+  EXPECT_FALSE(Simulation(p, cloud).statistics().error_calibrated);
+}
+
 // Those of three integrators, and three drawn at random; none is among the scenes that the method was tuned on.
 TEST(ErrorEstimate, CoversTheDistanceFromTheFullSurfaceAndIsNotMuchLarger) {
   std::vector<RandomScene> scenes;

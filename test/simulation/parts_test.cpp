@@ -1,4 +1,5 @@
-// Surfaces and bodies in several parts: what nothing holds is told, left in place by equilibria, and left out where that is asked.
+// Surfaces and bodies in several parts: what nothing holds is told, left in place by equilibria, and left out where that is
+// asked.
 #include "clouds.h"
 
 #include <gtest/gtest.h>

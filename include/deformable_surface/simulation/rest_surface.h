@@ -50,8 +50,8 @@ struct RestSurface {
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest = kMaxIndex,
                              const std::function<Index(const RestSurface& full)>& choose = nullptr);
 
-/// The surface that buildRestSurface() makes where choose(full) returns this number of points, but for its transfer: what is tried
-/// is what will be run. Throws InputError.
+/// The surface that buildRestSurface() makes where choose(full) returns this number of points, but for its transfer: what is
+/// tried is what will be run. Throws InputError.
 RestSurface buildTrial(const SceneParams& params, const RestSurface& full, Index points);
 
 /// The same surface with about target simulation points, from the recorded order: model and pins, without dense points or

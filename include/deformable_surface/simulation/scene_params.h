@@ -364,8 +364,8 @@ inline void visit(Fields& fields, InputParams& p) {
                 "what a cloud on a running surface does; `track` draws the surface towards it (docs/run_time_control.md)");
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
   fields.integer("keep_parts", p.keep_parts, "", between(0, kMaxPoints),
-                 "of a cloud in several parts (outliers, loose pieces), only so many of the largest are kept; 0 = all. Points of the "
-                 "others become NaN");
+                 "of a cloud in several parts (outliers, loose pieces), only so many of the largest are kept; 0 = all. Points of "
+                 "the others become NaN");
   fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
                 "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
   fields.number(

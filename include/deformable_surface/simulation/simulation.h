@@ -160,8 +160,8 @@ class Simulation {
   std::string fit(const model::GrowthParams& growth);
 
   // For probes and the error estimate.
-  /// Estimates the error from now on, which is at rest. full: the surface that the simulation points were chosen from.
-  void estimateError(const RestSurface& full);
+  /// Estimates the error from now on, which is at rest.
+  void estimateError();
   /// Moves every free simulation point by up to size (m) along each axis, always in the same way: what a twin starts from.
   void disturb(double size);
   /// As if the last step had not been taken; no command may have come since.
