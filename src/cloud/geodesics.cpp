@@ -29,7 +29,7 @@ constexpr int kMinPairs = 3;
 constexpr Index kAround = 12;
 // Or if it sees one point apart from it, and both have this many nearest neighbours that are not, each of them so many times nearer:
 // at the corner of a slit too few points see the other side for as many pairs.
-constexpr double kWideGap = 2.0;
+constexpr double kWideGap = 1.5;
 constexpr Index kOwnNeighbors = 3;
 // The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.
 constexpr double kMarginQuantile = 0.05;

@@ -151,8 +151,9 @@ Points makeSlitAnnulus(double spacing, double slit, double jitter, unsigned seed
 TEST(Geodesics, TheCornersOfASlitAreNotGlued) {
   for (const double spacing : {0.4, 0.5})
     for (const double slit : {1.2, 2.0, 2.6})
-      for (const double jitter : {0.0, 0.2}) {
-        const Points points = makeSlitAnnulus(spacing, slit, jitter, 1);
+      for (unsigned seed = 0; seed < 4; ++seed) {
+        const double jitter = seed == 0 ? 0.0 : 0.2;
+        const Points points = makeSlitAnnulus(spacing, slit, jitter, seed);
         const Lists near = nearestNeighbors(points, kListed);
         const Lists kept = keepGeodesicNeighbors(buildGeodesicGraph(points, {}, near, {}), points, {}, near).lists;
         std::vector<Index> all(points.size());
@@ -162,7 +163,7 @@ TEST(Geodesics, TheCornersOfASlitAreNotGlued) {
           for (Index i = 0; i < lists.size(); ++i)
             for (const Index* j = lists.begin(i); j != lists.end(i); ++j)
               ASSERT_FALSE(points[i].x() > 0.0 && points[*j].x() > 0.0 && points[i].y() * points[*j].y() < 0.0)
-                  << spacing << " " << slit << " " << jitter << ": " << points[i].transpose() << " to " << points[*j].transpose();
+                  << spacing << " " << slit << " " << seed << ": " << points[i].transpose() << " to " << points[*j].transpose();
       }
 }
 

@@ -97,8 +97,9 @@ TEST(MovingPins, SnapshotsAndForksGoOnBitForBit) {
   simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.3, Vec3(0.05, 0.02, 0.1), kUpright}});
   Simulation s(p, sheetCloud());
   run(s, 5);
-  s.pinAlong("lift", boxOf(Vec3(0.45, 0.45, -1.0), Vec3(0.55, 0.55, 1.0)),
+  s.pinAlong("lift", boxOf(Vec3(0.4, -0.1, -1.0), Vec3(0.6, 0.1, 1.0)),
              {{s.time(), Vec3::Zero(), kUpright}, {s.time() + 0.2, Vec3(0.0, 0.0, 0.1), kUpright}});
+  ASSERT_NE(s.findPinPath("lift"), nullptr);
   run(s, 5);
   const simulation::Snapshot saved = s.snapshot();
   Simulation fork = s.fork();
@@ -128,10 +129,13 @@ TEST(MovingPins, WakeASurfaceThatSleeps) {
   while (s.time() < 3.1) run(s, 1);
   EXPECT_FALSE(s.isAsleep());
   while (s.time() < 3.25) run(s, 1);
-  double highest = 0.0;
-  for (const Index i : pointsIn(s, boxOf(Vec3(0.9, -1.0, -1.0), Vec3(1.1, 2.0, 1.0))))
-    highest = std::max(highest, s.state().positions[i].z());
-  EXPECT_NEAR(highest, 0.2, 1e-9);
+  int lifted = 0;
+  for (Index i = 0; i < s.state().size(); ++i) {
+    if (!s.pinned()[i] || s.state().positions[i].x() < 0.5) continue;
+    EXPECT_NEAR(s.state().positions[i].z(), 0.2, 1e-9);
+    ++lifted;
+  }
+  EXPECT_GT(lifted, 2);
 }
 
 TEST(MovingPins, PointsThatAreFreedOrPinnedAgainLeaveThem) {
@@ -139,7 +143,7 @@ TEST(MovingPins, PointsThatAreFreedOrPinnedAgainLeaveThem) {
   Simulation s(p, sheetCloud());
   const std::vector<Index> moving = pointsIn(s, p.pins[1].region);
   run(s, 10);
-  const geometry::Region half = boxOf(Vec3(0.9, -1.0, -1.0), Vec3(1.1, 0.5, 1.0));
+  const geometry::Region half = boxOf(Vec3(0.9, -1.0, -1.0), Vec3(1.1, 0.0, 1.0));
   const std::vector<Index> stopped = pointsIn(s, half);
   s.pin(half);
   const Points then = s.state().positions;
@@ -168,7 +172,8 @@ TEST(MovingPins, HaveAnErrorEstimate) {
 
 TEST(MovingPins, CarryParticlesAndSolids) {
   for (const simulation::ModelKind model : {simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
-    simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.5, Vec3(0.0, 0.0, 0.02), kUpright}});
+    simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.5, Vec3(0.02, 0.0, 0.0), kUpright}});  // a planar solid stays in its plane
+    SCOPED_TRACE(static_cast<int>(model));
     p.model = model;
     p.accuracy.estimate = false;
     Simulation s(p, sheetCloud(12));
@@ -177,7 +182,7 @@ TEST(MovingPins, CarryParticlesAndSolids) {
     ASSERT_FALSE(moving.empty());
     run(s, 10);
     for (const Index i : moving)
-      EXPECT_LT((s.state().positions[i] - rest[i] - Vec3(0.0, 0.0, 0.04 * s.time())).norm(), 1e-12);
+      EXPECT_LT((s.state().positions[i] - rest[i] - Vec3(0.04 * s.time(), 0.0, 0.0)).norm(), 1e-12);
   }
 }
 
@@ -206,13 +211,13 @@ TEST(Region, OutsideIsAllButTheClosedShape) {
 
 TEST(Region, APinOutsideOfABoxHoldsTheRim) {
   simulation::SceneParams p = hangingSheet();
-  p.pins[0].region = boxOf(Vec3(0.1, 0.1, -1.0), Vec3(0.9, 0.9, 1.0));
+  p.pins[0].region = boxOf(Vec3(0.1, -0.4, -1.0), Vec3(0.9, 0.4, 1.0));
   p.pins[0].region.outside = true;
   const Simulation s(p, sheetCloud());
   int held = 0;
   for (Index i = 0; i < s.state().size(); ++i) {
     const Vec3& x = s.state().positions[i];
-    const bool is_inside = x.x() >= 0.1 && x.x() <= 0.9 && x.y() >= 0.1 && x.y() <= 0.9;
+    const bool is_inside = x.x() >= 0.1 && x.x() <= 0.9 && x.y() >= -0.4 && x.y() <= 0.4;
     EXPECT_EQ(s.pinned()[i] != 0, !is_inside);
     held += !is_inside;
   }
