@@ -47,7 +47,6 @@ class Demo:
         self.handle = int(self.points[:, 2].argmax())
 
         self.lock = threading.Lock()  # the two subscribers call from threads of their own
-        self.start = None             # the stamp of the surface at rest
         self.rest = None
         self.now = None               # positions of the newest surface; one that has not changed is not sent again
         self.best = None              # the most deformed surface so far: positions, displacements, time
@@ -110,9 +109,9 @@ class Demo:
                 return
             positions, displacement = read_positions(message), read_field(message, "displacement")
             if self.rest is None:
-                self.start, self.rest = message.header.stamp, (positions, displacement)
+                self.rest = positions, displacement
             self.now = positions
-            time = (message.header.stamp - self.start).to_sec()
+            time = self.last.simulation_time if self.last else 0.0
             if self.best is None or np.nanmax(displacement) > np.nanmax(self.best[1]):
                 self.best = positions, displacement, time
 

@@ -34,22 +34,25 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
     : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), queue_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   server_ = std::make_unique<Server>(
-      node, "rollout", [this](Server::GoalHandle goal) { accept(std::move(goal)); },
+      node, kRolloutName, [this](Server::GoalHandle goal) { accept(std::move(goal)); },
       [this](const Server::GoalHandle& goal) { cancel(goal); }, false);
   for (int k = 0; k < num_threads; ++k) threads_.emplace_back([this] { work(); });
   start(node);
   queue_thread_.start();
 }
 
-// The server reads these from parameters, which are here for that long only. It tells its status from time to time: of its own
-// accord it would wake a node that rests more often than everything else; changes of status are told at once in any case. And it
-// drops goals and results beyond fifty that wait, so that a client with more would never be answered.
+// Server and client read these from parameters. The server tells its status from time to time: of its own accord it would wake a
+// node that rests more often than everything else; changes of status are told at once in any case. And both drop messages beyond
+// a few that wait, so that many goals at once would never be answered.
 void Rollouts::start(const ros::NodeHandle& node) {
-  node.setParam("rollout/actionlib_status_frequency", kStatusFrequency);
-  node.setParam("rollout/actionlib_server_sub_queue_size", kQueue);
-  node.setParam("rollout/actionlib_server_pub_queue_size", kQueue);
+  const std::string below = std::string(kRolloutName) + "/actionlib_";
+  node.setParam(below + "status_frequency", kStatusFrequency);
+  node.setParam(below + "server_sub_queue_size", kQueue);
+  node.setParam(below + "server_pub_queue_size", kQueue);
   server_->start();
-  node.deleteParam("rollout");
+  node.deleteParam(kRolloutName);
+  // This one stays, for the clients.
+  node.setParam(below + "client_pub_queue_size", kQueue);
 }
 
 // The inbox is closed already: nobody waits for the simulation thread any more.

@@ -26,6 +26,9 @@
 
 namespace deformable_surface::node {
 
+/// Of the action, and of the parameters below the node that its clients read.
+constexpr char kRolloutName[] = "rollout";
+
 class Rollouts {
  public:
   /// num_threads: how many run at once, each in one thread, whose results do not depend on it; >= 1.

@@ -20,6 +20,8 @@ namespace {
 
 // A simulated clock may start late or jump; a cloud older than this when it comes is not one that steps should catch up from.
 constexpr std::int64_t kOldCloud = 1'000'000'000;
+// The stamp of a cloud is that of its surface at rest while tf2 and RViz, which keep ten seconds, surely know its transforms.
+constexpr std::int64_t kLongestBuild = 5'000'000'000;
 // Clouds that were made ready before their step: as many as may wait undone.
 constexpr std::size_t kMostReady = 64;
 constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
@@ -201,7 +203,7 @@ void Stepper::begin(CloudResult&& result) {
   building_.reset();
   Moment moment = makeMoment();
   // At rest it is the cloud itself, at its stamp.
-  if (inbox_.now() - result.stamp <= kOldCloud) moment.stamp = result.stamp;
+  if (inbox_.now() - result.stamp <= kLongestBuild) moment.stamp = result.stamp;
   moment.viewer = std::move(result.viewer);
   moment.params = simulation_->params();
   moment.frame = frame_;

@@ -37,6 +37,7 @@
 #include <filesystem>
 #include <optional>
 #include <thread>
+#include <utility>
 
 namespace deformable_surface::node {
 namespace {
@@ -66,9 +67,13 @@ std::vector<Tool> readRobotTools(const ros::NodeHandle& private_node, const tool
 simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) {
   XmlRpc::XmlRpcValue tree;
   private_node.getParam(private_node.getNamespace(), tree);
-  if (!tree.valid()) tree.setSize(0);
-  simulation::SceneParams params =
-      io::readScene(tree.getType() == XmlRpc::XmlRpcValue::TypeStruct ? toValue(tree) : Value(Value::Map{}));
+  Value::Map scene;
+  if (tree.valid() && tree.getType() == XmlRpc::XmlRpcValue::TypeStruct) {
+    const Value all = toValue(tree);
+    for (const auto& [key, value] : *all.asMap())
+      if (key != kRolloutName) scene.emplace_back(key, value);
+  }
+  simulation::SceneParams params = io::readScene(Value(std::move(scene)));
   io::readMeshFiles(params.tools, findPackage);
   const std::filesystem::path directory = params.save_directory;
   std::error_code error;

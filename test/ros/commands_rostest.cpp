@@ -86,7 +86,8 @@ TEST_F(CommandsTest, AppliesAWrenchUntilItsTimeout) {
 }
 
 TEST_F(CommandsTest, TakesForcesAndGravityFromTheirFrames) {
-  const std::string scene = "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0}}";
+  const std::string scene =
+      "{model: mass_spring, gravity: [0, 0, -1], gravity_frame: world, output: {publish_rate: 100.0, stamp: simulation}}";
   NodeProcess process("/tilted", scene);
   NodeClient client("/tilted");
   ASSERT_TRUE(client.waitForNode()) << process.output();

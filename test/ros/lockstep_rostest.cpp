@@ -88,6 +88,7 @@ TEST_F(LockstepTest, TwoRunsUnderDifferentLoadEndInTheSameState) {
 
   // Every core is busy, messages come in bursts and pauses, and the two topics one behind the other.
   ASSERT_TRUE(client_->reset().success);
+  ASSERT_TRUE(hasTaken(0));
   std::atomic<bool> is_over{false};
   std::vector<std::thread> load;
   for (unsigned k = 0; k < 2 * std::thread::hardware_concurrency(); ++k)
@@ -162,6 +163,7 @@ TEST_F(LockstepTest, AStepWaitsForTheFramesOfItsCommandsAndTools) {
   const std::uint64_t late = hash();
   EXPECT_EQ(client_->diagnostic("commands late"), 0);
   ASSERT_TRUE(client_->reset().success);
+  ASSERT_TRUE(hasTaken(0));
   send();
   ASSERT_TRUE(hasTaken(41)) << process_->output();
   EXPECT_EQ(hash(), late);

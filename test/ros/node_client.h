@@ -38,7 +38,7 @@ class NodeClient {
     diagnostics_ = handle_.subscribe<diagnostic_msgs::DiagnosticArray>(
         "/diagnostics", 100, [this](const diagnostic_msgs::DiagnosticArrayConstPtr& m) { take(*m); });
     cloud_ = handle_.advertise<sensor_msgs::PointCloud2>("cloud_in", 10);
-    force_ = handle_.advertise<PointForce>("force", 10);
+    force_ = handle_.advertise<PointForce>("force", 1000);
   }
 
   /// True when everything is connected.

@@ -278,14 +278,10 @@ TEST_F(RunTimeControlTest, RolloutsAreCancelledRefusedAndTellTheirProgress) {
 }
 
 TEST_F(RunTimeControlTest, EveryOneOfManyRolloutsSentAtOnceIsAnswered) {
-  // The client has a queue of its own, of ten unless it is told otherwise.
-  client_->handle().setParam("rollout/actionlib_client_pub_queue_size", 1000);
-  Client client(client_->handle(), "rollout");
-  ASSERT_TRUE(waitUntil([&] { return client.isServerConnected(); })) << process_->output();
   ASSERT_TRUE(client_->pause(false).success);
   const auto send = [&](int count) {
     std::deque<Client::GoalHandle> goals;
-    for (int k = 0; k < count; ++k) goals.push_back(client.sendGoal(makeGoal(0.2)));
+    for (int k = 0; k < count; ++k) goals.push_back(rollouts_->sendGoal(makeGoal(0.2)));
     EXPECT_TRUE(waitUntil([&] { return std::all_of(goals.begin(), goals.end(), isOver); })) << process_->output();
     std::map<std::string, int> ends;
     for (const Client::GoalHandle& goal : goals)

@@ -220,7 +220,9 @@ TEST_F(SimulatedTimeTest, OutputsAreStampedWithTheTimeOfTheClockThroughPausesAnd
   ASSERT_TRUE(waitUntil([&] { return statistics.step == 5; }));
   EXPECT_EQ(statistics.header.stamp, toTime(reset + 5 * kStep));
 
-  const auto isThere = [&](const char* topic) { return !stamps[topic].empty() && stamps[topic].back() == statistics.header.stamp; };
+  const auto isThere = [&](const char* topic) {
+    return !stamps[topic].empty() && stamps[topic].back() == statistics.header.stamp;
+  };
   for (const char* topic : {"statistics", "tool_wrenches", "deformed_update", "simulation_points", "markers"}) {
     EXPECT_TRUE(waitUntil([&] { return isThere(topic); })) << topic;
     EXPECT_TRUE(std::is_sorted(stamps[topic].begin(), stamps[topic].end())) << topic;
