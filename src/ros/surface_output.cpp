@@ -39,6 +39,7 @@ void encodeStatistics(const simulation::Statistics& statistics, Statistics& mess
   message.error_transfer = statistics.error_transfer;
   message.error_softening = statistics.error_softening;
   message.may_buckle = statistics.may_buckle;
+  message.has_snapped = statistics.has_snapped;
   message.substeps = statistics.substeps;
   message.solver_iterations = statistics.solver_iterations;
   message.solver_residual = statistics.solver_residual;

@@ -23,6 +23,7 @@ struct Statistics {
   double error_transfer = std::numeric_limits<double>::quiet_NaN();
   double error_softening = std::numeric_limits<double>::quiet_NaN();
   bool may_buckle = false;  // where the points do not show it, by the error estimate
+  bool has_snapped = false;  // see Simulation::hasSnapped()
   std::uint32_t substeps = 0, solver_iterations = 0;
   bool is_quasi_newton = false;  // these cost a few passes of forces each; not in Statistics.msg
   double solver_residual = 0.0;  // N
@@ -57,6 +58,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("error_transfer", s.error_transfer);
   visitor("error_softening", s.error_softening);
   visitor("may_buckle", s.may_buckle);
+  visitor("has_snapped", s.has_snapped);
   visitor("substeps", s.substeps);
   visitor("solver_iterations", s.solver_iterations);
   visitor("solver_residual", s.solver_residual);
