@@ -101,8 +101,8 @@ std::vector<InterfaceEntry> makeTable() {
        "ambient) and id; sent when anything has changed, and for who comes new",
        {}},
       {Kind::kPublished, "markers", "visualization_msgs/MarkerArray",
-       "latched; for RViz ([rviz](rviz.md)): all of them in every message; sent when anything has changed, once a second, and for "
-       "who comes new",
+       "latched; for RViz ([rviz](rviz.md)): all of them in every message; sent when anything has changed, once a second, and "
+       "for who comes new",
        {}},
       {Kind::kPublished, "statistics", "deformable_surface/Statistics", "what the last step did and cost", define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",

@@ -113,6 +113,8 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
     status.summary(DiagnosticStatus::ERROR, now_.state);
   } else if (is_behind) {
     status.summary(DiagnosticStatus::WARN, "slower than real time");
+  } else if (now_.has_snapped) {
+    status.summary(DiagnosticStatus::WARN, "snapped: at rest, without a load, in another shape than its own; ~reset brings it back");
   } else {
     status.summary(DiagnosticStatus::OK, now_.state);
   }

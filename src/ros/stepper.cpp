@@ -451,6 +451,7 @@ StepperStatus Stepper::status() const {
     status.simulation_time = simulation_->time();
     status.step = simulation_->stepCount();
     status.accuracy = simulation_->accuracyChoice().sentence;
+    status.has_snapped = simulation_->hasSnapped();
     status.lag = isLockstep() ? 0.0 : std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
   }
   if (is_failed_) {

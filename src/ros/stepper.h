@@ -40,6 +40,7 @@ struct StepperStatus {
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
   std::string silent_tools;  // ids
+  bool has_snapped = false;  // see Simulation::hasSnapped()
   double lag = 0.0;          // s that the next step is late
   double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;  // the same, since a call of a service did

@@ -43,6 +43,7 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.error_softening = statistics.error_softening;
   message.error_calibrated = statistics.error_calibrated;
   message.may_buckle = statistics.may_buckle;
+  message.has_snapped = statistics.has_snapped;
   message.substeps = statistics.substeps;
   message.solver_iterations = statistics.solver_iterations;
   message.solver_residual = statistics.solver_residual;

@@ -74,6 +74,7 @@ const model::OrientedParticles* Simulation::particles() const { return impl_->pa
 Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
 bool Simulation::isAsleep() const { return impl_->activity.isAsleep(); }
 bool Simulation::isLeftAlone() const { return isAsleep() && impl_->forces.all().empty() && impl_->tools.empty(); }
+bool Simulation::hasSnapped() const { return impl_->hasSnapped(); }
 bool Simulation::isAwake(Index simulation_point) const { return impl_->activity.isMoving(simulation_point); }
 const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
 

@@ -227,6 +227,7 @@ struct Simulation::Impl {
   // What is measured of its state: simulation_measuring.cpp.
   void measure();
   void measureState();
+  bool hasSnapped() const;
   void readEstimate(Statistics& into) const;
   void listSkipped();
   const Surface& makeSurface(bool with_normals);

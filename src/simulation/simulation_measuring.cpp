@@ -31,10 +31,25 @@ void Simulation::Impl::measureState() {
   double squared_speed = 0.0;
   for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
   statistics.max_speed = std::sqrt(squared_speed);
+  statistics.has_snapped = hasSnapped();
   statistics.track_residual = track.residual(state);
   statistics.track_points = static_cast<std::uint32_t>(track.seen().size());
   statistics.state_hash = hash();
   readEstimate(statistics);
+}
+
+bool Simulation::Impl::hasSnapped() const {
+  // Many times what falling asleep may leave of a motion.
+  constexpr double kStretched = 1e-3;
+  if (params.model != ModelKind::kMassSpring || !activity.isAsleep()) return false;
+  if (!gravity.gravity.isZero(0.0) || params.pressure != 0.0 || !params.anchors.empty() || !track.isEmpty()) return false;
+  if (!forces.active(state).empty()) return false;
+  for (Index i = 0; i < state.size(); ++i)
+    if (held[i] && state.positions[i] != rest.points[i]) return false;
+  std::vector<ToolReaction> reactions(tools.size());
+  contact.addReactions(time(), state, reactions);
+  if (std::any_of(reactions.begin(), reactions.end(), [](const ToolReaction& r) { return r.contacts > 0; })) return false;
+  return model->maxStretch(state) > kStretched;
 }
 
 // A viewer has been told.

@@ -60,15 +60,16 @@ TEST(Publishing, SendsEveryMessageOfMarkersWholeAndLatched) {
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.exchange(makeStampedSheet())) << process.output();
   int count = 0;
-  const ros::Subscriber markers = client.handle().subscribe<visualization_msgs::MarkerArray>(
-      "markers", 10, boost::function<void(const ros::MessageEvent<visualization_msgs::MarkerArray const>&)>([&](const auto& event) {
-        // A player of bags gives who comes late the last message of what was latched, and nothing else.
-        EXPECT_EQ(event.getConnectionHeader().at("latching"), "1");
-        std::set<std::string> names;
-        for (const auto& marker : event.getConstMessage()->markers) names.insert(marker.ns);
-        for (const char* name : {"surface", "pins", "statistics", "strain_legend"}) EXPECT_EQ(names.count(name), 1u) << name;
-        ++count;
-      }));
+  using Event = ros::MessageEvent<visualization_msgs::MarkerArray const>;
+  const boost::function<void(const Event&)> take = [&](const Event& event) {
+    // A player of bags gives who comes late the last message of what was latched, and nothing else.
+    EXPECT_EQ(event.getConnectionHeader().at("latching"), "1");
+    std::set<std::string> names;
+    for (const auto& marker : event.getConstMessage()->markers) names.insert(marker.ns);
+    for (const char* name : {"surface", "pins", "statistics", "strain_legend"}) EXPECT_EQ(names.count(name), 1u) << name;
+    ++count;
+  };
+  const ros::Subscriber markers = client.handle().subscribe<visualization_msgs::MarkerArray>("markers", 10, take);
   ASSERT_TRUE(waitUntil([&] { return count > 10; })) << process.output();
 }
 

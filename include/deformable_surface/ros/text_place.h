@@ -21,16 +21,16 @@ struct Box {
   double extent() const { return (high - low).norm(); }
 };
 
-/// The bounding box of the points without stray ones, which would make a surface small in its own window: those farther outside
-/// the middle eight tenths along an axis than these are wide. points: not empty.
+/// The bounding box of the points without stray ones, which would make a surface small in its own window: those farther
+/// outside the middle eight tenths along an axis than these are wide. points: not empty.
 Box findMainBox(const Points& points);
 
-/// Above a surface in this box, so high that kRowsBelow rows find room between them. Up is z, and in a frame with "optical" in its
-/// name, as of cameras, -y (REP 103).
+/// Above a surface in this box, so high that kRowsBelow rows find room between them. Up is z, and in a frame with "optical" in
+/// its name, as of cameras, -y (REP 103).
 TextPlace placeText(const Box& box, const std::string& frame_id);
 
-/// The lines padded with empty ones, so that RViz, which centres a text on its position, shows them from this row on; rows count
-/// from the highest, 2 kRowsAbove are centred on the anchor.
+/// The lines padded with empty ones, so that RViz, which centres a text on its position, shows them from this row on; rows
+/// count from the highest, 2 kRowsAbove are centred on the anchor.
 std::string showFromRow(int row, const std::string& lines);
 
 /// The sentence in at most kRowsBelow - 1 lines below the anchor; what does not fit is left out with dots in its place.

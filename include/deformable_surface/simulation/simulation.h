@@ -200,6 +200,9 @@ class Simulation {
   bool isAwake(Index simulation_point) const;                // false: it is left out of the steps, see docs/activity.md
   bool isAsleep() const;                                     // all of it: steps pass in no time
   bool isLeftAlone() const;                                  // asleep, without forces and tools: only a command can wake it
+  /// Whether a mass-spring surface rests in another shape than its own though nothing loads it: asleep, stretched, without
+  /// gravity, pressure, forces, anchors, touching tools and pins that hold it elsewhere than at rest.
+  bool hasSnapped() const;
   Index numFirst() const;                                    // simulation points at time 0
   const std::vector<char>& pinned() const;                   // (m)
   void computeSimulationNormals(Points& normals) const;      // (m x 3)

@@ -24,6 +24,7 @@ struct Statistics {
   double error_softening = std::numeric_limits<double>::quiet_NaN();
   bool error_calibrated = false;  // the numbers of points are such that the estimate was found to cover the error
   bool may_buckle = false;  // where the points do not show it, by the error estimate
+  bool has_snapped = false;  // see Simulation::hasSnapped()
   std::uint32_t substeps = 0, solver_iterations = 0;
   bool is_quasi_newton = false;  // these cost a few passes of forces each; not in Statistics.msg
   double solver_residual = 0.0;  // N
@@ -59,6 +60,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("error_softening", s.error_softening);
   visitor("error_calibrated", s.error_calibrated);
   visitor("may_buckle", s.may_buckle);
+  visitor("has_snapped", s.has_snapped);
   visitor("substeps", s.substeps);
   visitor("solver_iterations", s.solver_iterations);
   visitor("solver_residual", s.solver_residual);
