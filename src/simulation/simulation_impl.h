@@ -33,7 +33,7 @@
 namespace deformable_surface::simulation {
 
 /// What a step goes on from and may change. A step that is refused gives it back, and a snapshot holds it.
-struct Moment {
+struct Checkpoint {
   // What time alone and tools in motion change of a surface that sleeps.
   std::vector<NamedForces::Named> forces;
   std::vector<ToolWatch::Seen> watched;
@@ -58,7 +58,7 @@ struct Moment {
 
 struct Snapshot::Contents {
   std::uint64_t scene;  // see Simulation::Impl::identify()
-  Moment moment;
+  Checkpoint checkpoint;
   double time;  // s
   Vec3 gravity;
   std::vector<tool::ToolParams> tools;
@@ -133,7 +133,7 @@ struct Simulation::Impl {
   std::uint64_t revision = 0;           // see Simulation::revision()
 
   // Results and scratch.
-  Moment before;           // the step that is taken, or was taken last; if it slept through that, without what is awake
+  Checkpoint before;           // the step that is taken, or was taken last; if it slept through that, without what is awake
   bool has_slept = false;  // through that step
   Statistics statistics;
   DeformedSurface surface;
@@ -174,9 +174,9 @@ struct Simulation::Impl {
 
   // What a simulation hands out of itself: simulation_memory.cpp.
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);
-  void keepAsleep(Moment& moment) const;
-  void keepAwake(Moment& moment) const;
-  void giveBack(const Moment& moment);
+  void keepAsleep(Checkpoint& checkpoint) const;
+  void keepAwake(Checkpoint& checkpoint) const;
+  void giveBack(const Checkpoint& checkpoint);
   std::shared_ptr<const Snapshot::Contents> save(bool is_sight) const;
   void restore(const Snapshot::Contents& saved);
   std::unique_ptr<Impl> fork(bool to_view) const;

@@ -29,71 +29,71 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
 }
 
 // Both reuse the room of what they overwrite.
-void Simulation::Impl::keepAsleep(Moment& moment) const {
-  moment.forces = forces.all();
-  moment.watched = tool_watch.memory();
-  moment.activity = activity.memory();
-  moment.march = march.memory();
-  moment.part_march = part ? part->march().memory() : part_march;
-  moment.has_part = part && !activity.isAsleep();
+void Simulation::Impl::keepAsleep(Checkpoint& checkpoint) const {
+  checkpoint.forces = forces.all();
+  checkpoint.watched = tool_watch.memory();
+  checkpoint.activity = activity.memory();
+  checkpoint.march = march.memory();
+  checkpoint.part_march = part ? part->march().memory() : part_march;
+  checkpoint.has_part = part && !activity.isAsleep();
 }
 
-void Simulation::Impl::keepAwake(Moment& moment) const {
-  moment.state = state;
-  moment.steps = steps;
-  moment.pinned = pinned;
-  moment.pinned_turns = pinned_turns;
-  moment.membrane_share = membrane_share;
-  moment.softening = softening;
-  moment.integrator = params.integrator.type;
-  moment.contact_rate = contact_rate;
-  moment.grips = grips.all();
-  moment.bodies = contact.all();
-  if (cutting) moment.cuts = cutting->cuts();
-  moment.severed = surface.saveCut();
-  moment.seen = track.seen();
-  moment.followed = followed;
+void Simulation::Impl::keepAwake(Checkpoint& checkpoint) const {
+  checkpoint.state = state;
+  checkpoint.steps = steps;
+  checkpoint.pinned = pinned;
+  checkpoint.pinned_turns = pinned_turns;
+  checkpoint.membrane_share = membrane_share;
+  checkpoint.softening = softening;
+  checkpoint.integrator = params.integrator.type;
+  checkpoint.contact_rate = contact_rate;
+  checkpoint.grips = grips.all();
+  checkpoint.bodies = contact.all();
+  if (cutting) checkpoint.cuts = cutting->cuts();
+  checkpoint.severed = surface.saveCut();
+  checkpoint.seen = track.seen();
+  checkpoint.followed = followed;
 }
 
-void Simulation::Impl::giveBack(const Moment& moment) {
-  if (cutting) cutting->setCuts(moment.cuts);
-  pinned = moment.pinned;
-  pinned_turns = moment.pinned_turns;
-  state = moment.state;
+void Simulation::Impl::giveBack(const Checkpoint& checkpoint) {
+  if (cutting) cutting->setCuts(checkpoint.cuts);
+  pinned = checkpoint.pinned;
+  pinned_turns = checkpoint.pinned_turns;
+  state = checkpoint.state;
   model->adopt(state);
   placeAnchors();
   clampHeld();
-  state = moment.state;  // cold particles may have been moving
-  steps = moment.steps;
-  membrane_share = moment.membrane_share;
-  softening = moment.softening;
-  params.integrator.type = moment.integrator;
+  state = checkpoint.state;  // cold particles may have been moving
+  steps = checkpoint.steps;
+  membrane_share = checkpoint.membrane_share;
+  softening = checkpoint.softening;
+  params.integrator.type = checkpoint.integrator;
   applyMaterial();
-  contact_rate = moment.contact_rate;
+  contact_rate = checkpoint.contact_rate;
   contact.setRate(contact_rate);
-  forces.restore(moment.forces);
-  track.restore(moment.seen);
-  grips.restore(moment.grips);
-  contact.restore(moment.bodies);
+  forces.restore(checkpoint.forces);
+  track.restore(checkpoint.seen);
+  grips.restore(checkpoint.grips);
+  contact.restore(checkpoint.bodies);
   chooseLoads();
   setParts();
   part.reset();
-  march.setMemory(moment.march);
-  part_march = moment.part_march;
-  activity.setMemory(moment.activity, state);
+  march.setMemory(checkpoint.march);
+  part_march = checkpoint.part_march;
+  activity.setMemory(checkpoint.activity, state);
   followed.clear();
-  if (!moment.followed.empty() && activity.isInParts()) followPartners(moment.followed);
-  if (moment.has_part && !is_viewer) makePart();
-  tool_watch.setMemory(moment.watched);
-  if (cutting) surface.restoreCut(moment.severed, model->stretchLinks());
+  if (!checkpoint.followed.empty() && activity.isInParts()) followPartners(checkpoint.followed);
+  if (checkpoint.has_part && !is_viewer) makePart();
+  tool_watch.setMemory(checkpoint.watched);
+  if (cutting) surface.restoreCut(checkpoint.severed, model->stretchLinks());
   changed();
 }
 
 std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) const {
   auto saved = std::make_shared<Snapshot::Contents>();
   saved->scene = scene_hash;
-  keepAsleep(saved->moment);
-  keepAwake(saved->moment);
+  keepAsleep(saved->checkpoint);
+  keepAwake(saved->checkpoint);
   saved->time = time();
   saved->gravity = gravity.gravity;
   saved->tools = tools;
@@ -114,14 +114,14 @@ std::shared_ptr<const Snapshot::Contents> Simulation::Impl::save(bool is_sight) 
 void Simulation::Impl::restore(const Snapshot::Contents& saved) {
   if (particles && particles->lattice().spacing != saved.spacing) particles->setSpacing(saved.spacing);
   values = saved.values;
-  membrane_share = saved.moment.membrane_share;
+  membrane_share = saved.checkpoint.membrane_share;
   setPhysics(saved.physics, params);
   takePhysics();
-  contact_rate = saved.moment.contact_rate;
+  contact_rate = saved.checkpoint.contact_rate;
   setDamping(saved.damping);
   gravity.gravity = saved.gravity;
   setTools(saved.tools);
-  giveBack(saved.moment);
+  giveBack(saved.checkpoint);
   share_notice.clear();
   if (estimator && saved.estimate) estimator->setMemory(*saved.estimate);
   if (estimator && !saved.estimate) estimator->lose();
@@ -180,7 +180,7 @@ Simulation Simulation::viewer() const { return Simulation(impl_->fork(true)); }
 std::size_t Snapshot::bytes() const {
   if (!contents_) return 0;
   const Contents& c = *contents_;
-  const Moment& m = c.moment;
+  const Checkpoint& m = c.checkpoint;
   std::size_t sum = sizeof(Contents) + bytesOf(m.state.positions) + bytesOf(m.state.velocities) +
                     bytesOf(m.state.orientations) + bytesOf(m.state.spins) + bytesOf(m.state.traits) + bytesOf(m.state.plastic) +
                     bytesOf(m.pinned) + bytesOf(m.pinned_turns) + bytesOf(c.values) + bytesOf(m.seen) + bytesOf(m.followed) +
