@@ -137,7 +137,8 @@ std::string describeOptions() {
          "  --threads N           worker threads; the result is the same for every N\n"
          "  --strict              exit status 4 if the scene's expectations are not kept\n"
          "  --quiet               errors only\n\n"
-         "What the scene expects is looked at after the last step: each bound that is not kept is a note, with --strict an error.\n"
+         "What the scene expects is looked at after the last step: each bound that is not kept is a note, with --strict an\n"
+         "error.\n"
          "Exit status: 0 done; 2 the command line, the scene or an input file is wrong; 3 no sound step could be taken, and\n"
          "the last good state is written; 4 with --strict: done, but not as expected.\n";
 }
