@@ -27,8 +27,8 @@ constexpr std::size_t kMaxMet = 4;
 // than those are from each other is apart from every one of them, but that is one such pair, and no gap.
 constexpr int kMinPairs = 3;
 constexpr Index kAround = 12;
-// Or if it sees one point apart from it, and both have this many nearest neighbours that are not, each of them so many times nearer:
-// at the corner of a slit too few points see the other side for as many pairs.
+// Or if it sees one point apart from it, and both have this many nearest neighbours that are not, each of them so many times
+// nearer: at the corner of a slit too few points see the other side for as many pairs.
 constexpr double kWideGap = 1.5;
 constexpr Index kOwnNeighbors = 3;
 // The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.

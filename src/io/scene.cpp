@@ -246,9 +246,9 @@ std::string defaultScene() {
   // Free fall, exact with velocity Verlet: g t^2 / 2, but for rounding.
   const double fallen = 0.5 * params.gravity.z() * params.duration * params.duration, rounding = 1e-5;
   params.expect = {{"min_z", fallen - rounding, fallen + rounding}, {"max_z", fallen - rounding, fallen + rounding}};
-  return "# Every key of a scene with its default, to copy from. Four values are not the default, so that this file is a scene that\n"
-         "# runs: cloud.shape, cloud.points, duration and expect. Nothing holds the surface, so it falls.\n"
-         "# Also what launch/deformable_surface.launch starts with. Printed by `parameters_page --scene`; a test compares the two.\n\n" +
+  return "# Every key of a scene with its default, to copy from. Four values are not the default, so that this file is a scene\n"
+         "# that runs: cloud.shape, cloud.points, duration and expect. Nothing holds the surface, so it falls. Also what\n"
+         "# launch/deformable_surface.launch starts with. Printed by `parameters_page --scene`; a test compares the two.\n\n" +
          writeTemplate(params);
 }
 

@@ -57,7 +57,8 @@ void Hand::makeMenus() {
   const auto mode_menu = tool_menu_.insert("Mode");
   for (const tool::ModeInfo& info : tool::kModes) {
     // What is no surface of particles may be any of the other two.
-    if (!(isOfParticles() ? info.oriented_particles.is_known : info.mass_spring.is_known && info.elastic_solid.is_known)) continue;
+    const bool is_of_both = info.mass_spring.is_known && info.elastic_solid.is_known;
+    if (!(isOfParticles() ? info.oriented_particles.is_known : is_of_both)) continue;
     std::string title = info.name;
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
     tool_menu_.insert(mode_menu, title, [this, mode = info.code](const Feedback& feedback) {

@@ -99,7 +99,8 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   const Hull hull = measureHull(s);
   if (!(hull.area > 0.0))
-    throw InputError("elastic_solid.fill: found a cloud without area, as of points on a line; accepted: points on a closed surface");
+    throw InputError(
+        "elastic_solid.fill: found a cloud without area, as of points on a line; accepted: points on a closed surface");
   const double spacing = chooseSpacing(params.simplification, hull, n);
   const Index on_surface = std::min(n, std::max(Index{4}, static_cast<Index>(std::lround(hull.area / (spacing * spacing)))));
   s.order.num_points = n;

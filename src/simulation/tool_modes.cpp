@@ -31,11 +31,13 @@ std::vector<ToolProblem> findToolProblems(ModelKind model, const tool::ToolParam
   const ModeInfo& info = tool::infoOf(tool.mode);
   const tool::ModeUse& use = useOf(model, info);
   const std::string name = kModels[static_cast<int>(model)];
-  if (!use.is_known) return {{"mode", "found " + std::string(info.name) + ", which " + name + " does not have; accepted: " + listKnown(model)}};
+  if (!use.is_known)
+    return {{"mode", "found " + std::string(info.name) + ", which " + name + " does not have; accepted: " + listKnown(model)}};
   std::vector<ToolProblem> problems;
   const auto refuseUnused = [&](const char* field, double value, bool is_used) {
     if (is_used || value == 0.0) return;
-    problems.push_back({field, "found " + formatReal(value) + ", which mode " + info.name + " of " + name + " does not use; accepted: 0, or none"});
+    problems.push_back({field, "found " + formatReal(value) + ", which mode " + info.name + " of " + name +
+                                   " does not use; accepted: 0, or none"});
   };
   refuseUnused("friction", tool.friction, use.friction);
   refuseUnused("strength", tool.strength, use.strength);

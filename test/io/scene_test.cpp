@@ -421,7 +421,8 @@ TEST(DefaultScene, IsTheOneInTheRepositoryAndReadsBackAsTheDefaults) {
     const Value* const section = root.find(key);
     ASSERT_TRUE(section) << key;
     if (!value.isMap()) continue;
-    for (const auto& member : *value.asMap()) EXPECT_TRUE(key == "expect" || section->find(member.first)) << key << "." << member.first;
+    for (const auto& member : *value.asMap())
+      EXPECT_TRUE(key == "expect" || section->find(member.first)) << key << "." << member.first;
   }
 }
 

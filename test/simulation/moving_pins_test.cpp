@@ -40,8 +40,9 @@ std::vector<Index> pointsIn(const Simulation& s, const geometry::Region& region)
 
 TEST(MovingPins, CarryTheirPointsRigidlyWithEveryMethod) {
   const double half = 0.5;
-  const std::vector<tool::WaypointParams> path = {{0.0, Vec3(1.0, 0.5, 0.0), kUpright},
-                                                  {0.2, Vec3(1.05, 0.5, 0.1), Vec4(std::sin(half * 0.3), 0.0, 0.0, std::cos(half * 0.3))}};
+  const std::vector<tool::WaypointParams> path = {
+      {0.0, Vec3(1.0, 0.5, 0.0), kUpright},
+      {0.2, Vec3(1.05, 0.5, 0.1), Vec4(std::sin(half * 0.3), 0.0, 0.0, std::cos(half * 0.3))}};
   using Type = solve::IntegratorType;
   for (const Type type : {Type::kVerlet, Type::kSymplecticEuler, Type::kImplicit, Type::kAuto}) {
     simulation::SceneParams p = pulledSheet(path);
@@ -172,7 +173,8 @@ TEST(MovingPins, HaveAnErrorEstimate) {
 
 TEST(MovingPins, CarryParticlesAndSolids) {
   for (const simulation::ModelKind model : {simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
-    simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.5, Vec3(0.02, 0.0, 0.0), kUpright}});  // a planar solid stays in its plane
+    simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.5, Vec3(0.02, 0.0, 0.0), kUpright}});
+    // A planar solid stays in its plane.
     SCOPED_TRACE(static_cast<int>(model));
     p.model = model;
     p.accuracy.estimate = false;
@@ -201,7 +203,8 @@ TEST(Region, OutsideIsAllButTheClosedShape) {
   ball.kind = geometry::Region::Kind::kSphere;
   ball.radius = 1.0;
   for (geometry::Region region : {box, ball})
-    for (const Vec3& p : {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.5, 0.5, 0.5), Vec3(1.1, 0.0, 0.0), Vec3(-2.0, 3.0, 0.0)}) {
+    for (const Vec3& p : {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.5, 0.5, 0.5), Vec3(1.1, 0.0, 0.0),
+                          Vec3(-2.0, 3.0, 0.0)}) {
       region.outside = false;
       const bool is_inside = region.contains(p);
       region.outside = true;

@@ -284,8 +284,8 @@ inline void visit(Fields& fields, PinParams& p) {
   visitRegion(fields, p.region);
   fields.flag("orientation", p.orientation, "also clamp the tangent plane; needs a model with orientation");
   tool::visitPath(fields, p.path,
-                  "Of a frame that carries the points rigidly, from its pose at time 0 on; interpolated between the times and held "
-                  "outside them; none: they stay where they are.");
+                  "Of a frame that carries the points rigidly, from its pose at time 0 on; interpolated between the times and "
+                  "held outside them; none: they stay where they are.");
   const bool turns = std::any_of(p.path.begin(), p.path.end(), [&](const tool::WaypointParams& waypoint) {
     return waypoint.orientation != p.path.front().orientation;
   });
