@@ -78,6 +78,7 @@ class View:
         row = max(LETTER * self.extent, SMALLEST_LETTER) + SPACING
         # Upwards in the picture: the text, which stands upright in it, and the near edge, which is larger than in its middle.
         top = np.cos(self.pitch) * (0.5 * self.extent + ROWS_BELOW * row) + ROWS_ABOVE * row
+        top *= 1.0 + 0.35 * np.sin(self.pitch)  # the more one looks down, the nearer it is
         bottom = -1.2 * (np.cos(self.pitch) * -self.foot + np.sin(self.pitch) * radius)
         self.height = float(0.5 * (top + bottom) / np.cos(self.pitch))
         self.distance = float(0.5 * (top - bottom) / HALF_FIELD + 0.3 * self.extent)

@@ -114,7 +114,7 @@ void NodeDiagnostics::describeSimulation(Status& status) const {
   } else if (is_behind) {
     status.summary(DiagnosticStatus::WARN, "slower than real time");
   } else if (now_.has_snapped) {
-    status.summary(DiagnosticStatus::WARN, "snapped: at rest, without a load, in another shape than its own; ~reset brings it back");
+    status.summary(DiagnosticStatus::WARN, "snapped: at rest without a load in another shape than its own; ~reset ends it");
   } else {
     status.summary(DiagnosticStatus::OK, now_.state);
   }

@@ -63,6 +63,10 @@ class Picture:
     def letters(self):
         return np.count_nonzero((self.scene >= 235).all(axis=2)) if self.has_scene else 0
 
+    def letters_below(self, place):
+        column, row = place[0] - self.left, place[1] - self.top
+        return np.count_nonzero((self.scene[row + 15:row + 60, column - 100:column + 100] >= 200).all(axis=2))
+
     def surface(self):
         """Where the scene shows something broad: no letter and no line."""
         mask = self.scene.max(axis=2) >= SEEN
@@ -193,8 +197,7 @@ def check_hand(folder):
         button = picture.find_button()
         assert button, "there is no blue button in hand.png"
         choose_first(button)
-        before = picture.letters()
-        await_picture(folder, "answer", lambda p: "" if p.letters() > 1.3 * before else "there is no answer", launch)
+        await_picture(folder, "answer", lambda p: "" if p.letters_below(button) > 20 else "there is no answer", launch)
         choose_first(button, entry=2)
         rows, columns = np.nonzero(picture.surface())
         keep = launch.listen("tool_wrenches", ToolWrenchArray)  # noqa: F841
