@@ -122,37 +122,44 @@ void noteParts(const SceneParams& params, RestSurface& s) {
                  (is_any_held ? "; input.keep_parts leaves small parts out" : ""));
 }
 
-LooseParts findLooseParts(const Parts& parts, const std::vector<char>& held, const std::vector<char>& resisted,
-                          const Points& loads, const Points& positions) {
+void LooseParts::follow(Index n, const std::vector<std::pair<Index, Index>>* links) {
+  if (!links) {
+    links_.clear();
+    parts_.label.assign(n, 0);
+    parts_.size.assign(n > 0 ? 1 : 0, n);
+  } else if (static_cast<Index>(parts_.label.size()) != n || links_ != *links) {
+    links_ = *links;
+    parts_ = findParts(n, links_);
+  }
+}
+
+void LooseParts::find(const std::vector<char>& held, const std::vector<double>& stiffness, const Points& loads,
+                      const Points& positions) {
   constexpr double kRounding = 1e-6;  // of the sum of the sizes
-  std::vector<char> is_held(parts.count(), 0);
-  std::vector<double> sizes(parts.count(), 0.0);
-  Points sums(parts.count(), Vec3::Zero());
+  is_held_.assign(parts_.count(), 0);
+  sizes_.assign(parts_.count(), 0.0);
+  sums_.assign(parts_.count(), Vec3::Zero());
   for (std::size_t i = 0; i < loads.size(); ++i) {
-    const Index p = parts.label[i];
-    if (held[i] || resisted[i]) is_held[p] = 1;
-    sums[p] += loads[i];
-    sizes[p] += loads[i].norm();
+    const Index p = parts_.label[i];
+    if (held[i] || stiffness[i] > 0.0) is_held_[p] = 1;
+    sums_[p] += loads[i];
+    sizes_[p] += loads[i].norm();
   }
-  LooseParts loose;
-  std::vector<char> is_loose(parts.count(), 0);
-  for (Index p = 0; p < parts.count(); ++p) {
-    if (is_held[p] || !(sums[p].norm() > kRounding * sizes[p])) continue;
-    if (loose.parts++ == 0) loose.load = sums[p].norm();
-    is_loose[p] = 1;
+  is_loose_.assign(parts_.count(), 0);
+  count_ = points_ = 0;
+  for (Index p = 0; p < parts_.count(); ++p) {
+    if (is_held_[p] || !(sums_[p].norm() > kRounding * sizes_[p])) continue;
+    if (count_++ == 0) load_ = sums_[p].norm();
+    is_loose_[p] = 1;
   }
-  loose.are_all = loose.parts == parts.count();
-  for (std::size_t i = 0; i < loads.size(); ++i) {
-    loose.is_loose.push_back(is_loose[parts.label[i]]);
-    if (loose.is_loose[i] && loose.points++ == 0) loose.place = positions[i];
-  }
-  return loose;
+  for (std::size_t i = 0; i < loads.size(); ++i)
+    if (isLoose(static_cast<Index>(i)) && points_++ == 0) place_ = positions[i];
 }
 
 std::string LooseParts::describe() const {
-  return "nothing holds " + count(parts, parts == 1 ? "part of what is simulated, " : "parts of what is simulated, ") +
-         count(points, points == 1 ? "point, at " : "points, the first at ") +
-         formatShort(place.x()) + ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
+  return "nothing holds " + count(count_, count_ == 1 ? "part of what is simulated, " : "parts of what is simulated, ") +
+         count(points_, points_ == 1 ? "point, at " : "points, the first at ") + formatShort(place_.x()) + ", " +
+         formatShort(place_.y()) + ", " + formatShort(place_.z()) +
          " m, against the loads: without an equilibrium it stays where it is";
 }
 

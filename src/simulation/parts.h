@@ -30,19 +30,32 @@ void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface
 /// Adds to the notes or warnings how many parts there are, if several, and which of them neither a pin nor an anchor holds.
 void noteParts(const SceneParams& params, RestSurface& s);
 
-/// Of an equilibrium: the parts that neither a held point nor a load that resists motion (marked in resisted) holds, though their
-/// loads do not sum to zero.
-struct LooseParts {
-  std::vector<char> is_loose;  // (n)
-  Index parts = 0, points = 0;
-  bool are_all = false;        // all parts that there are
-  double load = 0.0;           // N, the sum of the loads on the first of them
-  Vec3 place = Vec3::Zero();   // m, one of its points
+/// Of an equilibrium: the parts that neither a held point nor a load that resists motion holds, though their loads do not sum to
+/// zero. Allocates nothing while the numbers of points and parts stay.
+class LooseParts {
+ public:
+  /// links: of the n points now; null: all points are one part.
+  void follow(Index n, const std::vector<std::pair<Index, Index>>* links);
+  /// held, stiffness, loads and positions are by point: 1 where it is held, N/m of the loads against its motion, N and m.
+  void find(const std::vector<char>& held, const std::vector<double>& stiffness, const Points& loads, const Points& positions);
 
+  bool isLoose(Index point) const { return is_loose_[parts_.label[point]]; }
+  /// Whether no part that there is has an equilibrium.
+  bool areAll() const { return count_ > 0 && count_ == parts_.count(); }
+  Index numPoints() const { return points_; }  // that are loose
+  double load() const { return load_; }        // N, the sum of the loads on the first loose part
   /// What a user should know of those that stay where they are.
   std::string describe() const;
+
+ private:
+  Parts parts_;
+  std::vector<std::pair<Index, Index>> links_;
+  std::vector<char> is_loose_, is_held_;  // by part
+  std::vector<double> sizes_;             // N, by part: the sums of the sizes of the loads
+  Points sums_;                           // N, by part
+  Index count_ = 0, points_ = 0;
+  double load_ = 0.0;
+  Vec3 place_ = Vec3::Zero();             // m, of the first loose point
 };
-LooseParts findLooseParts(const Parts& parts, const std::vector<char>& held, const std::vector<char>& resisted,
-                          const Points& loads, const Points& positions);
 
 }  // namespace deformable_surface::simulation

@@ -139,6 +139,8 @@ struct Simulation::Impl {
   DeformedSurface surface;
   AccuracyChoice choice;
   bool is_wish_missed = false;  // said since the last reset
+  LooseParts loose;             // of static steps
+  std::vector<double> load_stiffness, load_damping;  // N/m, N s/m, scratch
   Index loose_said = 0;         // points of loose parts, as said last since the last reset
   std::unique_ptr<ErrorEstimator> estimator;  // null: no estimate
   bool is_viewer = false, is_estimated_elsewhere = false;  // it takes no steps; what it shows has an estimate
@@ -188,8 +190,8 @@ struct Simulation::Impl {
   void undoStep();
   bool beginNested();
   bool isHeldAround() const;
-  LooseParts findLoose(double time) const;
-  std::string holdLoose(const LooseParts& loose);
+  void findLoose(double time);
+  std::string holdLoose();
   std::optional<double> searchAgain(double now, model::State& start) const;
   void disturb(double size, Points& positions) const;
   Grips::Update updateGrips(double now, double dt);

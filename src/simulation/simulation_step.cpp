@@ -97,11 +97,11 @@ void Simulation::Impl::takeStep(const Timer& timer, bool have_loads_changed, std
   const bool may_be_cut = cutting && cutting->beginStep(tools, now, state.positions);
 
   if (params.integrator.type == solve::IntegratorType::kStatic) {
-    const LooseParts loose = findLoose(now + dt);
-    if (loose.are_all && contact.isEmpty() && grips.isEmpty())
-      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load) + " N",
+    findLoose(now + dt);
+    if (loose.areAll() && contact.isEmpty() && grips.isEmpty())
+      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load()) + " N",
                     outcome);
-    if (!loose.are_all) appendNotice(outcome.notice, holdLoose(loose));
+    if (!loose.areAll()) appendNotice(outcome.notice, holdLoose());
   }
   std::unique_ptr<model::State> start;  // of a second search
   if (params.integrator.type == solve::IntegratorType::kStatic && estimator && estimator->wantsSecondSearch())
@@ -190,29 +190,29 @@ bool Simulation::Impl::beginNested() {
   return true;
 }
 
-// The parts without an equilibrium. What tools may hold is not known before the step.
-LooseParts Simulation::Impl::findLoose(double time) const {
+// The parts without an equilibrium. What tools may hold is not known before the step. Bonds of particles come and go within it:
+// they count as one part.
+void Simulation::Impl::findLoose(double time) {
   const Index n = state.size();
-  model->refreshDisplay(state);  // bonds of particles come and go
-  const Parts parts = findParts(n, model->stretchLinks());
-  std::vector<double> stiffness(n, 0.0), damping(n, 0.0);
-  for (const solve::ExternalLoad* load : loads) load->addRowBounds(time, state, stiffness, damping);
-  std::vector<char> resisted;
-  for (const double s : stiffness) resisted.push_back(s > 0.0);
-  Points sums(n, Vec3::Zero());
-  system.addLoadsOnAll(time, state, sums);
-  return findLooseParts(parts, held, resisted, sums, state.positions);
+  loose.follow(n, system.isOriented() ? nullptr : &model->stretchLinks());
+  load_stiffness.assign(n, 0.0);
+  load_damping.assign(n, 0.0);
+  for (const solve::ExternalLoad* load : loads) load->addRowBounds(time, state, load_stiffness, load_damping);
+  forces_on_all.assign(n, Vec3::Zero());
+  system.addLoadsOnAll(time, state, forces_on_all);
+  loose.find(held, load_stiffness, forces_on_all, state.positions);
 }
 
 // Returns what a user should know of it, if that is news.
-std::string Simulation::Impl::holdLoose(const LooseParts& loose) {
-  for (Index i = 0; i < state.size(); ++i) {
-    if (!loose.is_loose[i]) continue;
-    held[i] = 1;
-    state.velocities[i].setZero();
-  }
-  const bool is_news = loose.points > 0 && loose.points != loose_said;
-  loose_said = loose.points;
+std::string Simulation::Impl::holdLoose() {
+  if (loose.numPoints() > 0)
+    for (Index i = 0; i < state.size(); ++i) {
+      if (!loose.isLoose(i)) continue;
+      held[i] = 1;
+      state.velocities[i].setZero();
+    }
+  const bool is_news = loose.numPoints() > 0 && loose.numPoints() != loose_said;
+  loose_said = loose.numPoints();
   return is_news ? loose.describe() : "";
 }
 

@@ -42,11 +42,13 @@ SceneParams makeScene() {
   return params;
 }
 
-/// How far the middle of the crest sinks.
-double measureSinking(const SceneParams& params, const cloud::PointCloud& cloud) {
+/// How far the middle of the crest sinks. is_whole: all rows hang together; where they are far apart some are a part of their own,
+/// which a notice tells.
+double measureSinking(const SceneParams& params, const cloud::PointCloud& cloud, bool is_whole) {
   Simulation simulation(params, cloud);
   const StepOutcome outcome = simulation.step();
-  EXPECT_TRUE(outcome.ok && outcome.notice.empty()) << outcome.problem << outcome.notice;
+  EXPECT_TRUE(outcome.ok) << outcome.problem;
+  EXPECT_EQ(outcome.notice.empty(), is_whole) << outcome.notice;
   const Points& now = simulation.surface(false).positions;
   Index crest = 0;
   for (Index i = 0; i < cloud.size(); ++i)
@@ -83,11 +85,11 @@ TEST(SineSheet, UniformSimplificationDeformsLikeTheFullSheetAndAnAdaptiveOneDoes
   SceneParams params = makeScene();
   const cloud::PointCloud cloud = io::makeShape(params.cloud);
   params.simplification.method = cloud::SimplificationMethod::kNone;
-  const double full = measureSinking(params, cloud);
-  const double adaptive = measureSinking(params, makeAdaptiveCloud());
+  const double full = measureSinking(params, cloud, true);
+  const double adaptive = measureSinking(params, makeAdaptiveCloud(), false);
   params.simplification.method = cloud::SimplificationMethod::kDelaunay;
   params.simplification.target_points = kKept;
-  const double uniform = measureSinking(params, cloud);
+  const double uniform = measureSinking(params, cloud, true);
 
   // An eighth of the points have two and a half times the spacing, hence six times the error of second order, which is below a
   // per cent for the full sheet.

@@ -6,7 +6,8 @@ namespace deformable_surface::node::test {
 namespace {
 
 TEST(BadClouds, ThroughTheRunningNodeLeaveItAnsweringGoodOnes) {
-  NodeProcess process("/surface", "{model: mass_spring, gravity: [0, 0, 0]}");
+  // With the stamp of its cloud a surface shows which it is made of.
+  NodeProcess process("/surface", "{model: mass_spring, gravity: [0, 0, 0], output: {stamp: simulation}}");
   NodeClient client("/surface");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.pause(true).success);

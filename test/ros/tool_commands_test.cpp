@@ -392,9 +392,9 @@ TEST_F(FollowingTool, PinsThatFollowAFrameCarryTheirPointsUntilTheyAreFreed) {
   edge.min = Vec3(0.85, -1.0, -51.0);
   edge.max = Vec3(0.95, 2.0, -49.0);
   const Points rest = simulation_.state().positions;
-  EXPECT_FALSE(commands_.isMoving());
-  EXPECT_EQ(commands_.pinToFrame(header, edge, simulation_, "map"), 10);
-  EXPECT_TRUE(commands_.isMoving());
+  EXPECT_FALSE(commands_->isMoving());
+  EXPECT_EQ(commands_->pinToFrame(header, edge, simulation_, "map"), 10);
+  EXPECT_TRUE(commands_->isMoving());
   for (int k = 1; k <= 10; ++k) {
     stepOnTheClock();
     for (std::size_t i = 0; i < rest.size(); ++i)
@@ -405,15 +405,15 @@ TEST_F(FollowingTool, PinsThatFollowAFrameCarryTheirPointsUntilTheyAreFreed) {
   Tool all;
   all.action = Tool::DELETEALL;
   apply(all);
-  EXPECT_TRUE(commands_.isMoving());
+  EXPECT_TRUE(commands_->isMoving());
   // What a snapshot holds goes on.
   const simulation::Snapshot saved = simulation_.snapshot();
-  const ToolCommands::Memory memory = commands_.memory();
+  const ToolCommands::Memory memory = commands_->memory();
   place(1.2, 0.2);
   for (int k = 0; k < 10; ++k) stepOnTheClock();
   const std::uint64_t hash = simulation_.stateHash();
   simulation_.restore(saved);
-  commands_.setMemory(memory);
+  commands_->setMemory(memory);
   for (int k = 0; k < 10; ++k) stepOnTheClock();
   EXPECT_EQ(simulation_.stateHash(), hash);
   EXPECT_TRUE(problems_.empty());
@@ -423,12 +423,12 @@ TEST_F(FollowingTool, PinsThatFollowAFrameCarryTheirPointsUntilTheyAreFreed) {
   everywhere.radius = 1e3;
   EXPECT_EQ(simulation_.unpin(everywhere), 10);
   stepOnTheClock();
-  EXPECT_FALSE(commands_.isMoving());
-  EXPECT_EQ(commands_.pinToFrame(header, geometry::Region(), simulation_, "map"), 0);
-  EXPECT_FALSE(commands_.isMoving());
+  EXPECT_FALSE(commands_->isMoving());
+  EXPECT_EQ(commands_->pinToFrame(header, geometry::Region(), simulation_, "map"), 0);
+  EXPECT_FALSE(commands_->isMoving());
   header.frame_id = "nowhere";
-  EXPECT_THROW(commands_.pinToFrame(header, everywhere, simulation_, "map"), InputError);
-  EXPECT_FALSE(commands_.isMoving());
+  EXPECT_THROW(commands_->pinToFrame(header, everywhere, simulation_, "map"), InputError);
+  EXPECT_FALSE(commands_->isMoving());
 }
 
 TEST_F(FollowingTool, IsWhereTfHasItsFrameAtTheEndOfEachStep) {
