@@ -157,6 +157,9 @@ if(CATKIN_ENABLE_TESTING)
            COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_windows.py surface)
   set_tests_properties(window PROPERTIES SKIP_RETURN_CODE 77)
 
+  # The program as scripts use it: its exit status says whether a scene ended as it states.
+  add_test(NAME simulate_strict COMMAND simulate ${PROJECT_SOURCE_DIR}/scenes/cut.yaml --strict --quiet)
+
   # Three hosts in network namespaces; skips itself where they cannot be made.
   add_test(NAME hosts COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/hosts/check_hosts.py)
   set_tests_properties(hosts PROPERTIES SKIP_RETURN_CODE 77)

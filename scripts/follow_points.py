@@ -12,6 +12,7 @@ from sensor_msgs import point_cloud2
 from shape_msgs.msg import SolidPrimitive
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from launched_node import until_shutdown  # noqa: E402
 from scan_clouds import make_cloud  # noqa: E402
 
 MAX_TOOLS = 100  # as many as a surface has at a time
@@ -37,8 +38,8 @@ class Follower:
         self.points = None  # tracked last
         self.cloud = rospy.Publisher("cloud_in", PointCloud2, queue_size=1, latch=True)
         self.tools = rospy.Publisher("tools", ToolArray, queue_size=10)
-        rospy.Subscriber("tracked", PointCloud2, self.take_points, queue_size=10)
-        rospy.Subscriber("tool_wrenches", ToolWrenchArray, self.take_wrenches, queue_size=1)
+        rospy.Subscriber("tracked", PointCloud2, until_shutdown(self.take_points), queue_size=10)
+        rospy.Subscriber("tool_wrenches", ToolWrenchArray, until_shutdown(self.take_wrenches), queue_size=1)
 
     def take_points(self, message):
         points = np.array([p[:3] for p in point_cloud2.read_points(message, ("x", "y", "z"))])

@@ -1,6 +1,7 @@
 #!/usr/bin/env python3
 """How a node in Python ends: on Ctrl-C at once, and a launch that has done its work without an error. It is a file of its own
 because several nodes of the launch files need it."""
+import functools
 import os
 import signal
 import sys
@@ -23,6 +24,18 @@ def run_node(name, main):
         rospy.logfatal("%s: %s", name, problem)
     rospy.signal_shutdown("done")
     sys.exit(1 if problem else 0)
+
+
+def until_shutdown(callback):
+    """The callback of a timer or subscriber that publishes. One that runs while the node ends finds its topics closed."""
+    @functools.wraps(callback)
+    def call(*arguments):
+        try:
+            callback(*arguments)
+        except rospy.ROSException:
+            if not rospy.is_shutdown():
+                raise
+    return call
 
 
 def find_launch():

@@ -2,6 +2,7 @@
 """Puts a ball on a frame of tf as a tool of a surface: the tip of a robot, a tracked hand. Whenever the surface does not have it,
 at the start and after a reset or another cloud, it is sent again. With ~path it moves the frame itself, for trying without a
 robot."""
+import os
 import sys
 
 import numpy as np
@@ -10,6 +11,9 @@ import tf2_ros
 from deformable_surface.msg import Tool, ToolArray, ToolWrenchArray
 from geometry_msgs.msg import TransformStamped
 from shape_msgs.msg import SolidPrimitive
+
+sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from launched_node import until_shutdown  # noqa: E402
 
 MODES = {"solid": Tool.SOLID, "attract": Tool.ATTRACT, "move": Tool.MOVE, "erase": Tool.ERASE, "cut": Tool.CUT, "heat": Tool.HEAT}
 REPEAT = 1.0  # s between two tries
@@ -36,9 +40,9 @@ class ToolOnFrame:
         self.start = None
         self.broadcaster = tf2_ros.TransformBroadcaster()
         self.tools = rospy.Publisher("tools", ToolArray, queue_size=1)
-        rospy.Subscriber("tool_wrenches", ToolWrenchArray, self.take_wrenches, queue_size=1)
+        rospy.Subscriber("tool_wrenches", ToolWrenchArray, until_shutdown(self.take_wrenches), queue_size=1)
         if len(self.path) > 0:
-            rospy.Timer(rospy.Duration(1.0 / RATE), lambda event: self.move_frame())
+            rospy.Timer(rospy.Duration(1.0 / RATE), until_shutdown(lambda event: self.move_frame()))
 
     def take_wrenches(self, message):
         now = rospy.Time.now()

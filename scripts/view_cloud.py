@@ -16,6 +16,7 @@ from std_msgs.msg import Bool, String
 from visualization_msgs.msg import Marker
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
+from launched_node import until_shutdown  # noqa: E402
 from scan_clouds import read_positions  # noqa: E402
 
 HALF_FIELD = np.tan(0.5 * 0.785)  # of view, upright; RViz's own, as in the configurations
@@ -128,7 +129,7 @@ class Window:
         self.frames.sendTransform(make_transform(self.name, self.name + "_origin"))
         self.text = rospy.Publisher("~text", Marker, queue_size=1, latch=True)
         self.say("waiting for a cloud on %s" % rospy.resolve_name("cloud_in"))
-        rospy.Subscriber("deformed", PointCloud2, self.take, queue_size=1, buff_size=1 << 26)
+        rospy.Subscriber("deformed", PointCloud2, until_shutdown(self.take), queue_size=1, buff_size=1 << 26)
 
     def say(self, sentence):
         marker = Marker(ns="waiting", type=Marker.TEXT_VIEW_FACING, text=sentence)
