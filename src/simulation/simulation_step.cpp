@@ -99,7 +99,8 @@ void Simulation::Impl::takeStep(const Timer& timer, bool have_loads_changed, std
   if (params.integrator.type == solve::IntegratorType::kStatic) {
     findLoose(now + dt);
     if (loose.areAll() && contact.isEmpty() && grips.isEmpty())
-      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load()) + " N",
+      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load()) +
+                        " N",
                     outcome);
     if (!loose.areAll()) appendNotice(outcome.notice, holdLoose());
   }

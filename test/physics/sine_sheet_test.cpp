@@ -42,8 +42,8 @@ SceneParams makeScene() {
   return params;
 }
 
-/// How far the middle of the crest sinks. is_whole: all rows hang together; where they are far apart some are a part of their own,
-/// which a notice tells.
+/// How far the middle of the crest sinks. is_whole: all rows hang together. Where they are far apart some are a part of their
+/// own, which a notice tells.
 double measureSinking(const SceneParams& params, const cloud::PointCloud& cloud, bool is_whole) {
   Simulation simulation(params, cloud);
   const StepOutcome outcome = simulation.step();
