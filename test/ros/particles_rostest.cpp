@@ -2,7 +2,15 @@
 #include "surface_node_fixture.h"
 
 #include "deformable_surface/List.h"
+#include "deformable_surface/Restore.h"
+#include "deformable_surface/RolloutAction.h"
+#include "deformable_surface/SetMaterial.h"
+#include "deformable_surface/Snapshot.h"
 
+#include <actionlib/client/action_client.h>
+
+#include <cstdio>
+#include <numeric>
 #include <thread>
 
 namespace deformable_surface::node::test {
@@ -53,6 +61,75 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
   const FitSurfaceResponse refused = client_->fit(FitSurfaceRequest());
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("accepted: oriented_particles"), std::string::npos) << refused.message;
+}
+
+// Of a surface without points every command is taken or refused in a sentence, and the node goes on.
+TEST_F(ParticlesTest, AnEmptySurfaceAnswersEverything) {
+  NodeProcess process("/emptied", "{model: oriented_particles, gravity: [0, 0, -9.81], simplification: {method: none}, "
+                                  "save_directory: " + testing::TempDir() + "}");
+  NodeClient client("/emptied");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.pause(true).success);
+  cloud_ = makeSheet(8, 8);
+  cloud_.header.stamp = ros::Time::now();
+  ASSERT_TRUE(client.exchange(cloud_)) << process.output();
+  EditParticlesRequest edit;
+  edit.action = EditParticlesRequest::DELETE;
+  edit.ids.resize(64);
+  std::iota(edit.ids.begin(), edit.ids.end(), 0);
+  const EditParticlesResponse deleted = client.edit(edit);
+  ASSERT_TRUE(deleted.success) << deleted.message;
+
+  PointForce force;
+  force.id = "pull";
+  force.force.z = 1.0;
+  client.publish(force);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1)) << process.output();
+  const StepResponse stepped = client.step(3);
+  EXPECT_TRUE(stepped.success) << stepped.message << process.output();
+
+  SelectRegionRequest everything;
+  everything.header.frame_id = cloud_.header.frame_id;
+  everything.primitive.type = shape_msgs::SolidPrimitive::SPHERE;
+  everything.primitive.dimensions = {10.0};
+  for (const char* service : {"pin", "unpin"}) {
+    const SelectRegionResponse selected = client.select(service, everything);
+    EXPECT_TRUE(selected.success || !selected.message.empty()) << service;
+  }
+  Snapshot kept;
+  kept.request.name = "none";
+  ASSERT_TRUE(ros::service::call("/emptied/snapshot", kept));
+  EXPECT_TRUE(kept.response.success) << kept.response.message;
+  Restore restored;
+  restored.request.name = "none";
+  ASSERT_TRUE(ros::service::call("/emptied/restore", restored));
+  EXPECT_TRUE(restored.response.success) << restored.response.message;
+  SetMaterial material;
+  material.request.names = {"damping"};
+  material.request.values = {2.0};
+  ASSERT_TRUE(ros::service::call("/emptied/set_material", material));
+  EXPECT_TRUE(material.response.success || !material.response.message.empty());
+  const SaveCloudResponse saved = client.save("emptied_surface.ply");
+  EXPECT_TRUE(saved.success || !saved.message.empty());
+  std::remove((testing::TempDir() + "emptied_surface.ply").c_str());
+  const FitSurfaceResponse fitted = client.fit(FitSurfaceRequest());
+  EXPECT_TRUE(fitted.success || !fitted.message.empty());
+  actionlib::ActionClient<RolloutAction> rollouts(client.handle(), "rollout");
+  ASSERT_TRUE(waitUntil([&] { return rollouts.isServerConnected(); })) << process.output();
+  RolloutGoal goal;
+  goal.duration = 0.1;
+  const auto handle = rollouts.sendGoal(goal);
+  EXPECT_TRUE(waitUntil([&] { return handle.getCommState() == actionlib::CommState::DONE; })) << process.output();
+
+  // A particle that is put there moves, and a reset brings the others back.
+  edit = EditParticlesRequest();
+  edit.poses.resize(1);
+  EXPECT_TRUE(client.edit(edit).success);
+  EXPECT_TRUE(client.step(2).success);
+  EXPECT_TRUE(client.reset().success);
+  const StepResponse again = client.step(2);
+  EXPECT_TRUE(again.success) << again.message;
+  EXPECT_TRUE(process.isRunning()) << process.output();
 }
 
 // A sheet that would grow by a hundred rows all around.
