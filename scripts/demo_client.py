@@ -86,7 +86,7 @@ class Demo:
             return "none: no recorder was started with this node"
         path = os.path.join(self.output, "demo.bag")
         end = time.time() + RECORDER_PATIENCE
-        while not os.path.exists(path):  # it has another name until it is complete
+        while os.path.exists(path + ".active") or not os.path.exists(path):  # it has that name until it is complete
             if time.time() > end:
                 return "none: %s was not complete after %g s" % (path, RECORDER_PATIENCE)
             time.sleep(0.05)

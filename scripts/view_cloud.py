@@ -22,7 +22,8 @@ from scan_clouds import read_positions  # noqa: E402
 HALF_FIELD = np.tan(0.5 * 0.785)  # of view, upright; RViz's own, as in the configurations
 FULL_DISPLACEMENT = 0.25          # of the extent: full scale of the colours, as in ~markers
 LETTER, SMALLEST_LETTER, SPACING = 0.035, 0.004, 0.01  # share of the extent, m, m: of text, as in ~markers
-ROWS_BELOW, ROWS_ABOVE = 4, 6
+ROWS_BELOW, ROWS_ABOVE, COLUMNS = 4, 6, 10  # COLUMNS: half its width, in rows
+FILLED = 0.85                     # of the picture; what moves goes beyond where it was
 FLAT = 0.1                        # smallest over middle extent of what is looked at face on
 # Columns: forward, left and up of a camera, whose optical frame has z forward and y down (REP 103).
 OPTICAL = np.array([[0, -1, 0], [0, 0, -1], [1, 0, 0]], float)
@@ -59,7 +60,10 @@ class View:
         self.origin = self.turn @ (0.5 * (low + high))
         self.foot = 0.5 * (low[2] - high[2])
         self.choose_direction(turned - turned.mean(axis=0))
-        self.choose_distance(0.5 * np.hypot(*(high - low)[:2]))
+        self.choose_distance(turned - 0.5 * (low + high))
+
+    def direction(self):
+        return np.array([np.cos(self.yaw) * np.cos(self.pitch), np.sin(self.yaw) * np.cos(self.pitch), np.sin(self.pitch)])
 
     def choose_direction(self, points):
         """From the front left and a little above; what is flat is seen on its face."""
@@ -67,22 +71,29 @@ class View:
         lengths, axes = np.linalg.eigh(points.T @ points)
         if not np.sqrt(max(lengths[0], 0.0)) < FLAT * np.sqrt(lengths[1]):
             return
-        toward = np.array([np.cos(self.yaw) * np.cos(self.pitch), np.sin(self.yaw) * np.cos(self.pitch), np.sin(self.pitch)])
-        normal = axes[:, 0] * (1 if axes[:, 0] @ toward > 0 else -1)
+        normal = axes[:, 0] * (1 if axes[:, 0] @ self.direction() > 0 else -1)
         # Not quite along the normal, where every dent looks flat.
         self.pitch = float(np.clip(np.arcsin(np.clip(normal[2], -1, 1)), 0.2, 0.8))
         if np.hypot(normal[0], normal[1]) > 0.5:
             self.yaw = float(np.arctan2(normal[1], normal[0]) + 0.4)
 
-    def choose_distance(self, radius):
-        """The middle of the picture, as a height above the surface's, and the distance from it. radius: of the surface across z."""
+    def choose_distance(self, points):
+        """The middle of the picture, as a height above the surface's, and the distance from it, so that surface and text just fit.
+        points: from the middle of the surface."""
+        toward, right = self.direction(), np.array([-np.sin(self.yaw), np.cos(self.yaw), 0.0])
+        up = np.cross(toward, right)
         row = max(LETTER * self.extent, SMALLEST_LETTER) + SPACING
-        # Upwards in the picture: the text, which stands upright in it, and the near edge, which is larger than in its middle.
-        top = np.cos(self.pitch) * (0.5 * self.extent + ROWS_BELOW * row) + ROWS_ABOVE * row
-        top *= 1.0 + 0.35 * np.sin(self.pitch)  # the more one looks down, the nearer it is
-        bottom = -1.2 * (np.cos(self.pitch) * -self.foot + np.sin(self.pitch) * radius)
-        self.height = float(0.5 * (top + bottom) / np.cos(self.pitch))
-        self.distance = float(0.5 * (top - bottom) / HALF_FIELD + 0.3 * self.extent)
+        # RViz turns text to whoever looks, so that its corners lie in the plane of the screen.
+        place = np.array([0.0, 0.0, 0.5 * self.extent + ROWS_BELOW * row])
+        corners = place + ROWS_ABOVE * row * up + np.outer([-1, 1], COLUMNS * row * right)
+        points = np.vstack([points[::max(1, len(points) // 5000)], corners])
+        self.height, self.distance = 0.0, float(3.0 * self.extent)
+        for _ in range(50):
+            away = points - [0.0, 0.0, self.height]
+            depth = np.maximum(self.distance - away @ toward, 0.1 * self.distance)
+            across, along = away @ right / depth, away @ up / depth
+            self.height += float(0.5 * (along.max() + along.min()) * self.distance / np.cos(self.pitch))
+            self.distance *= float(max(0.5 * (along.max() - along.min()), np.abs(across).max()) / (FILLED * HALF_FIELD))
 
     def shows(self, other):
         """Whether a surface is well seen where another was."""

@@ -4,6 +4,7 @@ case has a master of its own. A case that needs the folder of scans that DEFORMA
 (status 77). Files are in folders with a space and an apostrophe in their names."""
 import glob
 import os
+import random
 import re
 import shlex
 import signal
@@ -30,13 +31,20 @@ def find_data(path):
     return os.path.join(folder, path)
 
 
+def find_port():
+    """A free one below those that connections get (32768 and above), one of which might take it before the master does."""
+    while True:
+        port = random.randrange(20000, 32768)
+        with socket.socket() as probe:
+            if probe.connect_ex(("127.0.0.1", port)) != 0:
+                return port
+
+
 class Launch:
     """A launch file that runs with a master of its own, and what its surface publishes."""
 
     def __init__(self, name, *arguments):
-        with socket.socket() as probe:
-            probe.bind(("127.0.0.1", 0))
-            port = probe.getsockname()[1]
+        port = find_port()
         os.environ.update(ROS_MASTER_URI="http://127.0.0.1:%d" % port, ROS_IP="127.0.0.1",
                           PATH="/usr/bin:/bin:" + os.environ["PATH"])
         self.process = subprocess.Popen(["roslaunch", "-p", str(port), "deformable_surface", name] + list(arguments),

@@ -178,21 +178,21 @@ def check_demo(folder):
         await_surface(folder, "demo", launch)
 
 
-def poke(folder, *arguments):
+def poke(folder, nearest, *arguments):
     scan = write_points(os.path.join(folder, "sphere.xyz"), make_sphere())
-    return Launch("poke.launch", "rviz:=true", "scan:=" + scan, "path:=[[0, 0.2, 0, 0.2], [5, 0.15, 0, 0.2], [1e5, 0.15, 0, 0.2]]",
-                  *arguments)
+    return Launch("poke.launch", "rviz:=true", "scan:=" + scan,
+                  "path:=[[0, 0.2, 0, 0.2], [5, {0}, 0, 0.2], [1e5, {0}, 0, 0.2]]".format(nearest), *arguments)
 
 
 def check_poke(folder):
-    with poke(folder) as launch:
+    with poke(folder, 0.15) as launch:
         await_surface(folder, "poke", launch)
 
 
 def check_hand(folder):
     """A person at the mouse pauses the surface, reads the answer, goes on, and draws the surface aside."""
     from deformable_surface.msg import ToolWrenchArray
-    with poke(folder, "hand:=true") as launch:
+    with poke(folder, 0.2, "hand:=true") as launch:
         picture = await_surface(folder, "hand", launch)
         button = picture.find_button()
         assert button, "there is no blue button in hand.png"
@@ -201,7 +201,8 @@ def check_hand(folder):
         choose_first(button, entry=2)
         rows, columns = np.nonzero(picture.surface())
         keep = launch.listen("tool_wrenches", ToolWrenchArray)  # noqa: F841
-        drag(picture.left + int(np.median(columns)), picture.top + int(np.median(rows)), -80, -60)
+        # So little that it does not slip.
+        drag(picture.left + int(np.median(columns)), picture.top + int(np.median(rows)), -8, -6)
         launch.wait("a pull by hand", lambda last: any(w.id == "hand" for w in getattr(last.get("tool_wrenches"), "wrenches", [])))
         Picture(os.path.join(folder, "pull.png"))
 
