@@ -141,7 +141,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       if (!choice.why_integrator.empty()) choice.sentence += "; " + choice.why_integrator;
       break;
     }
-    const std::string reached = "; its estimated error has reached " + estimate;
+    const std::string reached = "; its estimated error was " + estimate + " where the trial ended";
     if (is_affordable && points == n) {
       choice.sentence = asked + "cannot be met even with every point simulated, which is chosen" + reached;
       break;

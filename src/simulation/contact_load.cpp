@@ -60,6 +60,21 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
   bodies_ = std::move(bodies);
 }
 
+bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time) const {
+  constexpr double kFar = 1e3;  // of the distance to the tool and its size: so far a way is followed
+  return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
+    const ToolParams& tool = body.tool;
+    if (!body.acts.value_or(tool::isActive(tool, time))) return false;
+    const tool::Pose pose = tool::interpolate(tool.path, time);
+    const Vec3 from = pose.orientation.conjugate() * (point - pose.position), along = pose.orientation.conjugate() * direction;
+    const double reach = isPushing(tool) ? 0.0 : tool.reach;
+    if (geometry::findSignedDistance(tool.shape, from, reach).distance <= reach) return true;
+    const bool is_plane = tool.shape.kind == geometry::Solid::Kind::kPlane;
+    const double way = kFar * (from.norm() + (is_plane ? 0.0 : findRadius(tool.shape)));
+    return isPushing(tool) && tool::findEntry(tool.shape, from, from + way * along).has_value();
+  });
+}
+
 double ContactLoad::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
 
 // Calls visit(touch) for every point that the tool acts on.

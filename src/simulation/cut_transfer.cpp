@@ -9,7 +9,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kBlock = 64;      // dense points between two looks at an interrupt: milliseconds at most
+constexpr Index kBlock = 8;       // dense points between two looks at an interrupt: milliseconds at most
 constexpr double kGrazed = 1.01;  // of the way to the farthest source: as far as a knife is looked for
 constexpr int kReach = 3;         // links from the home: about as far as the points that a dense point follows lie at rest
 
@@ -69,7 +69,7 @@ void CutTransfer::followLinks(const std::vector<Link>& whole) {
   Lists followed;
   std::vector<Index> reached, distance(m, -1);
   for (std::size_t d = 0; d < severed_.size(); ++d) {
-    if (d % kBlock == 0) endIfInterrupted();
+    endIfInterrupted(d, std::size_t{kBlock});
     const std::vector<Index> sources = rest_.transfer.sourcesOf(static_cast<Index>(d));
     const bool touches = std::any_of(sources.begin(), sources.end(), [&](Index j) { return is_cut[j]; });
     if (!touches && severed_[d] == 0 && !is_refit_[d]) continue;

@@ -3,15 +3,33 @@
 #include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <numeric>
 
 namespace deformable_surface::simulation {
 namespace {
 
-// Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own smallest extent if that
-// lies between the two.
+// Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own passage if that lies
+// between the two.
 constexpr double kFinest = 0.02, kCoarsest = 0.25;
-constexpr Index kBlock = 64;  // links between two looks at an interrupt: milliseconds, where a knife lies along all of them
+constexpr Index kBlock = 8;  // links between two looks at an interrupt: milliseconds, where a knife lies along all of them
+
+// The least way, m, on which a knife passes a point that moves by up to `slip` (m) in the step. That of a box that goes straight is
+// long where it goes along its flat; else the smallest extent.
+double findPassage(const tool::ToolParams& tool, double time, double step, double slip) {
+  const double smallest = geometry::findSmallestExtent(tool.shape);
+  if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;
+  const tool::Pose first = tool::interpolate(tool.path, time), last = tool::interpolate(tool.path, time + step);
+  const bool has_corner = std::any_of(tool.path.begin(), tool.path.end(), [&](const tool::WaypointParams& w) {
+    return w.time > time && w.time < time + step;
+  });
+  const Vec3 way = first.orientation.conjugate() * (last.position - first.position);
+  if (has_corner || first.orientation.coeffs() != last.orientation.coeffs() || !(way.norm() > slip)) return smallest;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) least = std::min(least, tool.shape.size[k] * way.norm() / (std::abs(way[k]) + slip));
+  return std::max(smallest, least);
+}
 
 bool isKnife(const tool::ToolParams& tool, double time) { return tool.mode == tool::Mode::kCut && tool::isActive(tool, time); }
 
@@ -36,10 +54,12 @@ bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, d
   found_.clear();
   if (model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
   bool has_parted = false;
+  double slip = 0.0;
+  for (std::size_t i = 0; i < before_.size(); ++i) slip = std::max(slip, (positions[i] - before_[i]).norm());
   for (const tool::ToolParams& tool : tools) {
     if (!isKnife(tool, time)) continue;
     const double resolution =
-        std::min(kCoarsest * spacing_, std::max(kFinest * spacing_, 0.5 * geometry::findSmallestExtent(tool.shape)));
+        std::min(kCoarsest * spacing_, std::max(kFinest * spacing_, 0.5 * findPassage(tool, time, step, slip)));
     const tool::BladeSweep blade(tool, time, step, before_, positions, longest_, resolution);
     if (!blade.isNear()) continue;
     cut(blade, positions, model_.stretchLinks());

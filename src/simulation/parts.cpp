@@ -134,7 +134,7 @@ void LooseParts::follow(Index n, const std::vector<std::pair<Index, Index>>* lin
 }
 
 void LooseParts::find(const std::vector<char>& held, const std::vector<double>& stiffness, const Points& loads,
-                      const Points& positions) {
+                      const Points& positions, const ContactLoad& contact, double time) {
   constexpr double kRounding = 1e-6;  // of the sum of the sizes
   is_held_.assign(parts_.count(), 0);
   sizes_.assign(parts_.count(), 0.0);
@@ -144,6 +144,10 @@ void LooseParts::find(const std::vector<char>& held, const std::vector<double>& 
     if (held[i] || stiffness[i] > 0.0) is_held_[p] = 1;
     sums_[p] += loads[i];
     sizes_[p] += loads[i].norm();
+  }
+  for (std::size_t i = 0; i < loads.size() && !contact.isEmpty(); ++i) {
+    const Index p = parts_.label[i];
+    if (!is_held_[p] && sums_[p].norm() > 0.0) is_held_[p] = contact.mayHold(positions[i], sums_[p].normalized(), time);
   }
   is_loose_.assign(parts_.count(), 0);
   count_ = points_ = 0;

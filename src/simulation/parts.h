@@ -2,6 +2,7 @@
 // stepped, because both ask which of them nothing holds.
 #pragma once
 
+#include "deformable_surface/simulation/contact_load.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include <string>
@@ -30,14 +31,16 @@ void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface
 /// Adds to the notes or warnings how many parts there are, if several, and which of them neither a pin nor an anchor holds.
 void noteParts(const SceneParams& params, RestSurface& s);
 
-/// Of an equilibrium: the parts that neither a held point nor a load that resists motion holds, though their loads do not sum to
-/// zero. Allocates nothing while the numbers of points and parts stay.
+/// Of an equilibrium: the parts that neither a held point nor a load that resists motion holds, nor perhaps a tool, though their
+/// loads do not sum to zero. Allocates nothing while the numbers of points and parts stay.
 class LooseParts {
  public:
   /// links: of the n points now; null: all points are one part.
   void follow(Index n, const std::vector<std::pair<Index, Index>>* links);
-  /// held, stiffness, loads and positions are by point: 1 where it is held, N/m of the loads against its motion, N and m.
-  void find(const std::vector<char>& held, const std::vector<double>& stiffness, const Points& loads, const Points& positions);
+  /// held, stiffness, loads and positions are by point: 1 where it is held, N/m of the loads against its motion, N and m. contact:
+  /// the tools that act at that time, s; stiffness and loads are without theirs.
+  void find(const std::vector<char>& held, const std::vector<double>& stiffness, const Points& loads, const Points& positions,
+            const ContactLoad& contact, double time);
 
   bool isLoose(Index point) const { return is_loose_[parts_.label[point]]; }
   /// Whether no part that there is has an equilibrium.

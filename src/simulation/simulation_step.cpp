@@ -98,7 +98,7 @@ void Simulation::Impl::takeStep(const Timer& timer, bool have_loads_changed, std
 
   if (params.integrator.type == solve::IntegratorType::kStatic) {
     findLoose(now + dt);
-    if (loose.areAll() && contact.isEmpty() && grips.isEmpty())
+    if (loose.areAll())
       return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose.load()) +
                         " N",
                     outcome);
@@ -191,17 +191,20 @@ bool Simulation::Impl::beginNested() {
   return true;
 }
 
-// The parts without an equilibrium. What tools may hold is not known before the step. Bonds of particles come and go within it:
-// they count as one part.
+// The parts without an equilibrium. Bonds of particles come and go within a step: they count as one part.
 void Simulation::Impl::findLoose(double time) {
   const Index n = state.size();
   loose.follow(n, system.isOriented() ? nullptr : &model->stretchLinks());
   load_stiffness.assign(n, 0.0);
   load_damping.assign(n, 0.0);
-  for (const solve::ExternalLoad* load : loads) load->addRowBounds(time, state, load_stiffness, load_damping);
   forces_on_all.assign(n, Vec3::Zero());
-  system.addLoadsOnAll(time, state, forces_on_all);
-  loose.find(held, load_stiffness, forces_on_all, state.positions);
+  for (const solve::ExternalLoad* load : loads) {
+    if (load == &contact || load == &friction) continue;
+    load->addRowBounds(time, state, load_stiffness, load_damping);
+    load->addForces(time, state, forces_on_all);
+  }
+  model->confine(forces_on_all);
+  loose.find(held, load_stiffness, forces_on_all, state.positions, contact, time);
 }
 
 // Returns what a user should know of it, if that is news.

@@ -65,6 +65,20 @@ TEST(Cutting, AKnifeThatJumpsAKilometreThroughItCutsAsOneThatGoesSlowly) {
   EXPECT_EQ(s.model().stretchLinks(), slow.model().stretchLinks());
 }
 
+// Its flat lies in the sheet: for the whole of its length it is near each link.
+TEST(Cutting, AKnifeThatSlidesAlongItsFlatCutsTheSameInOneStepAsInMany) {
+  simulation::SceneParams p = stillSheet();
+  p.tools[0].shape.size = Vec3(0.3, 0.3, 0.001);
+  const Vec3 from(-1.0, 0.013, 0.0), to(2.0, 0.013, 0.0);
+  p.tools[0].path = {{0.0, from}, {p.integrator.time_step, to}};
+  simulation::Simulation fast(p, sheetCloud());
+  run(fast, 1);
+  p.tools[0].path[1].time = 10.0 * p.integrator.time_step;
+  simulation::Simulation slow(p, sheetCloud());
+  run(slow, 10);
+  EXPECT_EQ(fast.model().stretchLinks(), slow.model().stretchLinks());
+}
+
 TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
   simulation::Simulation s(stillSheet(), sheetCloud());
   const Points rest = s.state().positions;

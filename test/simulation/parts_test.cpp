@@ -115,6 +115,33 @@ TEST(Parts, AnEquilibriumLeavesInPlaceWhatNothingHoldsAndSaysSoOnce) {
     }
 }
 
+TEST(Parts, AToolHoldsOnlyWhatItIsInTheWayOf) {
+  tool::ToolParams ball, floor;
+  ball.id = "ball";
+  ball.shape.radius = 0.1;
+  ball.path = {{0.0, Vec3(5.0, 5.0, 5.0)}};
+  floor.id = "floor";
+  floor.shape.kind = geometry::Solid::Kind::kPlane;
+  floor.path = {{0.0, Vec3(0.0, 0.0, -3.0)}};
+  SceneParams p = hangingDebris();
+  p.integrator.type = solve::IntegratorType::kStatic;
+  p.tools = {ball};
+  Simulation beside(p, debris());
+  const simulation::StepOutcome left = beside.step();
+  ASSERT_TRUE(left.ok) << left.problem;
+  EXPECT_NE(left.notice.find("nothing holds 2 parts"), std::string::npos) << left.notice;
+  // What falls onto a floor finds an equilibrium there.
+  p.tools = {floor};
+  Simulation above(p, debris());
+  EXPECT_EQ(above.step().notice.find("nothing holds"), std::string::npos);
+  // In the way of the piece alone.
+  p.tools = {ball};
+  p.tools[0].shape.radius = 0.3;
+  p.tools[0].path = {{0.0, Vec3(2.1, 0.1, -0.5)}};
+  Simulation below(p, debris());
+  EXPECT_NE(below.step().notice.find("nothing holds 1 part"), std::string::npos);
+}
+
 TEST(Parts, AnEquilibriumIsRefusedWhereNothingHoldsAnyOfThem) {
   SceneParams p = hangingDebris();
   p.pins.clear();

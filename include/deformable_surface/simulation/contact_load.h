@@ -71,6 +71,9 @@ class ContactLoad : public solve::ExternalLoad {
                       const std::vector<model::WeightedTriangle>& triangles);
   /// Whether tools that appear in the surface arrive, or, for equilibria, are there at once. Default: they arrive.
   void setArriving(bool arrives) { arrives_ = arrives; }
+  /// Whether a tool that acts then may hold a point against a force along direction (unit): it is in the way of the point, or
+  /// attracts it.
+  bool mayHold(const Vec3& point, const Vec3& direction, double time) const;
   /// Forgets what was passed over. The tools are to be set anew.
   void reset();
   /// Points have got other indices: new_index (of those before), -1 = gone.
