@@ -95,8 +95,10 @@ class Demo:
     def take_statistics(self, message):
         """They come while the surface rests, too, and are the demo's clock."""
         with self.lock:
+            if self.ended.is_set():
+                return
             self.last = message
-            if self.rest is None or self.ended.is_set():
+            if self.rest is None:
                 return
             self.speeds.append(message.real_time_factor)
             self.pull(self.now[self.handle], message.simulation_time)

@@ -271,7 +271,7 @@ def check_record():
         assert counts == {"/deformable_surface/force": 3, "/deformable_surface/statistics": 3}, counts
 
 
-def check_clean_end(launch):
+def expect_clean_end(launch):
     launch.reader.join()
     assert launch.process.returncode == 0, launch.process.returncode
     # Of roslaunch in red: what it calls an error. Of the surface in yellow and red: but for how fast the machine is.
@@ -286,7 +286,7 @@ def check_demo():
         write_ball(scan)
         with Launch("demo.launch", "scan:=" + scan, "output:=" + folder, "duration:=1") as launch:
             launch.process.wait(2 * PATIENCE)
-            check_clean_end(launch)
+            expect_clean_end(launch)
         bag, picture = os.path.join(folder, "demo.bag"), os.path.join(folder, "surface.png")
         with open(os.path.join(folder, "summary.txt")) as stream:
             summary = stream.read()
@@ -340,7 +340,7 @@ def run_modelling(*arguments):
         with Launch("modelling.launch", "unattended:=true", "output:=" + output, *arguments) as launch:
             # The launch ends with the script, which says itself what is not as it should be.
             launch.process.wait(4 * PATIENCE)
-            check_clean_end(launch)
+            expect_clean_end(launch)
         with open(output) as stream:
             steps = stream.read()
     print(steps)
