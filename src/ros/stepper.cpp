@@ -465,7 +465,8 @@ StepperStatus Stepper::status() const {
   } else if (simulation_ && !is_gravity_known_) {
     status.state = "waiting for the transform of gravity_frame";
   } else if (simulation_ && isLockstep() && !isHeard()) {
-    status.state = "waiting for commands after " + formatReal(toSeconds(schedule_.begin(status.step))) + " s (input.lockstep)";
+    const double begin = std::round(1e3 * toSeconds(schedule_.begin(status.step))) / 1e3;
+    status.state = "waiting for commands after " + formatReal(begin) + " s (input.lockstep)";
   } else if (simulation_ && !isLockstep() && waitsUntilLater(now_)) {
     status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
   } else if (simulation_) {

@@ -131,7 +131,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       if (choice.is_met && maySoften(params)) chooseMembrane(params, full, probe, choice);
       if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe, choice);
     }
-    const std::string estimate = formatReal(choice.error) + " m";
+    const std::string estimate = std::isfinite(choice.error) ? formatShort(choice.error) + " m" : "infinite";
     if (choice.is_met) {
       choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +
                         formatReal(params.duration) + " s stays below it (" + estimate + ")";

@@ -142,7 +142,7 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
     for (const Index i : grip.points) force += forces[i];
     if (force.norm() <= grip.tool.strength) continue;
     letGo(grip);
-    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatReal(force.norm()) +
+    update.notice = "tool " + quote(grip.tool.id) + " has lost its grip: it would have had to hold " + formatShort(force.norm()) +
                     " N; " + kAnew;
   }
   return update;
