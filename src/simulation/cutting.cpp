@@ -15,8 +15,8 @@ namespace {
 constexpr double kFinest = 0.02, kCoarsest = 0.25;
 constexpr Index kBlock = 8;  // links between two looks at an interrupt: milliseconds, where a knife lies along all of them
 
-// The least way, m, on which a knife passes a point that moves by up to `slip` (m) in the step. That of a box that goes straight is
-// long where it goes along its flat; else the smallest extent.
+// The least way, m, on which a knife passes a point that moves by up to `slip` (m) in the step. That of a box that goes straight
+// is long where it goes along its flat; else the smallest extent.
 double findPassage(const tool::ToolParams& tool, double time, double step, double slip) {
   const double smallest = geometry::findSmallestExtent(tool.shape);
   if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;

@@ -37,8 +37,8 @@ class LooseParts {
  public:
   /// links: of the n points now; null: all points are one part.
   void follow(Index n, const std::vector<std::pair<Index, Index>>* links);
-  /// held, stiffness, loads and positions are by point: 1 where it is held, N/m of the loads against its motion, N and m. contact:
-  /// the tools that act at that time, s; stiffness and loads are without theirs.
+  /// held, stiffness, loads and positions are by point: 1 where it is held, N/m of the loads against its motion, N and m.
+  /// contact: the tools that act at that time, s; stiffness and loads are without theirs.
   void find(const std::vector<char>& held, const std::vector<double>& stiffness, const Points& loads, const Points& positions,
             const ContactLoad& contact, double time);
 
