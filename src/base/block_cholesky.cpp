@@ -1,9 +1,9 @@
 #include "deformable_surface/base/block_cholesky.h"
 
+#include "deformable_surface/base/fill_reducing_order.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/simd.h"
 
-#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
@@ -181,13 +181,10 @@ void BlockCholesky::analyze(const Lists& pattern) {
 void BlockCholesky::order(const Lists& pattern) {
   const Index n = pattern.size();
   const std::vector<double> ones(pattern.items.size(), 1.0);
-  const Eigen::SparseMatrix<double> lower = Eigen::Map<const Eigen::SparseMatrix<double>>(
-      n, n, static_cast<Eigen::Index>(ones.size()), pattern.offsets.data(), pattern.items.data(), ones.data());
-  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> amd;
-  Eigen::AMDOrdering<int>()(lower.selfadjointView<Eigen::Lower>(), amd);
-  endIfInterrupted();  // not looked at within the ordering
+  const std::vector<Index> from = findFillReducingOrder(Eigen::Map<const Eigen::SparseMatrix<double>>(
+      n, n, static_cast<Eigen::Index>(ones.size()), pattern.offsets.data(), pattern.items.data(), ones.data()));
   position_.resize(n);
-  for (Index k = 0; k < n; ++k) position_[amd.indices()[k]] = k;
+  for (Index k = 0; k < n; ++k) position_[from[k]] = k;
   const std::vector<Index> place = findPostorder(findTree(permuteToUpper(pattern, position_)));
   for (Index& p : position_) p = place[p];
 

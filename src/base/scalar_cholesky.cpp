@@ -1,9 +1,9 @@
 #include "deformable_surface/base/scalar_cholesky.h"
 
+#include "deformable_surface/base/fill_reducing_order.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/simd.h"
 
-#include <Eigen/OrderingMethods>
 #include <Eigen/SparseCore>
 
 #include <algorithm>
@@ -121,9 +121,7 @@ void ScalarCholesky::analyze(Index n, const std::vector<std::pair<Index, Index>>
   for (const auto& [i, j] : pairs) entries.emplace_back(std::max(i, j), std::min(i, j), 1.0);
   Eigen::SparseMatrix<double, Eigen::ColMajor, int> matrix(n, n);
   matrix.setFromTriplets(entries.begin(), entries.end());
-  Eigen::AMDOrdering<int>::PermutationType permutation;
-  Eigen::AMDOrdering<int>()(matrix.selfadjointView<Eigen::Lower>(), permutation);
-  from_.assign(permutation.indices().data(), permutation.indices().data() + n);
+  from_ = findFillReducingOrder(std::move(matrix));
   position_.resize(n);
   for (Index k = 0; k < n; ++k) position_[from_[k]] = k;
 

@@ -1,0 +1,44 @@
+// The order of elimination: the same whether or not it can be interrupted, and left at once when it is.
+#include "deformable_surface/base/fill_reducing_order.h"
+#include "deformable_surface/base/interrupt.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace deformable_surface {
+namespace {
+
+// The lower triangle of a grid's Laplacian.
+Eigen::SparseMatrix<double> makeGrid(int side) {
+  std::vector<Eigen::Triplet<double>> entries;
+  for (int i = 0; i < side * side; ++i) {
+    entries.emplace_back(i, i, 4.0);
+    if (i % side > 0) entries.emplace_back(i, i - 1, -1.0);
+    if (i >= side) entries.emplace_back(i, i - side, -1.0);
+  }
+  Eigen::SparseMatrix<double> matrix(side * side, side * side);
+  matrix.setFromTriplets(entries.begin(), entries.end());
+  return matrix;
+}
+
+TEST(FillReducingOrder, IsAPermutationAndTheSameUnderAnInterrupt) {
+  for (const int side : {3, 20, 60}) {
+    const std::vector<Index> alone = findFillReducingOrder(makeGrid(side));
+    std::atomic<bool> flag{false};
+    const InterruptScope scope(flag);
+    EXPECT_EQ(findFillReducingOrder(makeGrid(side)), alone) << side;
+    std::vector<Index> sorted = alone;
+    std::sort(sorted.begin(), sorted.end());
+    for (Index i = 0; i < static_cast<Index>(sorted.size()); ++i) ASSERT_EQ(sorted[i], i);
+  }
+}
+
+TEST(FillReducingOrder, OfALargeMatrixEndsWithTheInterrupt) {
+  std::atomic<bool> flag{true};
+  const InterruptScope scope(flag);
+  EXPECT_THROW(findFillReducingOrder(makeGrid(60)), Interrupted);
+}
+
+}  // namespace
+}  // namespace deformable_surface
