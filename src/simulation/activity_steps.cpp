@@ -84,7 +84,8 @@ NamedForces::Update Simulation::Impl::wakeForStep(double now, double dt) {
   for (const Eigen::AlignedBox3d& box : tool_watch.look(tools, static_cast<double>(steps + 1) * dt, dt))
     activity.wakeIn(box);
   if (!tool_watch.changed().empty()) changed();
-  if (const std::vector<Index> moving = grips.findMovingPins(time(), time() + params.integrator.time_step); !moving.empty()) {
+  grips.findMovingPins(now, now + dt, moving);
+  if (!moving.empty()) {
     activity.wake(moving);
     changed();
   }
@@ -147,7 +148,8 @@ void Simulation::Impl::beginAsleep(double now) {
   march.prepare(now, state);
   part_march = march.memory();
   for (const Eigen::AlignedBox3d& box : tool_watch.changed()) activity.wakeIn(box);
-  activity.wake(grips.findMovingPins(now, now + params.integrator.time_step));
+  grips.findMovingPins(now, now + params.integrator.time_step, moving);
+  activity.wake(moving);
   changed();
 }
 

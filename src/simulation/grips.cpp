@@ -88,15 +88,14 @@ bool Grips::isOnPin(Index point) const {
   });
 }
 
-std::vector<Index> Grips::findMovingPins(double from, double to) const {
-  std::vector<Index> moving;
+void Grips::findMovingPins(double from, double to, std::vector<Index>& moving) const {
+  moving.clear();
   for (const Grip& grip : grips_) {
     if (!grip.is_pin) continue;
     const tool::Pose before = tool::interpolate(grip.tool.path, from), after = tool::interpolate(grip.tool.path, to);
     if (before.position == after.position && before.orientation.coeffs() == after.orientation.coeffs()) continue;
     moving.insert(moving.end(), grip.points.begin(), grip.points.end());
   }
-  return moving;
 }
 
 bool Grips::readForces() const {

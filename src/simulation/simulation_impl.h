@@ -127,7 +127,7 @@ struct Simulation::Impl {
   std::unique_ptr<ActivePart> part;     // null: to be made when it is needed
   solve::TimeMarch::Memory part_march;  // that a part which is made goes on from
   Points followed;  // m, where all were when the model was told by which elements it is taken in parts; or empty
-  std::vector<Index> hits;              // scratch
+  std::vector<Index> hits, moving;      // scratch; moving: points on pins that move in the step
   bool is_hot = false;                  // some particles are above the ambient temperature
   bool is_measured = false;             // the statistics are those of the state
   std::uint64_t revision = 0;           // see Simulation::revision()

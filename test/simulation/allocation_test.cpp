@@ -125,6 +125,14 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
   }
 }
 
+TEST(Allocation, NoStepWithAPinThatMovesAllocatesAfterTheFirst) {
+  simulation::SceneParams p = hangingSheet();
+  p.pins[0].path = {{0.0, Vec3::Zero()}, {10.0, Vec3(1.0, 0.0, 0.5)}};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 5);
+  EXPECT_EQ(countAllocations(s, 20), 0);
+}
+
 TEST(Allocation, NoStepOfAnElasticSolidAllocatesAfterTheFirst) {
   using Type = solve::IntegratorType;
   for (Type type : {Type::kVerlet, Type::kImplicit, Type::kStatic}) {

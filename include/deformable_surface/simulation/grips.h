@@ -43,7 +43,7 @@ class Grips {
   bool hasPins() const;
   bool isOnPin(Index point) const;
   /// The points of pins whose path leads elsewhere between two times.
-  std::vector<Index> findMovingPins(double from, double to) const;
+  void findMovingPins(double from, double to, std::vector<Index>& moving) const;
 
   /// At the beginning of a step: tools whose time has come take hold of the points inside them that are not pinned, those whose
   /// time is over or whose grip is too weak let go. forces (n x 3): what acts on every point, N. slack, s: by which a beginning
