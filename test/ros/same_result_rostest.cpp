@@ -59,22 +59,34 @@ std::string hashOfSimulate(const std::filesystem::path& scene, const std::string
   return begin == std::string::npos ? text : hash.substr(begin, end - begin + 1);
 }
 
-TEST(SameResult, OfOneSceneThroughSimulateAndThroughTheNode) {
+// Runs a scene of 40 steps both ways.
+void expectSameResult(const std::string& node, const std::string& scene) {
   const std::filesystem::path file = std::filesystem::temp_directory_path() / ("scene" + std::to_string(getpid()) + ".yaml");
-  std::ofstream(file) << kScene;
+  std::ofstream(file) << scene;
   const std::string expected = hashOfSimulate(file);
   std::filesystem::remove(file);
 
-  NodeProcess process("/same", kScene);
-  NodeClient client("/same");
+  NodeProcess process(node, scene);
+  NodeClient client(node);
   ASSERT_TRUE(client.waitForNode());
   ASSERT_TRUE(client.pause(true).success);
-  ASSERT_TRUE(client.exchange(toMessage(io::makeShape(io::readScene(io::parseYaml(kScene, "scene")).cloud))));
+  ASSERT_TRUE(client.exchange(toMessage(io::makeShape(io::readScene(io::parseYaml(scene, "scene")).cloud))));
   const StepResponse found = client.step(40);
   EXPECT_TRUE(found.success) << found.message;
   char hash[17];
   std::snprintf(hash, sizeof hash, "%016lx", static_cast<unsigned long>(found.state_hash));
   EXPECT_EQ(expected, hash);
+}
+
+TEST(SameResult, OfOneSceneThroughSimulateAndThroughTheNode) { expectSameResult("/same", kScene); }
+
+TEST(SameResult, OfPinsThatMove) {
+  std::string scene = kScene;
+  const std::string pin = "max: [0.3, 0.3, 0.0]}";
+  scene.insert(scene.find(pin) + pin.size(),
+               ", path: [{time: 0.1, position: [0, 0, 0]}, "
+               "{time: 0.3, position: [0.02, 0, 0.01], orientation: [0, 0, 0.1, 0.995]}]");
+  expectSameResult("/carried", scene);
 }
 
 TEST(SameResult, OfToolsThroughABagAndThroughTheNode) {
