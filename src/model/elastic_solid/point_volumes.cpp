@@ -10,61 +10,177 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 64;        // points a task: a millisecond or so
-// Of the farthest neighbour's distance: facets of the hull nearer to its middle are those of a flat set.
+constexpr Index kClosest = 3;       // neighbours whose distances tell the spacing: a corner of a lattice has as many
+// Of the farthest neighbour's distance: facets of the hull nearer to its middle are those of a flat set, and gaps wider than its
+// inverse are the outside of one.
 constexpr double kNearest = 1e-4;
 // Of a cell's size squared: what a point under the surface may have of it, where its cell just reaches it.
 constexpr double kGrazes = 0.1;
-enum Facet { kBetween, kOutside };  // to a neighbour, or of the hull
+// Of the spacing: no place in a body is farther from all of its points. With jitter of four tenths some are 1.3 away in a plane.
+constexpr double kEmpty = 1.5;
+// Of a cell: gaps that take less of it are dents between the points of a surface that bulges, some hundredths of it where its
+// radius is four spacings.
+constexpr double kDent = 0.05;
+constexpr double kSameCorner = 1e-7;  // of a corner's distance: as many copies of it as it has facets differ by rounding
+enum Facet { kBetween, kOutside, kToGap };  // to a neighbour, of the hull, or to a gap
 
-// The origin's cell among those beside it, within the hull of it and those around it, all relative to it and within reach.
-void cutCell(const Points& beside, const Points& around, double reach, geometry::ConvexCell& hull, geometry::ConvexCell& cell) {
+// Cuts the cell of one point after the other, all relative to it. In a plane cells are prisms.
+class Cutter {
+ public:
+  Cutter(const Points& points, const Lists& neighbors, const Vec3& across)
+      : points_(points), neighbors_(neighbors), across_(across), is_planar_(!across.isZero(0.0)) {}
+
+  /// Point i's cell among its neighbours, within the hull of it and them. Returns how far the cell's corners were before the hull
+  /// cut it: as far as the neighbours at most.
+  double cut(Index i);
+  /// Of the cell that was cut last, the part in gaps, in which places are farther than `empty` from all points. False if there is
+  /// none to speak of.
+  bool cutGaps(double empty);
+
+  /// Of the cell, in a plane area and length.
+  double volume() const { return volume_; }
+  Vec3 outside() const;
+
+ private:
+  Vec3 flatten(const Vec3& p) const { return p - across_.dot(p) * across_; }
+  void measure(double volume, const Vec3& area) {
+    volume_ = std::max(0.0, volume) / height_;
+    outside_ = area / height_;
+  }
+
+  const Points& points_;
+  const Lists& neighbors_;
+  const Vec3 across_;
+  const bool is_planar_;
+
+  double volume_ = 0.0, height_ = 1.0;  // m^3, or m^2; m, of the prism, or 1
+  Vec3 outside_ = Vec3::Zero();
+  double reach_ = 0.0;                  // m, how far neighbours are
+  Points beside_, around_;              // what cuts the cell, and what has the hull
+  geometry::ConvexCell hull_, cell_, star_, part_;
+  Points corners_;
+};
+
+double Cutter::cut(Index i) {
+  const Index count = neighbors_.count(i);
+  beside_.clear();
+  reach_ = 0.0;
+  for (const Index* j = neighbors_.begin(i); j != neighbors_.end(i); ++j) {
+    beside_.push_back(flatten(points_[*j] - points_[i]));
+    reach_ = std::max(reach_, beside_.back().norm());
+  }
+  if (is_planar_) {
+    // A prism over the cell in the plane: of those around, each stands above and below.
+    height_ = reach_;
+    around_.clear();
+    for (const double height : {-height_, height_}) {
+      for (Index k = 0; k < count; ++k) around_.push_back(beside_[k] + height * across_);
+      around_.push_back(height * across_);
+      beside_.push_back(height * across_);
+    }
+    reach_ *= 2.0;
+  }
+  const Points& around = is_planar_ ? around_ : beside_;
+
   // The hull's facets are the corners of its dual about a point inside, { y : (p - middle) . y <= 1 for all p }.
   Vec3 middle = Vec3::Zero();
   for (const Vec3& p : around) middle += p / static_cast<double>(around.size() + 1);
-  hull.reset(1.0 / (kNearest * reach));
-  hull.cut(-middle, 1.0);
-  for (const Vec3& p : around) hull.cut(p - middle, 1.0);
+  hull_.reset(1.0 / (kNearest * reach_));
+  hull_.cut(-middle, 1.0);
+  for (const Vec3& p : around) hull_.cut(p - middle, 1.0);
 
-  cell.reset(reach);
-  for (const Vec3& p : beside) cell.cut(p, 0.5 * p.squaredNorm(), kBetween);
-  for (const Vec3& facet : hull.corners()) cell.cut(facet, 1.0 + facet.dot(middle), kOutside);
+  cell_.reset(reach_);
+  for (const Vec3& p : beside_) cell_.cut(p, 0.5 * p.squaredNorm(), kBetween);
+  double farthest = 0.0;
+  for (const Vec3& corner : cell_.corners()) farthest = std::max(farthest, flatten(corner).norm());
+  for (const Vec3& facet : hull_.corners()) cell_.cut(facet, 1.0 + facet.dot(middle), kOutside);
+  measure(cell_.volume(), cell_.area(kOutside));
+  return farthest;
 }
 
-Vec3 dropGrazing(const Vec3& area, double size) { return area.norm() > kGrazes * size ? area : Vec3(Vec3::Zero()); }
+// The corners of the cell that no hull has cut are the middles of empty spheres through the point and its neighbours, and those
+// neighbours with it the corners of a Delaunay cell. That fills the directions in which its corner is the farthest of all. The
+// spheres in gaps are large: in their directions the body has nothing.
+bool Cutter::cutGaps(double empty) {
+  const double infinite = reach_ / kNearest;
+  star_.reset(infinite);
+  for (const Vec3& p : beside_) star_.cut(p, 0.5 * p.squaredNorm());
+  corners_.clear();
+  for (const Vec3& copy : star_.corners()) {
+    const Vec3 corner = flatten(copy);
+    const auto isSame = [&](const Vec3& other) { return (other - corner).norm() <= kSameCorner * corner.norm(); };
+    if (std::none_of(corners_.begin(), corners_.end(), isSame)) corners_.push_back(corner);
+  }
+  const double whole = cell_.volume();
+  double gaps = 0.0;
+  Vec3 area = cell_.area(kOutside);
+  for (const Vec3& corner : corners_) {
+    if (!(corner.norm() > empty) || corner.cwiseAbs().maxCoeff() > 0.5 * infinite) continue;
+    part_ = cell_;
+    for (const Vec3& other : corners_)
+      if (&other != &corner) part_.cut(other - corner, 0.0, kToGap);
+    gaps += part_.volume();
+    area -= part_.area(kOutside) + part_.area(kToGap);
+  }
+  if (!(gaps > kDent * whole)) return false;
+  measure(whole - gaps, area);
+  return true;
+}
+
+Vec3 Cutter::outside() const {
+  const double size = is_planar_ ? std::sqrt(volume_) : std::cbrt(volume_ * volume_);
+  return outside_.norm() > kGrazes * size ? outside_ : Vec3(Vec3::Zero());
+}
+
+double meanOver(const std::vector<double>& values, const Lists& neighbors, Index i) {
+  double sum = values[i];
+  for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) sum += values[*j];
+  return sum / (1 + neighbors.count(i));
+}
+
+// The local spacing: that of as many cells in a lattice. Those of slender bodies are all cut by the hull; there it is at least the
+// distance to the nearest points.
+std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume, bool is_planar) {
+  const Index n = neighbors.size();
+  std::vector<double> closest(n, 0.0), spacing(n, 0.0);
+  for (Index i = 0; i < n; ++i) {
+    const Index count = std::min(kClosest, neighbors.count(i));
+    for (Index k = 0; k < count; ++k) closest[i] += (points[neighbors.begin(i)[k]] - points[i]).norm() / count;
+  }
+  for (Index i = 0; i < n; ++i) {
+    const double mean = meanOver(volume, neighbors, i);
+    spacing[i] = std::max(is_planar ? std::sqrt(mean) : std::cbrt(mean), meanOver(closest, neighbors, i));
+  }
+  return spacing;
+}
 
 }  // namespace
 
 PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across) {
   const bool is_planar = !across.isZero(0.0);
+  const Index n = neighbors.size();
   PointCells cells{std::vector<double>(points.size(), 0.0), Points(points.size(), Vec3::Zero())};
-  parallelFor(neighbors.size(), kBlock, [&](Index begin, Index end) {
-    geometry::ConvexCell hull, cell;
-    Points beside, around;
+  std::vector<double> farthest(n, 0.0);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Cutter cutter(points, neighbors, across);
     for (Index i = begin; i < end; ++i) {
       if (neighbors.count(i) < (is_planar ? 2 : 3)) continue;
-      beside.clear();
-      double reach = 0.0;
-      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-        const Vec3 d = points[*j] - points[i];
-        beside.push_back(d - across.dot(d) * across);
-        reach = std::max(reach, beside.back().norm());
-      }
-      if (!is_planar) {
-        cutCell(beside, beside, reach, hull, cell);
-        cells.volume[i] = std::max(0.0, cell.volume());
-        cells.outside[i] = dropGrazing(cell.area(kOutside), std::cbrt(cells.volume[i] * cells.volume[i]));
-        continue;
-      }
-      // A prism over the cell in the plane: of those around, each stands above and below.
-      around.clear();
-      for (const double height : {-reach, reach}) {
-        for (Index k = 0; k < neighbors.count(i); ++k) around.push_back(beside[k] + height * across);
-        around.push_back(height * across);
-        beside.push_back(height * across);
-      }
-      cutCell(beside, around, 2.0 * reach, hull, cell);
-      cells.volume[i] = std::max(0.0, cell.volume()) / reach;
-      cells.outside[i] = dropGrazing(cell.area(kOutside) / reach, std::sqrt(cells.volume[i]));
+      farthest[i] = cutter.cut(i);
+      cells.volume[i] = cutter.volume();
+      cells.outside[i] = cutter.outside();
+    }
+  });
+
+  // Of those at the outside, what lies in gaps.
+  const std::vector<double> spacing = findSpacing(points, neighbors, cells.volume, is_planar);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    Cutter cutter(points, neighbors, across);
+    for (Index i = begin; i < end; ++i) {
+      if (!(farthest[i] > kEmpty * spacing[i])) continue;
+      cutter.cut(i);
+      if (!cutter.cutGaps(kEmpty * spacing[i])) continue;
+      cells.volume[i] = cutter.volume();
+      cells.outside[i] = cutter.outside();
     }
   });
   return cells;

@@ -14,8 +14,9 @@ struct PointCells {
 };
 
 /// Voronoi cells among neighbours, cut by the convex hull of a point and them: a point on a flat face has half a cell, on a
-/// straight edge a quarter, and on a convex body they sum to the volume of the hull of its points. Behind a concave edge the
-/// hull reaches over the gap: such points stand for up to a third too much.
+/// straight edge a quarter, and on a convex body they sum to the volume of the hull of its points. Where the hull reaches over a
+/// gap, in a hole or beside a concave edge, the Delaunay cells there are too large to be of the body, and are taken away from
+/// the points that they touch. What is more than half as far again from every point as points are from each other is a gap.
 /// points (n x 3) m; neighbors: of every point, as far as its cell may reach (some thirty, in a plane sixteen); across: unit
 /// normal of the plane of a planar body, or zero. Parallel; O(n k^2).
 PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across);
