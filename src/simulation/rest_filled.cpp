@@ -132,7 +132,7 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
 
   Lists neighbors = cloud::nearestNeighbors(s.points, 2 * params.neighbors.k);
   const std::vector<double> detours = keepNearOverBody(params.neighbors, s.points, neighbors, s);
-  finishSolid(params, neighbors, detours, Vec3::Zero(), s);
+  finishSolid(params, neighbors, detours, Vec3::Zero(), model::Outline::kSurface, s);
   const Lists followed = findFollowed(s, owner, neighbors, 2 * params.transfer.k);
   s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
 }

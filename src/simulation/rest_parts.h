@@ -2,6 +2,7 @@
 #pragma once
 
 #include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/model/elastic_solid/point_volumes.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
 namespace deformable_surface::simulation {
@@ -38,8 +39,8 @@ std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const
                                      RestSurface& s);
 /// How many simulation points are asked for, of so many; of a threshold as well.
 Index findSolidTarget(const cloud::SimplificationParams& how, Index of);
-/// Model, pins and notes on the simulation points s.points. across: see model::ElasticSolid.
+/// Model, pins and notes on the simulation points s.points. across, outline: see model::ElasticSolid.
 void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                 RestSurface& s);
+                 model::Outline outline, RestSurface& s);
 
 }  // namespace deformable_surface::simulation

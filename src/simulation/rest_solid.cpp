@@ -156,8 +156,9 @@ Index findSolidTarget(const cloud::SimplificationParams& how, Index of) {
 }
 
 void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                 RestSurface& s) {
-  auto solid = std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material, params.elastic_solid);
+                 model::Outline outline, RestSurface& s) {
+  auto solid = std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material,
+                                                     params.elastic_solid, outline);
   if (solid->numDeficient() > 0)
     s.notes.push_back(
         count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
@@ -199,7 +200,8 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
     if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, s.dense_index, k);
     neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
   }
-  finishSolid(params, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across, s);
+  finishSolid(params, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across,
+              m < n ? model::Outline::kRough : model::Outline::kSurface, s);
 
   if (m < n)
     s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points,
@@ -217,7 +219,8 @@ RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, 
   const Index k = countNeighbors(params, across);
   cloud::GeodesicCells cells;
   if (!params.neighbors.areEuclidean()) cells = cloud::findGeodesicCells(of.points, of.solid_neighbors, s.dense_index, k);
-  finishSolid(params, params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors, {}, across, s);
+  finishSolid(params, params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors, {}, across,
+              model::Outline::kRough, s);
   s.solid_transfer = transfer::SolidTransfer(of.points, of.normals, s.points, findFollowed(params, cells, of.points, s.points));
   return s;
 }

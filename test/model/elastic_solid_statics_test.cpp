@@ -148,6 +148,54 @@ TEST(ElasticSolidStatics, ACantileverConvergesToTheExactSolution) {
   }
 }
 
+constexpr double kOuter = 2.0;
+
+// A long tube under inner pressure, a quarter of its section: error of the mean displacement of the inner circle, exactly
+// [Timoshenko and Goodier 1951, art. 28].
+double pressTube(Index through, double jitter, unsigned seed, double poisson) {
+  const QuarterRing ring = makeQuarterRing(kOuter, through, jitter, seed);
+  const double pressure = 1e-6 * kYoung;
+  SolidOptions options;
+  options.material.poisson_ratio = poisson;
+  options.material.thickness = 1.0;
+  options.params.plane = model::PlaneKind::kStrain;
+  options.material.young_modulus = kYoung;
+  const ElasticSolid solid = makePlanarSolid(ring.points, options);
+  std::vector<char> is_given(3 * ring.points.size(), 0);
+  Points load(ring.points.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < ring.points.size(); ++i)
+    for (int c = 0; c < 3; ++c) is_given[3 * i + c] = ring.points[i][c] == 0.0;
+  for (std::size_t k = 0; k < ring.inner.size(); ++k)
+    load[ring.inner[k]] = pressure * ring.length[k] * ring.points[ring.inner[k]];
+  const Points found =
+      solveSmall(solid, ring.points, is_given, Points(ring.points.size(), Vec3::Zero()), load, 1.0 / through);
+  double mean = 0.0;
+  for (std::size_t k = 0; k < ring.inner.size(); ++k)
+    mean += ring.length[k] * found[ring.inner[k]].dot(ring.points[ring.inner[k]]) / (0.5 * M_PI);
+  const double squared = kOuter * kOuter;
+  const double exact = pressure * (1.0 + poisson) / kYoung * (1.0 - 2.0 * poisson + squared) / (squared - 1.0);
+  return mean / exact - 1.0;
+}
+
+// Twice as many points, a quarter of the error.
+TEST(ElasticSolidStatics, ATubeUnderInnerPressureConvergesToTheExactSolution) {
+  for (const double poisson : {0.0, 0.3, 0.45})
+    for (const double jitter : {0.0, 0.3}) {
+      double error[3] = {0.0, 0.0, 0.0};
+      const Index through[3] = {4, 8, 16};
+      for (int k = 0; k < 3; ++k)
+        for (const unsigned seed : {1u, 2u, 3u})
+          error[k] = std::max(error[k], std::abs(pressTube(through[k], jitter, seed, poisson)));
+      const double order = std::log(error[0] / error[2]) / std::log(15.0 / 3.0);
+      std::printf("tube, Poisson's ratio %.2f, jitter %.1f: %.4f %.4f %.4f, order %.2f\n", poisson, jitter, error[0], error[1],
+                  error[2], order);
+      EXPECT_LT(error[0], 0.1) << poisson << ", " << jitter;
+      EXPECT_LT(error[1], 0.01) << poisson << ", " << jitter;
+      EXPECT_LT(error[2], 0.004) << poisson << ", " << jitter;
+      EXPECT_GT(order, 1.6) << poisson << ", " << jitter;
+    }
+}
+
 // A bar clamped at one end and loaded at the other, against Timoshenko's beam: the clamp, which keeps the end from contracting,
 // makes it a little stiffer.
 TEST(ElasticSolidStatics, ABarBendsAsBeamsDo) {

@@ -67,6 +67,77 @@ TEST(PointVolumes, HaveTheirPartOfTheOutside) {
   EXPECT_LT((edge[0] - Vec3(-0.05, -0.05, 0.0)).norm(), 1e-9);
 }
 
+// A ring with eight points through its wall: the area between the polygons through its points, and outside of every point on the
+// inner circle its part of it, towards the middle. Of rough outlines the hull is kept, which reaches into the hole.
+TEST(PointVolumes, EndAtTheCircleOfAHole) {
+  for (const double jitter : {0.0, 0.3}) {
+    const QuarterRing ring = makeQuarterRing(2.0, 8, jitter);
+    const Lists neighbors = cloud::nearestNeighbors(ring.points, 16);
+    const double whole = 0.25 * M_PI * 3.0;
+    const model::PointCells cells = model::findPointCells(ring.points, neighbors, Vec3::UnitZ());
+    EXPECT_NEAR(sumOf(cells.volume) / whole, 1.0, 0.003) << jitter;
+    EXPECT_GT(sumOf(model::findPointCells(ring.points, neighbors, Vec3::UnitZ(), model::Outline::kRough).volume) / whole, 1.02);
+    for (std::size_t k = 1; k + 1 < ring.inner.size(); ++k) {
+      const Vec3 inward = -ring.length[k] * ring.points[ring.inner[k]];
+      EXPECT_LT((cells.outside[ring.inner[k]] - inward).norm(), 0.07 * ring.length[k]) << jitter << " " << k;
+    }
+  }
+}
+
+// A ball with a hollow of half its radius: a lattice between points on both spheres.
+TEST(PointVolumes, SumToTheVolumeOfAHollowBall) {
+  const double spacing = 0.15;
+  Points ball;
+  for (const double radius : {0.5, 1.0})
+    for (const Vec3& p : makeSphere(static_cast<Index>(4.0 * M_PI * radius * radius / (spacing * spacing)), radius).points)
+      ball.push_back(p);
+  for (const Vec3& p : makeBox(15, 15, 15, spacing, 0.2)) {
+    const double distance = (p - Vec3::Constant(7.0 * spacing)).norm();
+    if (distance > 0.5 + 0.6 * spacing && distance < 1.0 - 0.6 * spacing) ball.push_back(p - Vec3::Constant(7.0 * spacing));
+  }
+  const double whole = 4.0 / 3.0 * M_PI * (1.0 - 0.125);
+  const Lists neighbors = cloud::nearestNeighbors(ball, 32);
+  EXPECT_NEAR(sumOf(model::findPointCells(ball, neighbors, Vec3::Zero()).volume) / whole, 1.0, 0.01);
+  EXPECT_GT(sumOf(model::findPointCells(ball, neighbors, Vec3::Zero(), model::Outline::kRough).volume) / whole, 1.02);
+}
+
+// Beside a concave edge points have half a cell. At the edge itself three points look as the corners of a body: half a square
+// between two neighbours remains.
+TEST(PointVolumes, EndAtAConcaveEdge) {
+  const Index n = 6;  // cells of each arm's width
+  Points ell;
+  std::vector<double> expected;
+  for (Index i = 0; i <= 2 * n; ++i)
+    for (Index j = 0; j <= 2 * n; ++j) {
+      if (i > n && j > n) continue;
+      ell.emplace_back(0.1 * i, 0.1 * j, 0.0);
+      const bool is_side = (i == n && j > n) || (j == n && i > n);
+      expected.push_back(is_side && i < 2 * n && j < 2 * n ? 0.5 : -1.0);
+      if (is_side && i + j == 2 * n + 1) expected.back() = 0.625;
+    }
+  const std::vector<double> areas = model::findPointCells(ell, cloud::nearestNeighbors(ell, 16), Vec3::UnitZ()).volume;
+  for (std::size_t i = 0; i < ell.size(); ++i)
+    if (expected[i] > 0.0) {
+      EXPECT_NEAR(areas[i] / 0.01, expected[i], 1e-6) << ell[i].transpose();
+    }
+  EXPECT_NEAR(sumOf(areas) / 0.01, 3.0 * n * n + 0.5, 1e-6);
+}
+
+// Voids between jittered points are no gaps: whatever the outline is said to be, the bits are the same.
+TEST(PointVolumes, AreThoseOfTheHullOfAConvexBody) {
+  for (const double jitter : {0.2, 0.4}) {
+    for (const Points& points : {makeBox(9, 8, 7, 0.1, jitter), makeBox(30, 2, 2, 0.1, jitter), makeBox(20, 15, 1, 0.1, jitter)}) {
+      const bool is_planar = points.size() == 300;
+      const Vec3 across = is_planar ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero());
+      const Lists neighbors = cloud::nearestNeighbors(points, is_planar ? 16 : 32);
+      const model::PointCells cells = model::findPointCells(points, neighbors, across);
+      const model::PointCells of_hull = model::findPointCells(points, neighbors, across, model::Outline::kRough);
+      EXPECT_EQ(cells.volume, of_hull.volume) << jitter;
+      EXPECT_EQ(cells.outside, of_hull.outside) << jitter;
+    }
+  }
+}
+
 TEST(PointVolumes, AreNoneWhereNeighboursLieInAPlane) {
   const Points sheet = makeBox(6, 6, 1, 0.1);
   // Thinner than a thousandth of the spacing.

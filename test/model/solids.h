@@ -28,6 +28,35 @@ inline Points makeBox(Index nx, Index ny, Index nz, double spacing, double jitte
   return points;
 }
 
+/// A quarter of a ring of radii 1 and outer in the plane z = 0, beside the axes, with so many points through its wall. Jitter, in
+/// shares of the spacing, keeps those on circles and axes on them.
+struct QuarterRing {
+  Points points;
+  std::vector<Index> inner;    // on the inner circle, from the x axis on
+  std::vector<double> length;  // of each, its part of the circle, m
+};
+
+inline QuarterRing makeQuarterRing(double outer, Index through, double jitter = 0.0, unsigned seed = 1) {
+  std::mt19937 generator(seed);
+  const double spacing = (outer - 1.0) / (through - 1), quarter = 0.5 * M_PI;
+  const Index rays = static_cast<Index>(std::lround(quarter * std::sqrt(outer) / spacing));
+  QuarterRing ring;
+  std::vector<double> angles;
+  for (Index i = 0; i < through; ++i)
+    for (Index j = 0; j <= rays; ++j) {
+      const Vec3 shift = jitter * randomVector(generator);
+      const double radius = 1.0 + spacing * (i + (i == 0 || i == through - 1 ? 0.0 : shift.x()));
+      const double angle = quarter / rays * (j + (j == 0 || j == rays ? 0.0 : shift.y()));
+      if (i == 0) {
+        ring.inner.push_back(static_cast<Index>(ring.points.size()));
+        angles.push_back(angle);
+      }
+      ring.points.emplace_back(j == rays ? 0.0 : radius * std::cos(angle), j == 0 ? 0.0 : radius * std::sin(angle), 0.0);
+    }
+  for (Index j = 0; j <= rays; ++j) ring.length.push_back(0.5 * (angles[std::min(j + 1, rays)] - angles[std::max(j - 1, 0)]));
+  return ring;
+}
+
 struct SolidOptions {
   model::MaterialParams material;
   model::ElasticSolidParams params;

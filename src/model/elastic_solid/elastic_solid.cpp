@@ -67,10 +67,10 @@ void putNearFirst(SolidRest& rest) {
 }
 
 SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                   const MaterialParams& material, const ElasticSolidParams& params) {
+                   const MaterialParams& material, const ElasticSolidParams& params, Outline outline) {
   const bool is_planar = !across.isZero(0.0);
   const Points points = flatten(given, across);
-  PointCells cells = findPointCells(points, neighbors, across);
+  PointCells cells = findPointCells(points, neighbors, across, outline);
   std::vector<double> sorted = cells.volume;
   std::nth_element(sorted.begin(), sorted.begin() + sorted.size() / 2, sorted.end());
   for (double& v : cells.volume) v = std::max(v, kLeastVolume * sorted[sorted.size() / 2]);
@@ -94,10 +94,10 @@ SolidRest makeRest(const Points& given, const Lists& neighbors, const std::vecto
 }  // namespace
 
 ElasticSolid::ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                           const MaterialParams& material, const ElasticSolidParams& params)
+                           const MaterialParams& material, const ElasticSolidParams& params, Outline outline)
     : law_(params.law == SolidLaw::kLinear ? StressLaw::kLinear : StressLaw::kCorotated),
       is_plate_(!across.isZero(0.0) && params.plane == PlaneKind::kStress),
-      passes_(makeRest(rest, neighbors, detours, across, material, params)) {
+      passes_(makeRest(rest, neighbors, detours, across, material, params, outline)) {
   if (params.plasticity.isOn()) plasticity_.emplace(passes_.rest, params.plasticity);
   for (double volume : passes_.rest.volumes) masses_.push_back(material.density * volume);
   const char full = isPlanar() ? 2 : 3;

@@ -16,11 +16,11 @@ constexpr Index kClosest = 3;       // neighbours whose distances tell the spaci
 constexpr double kNearest = 1e-4;
 // Of a cell's size squared: what a point under the surface may have of it, where its cell just reaches it.
 constexpr double kGrazes = 0.1;
-// Of the spacing: no place in a body is farther from all of its points. With jitter of four tenths some are 1.3 away in a plane.
-constexpr double kEmpty = 1.5;
+// Of the spacing: no place in a body is farther from all of its points. With jitter of four tenths some are 1.27 away in a plane.
+constexpr double kEmpty = 1.4;
 // Of a cell: gaps that take less of it are dents between the points of a surface that bulges, some hundredths of it where its
-// radius is four spacings.
-constexpr double kDent = 0.05;
+// radius is four spacings. Where they take more, the points are layers far apart.
+constexpr double kDent = 0.05, kLayer = 0.95;
 constexpr double kSameCorner = 1e-7;  // of a corner's distance: as many copies of it as it has facets differ by rounding
 enum Facet { kBetween, kOutside, kToGap };  // to a neighbour, of the hull, or to a gap
 
@@ -33,8 +33,8 @@ class Cutter {
   /// Point i's cell among its neighbours, within the hull of it and them. Returns how far the cell's corners were before the hull
   /// cut it: as far as the neighbours at most.
   double cut(Index i);
-  /// Of the cell that was cut last, the part in gaps, in which places are farther than `empty` from all points. False if there is
-  /// none to speak of.
+  /// Takes what lies in gaps from the cell that was cut last: places farther than `empty` (m) from all points, and those between
+  /// them and the body. False if there is none to speak of.
   bool cutGaps(double empty);
 
   /// Of the cell, in a plane area and length.
@@ -122,7 +122,7 @@ bool Cutter::cutGaps(double empty) {
     gaps += part_.volume();
     area -= part_.area(kOutside) + part_.area(kToGap);
   }
-  if (!(gaps > kDent * whole)) return false;
+  if (!(gaps > kDent * whole && gaps < kLayer * whole)) return false;
   measure(whole - gaps, area);
   return true;
 }
@@ -140,7 +140,8 @@ double meanOver(const std::vector<double>& values, const Lists& neighbors, Index
 
 // The local spacing: that of as many cells in a lattice. Those of slender bodies are all cut by the hull; there it is at least the
 // distance to the nearest points.
-std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume, bool is_planar) {
+std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume,
+                                bool is_planar) {
   const Index n = neighbors.size();
   std::vector<double> closest(n, 0.0), spacing(n, 0.0);
   for (Index i = 0; i < n; ++i) {
@@ -156,7 +157,7 @@ std::vector<double> findSpacing(const Points& points, const Lists& neighbors, co
 
 }  // namespace
 
-PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across) {
+PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline) {
   const bool is_planar = !across.isZero(0.0);
   const Index n = neighbors.size();
   PointCells cells{std::vector<double>(points.size(), 0.0), Points(points.size(), Vec3::Zero())};
@@ -171,6 +172,7 @@ PointCells findPointCells(const Points& points, const Lists& neighbors, const Ve
     }
   });
 
+  if (outline == Outline::kRough) return cells;
   // Of those at the outside, what lies in gaps.
   const std::vector<double> spacing = findSpacing(points, neighbors, cells.volume, is_planar);
   parallelFor(n, kBlock, [&](Index begin, Index end) {

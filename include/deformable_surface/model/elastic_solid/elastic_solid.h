@@ -23,7 +23,7 @@ class ElasticSolid : public DeformableModel {
   /// rest: (n x 3) m; neighbors: lists of some thirty (planar: sixteen), nearest first; detours: weight of each listed pair, or
   /// empty. across: unit normal of the plane that the points lie in, or zero for a body in space.
   ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-               const MaterialParams& material, const ElasticSolidParams& params);
+               const MaterialParams& material, const ElasticSolidParams& params, Outline outline = Outline::kSurface);
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<ElasticSolid>(*this); }
   const std::vector<double>& masses() const override { return masses_; }

@@ -13,12 +13,17 @@ struct PointCells {
                    // just reaches the surface
 };
 
+/// How points outline a body: some of them lie on its surface wherever that is; or at most near it, with dents between them, as
+/// those do that are left of a cloud.
+enum class Outline { kSurface, kRough };
+
 /// Voronoi cells among neighbours, cut by the convex hull of a point and them: a point on a flat face has half a cell, on a
 /// straight edge a quarter, and on a convex body they sum to the volume of the hull of its points. Where the hull reaches over a
-/// gap, in a hole or beside a concave edge, the Delaunay cells there are too large to be of the body, and are taken away from
-/// the points that they touch. What is more than half as far again from every point as points are from each other is a gap.
+/// gap, in a hole or beside a concave edge, a point loses the directions in which empty spheres that touch it and its neighbours
+/// are wider than the spacing allows: the body ends at the facets between its points. Not of rough outlines, whose dents look as
+/// gaps do.
 /// points (n x 3) m; neighbors: of every point, as far as its cell may reach (some thirty, in a plane sixteen); across: unit
 /// normal of the plane of a planar body, or zero. Parallel; O(n k^2).
-PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across);
+PointCells findPointCells(const Points& points, const Lists& neighbors, const Vec3& across, Outline outline = Outline::kSurface);
 
 }  // namespace deformable_surface::model
