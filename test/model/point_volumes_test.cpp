@@ -126,7 +126,8 @@ TEST(PointVolumes, EndAtAConcaveEdge) {
 // Voids between jittered points are no gaps: whatever the outline is said to be, the bits are the same.
 TEST(PointVolumes, AreThoseOfTheHullOfAConvexBody) {
   for (const double jitter : {0.2, 0.4}) {
-    for (const Points& points : {makeBox(9, 8, 7, 0.1, jitter), makeBox(30, 2, 2, 0.1, jitter), makeBox(20, 15, 1, 0.1, jitter)}) {
+    for (const Points& points :
+         {makeBox(9, 8, 7, 0.1, jitter), makeBox(30, 2, 2, 0.1, jitter), makeBox(20, 15, 1, 0.1, jitter)}) {
       const bool is_planar = points.size() == 300;
       const Vec3 across = is_planar ? Vec3(Vec3::UnitZ()) : Vec3(Vec3::Zero());
       const Lists neighbors = cloud::nearestNeighbors(points, is_planar ? 16 : 32);

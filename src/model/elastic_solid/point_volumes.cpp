@@ -30,12 +30,15 @@ class Cutter {
   Cutter(const Points& points, const Lists& neighbors, const Vec3& across)
       : points_(points), neighbors_(neighbors), across_(across), is_planar_(!across.isZero(0.0)) {}
 
-  /// Point i's cell among its neighbours, within the hull of it and them. Returns how far the cell's corners were before the hull
-  /// cut it: as far as the neighbours at most.
-  double cut(Index i);
-  /// Takes what lies in gaps from the cell that was cut last: places farther than `empty` (m) from all points, and those between
-  /// them and the body. False if there is none to speak of.
-  bool cutGaps(double empty);
+  /// Goes on to point i.
+  void moveTo(Index i);
+  /// Its cell among its neighbours, within the hull of it and them. Returns how far the cell's corners were before the hull cut
+  /// it: as far as the neighbours at most.
+  double cut();
+  /// Whether it lies at a gap: whether some place is nearest to it, among its neighbours, and yet farther than `empty`, m.
+  bool findGaps(double empty);
+  /// Takes what lies in the gaps found, and between them and the body, from the cell. False if it is nothing to speak of.
+  bool cutGaps();
 
   /// Of the cell, in a plane area and length.
   double volume() const { return volume_; }
@@ -58,10 +61,11 @@ class Cutter {
   double reach_ = 0.0;                  // m, how far neighbours are
   Points beside_, around_;              // what cuts the cell, and what has the hull
   geometry::ConvexCell hull_, cell_, star_, part_;
-  Points corners_;
+  Points corners_;                      // of the cell that no hull has cut
+  std::vector<char> is_gap_;            // of its corners
 };
 
-double Cutter::cut(Index i) {
+void Cutter::moveTo(Index i) {
   const Index count = neighbors_.count(i);
   beside_.clear();
   reach_ = 0.0;
@@ -80,6 +84,9 @@ double Cutter::cut(Index i) {
     }
     reach_ *= 2.0;
   }
+}
+
+double Cutter::cut() {
   const Points& around = is_planar_ ? around_ : beside_;
 
   // The hull's facets are the corners of its dual about a point inside, { y : (p - middle) . y <= 1 for all p }.
@@ -101,7 +108,7 @@ double Cutter::cut(Index i) {
 // The corners of the cell that no hull has cut are the middles of empty spheres through the point and its neighbours, and those
 // neighbours with it the corners of a Delaunay cell. That fills the directions in which its corner is the farthest of all. The
 // spheres in gaps are large: in their directions the body has nothing.
-bool Cutter::cutGaps(double empty) {
+bool Cutter::findGaps(double empty) {
   const double infinite = reach_ / kNearest;
   star_.reset(infinite);
   for (const Vec3& p : beside_) star_.cut(p, 0.5 * p.squaredNorm());
@@ -111,14 +118,21 @@ bool Cutter::cutGaps(double empty) {
     const auto isSame = [&](const Vec3& other) { return (other - corner).norm() <= kSameCorner * corner.norm(); };
     if (std::none_of(corners_.begin(), corners_.end(), isSame)) corners_.push_back(corner);
   }
+  is_gap_.clear();
+  for (const Vec3& corner : corners_)
+    is_gap_.push_back(corner.norm() > empty && corner.cwiseAbs().maxCoeff() <= 0.5 * infinite);
+  return std::find(is_gap_.begin(), is_gap_.end(), 1) != is_gap_.end();
+}
+
+bool Cutter::cutGaps() {
   const double whole = cell_.volume();
   double gaps = 0.0;
   Vec3 area = cell_.area(kOutside);
-  for (const Vec3& corner : corners_) {
-    if (!(corner.norm() > empty) || corner.cwiseAbs().maxCoeff() > 0.5 * infinite) continue;
+  for (std::size_t k = 0; k < corners_.size(); ++k) {
+    if (!is_gap_[k]) continue;
     part_ = cell_;
-    for (const Vec3& other : corners_)
-      if (&other != &corner) part_.cut(other - corner, 0.0, kToGap);
+    for (std::size_t other = 0; other < corners_.size(); ++other)
+      if (other != k) part_.cut(corners_[other] - corners_[k], 0.0, kToGap);
     gaps += part_.volume();
     area -= part_.area(kOutside) + part_.area(kToGap);
   }
@@ -138,8 +152,8 @@ double meanOver(const std::vector<double>& values, const Lists& neighbors, Index
   return sum / (1 + neighbors.count(i));
 }
 
-// The local spacing: that of as many cells in a lattice. Those of slender bodies are all cut by the hull; there it is at least the
-// distance to the nearest points.
+// The local spacing: that of as many cells in a lattice. Those of slender bodies are all cut by the hull; there it is at least
+// the distance to the nearest points.
 std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume,
                                 bool is_planar) {
   const Index n = neighbors.size();
@@ -166,7 +180,8 @@ PointCells findPointCells(const Points& points, const Lists& neighbors, const Ve
     Cutter cutter(points, neighbors, across);
     for (Index i = begin; i < end; ++i) {
       if (neighbors.count(i) < (is_planar ? 2 : 3)) continue;
-      farthest[i] = cutter.cut(i);
+      cutter.moveTo(i);
+      farthest[i] = cutter.cut();
       cells.volume[i] = cutter.volume();
       cells.outside[i] = cutter.outside();
     }
@@ -179,8 +194,10 @@ PointCells findPointCells(const Points& points, const Lists& neighbors, const Ve
     Cutter cutter(points, neighbors, across);
     for (Index i = begin; i < end; ++i) {
       if (!(farthest[i] > kEmpty * spacing[i])) continue;
-      cutter.cut(i);
-      if (!cutter.cutGaps(kEmpty * spacing[i])) continue;
+      cutter.moveTo(i);
+      if (!cutter.findGaps(kEmpty * spacing[i])) continue;
+      cutter.cut();
+      if (!cutter.cutGaps()) continue;
       cells.volume[i] = cutter.volume();
       cells.outside[i] = cutter.outside();
     }
