@@ -63,6 +63,7 @@ std::vector<Index> labelParts(const Points& positions, const Points& normals, co
 // What a neighbour is asked for, in one cache line.
 struct alignas(64) Sample {
   Vec3 position, normal;
+  double wanted;  // spacing, over the mean
 };
 
 // The neighbours of one point and the memory to find them and to evaluate its star.
@@ -84,9 +85,9 @@ struct Refills {
 
 class Thinning {
  public:
-  // part: (n) below num_parts.
-  Thinning(const Points& positions, const Points& normals, Index k, Lists neighbors, std::vector<Index> part, Index num_parts,
-           bool over_surface)
+  // part: (n) below num_parts. wanted: (n) spacings over the mean, or empty.
+  Thinning(const Points& positions, const Points& normals, const std::vector<double>& wanted, Index k, Lists neighbors,
+           std::vector<Index> part, Index num_parts, bool over_surface)
       : k_(k),
         over_surface_(over_surface),
         samples_(positions.size()),
@@ -99,7 +100,7 @@ class Thinning {
         stored_(positions.size()) {
     const Index n = num_alive_;
     for (Index i = 0; i < n; ++i) {
-      samples_[i] = {positions[i], normals[i]};
+      samples_[i] = {positions[i], normals[i], wanted.empty() ? 1.0 : wanted[i]};
       Index* const begin = lists_.items.data() + lists_.offsets[i];
       const auto isOther = [&](Index j) { return part_[j] != part_[i]; };
       stored_[i] = static_cast<Index>(std::remove_if(begin, begin + lists_.count(i), isOther) - begin);
@@ -174,7 +175,8 @@ class Thinning {
   }
 
  private:
-  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r.
+  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r. Over
+  // the spacing that is wanted.
   // After findNear().
   double evaluateKey(Index i, Scratch& scratch) const {
     if (scratch.near.empty()) return 0.0;
@@ -197,7 +199,7 @@ class Thinning {
         squared_diameter = std::max(squared_diameter, (qa - scratch.projected[ring[b]]).squaredNorm());
       }
     }
-    return ring.empty() ? 2.0 * nearest : 0.5 * std::sqrt(squared_diameter) + nearest;
+    return (ring.empty() ? 2.0 * nearest : 0.5 * std::sqrt(squared_diameter) + nearest) / own.wanted;
   }
 
   // Starts to fetch what the evaluation of a key reads first: points come in no order that the processor could foresee.
@@ -337,9 +339,9 @@ class Thinning {
 };
 
 // Coarsely first, then the rest by rings.
-Simplification simplifyLarge(const Points& positions, const Points& normals, Index k, Index min_points, Index stop,
-                             const Lists& neighbors, std::vector<Index> part, Index num_parts, std::vector<char> stays,
-                             bool over_surface) {
+Simplification simplifyLarge(const Points& positions, const Points& normals, const std::vector<double>& wanted, Index k,
+                             Index min_points, Index stop, const Lists& neighbors, std::vector<Index> part, Index num_parts,
+                             std::vector<char> stays, bool over_surface) {
   const Index n = static_cast<Index>(positions.size());
   ThinnedCloud cloud{std::vector<Index>(n), positions, {}, std::move(part), std::move(stays), {}, {}};
   std::iota(cloud.index.begin(), cloud.index.end(), 0);
@@ -347,9 +349,12 @@ Simplification simplifyLarge(const Points& positions, const Points& normals, Ind
 
   Points left_normals;
   for (Index i : cloud.index) left_normals.push_back(normals[i]);
-  Simplification rest =
-      Thinning(cloud.positions, left_normals, k, std::move(cloud.neighbors), std::move(cloud.part), num_parts, over_surface)
-          .run(min_points, cloud.stays);
+  std::vector<double> left_wanted;
+  if (!wanted.empty())
+    for (Index i : cloud.index) left_wanted.push_back(wanted[i]);
+  Simplification rest = Thinning(cloud.positions, left_normals, left_wanted, k, std::move(cloud.neighbors), std::move(cloud.part),
+                                 num_parts, over_surface)
+                            .run(min_points, cloud.stays);
   Simplification result{n, std::move(cloud.removed), std::move(cloud.diameter)};
   double diameter = result.diameter.empty() ? 0.0 : result.diameter.back();
   for (std::size_t r = 0; r < rest.removed.size(); ++r) {
@@ -391,7 +396,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
 
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points, const Lists& neighbors, const std::vector<char>& is_corner,
-                        bool over_surface, Index target) {
+                        bool over_surface, Index target, const std::vector<double>& wanted) {
   const Index n = static_cast<Index>(positions.size());
   std::vector<std::string> problems;
   if (positions.size() != normals.size()) {
@@ -405,16 +410,26 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
     problems.push_back("simplify: protected point " + std::to_string(i) + "; indices go from 0 to " + std::to_string(n - 1));
     break;
   }
+  if (!wanted.empty() && wanted.size() != positions.size()) {
+    problems.push_back("simplify: " + std::to_string(n) + " positions and " + std::to_string(wanted.size()) +
+                       " spacings wanted; accepted: as many, or none");
+  }
+  const auto isSpacing = [](double spacing) { return spacing > 0.0 && std::isfinite(spacing); };
+  if (!std::all_of(wanted.begin(), wanted.end(), isSpacing))
+    problems.push_back("simplify: a spacing wanted is not a finite number above 0");
   if (!problems.empty()) throw InputError(std::move(problems));
   std::vector<char> stays = is_corner;
   for (Index i : protected_points) stays[i] = 1;
   Index num_parts = 0;
   std::vector<Index> part = labelParts(positions, normals, neighbors, k, num_parts);
-  const std::int64_t stop = std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * std::max(target, min_points));
+  // Distances alone space evenly: as many points must be left for the rings as if the finest spacing were everywhere.
+  const double finest = wanted.empty() ? 1.0 : std::min(1.0, *std::min_element(wanted.begin(), wanted.end()));
+  const std::int64_t stop = static_cast<std::int64_t>(
+      std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * std::max(target, min_points)) / (finest * finest));
   if (n > kLarge * stop)
-    return simplifyLarge(positions, normals, k, min_points, static_cast<Index>(stop), neighbors, std::move(part), num_parts,
-                         std::move(stays), over_surface);
-  return Thinning(positions, normals, k, neighbors, std::move(part), num_parts, over_surface).run(min_points, stays);
+    return simplifyLarge(positions, normals, wanted, k, min_points, static_cast<Index>(stop), neighbors, std::move(part),
+                         num_parts, std::move(stays), over_surface);
+  return Thinning(positions, normals, wanted, k, neighbors, std::move(part), num_parts, over_surface).run(min_points, stays);
 }
 
 }  // namespace deformable_surface::cloud

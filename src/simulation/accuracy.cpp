@@ -17,8 +17,6 @@ namespace {
 using Candidate = AccuracyChoice::Candidate;
 using solve::IntegratorType;
 
-// The first number tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
-constexpr Index kFewest = 8 * kCoarsestPoints;
 // The membranes that are tried: each has this share of the stiffness of the one before, so that its steps take half as many
 // sub-steps.
 constexpr double kSofter = 0.25;
@@ -28,7 +26,7 @@ constexpr double kWorthwhile = 0.9;  // of the work: what a softer membrane must
 constexpr double kMostWork = 1e8;
 // Clouds of up to so many points try all of them before all numbers but the fewest, for two seconds at most: what that shows no
 // guess has to say.
-constexpr Index kSmall = 8 * kFewest;
+constexpr Index kSmall = 8 * kFewestTried;
 constexpr double kMostWorkOfSmall = 2e7;
 // Cost of an explicit step by the number of points: the sub-steps grow with its root.
 constexpr double kCostExponent = 1.5;
@@ -121,9 +119,9 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
   const Index n = ladder.size();
   const double wish = params.accuracy.position_error;
   const std::string asked = "accuracy.position_error " + formatReal(wish) + " m: ";
-  for (Index points = std::min(kFewest, n);; points = std::min(2 * points, n)) {
+  for (Index points = std::min(kFewestTried, n);; points = std::min(2 * points, n)) {
     Probe probe = ladder.take(points);
-    const bool is_affordable = !probe.is_cut || points == kFewest;
+    const bool is_affordable = !probe.is_cut || points == kFewestTried;
     if (is_affordable) {
       if (probe.failed && mayChooseIntegrator(params)) tryVerlet(params, full, probe, choice);
       choice.take(probe.candidate);
@@ -212,7 +210,7 @@ Index chooseByTime(Index n, double budget, const std::function<double(Index)>& t
     return choice.candidates.back().step_time;
   };
   Candidate best;
-  for (Index points = std::min(kFewest, n);; points = std::min(2 * points, n)) {
+  for (Index points = std::min(kFewestTried, n);; points = std::min(2 * points, n)) {
     const double seconds = attempt(points);
     if (seconds <= budget) best = choice.candidates.back();
     if (!(seconds <= budget) || points == n) break;

@@ -6,7 +6,12 @@
 
 #include <functional>
 
+#include "error_estimator.h"
+
 namespace deformable_surface::simulation {
+
+/// The first number of points tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
+constexpr Index kFewestTried = 8 * kCoarsestPoints;
 
 /// The rest surface with the number of simulation points that params.accuracy leads to; without a wish, the one that params
 /// state. Throws InputError.

@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/space_order.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -102,9 +103,15 @@ double measureBand(const Points& points, const PinParams& pin) {
 
 }  // namespace
 
+bool isBandOfRows(const Points& points, const PinParams& pin, double spacing) {
+  return !(measureBand(points, pin) < kBandOfRows * spacing);
+}
+
 // Copies of fewer points know no better.
 void findHingedPins(const SceneParams& params, const Points& dense, RestSurface& s) {
   if (params.model != ModelKind::kMassSpring || s.points.size() >= dense.size()) return;
+  const auto& surface = static_cast<const model::MassSpring&>(*s.model);
+  if (surface.hasCurvature() && surface.numHinged() == 0) return;
   const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
   const double full_spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
@@ -136,7 +143,6 @@ void applyPins(const SceneParams& params, RestSurface& s) {
   }
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
     s.warnings.push_back("pins hold every simulation point: nothing can move");
-  s.model->setHeld(s.pinned);
 }
 
 }  // namespace deformable_surface::simulation

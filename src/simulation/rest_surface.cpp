@@ -15,14 +15,20 @@
 #include <numeric>
 #include <utility>
 
+#include "accuracy.h"
+#include "clamp_edges.h"
 #include "parts.h"
 #include "rest_parts.h"
 #include "settle_particles.h"
+#include "wanted_spacing.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few per cent of real time on one core
+// Of simulation points, at least, for one loaded point that is kept: a load on more of them acts everywhere, and what is left
+// would sample nothing, above all in the error estimate's copies of a quarter of the points.
+constexpr Index kPointsPerLoad = 10;
 constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
@@ -101,9 +107,42 @@ cloud::Boundary completeCurveNormals(RestSurface& s) {
   return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0)};
 }
 
+// How many simulation points a threshold leaves, before they are chosen: rings of that diameter in a hexagonal lattice.
+Index expectPoints(double threshold, double area) {
+  const double spacing = 0.5 * threshold;
+  const double points = area / (0.5 * std::sqrt(3.0) * spacing * spacing);
+  return points < kMaxIndex ? static_cast<Index>(points) : kMaxIndex;
+}
+
+// Adds the points at which loads act to those that are kept. fewest: how many simulation points there are at least.
+void keepLoadedPoints(const SceneParams& params, Index fewest, std::vector<Index>& kept, RestSurface& s) {
+  if (params.model != ModelKind::kMassSpring) return;  // particles keep to their lattice
+  const std::vector<Index> loaded = chooseLoadedPoints(params, s.dense.positions);
+  const Index num_loaded = static_cast<Index>(loaded.size());
+  if (num_loaded <= fewest / kPointsPerLoad) {
+    kept.insert(kept.end(), loaded.begin(), loaded.end());
+  } else {
+    s.notes.push_back(count(num_loaded, "points of the cloud are loaded, more than a tenth of ") +
+                      count(fewest, "simulation points: loads act on the nearest of these"));
+  }
+}
+
+// Of simplification.density: adaptive. Empty where that is even spacing.
+std::vector<double> wantSpacing(const SceneParams& params, const std::vector<char>& is_boundary, Index target, RestSurface& s) {
+  std::vector<double> wanted = findWantedSpacing(params, is_boundary, target, s);
+  if (wanted.empty()) {
+    s.notes.push_back("simplification.density adaptive: no small pin clamps, no force acts on a point: points are spaced evenly");
+  } else {
+    const auto [least, largest] = std::minmax_element(wanted.begin(), wanted.end());
+    s.notes.push_back("simplification.density adaptive: simulation points are to be " + formatShort(*least) + " to " +
+                      formatShort(*largest) + " mean spacings apart");
+  }
+  return wanted;
+}
+
 // Records the order of removal as far as it is needed and returns the simulation points.
 std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
-                                          const std::vector<char>& is_corner, Index coarsest, RestSurface& s) {
+                                          const cloud::Boundary& boundary, Index coarsest, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   const cloud::SimplificationParams& how = params.simplification;
   const bool by_threshold =
@@ -112,9 +151,20 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
   if (how.method == cloud::SimplificationMethod::kNone) target = n;
   s.order.num_points = n;
   const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
-  if (last < n)
-    s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, protected_points, s.dense_neighbors,
-                              is_corner, !params.neighbors.areEuclidean(), by_threshold ? last : target);
+  if (last < n) {
+    Index expected = target;
+    if (by_threshold)
+      expected = expectPoints(how.threshold.value, estimateArea(s, params.neighbors.k, boundary.is_boundary));
+    const bool is_tried = params.accuracy.position_error > 0.0 || params.accuracy.step_budget > 0.0;
+    const Index fewest = std::min(n, is_tried ? std::min(expected, kFewestTried) : expected);
+    std::vector<Index> kept = protected_points;
+    keepLoadedPoints(params, fewest, kept, s);
+    std::vector<double> wanted;
+    if (how.density == cloud::PointDensity::kAdaptive)
+      wanted = wantSpacing(params, boundary.is_boundary, std::min(expected, n), s);
+    s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, kept, s.dense_neighbors,
+                              boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? last : target, wanted);
+  }
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
 
@@ -218,10 +268,17 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
                          "bending_rigidity, a smaller young_modulus or a smaller spacing keeps them flat");
 }
 
-// Model and pins on the simulation points.
-void buildModel(const SceneParams& params, RestSurface& s) {
+// Model and pins on the simulation points. full: the surface with the dense points that they are of.
+void buildModel(const SceneParams& params, const RestSurface& full, RestSurface& s) {
+  applyPins(params, s);
+  if (full.dense.positions.empty()) {
+    s.pinned = full.pinned;
+    s.clamp_edges = full.clamp_edges;
+  } else if (!params.pins.empty() && canClamp(params)) {
+    clampPins(params, full, s);
+  }
   auto mass_spring = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
-                                                         params.mass_spring);
+                                                         params.mass_spring, s.pinned, s.clamp_edges);
   if (mass_spring->numMassRaised() > 0)
     s.notes.push_back(
         count(mass_spring->numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
@@ -231,8 +288,7 @@ void buildModel(const SceneParams& params, RestSurface& s) {
   s.model = std::move(mass_spring);
   s.values = findRegionValues(params.regions, s.points);
   if (!params.regions.empty()) s.model->setMaterial(findShares(params.material, params.material, s.values));
-
-  applyPins(params, s);
+  if (!full.dense.positions.empty()) findHingedPins(params, full.dense.positions, s);
 }
 
 // Brings the particles to rest where the cloud is, and takes that for the rest shape. What is at rest stays to the bit.
@@ -311,8 +367,7 @@ void finishSurface(const SceneParams& params, std::vector<Index> kept, const std
   // The area of the full surface; where every point is simulated it is that of the rings.
   const bool is_all = s.points.size() == s.dense.positions.size();
   s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
-  buildModel(params, s);
-  findHingedPins(params, s.dense.positions, s);
+  buildModel(params, s, s);
 }
 
 }  // namespace
@@ -340,7 +395,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   const cloud::Boundary boundary =
       is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
-  std::vector<Index> kept = chooseSimulationPoints(params, pin_points, boundary.is_corner, coarsest, s);
+  std::vector<Index> kept = chooseSimulationPoints(params, pin_points, boundary, coarsest, s);
   const auto measureArea = [&] {
     return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
   };
@@ -387,8 +442,7 @@ RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index
   s.area = of.area;
   s.closed = of.closed;
   connect(params, of.dense, of.dense_neighbors, of.order.keepCount(target), s);
-  buildModel(params, s);
-  findHingedPins(params, of.dense.positions, s);
+  buildModel(params, of, s);
   return s;
 }
 
@@ -404,7 +458,7 @@ RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) {
     s.model = of.model->clone();
     applyPins(params, s);
   } else {
-    buildModel(params, s);
+    buildModel(params, of, s);
   }
   return s;
 }

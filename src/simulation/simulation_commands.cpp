@@ -158,11 +158,11 @@ const std::vector<tool::ToolParams>& Simulation::tools() const { return impl_->t
 
 Index Simulation::pin(const geometry::Region& region, bool orientation) {
   Index changed = 0;
-  std::vector<char> kept(impl_->state.positions.size(), 1);  // on the pins that carry them
+  std::vector<char> kept(impl_->state.positions.size(), 1), inside(kept.size(), 0);  // on the pins that carry them; in this one
   for (Index i = 0; i < impl_->state.size(); ++i) {
     if (!region.contains(impl_->state.positions[i])) continue;
     kept[i] = 0;
-    impl_->pinned[i] = 1;
+    inside[i] = impl_->pinned[i] = kInPin;
     impl_->state.velocities[i].setZero();
     if (!impl_->pinned_turns.empty() && orientation) {
       impl_->pinned_turns[i] = 1;
@@ -171,7 +171,10 @@ Index Simulation::pin(const geometry::Region& region, bool orientation) {
     ++changed;
   }
   impl_->grips.keepOnPins(kept);
-  if (changed > 0) impl_->wakeAll();
+  if (changed > 0) {
+    impl_->findClamps(inside, [&](const Vec3& place) { return region.contains(place); });
+    impl_->wakeAll();
+  }
   impl_->forward([&](Simulation& copy) { copy.pin(region, orientation); });
   return changed;
 }
@@ -182,14 +185,18 @@ Index Simulation::pinAlong(const std::string& id, const geometry::Region& region
   if (!problem.empty()) throw InputError("pin " + quote(id) + " " + problem);
   if (impl_->grips.findPin(id)) throw InputError("pin " + quote(id) + ": there is one already; accepted: a name of its own");
   std::vector<Index> points;
+  std::vector<char> inside(impl_->state.positions.size(), 0);
   for (Index i = 0; i < impl_->state.size(); ++i) {
     if (!region.contains(impl_->state.positions[i])) continue;
-    impl_->pinned[i] = 1;
+    inside[i] = impl_->pinned[i] = kInPin;
     impl_->state.velocities[i].setZero();
     points.push_back(i);
   }
   const Index changed = static_cast<Index>(points.size());
   if (changed > 0) {
+    const std::vector<Index> riding = impl_->findClamps(inside, [&](const Vec3& place) { return region.contains(place); });
+    points.insert(points.end(), riding.begin(), riding.end());
+    std::sort(points.begin(), points.end());
     impl_->grips.addPin(id, path, impl_->time(), std::move(points), impl_->state);
     impl_->wakeAll();
   }
@@ -222,6 +229,7 @@ Index Simulation::unpin(const geometry::Region& region) {
       impl_->pinned[i] = impl_->pinned_turns[i] = 0;
       ++changed;
     }
+  if (changed > 0) impl_->endClamps();
   impl_->grips.keepOnPins(impl_->pinned);
   if (changed > 0) impl_->wakeAll();
   impl_->forward([&](Simulation& copy) { copy.unpin(region); });

@@ -34,13 +34,10 @@ std::vector<PinReaction> Simulation::pinReactions() const {
     if (!impl_->pinned[i]) continue;
     const Index first = state.traits.empty() ? i : state.traits[i].id;  // its place at rest
     const bool is_first = first < static_cast<Index>(impl_->rest.points.size());
-    const auto region = std::find_if(pins.begin(), pins.end(), [&](const PinParams& pin) {
-      return is_first && pin.region.contains(impl_->rest.points[first]);
-    });
-    PinReaction& reaction = reactions[region - pins.begin()];
+    PinReaction& reaction = reactions[is_first ? impl_->findPin(first) : pins.size()];
     reaction.force += impl_->forces_on_all[i];
     reaction.torque += state.positions[i].cross(impl_->forces_on_all[i]);
-    ++reaction.points;
+    reaction.points += impl_->pinned[i] == kInPin;
   }
   if (reactions.back().points == 0) reactions.pop_back();
   return reactions;

@@ -21,6 +21,7 @@
 #include "accuracy.h"
 #include "active_part.h"
 #include "activity.h"
+#include "clamp_edges.h"
 #include "cutting.h"
 #include "deformed_surface.h"
 #include "error_estimator.h"
@@ -45,6 +46,7 @@ struct Checkpoint {
   State state;
   std::uint64_t steps = 0;
   std::vector<char> pinned, pinned_turns;
+  std::vector<model::ClampEdge> clamp_edges;
   double membrane_share = 1.0, softening = 0.0;
   solve::IntegratorType integrator = solve::IntegratorType::kAuto;
   double contact_rate = 0.0;  // 1/s
@@ -96,7 +98,8 @@ struct Simulation::Impl {
   TrackLoad track;
   Grips grips;
   std::vector<const solve::ExternalLoad*> loads;
-  std::vector<char> pinned, pinned_turns;
+  std::vector<char> pinned, pinned_turns;     // pinned: of PinMark
+  std::vector<model::ClampEdge> clamp_edges;  // of the pins, ascending
   std::vector<char> held, held_turns;  // pinned, gripped or too cold
   std::unique_ptr<ParticleLife> life;  // null: no particles
   std::unique_ptr<Cutting> cutting;    // null: nothing that can be cut
@@ -173,6 +176,9 @@ struct Simulation::Impl {
   void takePhysics();
   void findContactRate();
   void clampHeld();
+  std::vector<Index> findClamps(const std::vector<char>& inside, const Contains& contains);
+  void endClamps();
+  std::size_t findPin(Index point) const;
 
   // What a simulation hands out of itself: simulation_memory.cpp.
   static std::uint64_t identify(const RestSurface& rest, const SceneParams& params);

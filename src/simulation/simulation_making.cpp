@@ -76,16 +76,28 @@ void Simulation::Impl::placeAnchors() {
   anchors.renumber(index_of_id);
 }
 
+// The first of the scene's pins that holds a point at rest or, where it rides on one, a neighbour of it; as many as there are:
+// none.
+std::size_t Simulation::Impl::findPin(Index point) const {
+  const auto find = [&](Index i) -> std::size_t {
+    const auto holds = [&](const PinParams& pin) { return pin.region.contains(rest.points[i]); };
+    return std::find_if(params.pins.begin(), params.pins.end(), holds) - params.pins.begin();
+  };
+  std::size_t pin = find(point);
+  if (pin < params.pins.size() || rest.pinned[point] != kRidesOnPin) return pin;
+  for (const Index* j = rest.rings.ring.begin(point); j != rest.rings.ring.end(point) && pin == params.pins.size(); ++j)
+    if (rest.pinned[*j] == kInPin) pin = find(*j);
+  return pin;
+}
+
 // Those that go along a path. A point of two pins goes with the first.
 void Simulation::Impl::placePins() {
   grips.clearPins();
   std::vector<std::vector<Index>> points(params.pins.size());
-  for (Index i = 0; i < state.size(); ++i)
-    for (std::size_t p = 0; p < params.pins.size(); ++p) {
-      if (!params.pins[p].region.contains(rest.points[i])) continue;
-      points[p].push_back(i);
-      break;
-    }
+  for (Index i = 0; i < state.size(); ++i) {
+    const std::size_t p = findPin(i);
+    if (p < points.size()) points[p].push_back(i);
+  }
   for (std::size_t p = 0; p < params.pins.size(); ++p)
     if (!params.pins[p].path.empty() && !points[p].empty())
       grips.addPin("pins[" + std::to_string(p) + "]", params.pins[p].path, 0.0, std::move(points[p]), state);
@@ -141,6 +153,7 @@ void Simulation::Impl::reset() {
   steps = 0;
   pinned = rest.pinned;
   pinned_turns = rest.pinned_turns;
+  clamp_edges = rest.clamp_edges;
   placePins();
   placeAnchors();
   if (particles) {
@@ -265,11 +278,48 @@ void Simulation::Impl::findContactRate() {
   contact.setRate(contact_rate);
 }
 
+// Where a region that has just been pinned ends; inside (m): its points. Returns the points that ride on it.
+std::vector<Index> Simulation::Impl::findClamps(const std::vector<char>& inside, const Contains& contains) {
+  if (!canClamp(params)) return {};
+  const double spacing = std::sqrt(rest.area / static_cast<double>(rest.points.size()));
+  const std::vector<char> clamping = markClamping(rest.points, rest.rings.ring, inside, spacing);
+  const ClampEdges found = findClampEdges(
+      {rest.points, state.positions, rest.rings.ring, rest.rings.open, model->triangles()}, clamping, contains);
+  std::vector<Index> riding;
+  for (const Index i : found.riding) {
+    if (pinned[i]) continue;
+    pinned[i] = kRidesOnPin;
+    state.velocities[i].setZero();
+    riding.push_back(i);
+  }
+  for (const model::ClampEdge& edge : found.edges) {
+    const auto at = std::lower_bound(clamp_edges.begin(), clamp_edges.end(), edge.point,
+                                     [](const model::ClampEdge& e, Index point) { return e.point < point; });
+    if (at != clamp_edges.end() && at->point == edge.point)
+      *at = edge;
+    else
+      clamp_edges.insert(at, edge);
+  }
+  return riding;
+}
+
+// After points have been let go: what rode on them goes with them.
+void Simulation::Impl::endClamps() {
+  if (!canClamp(params)) return;
+  const Lists& ring = rest.rings.ring;
+  const auto isInPin = [&](Index j) { return pinned[j] == kInPin; };
+  for (Index i = 0; i < state.size(); ++i)
+    if (pinned[i] == kRidesOnPin && std::none_of(ring.begin(i), ring.end(i), isInPin)) pinned[i] = kNotPinned;
+  clamp_edges.erase(std::remove_if(clamp_edges.begin(), clamp_edges.end(),
+                                   [&](const model::ClampEdge& edge) { return !pinned[edge.point]; }),
+                    clamp_edges.end());
+}
+
 // Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
 void Simulation::Impl::clampHeld() {
   held = pinned;
   held_turns = pinned_turns;
-  if (model->setHeld(pinned)) march.restart();
+  if (model->setHeld(pinned, clamp_edges)) march.restart();
   const double cold = params.oriented_particles.hold_below;
   if (!life || !(cold > 0.0)) return;
   for (Index i = 0; i < state.size(); ++i) {

@@ -43,6 +43,7 @@ void Simulation::Impl::keepAwake(Checkpoint& checkpoint) const {
   checkpoint.steps = steps;
   checkpoint.pinned = pinned;
   checkpoint.pinned_turns = pinned_turns;
+  checkpoint.clamp_edges = clamp_edges;
   checkpoint.membrane_share = membrane_share;
   checkpoint.softening = softening;
   checkpoint.integrator = params.integrator.type;
@@ -59,6 +60,7 @@ void Simulation::Impl::giveBack(const Checkpoint& checkpoint) {
   if (cutting) cutting->setCuts(checkpoint.cuts);
   pinned = checkpoint.pinned;
   pinned_turns = checkpoint.pinned_turns;
+  clamp_edges = checkpoint.clamp_edges;
   state = checkpoint.state;
   model->adopt(state);
   placeAnchors();
@@ -183,8 +185,8 @@ std::size_t Snapshot::bytes() const {
   const Checkpoint& m = c.checkpoint;
   std::size_t sum = sizeof(Contents) + bytesOf(m.state.positions) + bytesOf(m.state.velocities) +
                     bytesOf(m.state.orientations) + bytesOf(m.state.spins) + bytesOf(m.state.traits) + bytesOf(m.state.plastic) +
-                    bytesOf(m.pinned) + bytesOf(m.pinned_turns) + bytesOf(c.values) + bytesOf(m.seen) + bytesOf(m.followed) +
-                    bytesOf(m.cuts) + bytesOf(m.activity.quiet) + bytesOf(m.activity.moves);
+                    bytesOf(m.pinned) + bytesOf(m.pinned_turns) + bytesOf(m.clamp_edges) + bytesOf(c.values) + bytesOf(m.seen) +
+                    bytesOf(m.followed) + bytesOf(m.cuts) + bytesOf(m.activity.quiet) + bytesOf(m.activity.moves);
   if (m.severed) sum += bytesOf(*m.severed);
   for (const ContactLoad::Body& body : m.bodies) sum += sizeof body + bytesOf(body.tool.path) + bytesOf(body.passed);
   for (const ToolWatch::Seen& seen : m.watched) sum += sizeof seen;

@@ -208,6 +208,77 @@ TEST(Simplification, ListsThatAreTooShortAreFilledAlikeByAnyNumberOfThreads) {
   }
 }
 
+// Half of the mean spacing at the left edge of a sheet, one and a half of it at the right.
+std::vector<double> wantMoreAtTheLeft(const TestSurface& sheet) {
+  std::vector<double> wanted;
+  for (const Vec3& p : sheet.positions) wanted.push_back(0.5 + p.x());
+  return wanted;
+}
+
+Simplification simplifyGraded(const TestSurface& surface, Index min_points, const std::vector<double>& wanted, Index target = 0) {
+  const Lists neighbors = nearestNeighbors(surface.positions, 2 * kNeighbors);
+  const std::vector<char> is_corner = findBoundary(surface.positions, surface.normals, neighbors, kNeighbors).is_corner;
+  return simplify(surface.positions, surface.normals, kNeighbors, min_points, {}, neighbors, is_corner, false, target, wanted);
+}
+
+// Standard deviation of the nearest distances, each over what is wanted there, over their mean.
+double measureUnevenness(const TestSurface& sheet, const std::vector<Index>& kept, const std::vector<double>& wanted) {
+  const TestSurface few = select(sheet, kept);
+  const Lists nearest = nearestNeighbors(few.positions, 1);
+  double sum = 0.0, sum_of_squares = 0.0;
+  for (Index i = 0; i < few.size(); ++i) {
+    const double distance = (few.positions[*nearest.begin(i)] - few.positions[i]).norm() / wanted[kept[i]];
+    sum += distance;
+    sum_of_squares += distance * distance;
+  }
+  const double mean = sum / few.size();
+  return std::sqrt(sum_of_squares / few.size() - mean * mean) / mean;
+}
+
+TEST(Simplification, SpacesPointsAsWanted) {
+  const TestSurface sheet = makeSheet(70, 0.3);
+  const std::vector<double> wanted = wantMoreAtTheLeft(sheet);
+  const Simplification result = simplifyGraded(sheet, 50, wanted);
+  expectSound(sheet, result);
+  std::vector<Index> finer;
+  for (const Index count : {800, 400, 200}) {
+    const std::vector<Index> kept = result.keepCount(count);
+    ASSERT_EQ(static_cast<Index>(kept.size()), count);
+    // Every coarser set is graded in the same way, and a part of the finer ones.
+    EXPECT_LT(measureUnevenness(sheet, kept, wanted), 0.22) << count;
+    if (!finer.empty()) {
+      EXPECT_TRUE(std::includes(finer.begin(), finer.end(), kept.begin(), kept.end()));
+    }
+    finer = kept;
+  }
+  setNumThreads(3);
+  const Simplification again = simplifyGraded(sheet, 50, wanted);
+  setNumThreads(0);
+  EXPECT_EQ(result.removed, again.removed);
+  EXPECT_EQ(result.diameter, again.diameter);
+}
+
+TEST(Simplification, TheSameSpacingWantedEverywhereIsEvenSpacingToTheBit) {
+  const TestSurface sheet = makeSheet(40, 0.3);
+  const Simplification even = simplifyTo(sheet, 100);
+  const Simplification same = simplifyGraded(sheet, 100, std::vector<double>(sheet.size(), 1.0));
+  EXPECT_EQ(even.removed, same.removed);
+  EXPECT_EQ(even.diameter, same.diameter);
+}
+
+TEST(Simplification, ALargeCloudIsSpacedAsWantedFromTheCountThatIsAskedFor) {
+  const TestSurface sheet = makeSheet(500, 0.3);
+  std::vector<double> wanted;
+  for (const Vec3& p : sheet.positions) wanted.push_back(0.8 + 0.4 * p.x());
+  const Simplification result = simplifyGraded(sheet, 500, wanted);
+  EXPECT_EQ(result.keepCount(0).size(), 500u);
+  EXPECT_LT(measureUnevenness(sheet, result.keepCount(500), wanted), 0.22);
+  // More than a quarter of what is left for the rings, which asking for them changes.
+  const std::vector<Index> many = simplifyGraded(sheet, 5000, wanted, 5000).keepCount(5000);
+  ASSERT_EQ(many.size(), 5000u);
+  EXPECT_LT(measureUnevenness(sheet, many, wanted), 0.22);
+}
+
 // Of so many points most go by distances alone, before rings are looked at.
 TEST(Simplification, ALargeCloudIsThinnedAsEvenlyAsASmallOneInOneOrderForAnyNumberOfThreads) {
   const TestSurface sheet = makeSheet(400, 0.3);
@@ -290,6 +361,9 @@ TEST(Simplification, BadArgumentsAreRefused) {
   TestSurface sheet = makeSheet(5);
   EXPECT_THROW(simplify(sheet.positions, sheet.normals, 2, 10, {}), InputError);
   EXPECT_THROW(simplify(sheet.positions, sheet.normals, 10, -1, {}), InputError);
+  EXPECT_THROW(simplifyGraded(sheet, 10, std::vector<double>(24, 1.0)), InputError);
+  for (const double spacing : {0.0, -1.0, std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity()})
+    EXPECT_THROW(simplifyGraded(sheet, 10, std::vector<double>(25, spacing)), InputError) << spacing;
   EXPECT_THROW(simplify(sheet.positions, sheet.normals, 10, 10, {25}), InputError);
   EXPECT_THROW(simplify(sheet.positions, sheet.normals, 10, 10, {-1}), InputError);
   sheet.normals.pop_back();

@@ -232,6 +232,19 @@ TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {
   EXPECT_TRUE(contains(problemOf("accuracy: {position_error: .nan}"), "accuracy.position_error"));
 }
 
+TEST(ReadScene, TakesADensityWherePointsAreChosenByIt) {
+  const std::string adaptive = "simplification: {density: adaptive}";
+  EXPECT_EQ(problemOf(adaptive), "accepted");
+  EXPECT_EQ(problemOf("simplification: {density: uniform, method: none}"), "accepted");
+  const std::string refused = "simplification.density: found adaptive where no points are chosen by it";
+  EXPECT_TRUE(contains(problemOf("simplification: {density: adaptive, method: none}"), refused));
+  for (const std::string model : {"elastic_solid", "oriented_particles"}) {
+    const std::vector<std::string> problems = problemsOf("model: " + model + "\n" + adaptive);
+    ASSERT_EQ(problems.size(), 1u) << model;
+    EXPECT_TRUE(contains(problems[0], refused)) << problems[0];
+  }
+}
+
 TEST(ReadScene, NamesWhatStatesTheNumberOfPointsBesideAWishAndFollowsItsOwnAdvice) {
   const std::string wish = "accuracy: {step_budget: 0.01}\nsimplification: ";
   const std::vector<std::array<std::string, 3>> cases{

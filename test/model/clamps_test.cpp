@@ -24,6 +24,10 @@ std::vector<char> holdBefore(const Surface& s, double edge) {
   return held;
 }
 
+bool hold(MassSpring& strip, const Surface& s, const std::vector<char>& held) {
+  return strip.setHeld(held, edgesAtPoints(s, held));
+}
+
 // The energy of bending alone: what the membrane adds is taken away.
 double bendingEnergy(const MassSpring& strip, const Surface& s, const Points& bent) {
   model::MaterialParams material;
@@ -43,7 +47,7 @@ TEST(Clamps, AParabolaBesideAHeldPatchCostsWhatThePlateDoes) {
   const double exact = 0.5 * 2.0 * curvature * curvature * (kLength - edge) * kWidth;
   // Without the clamp the fits across the edge see half the curvature.
   EXPECT_LT(bendingEnergy(strip, s, bent), 0.97 * exact);
-  EXPECT_TRUE(strip.setHeld(holdBefore(s, edge)));
+  EXPECT_TRUE(hold(strip, s, holdBefore(s, edge)));
   // The fits at the edge see the patch on one side of it, which takes little of their curvature.
   EXPECT_NEAR(bendingEnergy(strip, s, bent) / exact, 1.0, 0.01);
 }
@@ -53,11 +57,11 @@ TEST(Clamps, AHeldLineOrPointIsAHinge) {
   const Points bent = perturb(s.points, 0.02);
   MassSpring strip = makeModel(s);
   const double before = strip.elasticEnergy(stateAt(bent));
-  strip.setHeld(holdBefore(s, 0.0));
+  hold(strip, s, holdBefore(s, 0.0));
   EXPECT_EQ(strip.elasticEnergy(stateAt(bent)), before);
   std::vector<char> one(s.points.size(), 0);
   one[27] = 1;
-  strip.setHeld(one);
+  hold(strip, s, one);
   EXPECT_EQ(strip.elasticEnergy(stateAt(bent)), before);
 }
 
@@ -66,17 +70,17 @@ TEST(Clamps, LettingGoBringsTheUnheldModelBack) {
   const Points bent = perturb(s.points, 0.02);
   MassSpring strip = makeModel(s);
   const double before = strip.elasticEnergy(stateAt(bent));
-  EXPECT_TRUE(strip.setHeld(holdBefore(s, 3.0 * kSpacing)));
+  EXPECT_TRUE(hold(strip, s, holdBefore(s, 3.0 * kSpacing)));
   EXPECT_NE(strip.elasticEnergy(stateAt(bent)), before);
-  EXPECT_FALSE(strip.setHeld(holdBefore(s, 3.0 * kSpacing)));
-  EXPECT_TRUE(strip.setHeld(std::vector<char>(s.points.size(), 0)));
+  EXPECT_FALSE(hold(strip, s, holdBefore(s, 3.0 * kSpacing)));
+  EXPECT_TRUE(hold(strip, s, std::vector<char>(s.points.size(), 0)));
   EXPECT_EQ(strip.elasticEnergy(stateAt(bent)), before);
 }
 
 TEST(Clamps, TheClampedModelDoesWhatEveryModelMust) {
   const Surface s = makeStrip(0.2);
   MassSpring strip = makeModel(s);
-  strip.setHeld(holdBefore(s, 3.0 * kSpacing));
+  hold(strip, s, holdBefore(s, 3.0 * kSpacing));
   const Points deformed = perturb(s.points, 0.2 * kSpacing);
   checkRestIsAtRest(strip, s.points, 1.0);
   checkMomentumIsKept(strip, stateAt(deformed));

@@ -95,7 +95,7 @@ TEST_P(MassSpringParts, WantedPointsAreForcedBitForBitAsByTheWhole) { checkPart(
 TEST_P(MassSpringParts, SoTheyAreWhereAPatchIsHeld) {
   std::vector<char> held;
   for (const Vec3& x : surface.points) held.push_back(x.x() > 0.2);
-  whole->setHeld(held);
+  whole->setHeld(held, edgesAtPoints(surface, held));
   checkPart();
 }
 

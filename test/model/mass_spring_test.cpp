@@ -1,6 +1,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "model_checks.h"
+#include "plates.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -92,7 +93,7 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
     for (Index i = 0; i < n; ++i) masses.push_back(1.0 + 0.1 * (i % 7));
     // The last one crushed.
     for (const auto& [nu, scale, amount] : {std::tuple(0.3, 1.0, 0.0), {-0.9, 1.0, 0.03}, {0.3, 1.0, 0.03}, {0.3, 0.1, 0.003}}) {
-      const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0, nu);
+      const model::CurvatureBending bending(plateOf(surface, 2.0, nu));
       Points positions = surface.points;
       for (Vec3& x : positions) x *= scale;
       const State state = stateAt(perturb(positions, amount));
@@ -118,7 +119,7 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
 // A normal of unit length would turn by any angle at no distance where the tangents vanish, and the forces with it.
 TEST(CrushedCurvature, ForcesAreMinusTheGradientAndHaveABound) {
   const Surface surface = makeSheet(9, 8, 0.8, 0.7, 0.3);
-  const model::CurvatureBending bending(surface.points, surface.normals, surface.rings.ring, surface.rings.area, 2.0, 0.3);
+  const model::CurvatureBending bending(plateOf(surface, 2.0, 0.3));
   const auto energyAt = [&](const Points& positions) {
     PaddedPoints padded;
     padded.assign(positions);

@@ -91,9 +91,9 @@ TEST(SineSheet, UniformSimplificationDeformsLikeTheFullSheetAndAnAdaptiveOneDoes
   params.simplification.target_points = kKept;
   const double uniform = measureSinking(params, cloud, true);
 
-  // An eighth of the points have two and a half times the spacing, hence six times the error of second order, which is below a
-  // per cent for the full sheet.
-  EXPECT_NEAR(uniform / full, 1.0, 0.05);
+  // An eighth of the points have two and a half times the spacing, hence six or seven times the error of second order, which is
+  // 1.6 % for the full sheet: with four times its points it sinks 1.2 % more.
+  EXPECT_NEAR(uniform / full, 1.0, 0.09);
   // Bare flanks neither bend nor hold as they should: not a loss of accuracy but another sheet.
   EXPECT_GT(std::abs(adaptive / full - 1.0), 0.3);
 }

@@ -265,7 +265,7 @@ Simulation makeTrueShirt(const SceneParams& scene, const cloud::PointCloud& shir
   }
   s.pinned_turns.assign(n, 0);
   s.model = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, false, scene.material, scene.mass_spring);
-  s.model->setHeld(s.pinned);
+  s.model->setHeld(s.pinned, {});
   return {scene, std::move(s)};
 }
 

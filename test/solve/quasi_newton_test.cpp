@@ -20,7 +20,7 @@ struct Sheet {
     model = std::make_unique<model::MassSpring>(surface.points, surface.normals, surface.rings, surface.area, false, material,
                                                 model::MassSpringParams{});
     for (const Vec3& p : surface.points) held.push_back(p.x() < 1e-9 || (is_held_twice && p.x() > 1.0 - 1e-9));
-    model->setHeld(held);
+    model->setHeld(held, {});
     gravity = std::make_unique<simulation::GravityLoad>(model->masses(), Vec3(0.0, 0.0, -9.81));
     loads.push_back(gravity.get());
   }

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/rings.h"
+#include "deformable_surface/model/deformable_model.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,15 @@ inline Surface makeSphere(Index n, double radius) {
     points.push_back(radius * normals.back());
   }
   return connect(points, normals);
+}
+
+/// Of clamps that end at the last points that they hold.
+inline std::vector<model::ClampEdge> edgesAtPoints(const Surface& s, const std::vector<char>& held) {
+  std::vector<model::ClampEdge> edges;
+  for (Index i = 0; i < s.rings.ring.size(); ++i)
+    if (held[i] && std::any_of(s.rings.ring.begin(i), s.rings.ring.end(i), [&](Index j) { return !held[j]; }))
+      edges.push_back({i, s.points[i]});
+  return edges;
 }
 
 }  // namespace deformable_surface::test

@@ -20,6 +20,12 @@ class PaddedPoints {
     }
   }
 
+  /// Puts more points behind those that there are. Allocates only when there are more than ever before.
+  void append(const Vec3& p) { values_.insert(values_.end(), {p.x(), p.y(), p.z(), 0.0}); }
+  /// Leaves so many points.
+  void shorten(std::size_t size) { values_.resize(4 * size); }
+
+  std::size_t size() const { return values_.size() / 4; }
   /// x, y, z, 0 of point i are at data() + 4 i.
   const double* data() const { return values_.data(); }
 

@@ -29,8 +29,10 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
 /// over_surface: the neighbours are those over the surface (keepGeodesicNeighbors), and stars never look across a gap that they
 /// tell, however far apart the points left are. target: how many points will be asked for (0: min_points): of a large cloud rings
 /// decide from a few times as many on. The order depends on it, and on min_points in nothing but where it ends.
+/// wanted: (n) the spacing wanted around each point, over the mean, above 0, little different from neighbour to neighbour. Keys,
+/// and so diameters, are divided by it, so that all prefixes are graded alike. Empty: even spacing.
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points, const Lists& neighbors, const std::vector<char>& is_corner,
-                        bool over_surface, Index target = 0);
+                        bool over_surface, Index target = 0, const std::vector<double>& wanted = {});
 
 }  // namespace deformable_surface::cloud

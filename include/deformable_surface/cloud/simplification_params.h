@@ -8,12 +8,14 @@
 namespace deformable_surface::cloud {
 
 enum class SimplificationMethod { kDelaunay, kNone };
+enum class PointDensity { kUniform, kAdaptive };
 
 struct SimplificationParams {
   SimplificationMethod method = SimplificationMethod::kDelaunay;
   Index target_points = 0;   // >= 0; 0 = by threshold
   OrAuto<double> threshold;  // m, > 0: the ring diameter up to which points are removed; auto: see accuracy; without a wish
                              // min(n, 1000) points are kept
+  PointDensity density = PointDensity::kUniform;
 };
 
 inline void visit(Fields& fields, SimplificationParams& p) {
@@ -27,6 +29,10 @@ inline void visit(Fields& fields, SimplificationParams& p) {
       "ring diameter up to which points are removed; `auto` keeps what `accuracy` leads to; without a wish a thousand points, "
       "or all if "
       "there are fewer");
+  fields.choice("density", p.density, {{"uniform", PointDensity::kUniform}, {"adaptive", PointDensity::kAdaptive}},
+                "where the simulation points are: `uniform` everywhere alike, as published; `adaptive` nearer to each other "
+                "around small pins that clamp and where a force or an anchor acts on a point, and farther apart elsewhere, as "
+                "many in all; mass_spring only; where it pays: docs/accuracy.md");
 }
 
 }  // namespace deformable_surface::cloud

@@ -68,6 +68,14 @@ struct PointMaterial {
   }
 };
 
+/// Where a clamp ends beside one of the points that it holds.
+struct ClampEdge {
+  Index point;
+  Vec3 place;  // m, on the surface at rest
+
+  bool operator==(const ClampEdge& o) const { return point == o.point && place == o.place; }
+};
+
 class DeformableModel {
  public:
   virtual ~DeformableModel() = default;
@@ -77,9 +85,10 @@ class DeformableModel {
   /// (n) kg; positive.
   virtual const std::vector<double>& masses() const = 0;
 
-  /// Tells which points (n) do not move from now on, so that a model can treat the edges of held patches as the clamps they are.
-  /// Returns whether forces and stiffness are others than before.
-  virtual bool setHeld(const std::vector<char>& /*held*/) { return false; }
+  /// Tells which points (n) do not move from now on, and where the patches end that clamp, so that a model can treat them as what
+  /// they are; held points beside free ones that have no edge are hinges. edges: ascending points. Returns whether forces and
+  /// stiffness are others than before.
+  virtual bool setHeld(const std::vector<char>& /*held*/, const std::vector<ClampEdge>& /*edges*/) { return false; }
 
   /// From now on its points are made of these, (n): what lies between points takes the mean of theirs. Forces stay the gradient
   /// of the energy, and the stiffness keeps its pattern. Throws InputError, and changes nothing, if the model cannot.

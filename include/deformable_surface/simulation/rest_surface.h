@@ -17,6 +17,9 @@
 
 namespace deformable_surface::simulation {
 
+/// How a point is held by a pin: it lies in the region, or so near to the edge of one that clamps that it goes with it.
+enum PinMark : char { kNotPinned = 0, kInPin = 1, kRidesOnPin = 2 };
+
 constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
 
 /// Everything made from the rest state; nothing in it changes afterwards.
@@ -34,7 +37,8 @@ struct RestSurface {
   transfer::Transfer transfer;
   transfer::SolidTransfer solid_transfer;  // in its place, of a solid; empty where every point is simulated
   Lists solid_neighbors;           // (m) of the simulation points of a solid, over its body, nearest first; else empty
-  std::vector<char> pinned;        // (m) by the scene's pins
+  std::vector<char> pinned;        // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
+  std::vector<model::ClampEdge> clamp_edges;  // where the pins that clamp end
   std::vector<char> pinned_turns;  // (m) those whose orientation is held too
   std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another
   std::vector<PointValues> values; // (m) of the scene's regions; empty if the model is another

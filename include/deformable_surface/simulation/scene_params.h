@@ -282,7 +282,10 @@ inline void visitRegion(Fields& fields, geometry::Region& region) {
 
 inline void visit(Fields& fields, PinParams& p) {
   visitRegion(fields, p.region);
-  fields.flag("orientation", p.orientation, "also clamp the tangent plane; needs a model with orientation");
+  fields.flag("orientation", p.orientation,
+              "also clamp the tangent plane; needs a model with orientation. A mass-spring surface turns about a pin of one row "
+              "of points and is clamped by a wider one up to where its region ends; points nearer to that than 0.35 spacings "
+              "ride on it");
   tool::visitPath(fields, p.path,
                   "Of a frame that carries the points rigidly, from its pose at time 0 on; interpolated between the times and "
                   "held outside them; none: they stay where they are.");
@@ -311,7 +314,7 @@ inline void visit(Fields& fields, RegionParams& p) {
 
 inline void visit(Fields& fields, AnchorParams& p) {
   fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
-                           "at rest; the nearest simulation point is held");
+                           "at rest; the nearest simulation point is held, which in a mass_spring is the cloud's nearest point");
   fields.required().vector("target", p.target, "m", between(-kMaxLength, kMaxLength), "where it is drawn to");
   fields.required().number("stiffness", p.stiffness, "N/m", between(0.0, 1e15), "force = stiffness * (target - position)");
 }
@@ -322,7 +325,8 @@ inline void visit(Fields& fields, ForceParams& p) {
   fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
                            "points within the radius of here share the force");
   fields.required().vector("force", p.force, "N", between(-1e12, 1e12), "the total");
-  fields.number("radius", p.radius, "m", between(0.0, kMaxLength), "0 = the nearest simulation point");
+  fields.number("radius", p.radius, "m", between(0.0, kMaxLength),
+                "0 = the nearest simulation point, which in a mass_spring is the cloud's nearest point at rest");
   fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
   fields.number("end", p.end, "s", anyFinite(), "the default never ends");
   fields.require(p.start < p.end, "end",
@@ -417,6 +421,10 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("material", p.material, "What the surface is made of, in the units of the laboratory.");
   fields.section("neighbors", p.neighbors, "How neighbourhoods are chosen.");
   fields.section("simplification", p.simplification, "How many points move by physics; the others follow them.");
+  const bool is_chosen = p.model == ModelKind::kMassSpring && p.simplification.method == cloud::SimplificationMethod::kDelaunay;
+  fields.require(p.simplification.density == cloud::PointDensity::kUniform || is_chosen, "simplification.density",
+                 "found adaptive where no points are chosen by it; accepted: uniform, or model: mass_spring with "
+                 "simplification.method: delaunay");
   fields.section("mass_spring", p.mass_spring, "Choices within the mass-spring model.");
   fields.section("transfer", p.transfer, "How all points follow the simulation points.");
   fields.require(p.model == ModelKind::kMassSpring || p.mass_spring.tear_strain == 0.0, "mass_spring.tear_strain",

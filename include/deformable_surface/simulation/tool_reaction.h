@@ -31,7 +31,7 @@ struct PinReaction {
   std::string id;              // "pins[0]": that of the scene; kOtherPins: points that were pinned by commands
   Vec3 force = Vec3::Zero();   // N, in the surface's frame
   Vec3 torque = Vec3::Zero();  // N m, in the surface's frame about its origin
-  Index points = 0;            // simulation points that are held now
+  Index points = 0;            // simulation points in it that are held now
 };
 
 constexpr char kOtherPins[] = "others";

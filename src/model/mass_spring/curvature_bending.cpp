@@ -8,6 +8,8 @@
 #include <atomic>
 #include <cmath>
 
+#include "moment_balance.h"
+
 namespace deformable_surface::model {
 namespace {
 
@@ -178,7 +180,44 @@ DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* o
   }
 }
 
+// Thirds of the triangles, m^2.
+std::vector<double> findAreas(const PlateRest& plate, const CurvatureFits& fits) {
+  std::vector<double> areas(plate.points.size(), 0.0);
+  for (const WeightedTriangle& t : plate.triangles) {
+    const auto& [a, b, c] = t.corner;
+    if (!fits.has(a) || !fits.has(b) || !fits.has(c)) continue;
+    const double area = 0.5 * (plate.points[b] - plate.points[a]).cross(plate.points[c] - plate.points[a]).norm();
+    for (const Index corner : t.corner) areas[corner] += t.weight * area / 3.0;
+  }
+  return areas;
+}
+
 }  // namespace
+
+CurvatureBending::CurvatureBending(const PlateRest& plate, const std::vector<char>& held, const std::vector<ClampEdge>& edges)
+    : poisson_ratio_(plate.poisson_ratio) {
+  ClampedPlate clamped = clampPlate(plate, held, edges);
+  CurvatureFits fits = fitCurvatures(clamped);
+  const std::vector<double> areas = findAreas(clamped.plate, fits);
+  const Index size = static_cast<Index>(areas.size());
+  weight_.assign(size, 0.0);
+  for (Index i = 0; i < size; ++i) {
+    if (fits.has(i))
+      weight_[i] = plate.rigidity * areas[i] * (plate.shares.empty() ? 1.0 : clamped.plate.shares[i]);
+    else if (!clamped.isClamped(i))
+      ++num_without_fit_;
+  }
+  balanceMoments(clamped, areas, fits);
+  neighbors_ = std::move(fits.points);
+  rows_ = std::move(fits.rows);
+  edge_points_ = std::move(clamped.edge_points);
+  num_hinged_ = clamped.num_hinged;
+  rest_curvature_.assign(size, Vec3::Zero());
+  for (Index i = 0; i < size; ++i)
+    if (weight_[i] != 0.0)
+      rest_curvature_[i] = shapeAt(i, sumDerivatives(wholeFit(i), plate.points.data()->data(), 3)).change;
+  prepareForceLoop();
+}
 
 void CurvatureBending::prepareForceLoop() {
   const Index n = neighbors_.size(), padded = (n + 3) / 4 * 4;
@@ -199,6 +238,10 @@ void CurvatureBending::prepareForceLoop() {
       group_neighbors_[place] = 4 * neighbors_.items[r];
     }
   }
+  riders_.clear();
+  for (std::size_t e = 0; e < edge_points_.size(); ++e)
+    for (const Index point : edge_points_[e].points) riders_.emplace_back(point, numPoints() + static_cast<Index>(e));
+  std::sort(riders_.begin(), riders_.end());
   // What each fit pushes, grouped by the points: counted first, then put in its place.
   users_.offsets.assign(n + 1, 0);
   const auto forEachUse = [&](const auto& visit) {
@@ -216,12 +259,35 @@ void CurvatureBending::prepareForceLoop() {
   });
 }
 
-CurvatureBending::Derivatives CurvatureBending::sumDerivativesAt(Index i, const double* positions, Index stride) const {
-  Derivatives d{{Vec3::Zero(), Vec3::Zero()}, Mat3::Zero()};
+CurvatureBending::WholeFit CurvatureBending::wholeFit(Index i) const {
+  WholeFit fit;
+  const auto add = [&](Index point, double share, const Row& row) {
+    Index at = 0;
+    while (at < fit.size && fit.points[at] != point) ++at;
+    if (at == fit.size) {
+      fit.points[fit.size] = point;
+      fit.rows[fit.size++] = {Vec2::Zero(), Vec3::Zero()};
+    }
+    fit.rows[at].first += share * row.first;
+    fit.rows[at].second += share * row.second;
+  };
+  const Index num_points = numPoints();
   for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-    const Eigen::Map<const Vec3> x(positions + stride * neighbors_.items[r]);
-    for (int c = 0; c < 2; ++c) d.t[c] += rows_[r].first[c] * x;
-    for (int k = 0; k < 3; ++k) d.b.col(k) += rows_[r].second[k] * x;
+    const Index j = neighbors_.items[r];
+    if (j < num_points)
+      add(j, 1.0, rows_[r]);
+    else
+      for (int c = 0; c < 3; ++c) add(edge_points_[j - num_points].points[c], edge_points_[j - num_points].weights[c], rows_[r]);
+  }
+  return fit;
+}
+
+CurvatureBending::Derivatives CurvatureBending::sumDerivatives(const WholeFit& fit, const double* positions, Index stride) {
+  Derivatives d{{Vec3::Zero(), Vec3::Zero()}, Mat3::Zero()};
+  for (Index r = 0; r < fit.size; ++r) {
+    const Eigen::Map<const Vec3> x(positions + stride * fit.points[r]);
+    for (int c = 0; c < 2; ++c) d.t[c] += fit.rows[r].first[c] * x;
+    for (int k = 0; k < 3; ++k) d.b.col(k) += fit.rows[r].second[k] * x;
   }
   return d;
 }
@@ -276,38 +342,57 @@ Mat3 CurvatureBending::CrushedShape::changeBy(const Row& row) const {
   return normal * row.second.transpose() + row.first[0] * by_first[0] + row.first[1] * by_first[1];
 }
 
+void CurvatureBending::appendEdge(PaddedPoints& positions) const {
+  for (const EdgePoint& edge : edge_points_) {
+    Vec3 place = Vec3::Zero();
+    for (int c = 0; c < 3; ++c) place += edge.weights[c] * Eigen::Map<const Vec3>(positions.data() + 4 * edge.points[c]);
+    positions.append(place);
+  }
+}
+
 // f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A [(1 - nu) k + nu tr(k) I], k = n . b - II0: by the fits,
-// then gathered by the points.
-void CurvatureBending::addForces(const PaddedPoints& positions, Points& forces) const {
+// then gathered by the points, and from those on edges by what they ride on.
+void CurvatureBending::addForces(PaddedPoints& positions, Points& forces) const {
+  appendEdge(positions);
   std::atomic<bool> any_crushed{false};
   parallelFor(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
     if (computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), poisson_ratio_,
                        positions.data(), along_.data(), normals_.data()))
       any_crushed.store(true, std::memory_order_relaxed);
   });
-  parallelFor(neighbors_.size(), kBlock, [&](Index begin, Index end) {
+  parallelFor(numPoints(), kBlock, [&](Index begin, Index end) {
     gatherForces(begin, end, users_.offsets.data(), users_.items.data(), along_.data(), normals_.data(), forces.data()->data());
   });
-  if (any_crushed) addCrushedForces(positions, forces);
+  const Index num_points = numPoints();
+  for (Index e = 0; e < static_cast<Index>(edge_points_.size()); ++e) {
+    Vec3 force = Vec3::Zero();
+    gatherForces(0, 1, &users_.offsets[num_points + e], users_.items.data(), along_.data(), normals_.data(), force.data());
+    for (int c = 0; c < 3; ++c) forces[edge_points_[e].points[c]] += edge_points_[e].weights[c] * force;
+  }
+  positions.shorten(num_points);
+  if (any_crushed) addCrushedForces(positions.data(), forces);
 }
 
 // Of the few that got none with the others, one by one.
-void CurvatureBending::addCrushedForces(const PaddedPoints& positions, Points& forces) const {
+void CurvatureBending::addCrushedForces(const double* positions, Points& forces) const {
   for (Index i = 0; i < neighbors_.size(); ++i) {
     const double* normal = &normals_[4 * i];
     if (weight_[i] == 0.0 || normal[0] != 0.0 || normal[1] != 0.0 || normal[2] != 0.0) continue;
-    const CrushedShape s = crushedShapeAt(i, sumDerivativesAt(i, positions.data(), 4));
+    const WholeFit fit = wholeFit(i);
+    const CrushedShape s = crushedShapeAt(i, sumDerivatives(fit, positions, 4));
     const Vec3 moment = weight_[i] * momentOf(s.change);
-    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
-      forces[neighbors_.items[r]] -= s.changeBy(rows_[r]) * moment;
+    for (Index r = 0; r < fit.size; ++r) forces[fit.points[r]] -= s.changeBy(fit.rows[r]) * moment;
   }
 }
 
-double CurvatureBending::energy(const PaddedPoints& positions) const {
-  return parallelSum(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
+double CurvatureBending::energy(PaddedPoints& positions) const {
+  appendEdge(positions);
+  const double sum = parallelSum(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
     return sumEnergies(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), poisson_ratio_,
                        positions.data());
   });
+  positions.shorten(numPoints());
+  return sum;
 }
 
 // With k_ab = n . b_ab - II0_ab and its moments M (each component as often as it stands in the sum), the Hessian is the sum of
@@ -316,13 +401,14 @@ double CurvatureBending::energy(const PaddedPoints& positions) const {
 //   dp = M_ab (db_ab - Gamma^d_ab dt_d).
 // Of crushed points it is the former part alone.
 void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
-  std::array<Vec3, kFitPoints + 1> change;   // of k_ab by the normal motion of each neighbour
-  std::array<double, kFitPoints + 1> along;  // dp by the motion of each neighbour
+  std::array<Vec3, 3 * (kFitPoints + 1)> change;   // of k_ab by the normal motion of each neighbour
+  std::array<double, 3 * (kFitPoints + 1)> along;  // dp by the motion of each neighbour
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
-    const Derivatives d = sumDerivativesAt(i, state.positions.data()->data(), 3);
+    const WholeFit fit = wholeFit(i);
+    const Derivatives d = sumDerivatives(fit, state.positions.data()->data(), 3);
     if (isCrushed(d)) {
-      addCrushedStiffness(i, crushedShapeAt(i, d), stiffness);
+      addCrushedStiffness(fit, weight_[i], crushedShapeAt(i, d), stiffness);
       continue;
     }
     const Shape shape = shapeAt(i, d);
@@ -333,37 +419,35 @@ void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSp
     Mat2 metric;
     metric << shape.dual[0].squaredNorm(), shape.dual[0].dot(shape.dual[1]), shape.dual[0].dot(shape.dual[1]),
         shape.dual[1].squaredNorm();
-    const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
-    for (Index r = begin; r < end; ++r) {
-      change[r - begin] = rows_[r].second - shape.christoffel.transpose() * rows_[r].first;
-      along[r - begin] = moment.dot(change[r - begin]);
+    for (Index r = 0; r < fit.size; ++r) {
+      change[r] = fit.rows[r].second - shape.christoffel.transpose() * fit.rows[r].first;
+      along[r] = moment.dot(change[r]);
     }
-    for (Index j = begin; j < end; ++j)
-      for (Index k = begin; k <= j; ++k) {
-        double normal = weight_[i] * change[j - begin].dot(momentOf(change[k - begin]));
+    for (Index j = 0; j < fit.size; ++j)
+      for (Index k = 0; k <= j; ++k) {
+        double normal = weight_[i] * change[j].dot(momentOf(change[k]));
         Mat3 block = Mat3::Zero();
         if (hessian == Hessian::kExact) {
-          const Vec2 gj = rows_[j].first, gk = rows_[k].first;
+          const Vec2 gj = fit.rows[j].first, gk = fit.rows[k].first;
           normal -= pull * gj.dot(metric * gk);
-          const Vec3 tj = along[k - begin] * (gj[0] * shape.dual[0] + gj[1] * shape.dual[1]);
-          const Vec3 tk = along[j - begin] * (gk[0] * shape.dual[0] + gk[1] * shape.dual[1]);
+          const Vec3 tj = along[k] * (gj[0] * shape.dual[0] + gj[1] * shape.dual[1]);
+          const Vec3 tk = along[j] * (gk[0] * shape.dual[0] + gk[1] * shape.dual[1]);
           block = -n * tj.transpose() - tk * n.transpose();
         }
         block += normal * project;
-        stiffness.add(neighbors_.items[j], neighbors_.items[k], block);
+        stiffness.add(fit.points[j], fit.points[k], block);
       }
   }
 }
 
-void CurvatureBending::addCrushedStiffness(Index i, const CrushedShape& shape, BlockSparse& stiffness) const {
-  const Index begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
-  std::array<Mat3, kFitPoints + 1> change;
-  for (Index r = begin; r < end; ++r) change[r - begin] = shape.changeBy(rows_[r]);
-  const Mat3 moments = weight_[i] * momentMatrix();
-  for (Index j = begin; j < end; ++j)
-    for (Index k = begin; k <= j; ++k)
-      stiffness.add(neighbors_.items[j], neighbors_.items[k],
-                    change[j - begin] * moments * change[k - begin].transpose());
+void CurvatureBending::addCrushedStiffness(const WholeFit& fit, double weight, const CrushedShape& shape,
+                                           BlockSparse& stiffness) const {
+  std::array<Mat3, 3 * (kFitPoints + 1)> change;
+  for (Index r = 0; r < fit.size; ++r) change[r] = shape.changeBy(fit.rows[r]);
+  const Mat3 moments = weight * momentMatrix();
+  for (Index j = 0; j < fit.size; ++j)
+    for (Index k = 0; k <= j; ++k)
+      stiffness.add(fit.points[j], fit.points[k], change[j] * moments * change[k].transpose());
 }
 
 // x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no
@@ -374,23 +458,24 @@ double CurvatureBending::boundRate(const State& state, const std::vector<double>
   const Mat3 root = momentRoot();
   for (Index i = 0; i < neighbors_.size(); ++i) {
     if (weight_[i] == 0.0) continue;
-    const Derivatives d = sumDerivativesAt(i, state.positions.data()->data(), 3);
+    const WholeFit fit = wholeFit(i);
+    const Derivatives d = sumDerivatives(fit, state.positions.data()->data(), 3);
     Mat3 matrix = Mat3::Zero();
     if (isCrushed(d)) {
       const CrushedShape shape = crushedShapeAt(i, d);
-      for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-        const Mat3 change = shape.changeBy(rows_[r]) * root;
-        matrix += change.transpose() * change / masses[neighbors_.items[r]];
+      for (Index r = 0; r < fit.size; ++r) {
+        const Mat3 change = shape.changeBy(fit.rows[r]) * root;
+        matrix += change.transpose() * change / masses[fit.points[r]];
       }
     } else {
       const Shape shape = shapeAt(i, d);
-      for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) {
-        const Vec3 change = root * (rows_[r].second - shape.christoffel.transpose() * rows_[r].first);
-        matrix += change * change.transpose() / masses[neighbors_.items[r]];
+      for (Index r = 0; r < fit.size; ++r) {
+        const Vec3 change = root * (fit.rows[r].second - shape.christoffel.transpose() * fit.rows[r].first);
+        matrix += change * change.transpose() / masses[fit.points[r]];
       }
     }
     const double largest = weight_[i] * matrix.norm();
-    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) rate_[neighbors_.items[r]] += largest;
+    for (Index r = 0; r < fit.size; ++r) rate_[fit.points[r]] += largest;
   }
   return *std::max_element(rate_.begin(), rate_.end());
 }
@@ -398,10 +483,12 @@ double CurvatureBending::boundRate(const State& state, const std::vector<double>
 void CurvatureBending::addRowBounds(std::vector<double>& stiffness) const {
   const Mat3 moments = momentMatrix().cwiseAbs();
   for (Index i = 0; i < neighbors_.size(); ++i) {
+    if (weight_[i] == 0.0) continue;
+    const WholeFit fit = wholeFit(i);
     Vec3 sum = Vec3::Zero();
-    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r) sum += rows_[r].second.cwiseAbs();
-    for (Index r = neighbors_.offsets[i]; r < neighbors_.offsets[i + 1]; ++r)
-      stiffness[neighbors_.items[r]] += weight_[i] * rows_[r].second.cwiseAbs().dot(moments * sum);
+    for (Index r = 0; r < fit.size; ++r) sum += fit.rows[r].second.cwiseAbs();
+    for (Index r = 0; r < fit.size; ++r)
+      stiffness[fit.points[r]] += weight_[i] * fit.rows[r].second.cwiseAbs().dot(moments * sum);
   }
 }
 

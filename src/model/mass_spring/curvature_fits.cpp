@@ -1,7 +1,8 @@
-// The fits of curvature at rest: which neighbours, by least squares, at the edges of clamps on one side. Apart from what follows
-// from them at every state (curvature_bending.cpp).
-#include "deformable_surface/model/mass_spring/clamps.h"
-#include "deformable_surface/model/mass_spring/curvature_bending.h"
+// Which neighbours a fit of curvature has, and its least squares, at the edges of clamps on one side. Apart from what follows
+// from the fits at every state (curvature_bending.cpp).
+#include "curvature_fits.h"
+
+#include "deformable_surface/base/parallel.h"
 
 #include <Eigen/QR>
 
@@ -11,142 +12,146 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kFitPoints = CurvatureBending::kFitPoints;
-constexpr double kReach = 1.05;    // kernel support over the farthest neighbour's distance, so that it still counts
+constexpr Index kSlots = kFitPoints + 1;
+constexpr Index kBlock = 64;             // fits a task: about a millisecond
+constexpr double kReach = 1.05;          // kernel support over the farthest neighbour's distance, so that it still counts
 constexpr double kRankTolerance = 1e-3;  // smallest pivot over the largest for a fit to count as determined
 
-// The nearest kFitPoints that i may see among the first, second and, if those are too few, third ring.
-std::vector<Index> chooseFitPoints(Index i, const Points& rest, const Lists& ring, const Clamps& clamps) {
-  std::vector<Index> found{i};
+// The nearest ones, at most so many, among the first, second and, if those are too few, third ring.
+void chooseFitPoints(Index i, const PlateRest& plate, Index most, std::vector<Index>& found) {
+  const Points& rest = plate.points;
+  found.assign(1, i);
   std::size_t level = 0;
-  for (int depth = 0; depth < 3 && (depth < 2 || static_cast<Index>(found.size()) <= kFitPoints); ++depth) {
+  for (int depth = 0; depth < 3 && (depth < 2 || static_cast<Index>(found.size()) <= most); ++depth) {
     const std::size_t end = found.size();
     for (; level < end; ++level)
-      for (const Index* j = ring.begin(found[level]); j != ring.end(found[level]); ++j)
-        if (clamps.sees(i, *j) && std::find(found.begin(), found.end(), *j) == found.end()) found.push_back(*j);
+      for (const Index* j = plate.ring.begin(found[level]); j != plate.ring.end(found[level]); ++j)
+        if (std::find(found.begin(), found.end(), *j) == found.end()) found.push_back(*j);
   }
   found.erase(found.begin());
   std::sort(found.begin(), found.end(), [&](Index a, Index b) {
     const double da = (rest[a] - rest[i]).squaredNorm(), db = (rest[b] - rest[i]).squaredNorm();
     return da != db ? da < db : a < b;
   });
-  if (static_cast<Index>(found.size()) > kFitPoints) found.resize(kFitPoints);
-  return found;
+  if (static_cast<Index>(found.size()) > most) found.resize(most);
 }
 
-// For each neighbour the five coefficients that a unit of its position adds.
-using Fit = Eigen::Matrix<double, 5, Eigen::Dynamic>;
+template <int Rows, int Columns>
+using Small = Eigen::Matrix<double, Rows == 0 ? Eigen::Dynamic : Rows, Columns == 0 ? Eigen::Dynamic : Columns, 0,
+                            Rows == 0 ? kFitPoints : Rows, Columns == 0 ? kFitPoints : Columns>;
+using Weights = Small<0, 1>;
 
-// The solution of least squares with rows already weighted; false if they do not determine it.
+// Least squares with rows already weighted: for each neighbour the coefficients that a unit of its position adds, and the
+// orthonormal columns that span those of the design. False if the rows do not determine it.
 template <int Columns>
-bool solveLeastSquares(const Eigen::Matrix<double, Eigen::Dynamic, Columns>& design, const Eigen::VectorXd& root_weight,
-                       Eigen::Matrix<double, Columns, Eigen::Dynamic>& inverse) {
+bool solveLeastSquares(const Small<0, Columns>& design, const Weights& root_weight, Small<Columns, 0>& inverse,
+                       Small<0, Columns>& q) {
   if (design.rows() < Columns) return false;
-  Eigen::ColPivHouseholderQR<Eigen::Matrix<double, Eigen::Dynamic, Columns>> solver(design);
+  const Eigen::ColPivHouseholderQR<Small<0, Columns>> solver(design);
   const auto pivots = solver.matrixQR().diagonal().cwiseAbs();
   if (!(pivots.minCoeff() > kRankTolerance * pivots.maxCoeff())) return false;
-  const Eigen::MatrixXd weights = root_weight.asDiagonal();
-  inverse = solver.solve(weights);
+  q = Small<0, Columns>::Identity(design.rows(), Columns);
+  q.applyOnTheLeft(solver.householderQ());
+  inverse = q.transpose() * root_weight.asDiagonal();
+  solver.matrixQR().template topLeftCorner<Columns, Columns>().template triangularView<Eigen::Upper>().solveInPlace(inverse);
+  inverse = solver.colsPermutation() * inverse;
   return true;
 }
 
-// At the edge of a clamp: the slope from what is held, then, with that slope, the curvature from what is free and the edge.
-bool solveClamped(const Eigen::Matrix<double, Eigen::Dynamic, 5>& design, const Eigen::VectorXd& root_weight,
-                  const std::vector<Index>& fit, const Clamps& clamps, Fit& inverse) {
-  const Index k = static_cast<Index>(fit.size());
-  std::vector<Index> held, free;
-  for (Index m = 0; m < k; ++m) {
-    if (clamps.isHeld(fit[m])) held.push_back(m);
-    if (!clamps.isInner(fit[m])) free.push_back(m);
-  }
-  const auto pick = [&](const std::vector<Index>& which, auto& rows, Eigen::VectorXd& weights, Index first) {
-    rows.resize(which.size(), rows.cols());
-    weights.resize(which.size());
-    for (std::size_t r = 0; r < which.size(); ++r) {
-      rows.row(r) = design.row(which[r]).segment(first, rows.cols());
-      weights[r] = root_weight[which[r]];
-    }
-  };
-  Eigen::VectorXd weights;
-  Eigen::Matrix<double, Eigen::Dynamic, 5> quadratic;
-  Eigen::Matrix<double, Eigen::Dynamic, 2> linear;
-  Fit slopes_of_quadratic;
-  Eigen::Matrix<double, 2, Eigen::Dynamic> slopes;
-  pick(held, quadratic, weights, 0);
-  if (solveLeastSquares(quadratic, weights, slopes_of_quadratic)) {
-    slopes = slopes_of_quadratic.topRows<2>();
-  } else {
-    pick(held, linear, weights, 0);
-    if (!solveLeastSquares(linear, weights, slopes)) return false;
-  }
-  Eigen::Matrix<double, Eigen::Dynamic, 3> bent;
-  Eigen::Matrix<double, 3, Eigen::Dynamic> curvatures;
-  pick(free, bent, weights, 2);
-  if (!solveLeastSquares(bent, weights, curvatures)) return false;
-  inverse = Fit::Zero(5, k);
-  for (std::size_t r = 0; r < held.size(); ++r) inverse.col(held[r]).head<2>() += slopes.col(r);
-  for (std::size_t r = 0; r < free.size(); ++r) {
-    inverse.col(free[r]).tail<3>() += curvatures.col(r);
-    // Less what the slope alone gives there. A row of the design is weighted, and so is the curvature's answer to it.
-    const Vec2 place = design.row(free[r]).head<2>().transpose() / root_weight[free[r]];
-    for (std::size_t h = 0; h < held.size(); ++h) inverse.col(held[h]).tail<3>() -= curvatures.col(r) * place.dot(slopes.col(h));
+struct Solution {
+  Small<5, 0> inverse;
+  CurvatureFits::Basis basis;
+};
+
+bool solveFree(const Small<0, 5>& design, const Weights& root_weight, Solution& solution) {
+  Small<0, 5> q;
+  if (!solveLeastSquares<5>(design, root_weight, solution.inverse, q)) return false;
+  solution.basis.q.topRows(q.rows()) = q;
+  for (Index m = 0; m < q.rows(); ++m) solution.basis.root[m] = root_weight[m];
+  return true;
+}
+
+// At the edge of a clamp: with the slope of what is held, which comes after the neighbours, the curvature.
+bool solveClamped(const Small<0, 5>& design, const Weights& root_weight, const EdgePoint& edge, const TangentAxes& axes,
+                  double reach, Solution& solution) {
+  const Index k = static_cast<Index>(design.rows());
+  const Small<0, 3> bent = design.rightCols<3>();
+  Small<0, 3> q;
+  Small<3, 0> curvatures;
+  if (!solveLeastSquares<3>(bent, root_weight, curvatures, q)) return false;
+  solution.inverse.setZero(5, k + 3);
+  solution.inverse.block(2, 0, 3, k) = curvatures;
+  solution.basis.q.topLeftCorner(k, 3) = q;
+  for (Index m = 0; m < k; ++m) solution.basis.root[m] = root_weight[m];
+  for (int h = 0; h < 3; ++h) {
+    const Vec2 slope = reach * Vec2(edge.gradients[h].dot(axes.first), edge.gradients[h].dot(axes.second));
+    solution.inverse.col(k + h).head<2>() = slope;
+    // Less what the slope alone gives at the neighbours. A row of the design is weighted.
+    for (Index m = 0; m < k; ++m)
+      solution.inverse.col(k + h).tail<3>() -= curvatures.col(m) * (design.row(m).head<2>().dot(slope) / root_weight[m]);
   }
   return true;
 }
 
 }  // namespace
 
-CurvatureBending::CurvatureBending(const Points& rest, const Points& normals, const Lists& ring,
-                                   const std::vector<double>& areas, double rigidity, double poisson_ratio,
-                                   const std::vector<char>& held)
-    : poisson_ratio_(poisson_ratio) {
-  const Index n = static_cast<Index>(rest.size());
-  const Clamps clamps(rest, ring, held);
-  neighbors_.offsets.assign(1, 0);
-  rest_curvature_.assign(n, Vec3::Zero());
-  weight_.assign(n, 0.0);
-  for (Index i = 0; i < n; ++i) {
-    const std::vector<Index> fit = chooseFitPoints(i, rest, ring, clamps);
-    const Index k = static_cast<Index>(fit.size());
-    neighbors_.items.push_back(i);
-    rows_.emplace_back(Row{Vec2::Zero(), Vec3::Zero()});
-    if (k >= 5) {
+CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
+  const PlateRest& plate = clamped.plate;
+  const Index n = static_cast<Index>(plate.points.size());
+  CurvatureFits fits;
+  fits.reach.assign(n, 0.0);
+  fits.bases.resize(n);
+  // Each in room of its own, of which the lists are then made.
+  std::vector<Index> slots(kSlots * n);
+  std::vector<CurvatureRow> rows(kSlots * n);
+  std::vector<Index> counts(n, 1);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    std::vector<Index> fit;
+    for (Index i = begin; i < end; ++i) {
+      slots[kSlots * i] = i;
+      rows[kSlots * i] = {Vec2::Zero(), Vec3::Zero()};
+      fits.bases[i].root.fill(0.0);
+      fits.bases[i].q.setZero();
+      const EdgePoint* const edge = clamped.isEdge(i) ? &clamped.edge_points[i - clamped.num_points] : nullptr;
+      if (!edge && clamped.is_inner[i]) continue;
+      chooseFitPoints(i, plate, edge ? kFitPoints - 3 : kFitPoints, fit);
+      const Index k = static_cast<Index>(fit.size());
+      if (k < 5) continue;
       // The weighted quadratic in tangent coordinates scaled by the reach.
-      const Vec3 e1 = normals[i].unitOrthogonal(), e2 = normals[i].cross(e1);
-      const double reach = kReach * (rest[fit.back()] - rest[i]).norm();
-      Eigen::Matrix<double, Eigen::Dynamic, 5> design(k, 5);
-      Eigen::VectorXd root_weight(k);
+      const TangentAxes axes(plate.normals[i]);
+      const double reach = kReach * (plate.points[fit.back()] - plate.points[i]).norm();
+      Small<0, 5> design(k, 5);
+      Weights root_weight(k);
       for (Index m = 0; m < k; ++m) {
-        const Vec3 d = (rest[fit[m]] - rest[i]) / reach;
-        const double a = d.dot(e1), b = d.dot(e2), q = 1.0 - d.squaredNorm();
+        const Vec3 d = (plate.points[fit[m]] - plate.points[i]) / reach;
+        const double a = d.dot(axes.first), b = d.dot(axes.second), q = 1.0 - d.squaredNorm();
         root_weight[m] = q;
-        design.row(m) << a, b, 0.5 * a * a, a * b, 0.5 * b * b;
-        design.row(m) *= q;
+        design.row(m) << q * a, q * b, 0.5 * q * a * a, q * a * b, 0.5 * q * b * b;
       }
-      Fit inverse;
-      const bool determined = clamps.isEdge(i) ? solveClamped(design, root_weight, fit, clamps, inverse)
-                                               : solveLeastSquares(design, root_weight, inverse);
-      if (determined) {
-        Row own{Vec2::Zero(), Vec3::Zero()};
-        for (Index m = 0; m < k; ++m) {
-          const Row row{inverse.block<2, 1>(0, m) / reach, inverse.block<3, 1>(2, m) / (reach * reach)};
-          own.first -= row.first;
-          own.second -= row.second;
-          neighbors_.items.push_back(fit[m]);
-          rows_.push_back(row);
-        }
-        rows_[neighbors_.offsets.back()] = own;
-        weight_[i] = rigidity * areas[i] * clamps.freeShare(i);
-      } else {
-        ++num_without_fit_;
+      Solution solution;
+      solution.basis = fits.bases[i];
+      if (edge ? !solveClamped(design, root_weight, *edge, axes, reach, solution) : !solveFree(design, root_weight, solution))
+        continue;
+      if (edge) fit.insert(fit.end(), edge->points, edge->points + 3);
+      fits.bases[i] = solution.basis;
+      fits.reach[i] = reach;
+      counts[i] = static_cast<Index>(fit.size()) + 1;
+      CurvatureRow& own = rows[kSlots * i];
+      for (Index m = 0; m < static_cast<Index>(fit.size()); ++m) {
+        CurvatureRow& row = rows[kSlots * i + 1 + m];
+        row = {solution.inverse.block<2, 1>(0, m) / reach, solution.inverse.block<3, 1>(2, m) / (reach * reach)};
+        own.first -= row.first;
+        own.second -= row.second;
+        slots[kSlots * i + 1 + m] = fit[m];
       }
-    } else {
-      ++num_without_fit_;
     }
-    neighbors_.offsets.push_back(static_cast<Index>(neighbors_.items.size()));
+  });
+  for (Index i = 0; i < n; ++i) {
+    fits.points.items.insert(fits.points.items.end(), &slots[kSlots * i], &slots[kSlots * i] + counts[i]);
+    fits.rows.insert(fits.rows.end(), &rows[kSlots * i], &rows[kSlots * i] + counts[i]);
+    fits.points.offsets.push_back(static_cast<Index>(fits.points.items.size()));
   }
-  for (Index i = 0; i < n; ++i)
-    if (weight_[i] != 0.0) rest_curvature_[i] = shapeAt(i, sumDerivativesAt(i, rest.data()->data(), 3)).change;
-  prepareForceLoop();
+  return fits;
 }
 
 }  // namespace deformable_surface::model

@@ -65,7 +65,8 @@ double sumOfSquares(const std::vector<Link>& links, const std::vector<double>& k
 }  // namespace
 
 MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
-                       const MaterialParams& material, const MassSpringParams& params)
+                       const MaterialParams& material, const MassSpringParams& params, const std::vector<char>& held,
+                       const std::vector<ClampEdge>& edges)
     : membrane_(params.membrane == Membrane::kAuto ? Membrane::kTriangles : params.membrane),
       along_damping_(params.damping == Damping::kAlongSpring ? material.spring_damping : 0.0),
       relative_damping_(params.damping == Damping::kRelativeVelocity ? material.spring_damping : 0.0),
@@ -92,7 +93,10 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   for (double& mass : masses_) mass *= material.arealDensity() * surface_area / total;
 
   // Spring stiffness from the triangles at each spring.
-  const double membrane_stiffness = material.young_modulus * material.thickness;
+  // Edges of few points are ragged, and lie within those of the full surface: what is missing of its area bends and stretches,
+  // too, as it weighs.
+  const double whole = !closed && ring_area > 0.0 ? surface_area / ring_area : 1.0;
+  const double membrane_stiffness = whole * material.young_modulus * material.thickness;
   made_.membrane_stiffness = membrane_stiffness;
   made_.poisson_ratio = material.poisson_ratio;
   const std::vector<Link> stretching = stretchingLinks(rings);
@@ -126,9 +130,10 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   if (membrane_ == Membrane::kTriangles)
     membrane_triangles_ = TriangleMembrane(triangles_, rest, membrane_stiffness, material.poisson_ratio);
   if (params.bending == Bending::kCurvature && material.bendingRigidity() > 0.0) {
-    bending_rest_ = {rest, normals, rings.ring, rings.area, material.bendingRigidity(), material.bendingPoissonRatio()};
-    held_.assign(n, 0);
-    bending_ = CurvatureBending(rest, normals, rings.ring, rings.area, bending_rest_.rigidity, bending_rest_.poisson_ratio);
+    plate_ = {rest, normals, rings.ring, {}, whole * material.bendingRigidity(), material.bendingPoissonRatio()};
+    held_ = held.empty() ? std::vector<char>(n, 0) : held;
+    edges_ = edges;
+    buildBending();
     num_without_bending_ = bending_.numWithoutFit();
   }
 
@@ -141,9 +146,10 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   }
 }
 
-bool MassSpring::setHeld(const std::vector<char>& held) {
-  if (bending_rest_.points.empty() || held == held_) return false;
+bool MassSpring::setHeld(const std::vector<char>& held, const std::vector<ClampEdge>& edges) {
+  if (plate_.points.empty() || (held == held_ && edges == edges_)) return false;
   held_ = held;
+  edges_ = edges;
   buildBending();
   return true;
 }

@@ -56,17 +56,19 @@ Springs MassSpring::takeSprings(const std::vector<Link>& links, const std::vecto
 }
 
 void MassSpring::buildBending() {
-  const BendingRest& b = bending_rest_;
-  if (b.points.empty()) return;
-  std::vector<double> areas = b.areas;
-  for (std::size_t i = 0; i < materials_.size(); ++i) areas[i] *= materials_[i].bending;
-  Lists ring;
-  for (Index i = 0; i < b.ring.size(); ++i) {
-    for (const Index* j = b.ring.begin(i); j != b.ring.end(i); ++j)
-      if (!isCut(i, *j)) ring.items.push_back(*j);
-    ring.offsets.push_back(static_cast<Index>(ring.items.size()));
+  if (plate_.points.empty()) return;
+  PlateRest plate = plate_;
+  plate.triangles = triangles_;
+  for (const PointMaterial& material : materials_) plate.shares.push_back(material.bending);
+  if (!cuts_.empty()) {
+    plate.ring = Lists{};
+    for (Index i = 0; i < plate_.ring.size(); ++i) {
+      for (const Index* j = plate_.ring.begin(i); j != plate_.ring.end(i); ++j)
+        if (!isCut(i, *j)) plate.ring.items.push_back(*j);
+      plate.ring.offsets.push_back(static_cast<Index>(plate.ring.items.size()));
+    }
   }
-  bending_ = CurvatureBending(b.points, b.normals, ring, areas, b.rigidity, b.poisson_ratio, held_);
+  bending_ = CurvatureBending(plate, held_, edges_);
   forgetGuesses();
 }
 

@@ -59,14 +59,24 @@ void CurvatureBending::markPartners(const std::vector<Index>& points, std::vecto
   static thread_local std::vector<Index> seen;
   if (is_seen.size() < static_cast<std::size_t>(neighbors_.size())) is_seen.resize(neighbors_.size(), 0);
   seen.reserve(neighbors_.size());
-  for (const Index i : points)
+  const auto markFitsOf = [&](Index i) {
     for (Index k = users_.offsets[i]; k < users_.offsets[i + 1]; k += 2) {
       const Index fit = users_.items[k + 1] / 4;
       if (is_seen[fit]) continue;
       is_seen[fit] = 1;
       seen.push_back(fit);
-      for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j) marked[*j] = 1;
+      for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j) {
+        if (*j < numPoints())
+          marked[*j] = 1;
+        else
+          for (const Index point : edge_points_[*j - numPoints()].points) marked[point] = 1;
+      }
     }
+  };
+  for (const Index i : points) {
+    markFitsOf(i);
+    for (auto rider = firstRider(i); rider != riders_.end() && rider->first == i; ++rider) markFitsOf(rider->second);
+  }
   for (const Index fit : seen) is_seen[fit] = 0;
   seen.clear();
 }
@@ -75,17 +85,36 @@ CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
   CurvatureBending bending;
   bending.poisson_ratio_ = poisson_ratio_;
   if (neighbors_.size() == 0) return bending;
-  const std::vector<Index> fits = findElements(part.wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
+  std::vector<Index> wanted = part.wanted;
+  for (const Index i : part.wanted)
+    for (auto rider = firstRider(i); rider != riders_.end() && rider->first == i; ++rider) wanted.push_back(rider->second);
+  std::sort(wanted.begin(), wanted.end());
+  wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
+  const std::vector<Index> fits = findElements(wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
+  // Points on edges go with the part if one of its fits has them.
+  const Index num_points = numPoints();
+  std::vector<Index> points = part.points, new_edge(edge_points_.size(), -1);
   std::size_t num_rows = 0;
-  for (const Index fit : fits) num_rows += neighbors_.count(fit);
+  for (const Index fit : fits) {
+    num_rows += neighbors_.count(fit);
+    for (const Index* j = neighbors_.begin(fit); j != neighbors_.end(fit); ++j)
+      if (*j >= num_points) new_edge[*j - num_points] = 0;
+  }
+  for (std::size_t e = 0; e < edge_points_.size(); ++e) {
+    if (new_edge[e] < 0) continue;
+    new_edge[e] = static_cast<Index>(points.size());
+    points.push_back(num_points + static_cast<Index>(e));
+    bending.edge_points_.push_back(edge_points_[e]);
+    for (Index& point : bending.edge_points_.back().points) point = part.new_index[point];
+  }
   bending.neighbors_.items.reserve(num_rows);
-  bending.neighbors_.offsets.reserve(part.points.size() + 1);
+  bending.neighbors_.offsets.reserve(points.size() + 1);
   bending.rows_.reserve(num_rows);
-  bending.rest_curvature_.assign(part.points.size(), Vec3::Zero());
-  bending.weight_.assign(part.points.size(), 0.0);
+  bending.rest_curvature_.assign(points.size(), Vec3::Zero());
+  bending.weight_.assign(points.size(), 0.0);
   auto next = fits.begin();
-  for (Index k = 0; k < part.size(); ++k) {
-    const Index i = part.points[k];
+  for (std::size_t k = 0; k < points.size(); ++k) {
+    const Index i = points[k];
     const bool has_fit = next != fits.end() && *next == i;
     if (has_fit) {
       ++next;
@@ -93,7 +122,8 @@ CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
       bending.weight_[k] = weight_[i];
     }
     for (Index r = neighbors_.offsets[i]; has_fit && r < neighbors_.offsets[i + 1]; ++r) {
-      bending.neighbors_.items.push_back(part.new_index[neighbors_.items[r]]);
+      const Index j = neighbors_.items[r];
+      bending.neighbors_.items.push_back(j < num_points ? part.new_index[j] : new_edge[j - num_points]);
       bending.rows_.push_back(rows_[r]);
     }
     bending.neighbors_.offsets.push_back(static_cast<Index>(bending.neighbors_.items.size()));
@@ -138,7 +168,7 @@ DeformableModel::Part MassSpring::makePart(const std::vector<char>& wanted) cons
   part->bending_springs_ = bending_springs_.makePart(index);
   part->membrane_triangles_ = membrane_triangles_.makePart(index);
   part->bending_ = bending_.makePart(index);
-  part->bending_rest_.rigidity = bending_rest_.rigidity;
+  part->plate_.rigidity = plate_.rigidity;
   const std::vector<Index> found =
       findElements(index.wanted, triangle_corners_, 1, [&](Index k) { return triangle_corners_.items[k] / 3; });
   std::vector<std::pair<Index, Index>> corners;

@@ -7,13 +7,43 @@
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/model/mass_spring/part_index.h"
 
+#include <algorithm>
+#include <utility>
+
 namespace deformable_surface::model {
+
+/// A surface at rest as the bending energy sees it.
+struct PlateRest {
+  Points points, normals;                   // (n x 3) m
+  Lists ring;                               // (n) neighbours, symmetric
+  std::vector<WeightedTriangle> triangles;  // cover the surface once
+  double rigidity = 0.0;                    // D, N m
+  double poisson_ratio = 0.0;               // above -1, below 1
+  std::vector<double> shares = {};          // (n) of D, of each point; empty: 1
+};
+
+/// A point on the edge of a clamp, which rides on three that are held: any function that is linear on them is sum of
+/// weights * values there, and has the gradient sum of gradients * values.
+struct EdgePoint {
+  Index points[3];
+  double weights[3];
+  Vec3 gradients[3];  // 1/m
+};
+
+/// The rows of a fit for one of its points.
+struct CurvatureRow {
+  Eigen::Matrix<double, 2, 1, Eigen::DontAlign> first;  // g^1, g^2, 1/m
+  Vec3 second;                                          // c^11, c^12, c^22, 1/m^2
+};
 
 /// At rest a quadratic x(a, b) is fitted through every point to its neighbours (weights (1 - s^2)^2, s = distance over reach),
 /// in coordinates a, b of its tangent plane. The fit is linear in the positions: fixed rows g^a_j and c^ab_j give tangents
 /// t_a = sum_j g^a_j x_j and second derivatives b_ab = sum_j c^ab_j x_j; with n = t_1 x t_2 / |.| the curvature is n . b_ab, and
 ///   W = D/2 sum_i A_i [(1 - nu) sum_ab k_ab^2 + nu (k_11 + k_22)^2],  k_ab = n . b_ab - II0_ab,
 /// a plate of rigidity D and Poisson's ratio nu. With nu = 0 a strip of any width has rigidity D per width.
+///
+/// The rows c^ab are those of the fits with the least change that brings a constant moment into balance at every point
+/// (balanceMoments()); without it scattered points are some per cent soft however many they are. A_i: thirds of the triangles.
 ///
 /// Where the surface is crushed the direction of n means nothing and changes without bound. So where |t_1 x t_2| is below e, a
 /// tenth of what it is at rest, n = t_1 x t_2 / s with s = (|t_1 x t_2|^2 + e^2) / (2 e), which goes on smoothly and ends at
@@ -24,21 +54,20 @@ class CurvatureBending {
 
   CurvatureBending() = default;
 
-  /// rings: neighbours of neighbours are the fit's points. areas (n) m^2; rigidity D, N m. Points whose neighbourhood does
-  /// not determine a quadratic (fewer than five neighbours, collinear) get no bending energy; numWithoutFit() counts them.
-  /// poisson_ratio: above -1, below 1.
-  /// held (n), or empty: points that do not move. At the edge of a held patch fits stay on one side and the patch gives the
-  /// slope.
-  CurvatureBending(const Points& rest, const Points& normals, const Lists& ring, const std::vector<double>& areas,
-                   double rigidity, double poisson_ratio, const std::vector<char>& held = {});
+  /// Points whose neighbourhood does not determine a quadratic (fewer than five neighbours, collinear) get no bending energy;
+  /// numWithoutFit() counts them. held (n), or empty: points that do not move; edges: see DeformableModel::setHeld(). A clamp
+  /// ends where these say: fits beside it look at its edge, and at the edge at one side, with the slope of the patch.
+  explicit CurvatureBending(const PlateRest& plate, const std::vector<char>& held = {},
+                            const std::vector<ClampEdge>& edges = {});
 
   /// Marks the other points of the fits that use points.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
   /// The fits that use a wanted point; the others have no energy.
   CurvatureBending makePart(const PartIndex& part) const;
 
-  void addForces(const PaddedPoints& positions, Points& forces) const;
-  double energy(const PaddedPoints& positions) const;
+  /// positions are given back as they were.
+  void addForces(PaddedPoints& positions, Points& forces) const;
+  double energy(PaddedPoints& positions) const;
   /// kPositive: the Gauss-Newton part alone, which is positive semidefinite.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
@@ -52,13 +81,23 @@ class CurvatureBending {
   double boundRate(const State& state, const std::vector<double>& masses) const;
 
   Index numWithoutFit() const { return num_without_fit_; }
+  /// Edges of clamps at which the surface turns freely, since all points held there lie in one line.
+  Index numHinged() const { return num_hinged_; }
 
  private:
-  // The rows of the fit for one neighbour: five numbers side by side.
-  struct Row {
-    Eigen::Matrix<double, 2, 1, Eigen::DontAlign> first;  // g^1, g^2, 1/m
-    Vec3 second;                                          // c^11, c^12, c^22, 1/m^2
+  using Row = CurvatureRow;
+  // The rows of a fit by the points that there are: those on edges are shared out to what they ride on.
+  struct WholeFit {
+    Index size = 0;
+    Index points[3 * (kFitPoints + 1)];
+    Row rows[3 * (kFitPoints + 1)];
   };
+  WholeFit wholeFit(Index i) const;
+  Index numPoints() const { return neighbors_.size() - static_cast<Index>(edge_points_.size()); }
+  void appendEdge(PaddedPoints& positions) const;
+  std::vector<std::pair<Index, Index>>::const_iterator firstRider(Index point) const {
+    return std::lower_bound(riders_.begin(), riders_.end(), std::pair(point, Index{0}));
+  }
   // The deformed shape at a point.
   struct Shape {
     Vec3 normal;
@@ -80,7 +119,7 @@ class CurvatureBending {
     Mat3 changeBy(const Row& row) const;
   };
   // Of positions that lie stride numbers apart.
-  Derivatives sumDerivativesAt(Index i, const double* positions, Index stride) const;
+  static Derivatives sumDerivatives(const WholeFit& fit, const double* positions, Index stride);
   static bool isCrushed(const Derivatives& derivatives);
   // M over D A: the moments that belong to changes of curvature, 11, both of 12 and 21, 22; the matrix that
   // gives them; its symmetric root.
@@ -92,11 +131,13 @@ class CurvatureBending {
   Mat3 momentRoot() const;
   Shape shapeAt(Index i, const Derivatives& derivatives) const;
   CrushedShape crushedShapeAt(Index i, const Derivatives& derivatives) const;
-  void addCrushedForces(const PaddedPoints& positions, Points& forces) const;
-  void addCrushedStiffness(Index i, const CrushedShape& shape, BlockSparse& stiffness) const;
+  void addCrushedForces(const double* positions, Points& forces) const;
+  void addCrushedStiffness(const WholeFit& fit, double weight, const CrushedShape& shape, BlockSparse& stiffness) const;
   void prepareForceLoop();
 
-  // Constants. The point itself is the first of its own list.
+  // Constants. Points on edges of clamps come after the others. The point itself is the first of its own list.
+  std::vector<EdgePoint> edge_points_;
+  std::vector<std::pair<Index, Index>> riders_;  // ascending (held point, point on an edge that rides on it)
   Lists neighbors_;
   std::vector<Row> rows_;           // one per item of neighbors_
   std::vector<Vec3> rest_curvature_;
@@ -108,7 +149,7 @@ class CurvatureBending {
   std::vector<double> group_rows_;       // (neighbours x 5 x 4)
   std::vector<double> group_constants_;  // (4 x 4) D A and the rest curvature
   Lists users_;                          // per point j: 2 items a fit that uses it, the places in along_ and normals_
-  Index num_without_fit_ = 0;
+  Index num_without_fit_ = 0, num_hinged_ = 0;
   // Scratch: minus the force on each neighbour along the normal of the fit's point, (neighbours x 4) a group, and those normals,
   // padded to four numbers.
   mutable std::vector<double> along_, normals_;
@@ -116,18 +157,24 @@ class CurvatureBending {
 };
 
 // At rest a fit's energy is of w, the motions along its normal, and entry jk is D A c_j . M(c_k); as the rows sum to zero it is
-// that of springs of minus the entries.
+// that of springs of minus the entries. Points on edges are taken to move as the first of those that they ride on.
 template <typename Visit>
 void CurvatureBending::forEachSpring(Index j, const Visit& visit) const {
   if (neighbors_.size() == 0) return;
-  for (const Index* user = users_.begin(j); user != users_.end(j); user += 2) {
-    const Index i = user[1] / 4, begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
-    Index own = begin;
-    while (neighbors_.items[own] != j) ++own;
-    const Vec3 scaled = -weight_[i] * momentOf(rows_[own].second);
-    for (Index r = begin; r < end; ++r)
-      if (neighbors_.items[r] > j) visit(neighbors_.items[r], scaled.dot(rows_[r].second));
-  }
+  const auto pointOf = [&](Index k) { return k < numPoints() ? k : edge_points_[k - numPoints()].points[0]; };
+  const auto visitFitsOf = [&](Index point) {
+    for (const Index* user = users_.begin(point); user != users_.end(point); user += 2) {
+      const Index i = user[1] / 4, begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
+      Index own = begin;
+      while (neighbors_.items[own] != point) ++own;
+      const Vec3 scaled = -weight_[i] * momentOf(rows_[own].second);
+      for (Index r = begin; r < end; ++r)
+        if (pointOf(neighbors_.items[r]) > j) visit(pointOf(neighbors_.items[r]), scaled.dot(rows_[r].second));
+    }
+  };
+  visitFitsOf(j);
+  for (auto rider = firstRider(j); rider != riders_.end() && rider->first == j; ++rider)
+    if (pointOf(rider->second) == j) visitFitsOf(rider->second);
 }
 
 }  // namespace deformable_surface::model

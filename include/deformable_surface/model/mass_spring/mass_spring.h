@@ -19,8 +19,8 @@ namespace deformable_surface::model {
 class MassSpring : public DeformableModel {
  public:
   /// rest, normals (n x 3): the simulation points; rings: theirs. surface_area, m^2: of the full cloud, so that the masses sum
-  /// to the surface's however few points are simulated. closed: it has no boundary. Throws InputError if volume_stiffness is
-  /// asked of an open surface.
+  /// to the surface's however few points are simulated. closed: it has no boundary. held, edges: see setHeld(). Throws
+  /// InputError if volume_stiffness is asked of an open surface.
   ///
   /// Springs: stretching springs along the rings, bending springs across (r to r + 2) [Su 2007, sec. 4.1], each pair once. Their
   /// stiffness is k = E h sum A_T / l^2 over the triangles at the spring, bending springs get bending_spring_ratio of the mean,
@@ -28,18 +28,19 @@ class MassSpring : public DeformableModel {
   /// E h = sum k l^2 / (3 A)); on irregular rings the network is then 10 to 25 percent soft, with Poisson's ratio about 1/3.
   /// With uniform stiffness, spring_constant and bending_spring_ratio of it, as they are.
   MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
-             const MaterialParams& material, const MassSpringParams& params);
+             const MaterialParams& material, const MassSpringParams& params, const std::vector<char>& held = {},
+             const std::vector<ClampEdge>& edges = {});
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<MassSpring>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
-  bool setHeld(const std::vector<char>& held) override;
+  bool setHeld(const std::vector<char>& held, const std::vector<ClampEdge>& edges) override;
   /// Springs and triangles by the stretching of their ends or corners, curvature fits by the bending of their point (that of
   /// bending springs: by stretching), masses by density.
   void setMaterial(const std::vector<PointMaterial>& materials) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   /// The curvature energy's: where a surface is thin beside the spacing of its points it bends slowly beside how it stretches.
-  bool hasSlowForces() const override { return bending_rest_.rigidity > 0.0; }
+  bool hasSlowForces() const override { return plate_.rigidity > 0.0; }
   void addFastForces(const State& state, Points& forces) const override;
   void addSlowForces(const State& state, Points& forces) const override;
   double boundSlowRate(const State& state) const override { return bending_.boundRate(state, masses_); }
@@ -78,6 +79,9 @@ class MassSpring : public DeformableModel {
   /// Points whose mass was raised because their ring has next to no area, and points without bending energy.
   Index numMassRaised() const { return num_mass_raised_; }
   Index numWithoutBending() const { return num_without_bending_; }
+  /// Whether it has a curvature energy; and of its clamps see CurvatureBending::numHinged().
+  bool hasCurvature() const { return plate_.rigidity > 0.0; }
+  Index numHinged() const { return bending_.numHinged(); }
 
  private:
   MassSpring() = default;  // of no points: a part before it is filled
@@ -110,14 +114,9 @@ class MassSpring : public DeformableModel {
   Springs bending_springs_;
   TriangleMembrane membrane_triangles_;
   CurvatureBending bending_;
-  struct BendingRest {
-    Points points, normals;
-    Lists ring;
-    std::vector<double> areas;
-    double rigidity = 0.0, poisson_ratio = 0.0;
-  };
-  BendingRest bending_rest_;     // of which the bending is made anew when other points are held; empty without bending
-  std::vector<char> held_;       // of which it was made
+  PlateRest plate_;              // of which the bending is made anew when other points are held; empty without bending
+  std::vector<char> held_;       // of which it was made, with
+  std::vector<ClampEdge> edges_;
   bool closed_ = false;
   double volume_stiffness_ = 0.0;
   double rest_volume_ = 0.0;

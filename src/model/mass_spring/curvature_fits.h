@@ -1,0 +1,37 @@
+// The fits of curvature at rest, as moment_balance.h changes them and CurvatureBending keeps them.
+#pragma once
+
+#include "deformable_surface/model/mass_spring/curvature_bending.h"
+
+#include <array>
+
+#include "clamped_plate.h"
+
+namespace deformable_surface::model {
+
+/// The two axes of the tangent plane in which the fit of a point has its coordinates.
+struct TangentAxes {
+  explicit TangentAxes(const Vec3& normal) : first(normal.unitOrthogonal()), second(normal.cross(first)) {}
+  Vec3 first, second;
+};
+
+struct CurvatureFits {
+  /// The weighted design of a fit is Q R with rows root_m (a, b, a^2/2, ab, b^2/2) [of the last three alone at the edge of a
+  /// clamp]: root (1 - Q Q^T) root takes from differences what the fit explains. Root is zero where the curvature does not look.
+  struct Basis {
+    std::array<double, CurvatureBending::kFitPoints> root;
+    Eigen::Matrix<double, CurvatureBending::kFitPoints, 5> q;
+  };
+  Lists points;                    // of each fit: the point itself, then its neighbours, of a point on an edge then those that it
+                                   // rides on; the point alone where there is no fit
+  std::vector<CurvatureRow> rows;  // (items of points)
+  std::vector<double> reach;       // (n) m, the support of the weights; 0: no fit
+  std::vector<Basis> bases;        // (n)
+
+  bool has(Index i) const { return reach[i] > 0.0; }
+};
+
+/// Parallel; O(n).
+CurvatureFits fitCurvatures(const ClampedPlate& clamped);
+
+}  // namespace deformable_surface::model

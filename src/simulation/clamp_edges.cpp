@@ -1,0 +1,159 @@
+#include "clamp_edges.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using Link = std::pair<Index, Index>;
+
+constexpr double kRide = 0.35;  // of the spacing: a point that is nearer to an edge would have to bend too sharply beside it
+constexpr int kHalvings = 12;
+constexpr double kBandOfRows = 0.8;  // spacings from which on a band of points is of several rows
+
+// The share of the way from a place inside to one outside at which the region ends.
+double findEnd(const Vec3& inside, const Vec3& outside, const Contains& contains) {
+  double low = 0.0, high = 1.0;
+  for (int k = 0; k < kHalvings; ++k) {
+    const double middle = 0.5 * (low + high);
+    (contains(inside + middle * (outside - inside)) ? low : high) = middle;
+  }
+  return low;
+}
+
+Vec3 nearestOn(const Vec3& a, const Vec3& b, const Vec3& p) {
+  const double length = (b - a).squaredNorm();
+  const double share = length > 0.0 ? std::clamp((p - a).dot(b - a) / length, 0.0, 1.0) : 0.0;
+  return a + share * (b - a);
+}
+
+double measureSpacing(Index i, const Points& x, const Lists& ring) {
+  double sum = 0.0;
+  for (const Index* j = ring.begin(i); j != ring.end(i); ++j) sum += (x[*j] - x[i]).norm();
+  return sum / std::max(Index{1}, ring.count(i));
+}
+
+}  // namespace
+
+ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>& clamping, const Contains& contains) {
+  ClampEdges found;
+  if (std::find(clamping.begin(), clamping.end(), 1) == clamping.end()) return found;
+  const Index n = static_cast<Index>(surface.rest.size());
+  // Of every link that the edge crosses where, at rest; and of each point beside it the nearest place of the edge.
+  std::map<Link, Vec3> crossings;
+  const auto cross = [&](Index in, Index out) {
+    const auto known = crossings.find(Link(in, out));
+    if (known != crossings.end()) return known->second;
+    const double share = findEnd(surface.now[in], surface.now[out], contains);
+    return crossings[Link(in, out)] = surface.rest[in] + share * (surface.rest[out] - surface.rest[in]);
+  };
+  constexpr double kFar = std::numeric_limits<double>::infinity();
+  std::vector<double> distance(n, kFar);
+  Points nearest(n, Vec3::Zero());
+  for (const model::WeightedTriangle& t : surface.triangles) {
+    Vec3 ends[2];
+    int num_ends = 0;
+    for (int c = 0; c < 3; ++c) {
+      const Index a = t.corner[c], b = t.corner[(c + 1) % 3];
+      const Index in = clamping[a] ? a : b, out = clamping[a] ? b : a;
+      if (clamping[a] != clamping[b] && !contains(surface.now[out])) ends[num_ends++] = cross(in, out);
+    }
+    if (num_ends != 2) continue;
+    for (const Index i : t.corner) {
+      const Vec3 place = nearestOn(ends[0], ends[1], surface.rest[i]);
+      const double d = (place - surface.rest[i]).norm();
+      if (!(d < distance[i])) continue;
+      distance[i] = d;
+      nearest[i] = place;
+    }
+  }
+  // Where the edge meets that of the surface it does so on the outermost links.
+  for (const auto& [link, place] : crossings)
+    for (const Index i : {link.first, link.second}) {
+      if (!surface.open[link.first] || !surface.open[link.second]) continue;
+      distance[i] = std::min(distance[i], (place - surface.rest[i]).norm());
+      nearest[i] = place;
+    }
+  std::vector<char> held = clamping;
+  for (Index i = 0; i < n; ++i) {
+    if (clamping[i] || !(distance[i] < kRide * measureSpacing(i, surface.rest, surface.ring))) continue;
+    found.riding.push_back(i);
+    held[i] = 1;
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (!held[i] || !(distance[i] < kFar)) continue;
+    if (std::any_of(surface.ring.begin(i), surface.ring.end(i), [&](Index j) { return !held[j]; }))
+      found.edges.push_back({i, nearest[i]});
+  }
+  return found;
+}
+
+std::vector<char> markClamping(const Points& points, const Lists& neighbors, const std::vector<char>& inside, double spacing) {
+  std::vector<char> clamping(points.size(), 0);
+  for (Index i = 0; i < neighbors.size(); ++i) {
+    if (!inside[i]) continue;
+    // How wide the narrower of the two ways is in which it and its neighbours spread most.
+    Vec3 mean = points[i];
+    double count = 1.0;
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+      mean += inside[*j] ? points[*j] : Vec3::Zero();
+      count += inside[*j];
+    }
+    mean /= count;
+    Mat3 spread = (points[i] - mean) * (points[i] - mean).transpose() / count;
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
+      if (inside[*j]) spread += (points[*j] - mean) * (points[*j] - mean).transpose() / count;
+    // Of an even spread over a length its square is a twelfth of the length's.
+    const Vec3 squares = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
+    clamping[i] = std::sqrt(12.0 * std::max(0.0, squares[1])) >= kBandOfRows * spacing;
+  }
+  return clamping;
+}
+
+bool canClamp(const SceneParams& params) {
+  return params.model == ModelKind::kMassSpring && params.mass_spring.bending == model::Bending::kCurvature &&
+         params.material.bendingRigidity() > 0.0;
+}
+
+namespace {
+
+// Pins that clamp nothing.
+void noteHinges(const SceneParams& params, const Points& dense, const std::vector<char>& clamping, RestSurface& s) {
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    bool clamps = false;
+    for (std::size_t i = 0; i < dense.size(); ++i) clamps |= clamping[i] && params.pins[p].region.contains(dense[i]);
+    if (!clamps)
+      s.notes.push_back("pins[" + std::to_string(p) + "] is a hinge: it holds one row of points or less, about which the surface "
+                        "turns; a pin of two rows clamps");
+  }
+}
+
+}  // namespace
+
+void clampPins(const SceneParams& params, const RestSurface& full, RestSurface& s) {
+  const Points& dense = full.dense.positions;
+  const Contains contains = [&](const Vec3& place) {
+    return std::any_of(params.pins.begin(), params.pins.end(), [&](const PinParams& pin) { return pin.region.contains(place); });
+  };
+  std::vector<char> inside;
+  for (const Vec3& p : dense) inside.push_back(contains(p));
+  const double spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
+  const std::vector<char> dense_clamping = markClamping(dense, full.dense_neighbors, inside, spacing);
+  std::vector<char> clamping;
+  for (std::size_t i = 0; i < s.points.size(); ++i) clamping.push_back(s.pinned[i] == kInPin && dense_clamping[s.dense_index[i]]);
+  std::vector<model::WeightedTriangle> triangles;
+  for (const cloud::Triangle& t : s.rings.triangles) triangles.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
+  const ClampEdges found = findClampEdges({s.points, s.points, s.rings.ring, s.rings.open, triangles}, clamping, contains);
+  for (const Index i : found.riding)
+    if (!s.pinned[i]) s.pinned[i] = kRidesOnPin;
+  s.clamp_edges = found.edges;
+  noteHinges(params, dense, dense_clamping, s);
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,99 @@
+// Clamps end where their region does: cantilevers and clamped plates whose edges lie anywhere between scattered points.
+#include "../../src/simulation/clamp_edges.h"
+
+#include "../model/plates.h"
+#include "clouds.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::ClampEdges;
+using simulation::Contains;
+
+struct Held {
+  std::vector<char> held;
+  ClampEdges edges;
+};
+
+Held holdInside(const Surface& s, const Contains& contains) {
+  Held result;
+  for (const Vec3& p : s.points) result.held.push_back(contains(p));
+  const std::vector<model::WeightedTriangle> triangles = plateOf(s, 1.0, 0.0).triangles;
+  result.edges = simulation::findClampEdges({s.points, s.points, s.rings.ring, s.rings.open, triangles}, result.held, contains);
+  for (const Index i : result.edges.riding) result.held[i] = 1;
+  return result;
+}
+
+Eigen::VectorXd sagHeld(const Surface& s, const Held& held, double poisson_ratio) {
+  const model::CurvatureBending bending(plateOf(s, 1.0, poisson_ratio), held.held, held.edges.edges);
+  const Eigen::VectorXd weight = Eigen::Map<const Eigen::VectorXd>(s.rings.area.data(), s.rings.area.size());
+  return solveHeld(stiffnessAcross(s, bending), held.held, weight);
+}
+
+class ClampEdge : public testing::TestWithParam<Scatter> {};
+
+// The tip of a cantilever under its weight, whose clamp ends so many spacings behind a row of points.
+double errorOfCantilever(Scatter scatter, Index along, double behind, unsigned seed) {
+  const double h = 1.0 / along, length = 1.0 + 5.0 * h, edge = (5.0 + behind) * h;
+  const Surface s = makeScattered(scatter, along + 5, length, 0.25, seed);
+  const Held held = holdInside(s, [&](const Vec3& p) { return p.x() <= edge; });
+  const Eigen::VectorXd fit = fitQuadratic(s, sagHeld(s, held, 0.0), Vec3(length, 0.0, 0.0),
+                                           [&](const Vec3& p) { return p.x() > length - 4.5 * h; });
+  return fit[0] / (std::pow(length - edge, 4) / 8.0 * s.area / (0.25 * length)) - 1.0;
+}
+
+TEST_P(ClampEdge, BetweenPointsIsThatOfABeam) {
+  // Simplified points have ragged ends, which make the beam longer or shorter.
+  const double ragged = GetParam() == Scatter::kSimplified ? 5.0 : 1.0;
+  for (const double behind : {0.0, 0.21, 0.48, 0.77}) {
+    double errors[3] = {};
+    const Index along[] = {20, 40, 80};
+    for (int level = 0; level < 3; ++level)
+      for (const unsigned seed : {1u, 2u})
+        errors[level] = std::max(errors[level], std::abs(errorOfCantilever(GetParam(), along[level], behind, seed)));
+    EXPECT_LT(errors[0], 0.008 * ragged) << behind;
+    EXPECT_LT(errors[1], 0.002 * ragged) << behind;
+    EXPECT_LT(errors[2], 0.0006 * ragged) << behind;
+    EXPECT_GT(std::log2(errors[0] / errors[2]) / 2.0, GetParam() == Scatter::kSimplified ? 1.0 : 1.8) << behind;
+  }
+}
+
+TEST_P(ClampEdge, OfASquareIsThatOfAPlate) {
+  double errors[2] = {};
+  const Index across[] = {16, 32};
+  for (int level = 0; level < 2; ++level) {
+    const double h = 1.0 / across[level], begin = 3.3 * h, end = begin + 1.0, size = 1.0 + 7.0 * h;
+    const Surface s = makeScattered(GetParam(), across[level] + 7, size, size, 1);
+    const Vec3 middle(0.5 * (begin + end), 0.5 * (begin + end) - 0.5 * size, 0.0);
+    const Held held = holdInside(s, [&](const Vec3& p) {
+      return std::abs(p.x() - middle.x()) >= 0.5 || std::abs(p.y() - middle.y()) >= 0.5;
+    });
+    const Eigen::VectorXd fit = fitQuadratic(s, sagHeld(s, held, 0.3), middle,
+                                             [&](const Vec3& p) { return (p - middle).norm() < std::max(0.06, 2.2 * h); });
+    errors[level] = std::abs(fit[0] / 0.00126532 - 1.0);  // of q a^4 / D [Timoshenko and Woinowsky-Krieger 1959, table 35]
+  }
+  EXPECT_LT(errors[0], 0.12);
+  EXPECT_LT(errors[1], 0.03);
+  EXPECT_GT(std::log2(errors[0] / errors[1]), 1.7);
+}
+
+INSTANTIATE_TEST_SUITE_P(Points, ClampEdge,
+                         testing::Values(Scatter::kGrid, Scatter::kJittered, Scatter::kPoisson, Scatter::kSimplified));
+
+TEST(MarkClamping, ARowIsAHingeAndTwoAreAClamp) {
+  const Surface s = makeSheet(11, 6, 1.0, 0.5, 0.2);
+  const auto count = [&](double to) {
+    std::vector<char> inside;
+    for (const Vec3& p : s.points) inside.push_back(p.x() <= to);
+    const std::vector<char> clamping = simulation::markClamping(s.points, s.rings.ring, inside, 0.1);
+    return std::count(clamping.begin(), clamping.end(), 1);
+  };
+  EXPECT_EQ(count(0.05), 0);
+  EXPECT_EQ(count(0.14), 12);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
