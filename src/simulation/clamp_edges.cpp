@@ -1,12 +1,12 @@
 #include "clamp_edges.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 #include <utility>
+
+#include "rest_parts.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -15,7 +15,6 @@ using Link = std::pair<Index, Index>;
 
 constexpr double kRide = 0.35;  // of the spacing: a point that is nearer to an edge would have to bend too sharply beside it
 constexpr int kHalvings = 12;
-constexpr double kBandOfRows = 0.8;  // spacings from which on a band of points is of several rows
 
 // The share of the way from a place inside to one outside at which the region ends.
 double findEnd(const Vec3& inside, const Vec3& outside, const Contains& contains) {
@@ -96,22 +95,13 @@ ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>
 
 std::vector<char> markClamping(const Points& points, const Lists& neighbors, const std::vector<char>& inside, double spacing) {
   std::vector<char> clamping(points.size(), 0);
+  Points near;
   for (Index i = 0; i < neighbors.size(); ++i) {
     if (!inside[i]) continue;
-    // How wide the narrower of the two ways is in which it and its neighbours spread most.
-    Vec3 mean = points[i];
-    double count = 1.0;
-    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
-      mean += inside[*j] ? points[*j] : Vec3::Zero();
-      count += inside[*j];
-    }
-    mean /= count;
-    Mat3 spread = (points[i] - mean) * (points[i] - mean).transpose() / count;
+    near.assign(1, points[i]);
     for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
-      if (inside[*j]) spread += (points[*j] - mean) * (points[*j] - mean).transpose() / count;
-    // Of an even spread over a length its square is a twelfth of the length's.
-    const Vec3 squares = Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues();
-    clamping[i] = std::sqrt(12.0 * std::max(0.0, squares[1])) >= kBandOfRows * spacing;
+      if (inside[*j]) near.push_back(points[*j]);
+    clamping[i] = isBandOfRows(near, spacing);
   }
   return clamping;
 }

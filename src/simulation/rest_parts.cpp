@@ -89,22 +89,28 @@ namespace {
 
 // How wide the narrower of the two ways is in which points spread most, m: rows of points side by side have it, a single one has
 // next to none.
-double measureBand(const Points& points, const PinParams& pin) {
-  Points held;
-  for (const Vec3& p : points)
-    if (pin.region.contains(p)) held.push_back(p);
+double measureBand(const Points& points) {
   Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : held) mean += p / static_cast<double>(held.size());
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
   Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : held) spread += (p - mean) * (p - mean).transpose() / static_cast<double>(held.size());
+  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
   // Of an even spread over a length its square is a twelfth of the length's.
   return std::sqrt(12.0 * std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
 }
 
+Points pointsIn(const PinParams& pin, const Points& points) {
+  Points inside;
+  for (const Vec3& p : points)
+    if (pin.region.contains(p)) inside.push_back(p);
+  return inside;
+}
+
 }  // namespace
 
+bool isBandOfRows(const Points& points, double spacing) { return !(measureBand(points) < kBandOfRows * spacing); }
+
 bool isBandOfRows(const Points& points, const PinParams& pin, double spacing) {
-  return !(measureBand(points, pin) < kBandOfRows * spacing);
+  return isBandOfRows(pointsIn(pin, points), spacing);
 }
 
 // Copies of fewer points know no better.
@@ -115,7 +121,7 @@ void findHingedPins(const SceneParams& params, const Points& dense, RestSurface&
   const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
   const double full_spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    const double full = measureBand(dense, params.pins[p]), band = measureBand(s.points, params.pins[p]);
+    const double full = measureBand(pointsIn(params.pins[p], dense)), band = measureBand(pointsIn(params.pins[p], s.points));
     if (full < kBandOfRows * full_spacing || band > kBandOfOneRow * spacing) continue;
     s.has_hinged_pins = true;
     s.warnings.push_back("pins[" + std::to_string(p) + "] holds a band " + formatShort(full) +

@@ -21,7 +21,9 @@ void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s);
 /// Points that no simplification may take: of every pinned region three that are far from each other.
 std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense);
 
-/// Whether a pin holds several rows of these points, so that it clamps what they sample; spacing: theirs, m.
+/// Whether points lie in several rows side by side, so that a pin that holds them clamps; spacing: theirs, m. Of all points or of
+/// those that a pin holds.
+bool isBandOfRows(const Points& points, double spacing);
 bool isBandOfRows(const Points& points, const PinParams& pin, double spacing);
 
 /// Which simulation points the scene's pins hold.

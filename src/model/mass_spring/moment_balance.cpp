@@ -68,7 +68,6 @@ class MomentBalance {
   void explain(Index i, const Tensors& l, Tensor* change) const;
 
   const CurvatureFits& fits() const { return fits_; }
-  const Vec3& normal(Index i) const { return plate_.normals[i]; }
   const TangentAxes& axes(Index i) const { return axes_[i]; }
   const Lists& users() const { return users_; }
   Index fitOf(Index item) const { return fit_of_[item]; }
