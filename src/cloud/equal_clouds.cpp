@@ -18,8 +18,8 @@ bool areSame(const ExtraField& a, const ExtraField& b) {
 }  // namespace
 
 bool areEqual(const PointCloud& a, const PointCloud& b) {
-  return a.width == b.width && a.height == b.height && a.viewpoint == b.viewpoint && areSame(a.positions, b.positions) &&
-         areSame(a.normals, b.normals) && a.extra_fields.size() == b.extra_fields.size() &&
+  return a.width == b.width && a.height == b.height && a.viewpoint == b.viewpoint && a.origin == b.origin &&
+         areSame(a.positions, b.positions) && areSame(a.normals, b.normals) && a.extra_fields.size() == b.extra_fields.size() &&
          std::equal(a.extra_fields.begin(), a.extra_fields.end(), b.extra_fields.begin(),
                     [](const ExtraField& x, const ExtraField& y) { return areSame(x, y); });
 }

@@ -16,6 +16,7 @@ void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud
   for (Vec3& p : cloud.positions) p = transform * p;
   for (Vec3& n : cloud.normals) n = transform.linear() * n;
   if (cloud.viewpoint) cloud.viewpoint = transform * *cloud.viewpoint;
+  cloud.origin = transform * cloud.origin;
 }
 
 }  // namespace

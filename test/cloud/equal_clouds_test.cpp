@@ -22,7 +22,7 @@ TEST(EqualClouds, AreSoToTheirCopiesHolesIncluded) { EXPECT_TRUE(areEqual(makeCl
 
 TEST(EqualClouds, DifferByAnythingThatTheyHold) {
   const PointCloud cloud = makeCloud();
-  std::vector<PointCloud> others(7, cloud);
+  std::vector<PointCloud> others(8, cloud);
   others[0].positions[0].x() = 1e-300;
   others[1].normals.clear();
   others[2].extra_fields[0].bytes[1] = 5;
@@ -30,6 +30,7 @@ TEST(EqualClouds, DifferByAnythingThatTheyHold) {
   others[4].viewpoint.reset();
   others[5].width = 1;
   others[6].positions.pop_back();
+  others[7].origin.x() = 1.0;
   for (const PointCloud& other : others) EXPECT_FALSE(areEqual(cloud, other)) << &other - others.data();
 }
 

@@ -36,8 +36,11 @@ struct PointCloud {
   std::vector<ExtraField> extra_fields;
   std::uint32_t width = 0, height = 1;    // width * height == n; height > 1 for organised clouds
   std::optional<Vec3> viewpoint;          // where the scanner stood, if the file says so
+  Vec3 origin = Vec3::Zero();             // m, of the frame that the cloud came in; a depth camera sees from there
 
   Index size() const { return static_cast<Index>(positions.size()); }
+  /// From where the points were seen, if they were seen by a camera or scanner at all; m.
+  Vec3 eye() const { return viewpoint.value_or(origin); }
 };
 
 }  // namespace deformable_surface::cloud
