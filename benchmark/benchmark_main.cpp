@@ -34,6 +34,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"peers", runPeersSection, true},
                            {"wishes", runWishesSection, true},
                            {"geodesics", runGeodesicsSection, true},
+                           {"camera", runCameraSection, true},
                            {"accuracy", runAccuracySection, true},
                            {"statics", runStaticsSection, true},
                            {"physics", runPhysicsSection, true},
@@ -101,7 +102,7 @@ int run(int argc, char** argv) {
     } else {
       return fail(
           "found '" + argument +
-          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --accuracy, "
+          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --camera, --accuracy, "
           "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, "
           "--commit TEXT");
     }

@@ -30,22 +30,6 @@ std::string findFolder() {
   return given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data";
 }
 
-// Nothing where the file or what reads it is absent.
-std::optional<cloud::PointCloud> readScan(const std::string& path) {
-#ifdef DEFORMABLE_SURFACE_WITH_PCL
-  pcl::PointCloud<pcl::PointXYZ> read;
-  if (!std::ifstream(path) || pcl::io::loadPCDFile(path, read) != 0) return std::nullopt;
-  cloud::PointCloud scan;
-  for (const pcl::PointXYZ& p : read) scan.positions.emplace_back(p.x, p.y, p.z);
-  scan.width = read.width;
-  scan.height = read.height;
-  return scan;
-#else
-  static_cast<void>(path);
-  return std::nullopt;
-#endif
-}
-
 // Standard deviation of the nearest distance over its mean.
 double findSpacingVariation(const Points& points) {
   const Lists nearest = cloud::nearestNeighbors(points, 1);
@@ -100,13 +84,29 @@ void addScan(const std::string& name, const cloud::PointCloud& scan, Report& rep
 
 }  // namespace
 
+std::optional<cloud::PointCloud> readScan(const std::string& name) {
+#ifdef DEFORMABLE_SURFACE_WITH_PCL
+  const std::string path = findFolder() + "/" + name;
+  pcl::PointCloud<pcl::PointXYZ> read;
+  if (!std::ifstream(path) || pcl::io::loadPCDFile(path, read) != 0) return std::nullopt;
+  cloud::PointCloud scan;
+  for (const pcl::PointXYZ& p : read) scan.positions.emplace_back(p.x, p.y, p.z);
+  scan.width = read.width;
+  scan.height = read.height;
+  return scan;
+#else
+  static_cast<void>(name);
+  return std::nullopt;
+#endif
+}
+
 void measureScans(const Options&, Report& report) {
   report.begin("scale_scans", "13g. Set-up of real scans for " + std::to_string(kSimulationPoints) + " simulation points",
                {"scan", "points", "finite", "simulation_points", "wall_s", "cpu_s", "cpu_ns_per_point", "kept_bytes_per_point",
                 "peak_bytes_per_point", "spacing_varies_by", "rotation_error_in_extents"});
   Index num_absent = 0;
   for (const char* name : kScans) {
-    const std::optional<cloud::PointCloud> scan = readScan(findFolder() + "/" + name);
+    const std::optional<cloud::PointCloud> scan = readScan(name);
     if (scan) {
       addScan(name, *scan, report);
     } else {
@@ -115,8 +115,7 @@ void measureScans(const Options&, Report& report) {
   }
   report.end();
   if (num_absent > 0)
-    report.note(std::to_string(num_absent) +
-                " scans are not there: DEFORMABLE_SURFACE_DATA names their folder, and libpcl-dev reads them");
+    report.note(std::to_string(num_absent) + " are not there; " + kScansAreRead);
   report.note("bytes: of the heap per finite point, after set-up and at its peak, the input apart");
 }
 

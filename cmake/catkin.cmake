@@ -108,7 +108,7 @@ if(CATKIN_ENABLE_TESTING)
 
   foreach(source ${core_tests})
     get_filename_component(name ${source} NAME_WE)
-    add_unit_test(${name} deformable_surface_core ${source})
+    add_unit_test(${name} "camera_frames;deformable_surface_core" ${source})
     if(TARGET ${name} AND source MATCHES "/test/physics/")
       target_link_libraries(${name} physics_problems)
     endif()
