@@ -116,10 +116,12 @@ void runCameraSection(const Options& options, Report& report) {
           if (scene.name.rfind(options.scene, 0) == 0 && (is_plain || noise > 0.0))
             measureScene(scene, noise, is_plain, report, sayings);
   report.end();
-  report.note("across: entries of the lists that lead across a gap of the true surface, per cent of those of rule 1; lost: per "
-              "cent of the true ones among the nearest in space; missed: of those to the eight pixels truly nearest");
-  report.note("pieces of at least " + std::to_string(kPiecePoints) + " points; parts: of the simulation points; motion: rms of the "
-              "difference to the noise-free pixels, per cent of the largest motion");
+  report.note(
+      "across: entries of the lists that lead across a gap of the true surface, per cent of those of rule 1; lost: per cent of "
+      "the true ones among the nearest in space; missed: of those to the eight pixels truly nearest");
+  report.note("pieces of at least " + std::to_string(kPiecePoints) +
+              " points; parts: of the simulation points; motion: rms of the difference to the noise-free pixels, per cent of the "
+              "largest motion");
   if (options.scene.empty()) measureRealFrames(report, sayings);
   report.begin("camera_notes", "What the builds said", {"scene", "noise", "m", "px", "rule", "kind", "said"});
   for (const std::vector<std::string>& row : sayings) report.add(row);

@@ -102,8 +102,8 @@ void drawSheet(Index index, CameraFrame& frame) {
   }
 }
 
-// What the projector does not see, for in its image (columns p = x - d) something to the right of it and nearer lies over it. Edges
-// lie half-way between pixels.
+// What the projector does not see, for in its image (columns p = x - d) something to the right of it and nearer lies over it.
+// Edges lie half-way between pixels.
 void castShadows(CameraFrame& frame) {
   const DepthCamera& camera = frame.camera;
   for (Index row = 0; row < camera.height; ++row) {
@@ -132,7 +132,7 @@ class Draws {
   std::mt19937 random_;
 };
 
-// Means over 2 radius + 1 values along rows (or columns) that go on at the other end, as wide as they were before for white noise.
+// Means over 2 radius + 1 values along rows (or columns), which go on at the other end; white noise keeps its deviation.
 void smooth(const DepthCamera& camera, bool along_rows, Index radius, std::vector<double>& noise) {
   const Index length = along_rows ? camera.width : camera.height, lines = along_rows ? camera.height : camera.width;
   const Index step = along_rows ? 1 : camera.width, line_step = along_rows ? camera.width : 1;
