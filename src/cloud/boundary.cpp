@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace deformable_surface::cloud {
 namespace {
@@ -43,7 +44,7 @@ class BoundaryFinder {
     const Index n = neighbors_.size();
     constexpr Index kBlock = 1024;
     std::vector<char> has_gap(n);
-    Boundary boundary{std::vector<char>(n), std::vector<char>(n)};
+    Boundary boundary{std::vector<char>(n), std::vector<char>(n), std::vector<float>(n)};
     parallelFor(n, kBlock, [&](Index begin, Index end) {
       WideGaps gaps(kBoundaryGap);
       for (Index i = begin; i < end; ++i) has_gap[i] = hasGap(i, gaps);
@@ -56,7 +57,10 @@ class BoundaryFinder {
       boundary.is_boundary[i] = with_gap >= 2;
     }
     std::vector<double> angles;
-    for (Index i = 0; i < n; ++i) boundary.is_corner[i] = boundary.is_boundary[i] && isCorner(i, boundary.is_boundary, angles);
+    for (Index i = 0; i < n; ++i) {
+      if (boundary.is_boundary[i]) boundary.corner_gap[i] = findCornerGap(i, boundary.is_boundary, angles);
+      boundary.is_corner[i] = boundary.corner_gap[i] > 0.0f;
+    }
     return boundary;
   }
 
@@ -91,10 +95,10 @@ class BoundaryFinder {
   }
 
   // Both the gap and the two branches of the boundary must turn: the gap alone is wide at every tooth of a ragged edge, the
-  // branches alone turn at the neighbours of a corner too.
-  bool isCorner(Index i, const std::vector<char>& is_boundary, std::vector<double>& angles) const {
+  // branches alone turn at the neighbours of a corner too. 0: it is none.
+  float findCornerGap(Index i, const std::vector<char>& is_boundary, std::vector<double>& angles) const {
     const Gap gap = findGap(i, k_, angles);
-    if (!(gap.width > kPi + kCornerTurn)) return false;
+    if (!(gap.width > kPi + kCornerTurn)) return 0.0f;
     const TangentPlane plane(positions_[i], normals_[i]);
     const Vec2 along(-std::sin(gap.middle), std::cos(gap.middle));
     Vec2 branch[2] = {Vec2::Zero(), Vec2::Zero()};
@@ -105,7 +109,8 @@ class BoundaryFinder {
     });
     // The tip of a hair has a single branch, or none.
     const double lengths = branch[0].norm() * branch[1].norm();
-    return lengths == 0.0 || branch[0].dot(branch[1]) > -std::cos(kCornerTurn) * lengths;
+    const bool is_corner = lengths == 0.0 || branch[0].dot(branch[1]) > -std::cos(kCornerTurn) * lengths;
+    return is_corner ? static_cast<float>(gap.width) : 0.0f;
   }
 
   const Points& positions_;
@@ -124,6 +129,17 @@ Boundary findBoundary(const Points& positions, const Points& normals, const List
   }
   if (k < 1) throw InputError("findBoundary: k is " + std::to_string(k) + "; it must be at least 1");
   return BoundaryFinder(positions, normals, neighbors, k).find();
+}
+
+void limitCorners(Index most, Boundary& boundary) {
+  std::vector<std::pair<float, Index>> corners;
+  for (std::size_t i = 0; i < boundary.is_corner.size(); ++i)
+    if (boundary.is_corner[i]) corners.emplace_back(-boundary.corner_gap[i], static_cast<Index>(i));
+  std::sort(corners.begin(), corners.end());
+  for (std::size_t c = std::max(most, Index{0}); c < corners.size(); ++c) {
+    boundary.is_corner[corners[c].second] = 0;
+    boundary.corner_gap[corners[c].second] = 0.0f;
+  }
 }
 
 }  // namespace deformable_surface::cloud

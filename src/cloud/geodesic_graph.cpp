@@ -98,7 +98,7 @@ void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph
 }  // namespace
 
 GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
-                                 const OrAuto<double>& geodesicness) {
+                                 const OrAuto<double>& geodesicness, double min_gap) {
   const Index n = neighbors.size();
   if (static_cast<Index>(positions.size()) != n || (!sides.normals.empty() && static_cast<Index>(sides.normals.size()) != n)) {
     throw InputError("buildGeodesicGraph: " + std::to_string(positions.size()) + " positions, " +
@@ -140,11 +140,16 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
       neighbors,
       [&](Index i, Index j, double& cost) {
         const double trust = std::max(radius[i], radius[j]), most = kLongestDetour * std::max(reach[i], reach[j]);
-        const auto measureCost = [&](double squared) {
-          return std::sqrt(squared) * (1.0 + kCostSlope * std::max(0.0, squared / (trust * trust) - 1.0));
+        const auto measureCost = [&](double squared_length) {
+          return std::sqrt(squared_length) * (1.0 + kCostSlope * std::max(0.0, squared_length / (trust * trust) - 1.0));
         };
+        const double squared = (positions[j] - positions[i]).squaredNorm();
+        if (squared <= min_gap * min_gap) {
+          cost = std::sqrt(squared);
+          return true;
+        }
         // No link is shorter than in space, where most are too dear already.
-        if (!(measureCost((positions[j] - positions[i]).squaredNorm()) <= most)) return false;
+        if (!(measureCost(squared) <= most)) return false;
         cost = measureCost(measureSquaredLength(positions, sides, i, j));
         return cost <= most;
       },

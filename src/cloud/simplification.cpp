@@ -28,6 +28,8 @@ namespace {
 constexpr Index kMinPartPoints = 3;
 // At a gap the tree is asked for up to so many lists' lengths: what is still missing then is not worth searching for.
 constexpr Index kMaxAsked = 4;
+// Parts too small for that are left out if they would keep more than this share of the points wanted.
+constexpr Index kSmallPartsShare = 10;
 // The spacing is the distance of the neighbour that completes a hexagon.
 constexpr Index kSpacingNeighbor = 6;
 
@@ -60,6 +62,20 @@ std::vector<Index> labelParts(const Points& positions, const Points& normals, co
   return part;
 }
 
+// Marks (num_parts, 1) those that are left out.
+std::vector<char> findLeftOut(const std::vector<Index>& part, Index num_parts, Index target) {
+  std::vector<std::int64_t> size(num_parts);
+  for (const Index p : part) ++size[p];
+  std::vector<char> is_small(num_parts);
+  std::int64_t kept = 0;
+  for (Index p = 0; p < num_parts; ++p) {
+    is_small[p] = size[p] * target < std::int64_t{kMinPartPoints} * static_cast<std::int64_t>(part.size());
+    if (is_small[p]) kept += std::min<std::int64_t>(size[p], kMinPartPoints);
+  }
+  if (kept * kSmallPartsShare <= target) is_small.assign(num_parts, 0);
+  return is_small;
+}
+
 // What a neighbour is asked for, in one cache line.
 struct alignas(64) Sample {
   Vec3 position, normal;
@@ -85,17 +101,18 @@ struct Refills {
 
 class Thinning {
  public:
-  // part: (n) below num_parts. wanted: (n) spacings over the mean, or empty.
+  // part: (n) below num_parts. left_out: (num_parts). wanted: (n) spacings over the mean, or empty.
   Thinning(const Points& positions, const Points& normals, const std::vector<double>& wanted, Index k, Lists neighbors,
-           std::vector<Index> part, Index num_parts, bool over_surface)
+           std::vector<Index> part, const std::vector<char>& left_out, bool over_surface)
       : k_(k),
         over_surface_(over_surface),
+        left_out_(left_out),
         samples_(positions.size()),
         tree_(positions),
         lists_(std::move(neighbors)),
         alive_(positions.size(), 1),
         num_alive_(static_cast<Index>(positions.size())),
-        num_parts_(num_parts),
+        num_parts_(static_cast<Index>(left_out.size())),
         part_(std::move(part)),
         stored_(positions.size()) {
     const Index n = num_alive_;
@@ -157,7 +174,7 @@ class Thinning {
       const Index i = queue.top().second;
       queue.pop();
       if (!queue.empty()) prefetch(queue.top().second);
-      if (num_in_part_[part_[i]] <= kMinPartPoints) continue;
+      if (num_in_part_[part_[i]] <= kMinPartPoints && !left_out_[part_[i]]) continue;
       if (!findNear(i, scratch)) {
         store(i, static_cast<Index>(scratch.found.size()), [&](Index s) { return scratch.found[s].index; });
       }
@@ -179,7 +196,7 @@ class Thinning {
   // the spacing that is wanted.
   // After findNear().
   double evaluateKey(Index i, Scratch& scratch) const {
-    if (scratch.near.empty()) return 0.0;
+    if (scratch.near.empty() || left_out_[part_[i]]) return 0.0;
     for (Index j : scratch.near) __builtin_prefetch(&samples_[j]);
     const Sample& own = samples_[i];
     const double nearest = (samples_[scratch.near[0]].position - own.position).norm();
@@ -326,6 +343,7 @@ class Thinning {
 
   const Index k_;
   const bool over_surface_;
+  const std::vector<char>& left_out_;  // (num_parts) go first, and wholly
   std::vector<Sample> samples_;     // (n)
   KdTree tree_;                     // of the alive points
   Lists lists_;                     // nearest neighbours of the same part; some dead
@@ -340,8 +358,8 @@ class Thinning {
 
 // Coarsely first, then the rest by rings.
 Simplification simplifyLarge(const Points& positions, const Points& normals, const std::vector<double>& wanted, Index k,
-                             Index min_points, Index stop, const Lists& neighbors, std::vector<Index> part, Index num_parts,
-                             std::vector<char> stays, bool over_surface) {
+                             Index min_points, Index stop, const Lists& neighbors, std::vector<Index> part,
+                             const std::vector<char>& left_out, std::vector<char> stays, bool over_surface) {
   const Index n = static_cast<Index>(positions.size());
   ThinnedCloud cloud{std::vector<Index>(n), positions, {}, std::move(part), std::move(stays), {}, {}};
   std::iota(cloud.index.begin(), cloud.index.end(), 0);
@@ -353,9 +371,12 @@ Simplification simplifyLarge(const Points& positions, const Points& normals, con
   if (!wanted.empty())
     for (Index i : cloud.index) left_wanted.push_back(wanted[i]);
   Simplification rest = Thinning(cloud.positions, left_normals, left_wanted, k, std::move(cloud.neighbors), std::move(cloud.part),
-                                 num_parts, over_surface)
+                                 left_out, over_surface)
                             .run(min_points, cloud.stays);
-  Simplification result{n, std::move(cloud.removed), std::move(cloud.diameter)};
+  Simplification result;
+  result.num_points = n;
+  result.removed = std::move(cloud.removed);
+  result.diameter = std::move(cloud.diameter);
   double diameter = result.diameter.empty() ? 0.0 : result.diameter.back();
   for (std::size_t r = 0; r < rest.removed.size(); ++r) {
     result.removed.push_back(cloud.index[rest.removed[r]]);
@@ -419,17 +440,28 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
     problems.push_back("simplify: a spacing wanted is not a finite number above 0");
   if (!problems.empty()) throw InputError(std::move(problems));
   std::vector<char> stays = is_corner;
-  for (Index i : protected_points) stays[i] = 1;
   Index num_parts = 0;
   std::vector<Index> part = labelParts(positions, normals, neighbors, k, num_parts);
+  const std::vector<char> left_out = findLeftOut(part, num_parts, std::max(target, min_points));
+  const Index num_left_out = static_cast<Index>(std::count(left_out.begin(), left_out.end(), 1));
+  Index num_left_out_points = 0;
+  for (Index i = 0; i < n; ++i) {
+    num_left_out_points += left_out[part[i]];
+    if (left_out[part[i]]) stays[i] = 0;
+  }
+  for (const Index i : protected_points) stays[i] = 1;
   // Distances alone space evenly: as many points must be left for the rings as if the finest spacing were everywhere.
   const double finest = wanted.empty() ? 1.0 : std::min(1.0, *std::min_element(wanted.begin(), wanted.end()));
   const std::int64_t stop = static_cast<std::int64_t>(
       std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * std::max(target, min_points)) / (finest * finest));
-  if (n > kLarge * stop)
-    return simplifyLarge(positions, normals, wanted, k, min_points, static_cast<Index>(stop), neighbors, std::move(part),
-                         num_parts, std::move(stays), over_surface);
-  return Thinning(positions, normals, wanted, k, neighbors, std::move(part), num_parts, over_surface).run(min_points, stays);
+  Simplification result =
+      n > kLarge * stop
+          ? simplifyLarge(positions, normals, wanted, k, min_points, static_cast<Index>(stop), neighbors, std::move(part),
+                          left_out, std::move(stays), over_surface)
+          : Thinning(positions, normals, wanted, k, neighbors, std::move(part), left_out, over_surface).run(min_points, stays);
+  result.num_left_out = num_left_out;
+  result.num_left_out_points = num_left_out_points;
+  return result;
 }
 
 }  // namespace deformable_surface::cloud

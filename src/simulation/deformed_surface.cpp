@@ -45,7 +45,7 @@ DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointClou
       has_particles_(params.model == ModelKind::kOrientedParticles),
       solid_(solid),
       is_direct_(solid_ ? rest.solid_transfer.isEmpty() : has_particles_ && rest.points == rest.dense.positions),
-      is_plain_(isPlain(rest.dense.point_of_input, rest.dense.positions.size())) {
+      is_plain_(rest.off_surface.empty() && isPlain(rest.dense.point_of_input, rest.dense.positions.size())) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
 }
@@ -174,7 +174,7 @@ void DeformedSurface::fillRows(Index begin, Index end, bool with_normals) {
   const Index tile = begin / transfer::Transfer::kTilePoints;
   for (const Index* row = rows_.begin(tile); row != rows_.end(tile); ++row) {
     const Index d = rest_.dense.point_of_input[*row];
-    surface_.positions[*row] = dense_now_[d];
+    surface_.positions[*row] = placeRow(d);
     surface_.displacement[*row] = static_cast<float>((dense_now_[d] - rest[d]).norm());
     if (with_normals) surface_.normals[*row] = dense_normals_now_[d];
   }
@@ -323,7 +323,7 @@ void DeformedSurface::expand(bool with_normals) {
         if (with_normals) surface_.normals[i].setConstant(kNaN);
         continue;
       }
-      surface_.positions[i] = dense_now_[d];
+      surface_.positions[i] = placeRow(d);
       surface_.displacement[i] = static_cast<float>((dense_now_[d] - rest_.dense.positions[d]).norm());
       if (with_normals) surface_.normals[i] = dense_normals_now_[d];
     }

@@ -63,6 +63,8 @@ class DeformedSurface {
   void groupRows();
   void fillRows(Index begin, Index end, bool with_normals);
   void expand(bool with_normals);
+  // Where the input's point is now that is this dense one.
+  Vec3 placeRow(Index d) const { return rest_.off_surface.empty() ? dense_now_[d] : Vec3(dense_now_[d] + rest_.off_surface[d]); }
   void appendInserted(bool with_normals);
   void appendNewborn(const model::State& state, bool with_normals);
 

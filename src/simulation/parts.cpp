@@ -88,6 +88,7 @@ void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface
     if (!kept[i]) continue;
     dense.positions[n] = dense.positions[i];
     if (!dense.normals.empty()) dense.normals[n] = dense.normals[i];
+    if (!s.off_surface.empty()) s.off_surface[n] = s.off_surface[i];
     new_index[i] = n++;
   }
   s.notes.push_back("input.keep_parts " + std::to_string(most) + ": " + count(parts.count() - most, "of ") +
@@ -95,6 +96,7 @@ void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface
                     count(static_cast<Index>(kept.size()) - n, "points, which become NaN"));
   dense.positions.resize(n);
   if (!dense.normals.empty()) dense.normals.resize(n);
+  if (!s.off_surface.empty()) s.off_surface.resize(n);
   for (Index& point : dense.point_of_input)
     if (point >= 0) point = new_index[point];
 }

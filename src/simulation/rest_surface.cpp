@@ -6,6 +6,7 @@
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/cloud/sensor_noise.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
@@ -29,21 +30,52 @@ constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few
 // Of simulation points, at least, for one loaded point that is kept: a load on more of them acts everywhere, and what is left
 // would sample nothing, above all in the error estimate's copies of a quarter of the points.
 constexpr Index kPointsPerLoad = 10;
+// Of simulation points, at least, for one corner that is kept, if there are more corners than of any clean outline of few points.
+constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
+constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the number asked for: one of so many may be missing
 constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
 
+// More than the edges of parts are.
+constexpr double kMostUnexplained = 0.02;  // of the points
+
+std::string formatMillimeters(double length) { return formatShort(1000.0 * length) + " mm"; }
+
+// Moves the dense points onto the surface behind the sensor's noise.
+void moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
+  cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
+  s.is_thick = noise.is_thick;
+  if (noise.is_thick)
+    s.warnings.push_back("the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
+                         "and no gap is told (input.noise 0: the points are exact)");
+  if (noise.surface.empty()) return;
+  for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
+  s.dense.positions = std::move(noise.surface);
+  s.notes.push_back("noise of " + formatMillimeters(noise.deviation) + " along " +
+                    (noise.is_seen ? "the line of sight" : "the normal") + ", " +
+                    formatShort(noise.deviation / noise.spacing) + " spacings: the surface is where windows of " +
+                    formatShort(noise.window) + " x " + formatShort(noise.window) + " points have it; gaps below " +
+                    formatMillimeters(noise.least_gap) + " in that direction are taken for surface");
+  if (noise.unexplained > kMostUnexplained * static_cast<double>(s.dense.positions.size()))
+    s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
+                         " points have no window that this noise explains, and stay: gaps around them may be noise "
+                         "(input.noise)");
+}
+
 // The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
 // what the neighbours in space show: returned if it is what the neighbours over the surface show as well, else empty.
-Points findNeighbors(const cloud::NeighborsParams& params, RestSurface& s) {
+Points findNeighbors(const SceneParams& scene, RestSurface& s) {
+  const cloud::NeighborsParams& params = scene.neighbors;
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
-  if (params.areEuclidean()) return {};
+  if (params.areEuclidean() || s.is_thick) return {};
   cloud::SurfaceSides sides;
   const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
   sides.oriented = is_given;
   sides.normals = is_given ? s.dense.normals : cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   const Points& positions = s.dense.positions;
-  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesicness);
+  const cloud::GeodesicGraph graph =
+      cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesicness, scene.input.min_gap);
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
   s.dense_neighbors = std::move(found.lists);
   noteGaps(found, s);
@@ -62,7 +94,7 @@ Parts findDenseParts(const SceneParams& params, const cloud::CleanCloud& dense) 
     keepNearOverBody(params.neighbors, dense.positions, s.dense_neighbors, s);
     normals.assign(n, Vec3::Zero());  // to which every link is flat
   } else {
-    normals = findNeighbors(params.neighbors, s);
+    normals = findNeighbors(params, s);
     if (normals.empty()) normals = cloud::estimateNormals(dense.positions, s.dense_neighbors);
   }
   const cloud::LinkRule rule(dense.positions, normals, s.dense_neighbors);
@@ -104,7 +136,7 @@ cloud::Boundary completeCurveNormals(RestSurface& s) {
     if (normal.z() < 0.0) normal = -normal;
     s.dense.normals.push_back(normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ());
   }
-  return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0)};
+  return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0), std::vector<float>(x.size(), 0.0f)};
 }
 
 // How many simulation points a threshold leaves, before they are chosen: rings of that diameter in a hexagonal lattice.
@@ -142,7 +174,7 @@ std::vector<double> wantSpacing(const SceneParams& params, const std::vector<cha
 
 // Records the order of removal as far as it is needed and returns the simulation points.
 std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
-                                          const cloud::Boundary& boundary, Index coarsest, RestSurface& s) {
+                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   const cloud::SimplificationParams& how = params.simplification;
   const bool by_threshold =
@@ -162,8 +194,13 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
     std::vector<double> wanted;
     if (how.density == cloud::PointDensity::kAdaptive)
       wanted = wantSpacing(params, boundary.is_boundary, std::min(expected, n), s);
+    cloud::limitCorners(std::max(kCornersOfFew, std::min(expected, n) / kPointsPerCorner), boundary);
     s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, kept, s.dense_neighbors,
                               boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? last : target, wanted);
+    if (s.order.num_left_out > 0)
+      s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
+                        count(s.order.num_left_out_points, "points, are too small for so few simulation points, and ride along "
+                                                           "with the nearest ones"));
   }
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
@@ -189,8 +226,8 @@ std::vector<char> markWanted(const SceneParams& params, const cloud::Rings& ring
 }
 
 // Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
-// ride along.
-void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
+// ride along. Returns how many.
+Index connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
              RestSurface& s) {
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
@@ -219,9 +256,7 @@ void connect(const SceneParams& params, const cloud::CleanCloud& dense, const Li
     throw InputError(
         "cloud: its " + count(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
         count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
-  const Index dropped = before - static_cast<Index>(kept.size());
-  if (dropped > 0)
-    s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
+  return before - static_cast<Index>(kept.size());
 }
 
 // Of points to the nearest other one.
@@ -363,7 +398,18 @@ void requireRegions(const SceneParams& params, const RestSurface& s) {
 
 // Simulation points of a full surface with masses, model and pins. area: finds that of the dense points, m^2.
 void finishSurface(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area, RestSurface& s) {
-  connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
+  // As many as were asked for, but for a twentieth, also where some belong to no surface.
+  const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
+  const Index asked = static_cast<Index>(kept.size());
+  Index dropped = connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
+  for (Index more = 0, refills = 0; !is_by_threshold && refills < kMaxRefills; ++refills) {
+    const Index missing = asked - static_cast<Index>(s.points.size());
+    if (missing * kCountTolerance <= asked || asked + more >= s.order.num_points) break;
+    more += missing;
+    dropped = connect(params, s.dense, s.dense_neighbors, s.order.keepCount(asked + more), s);
+  }
+  if (dropped > 0)
+    s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
   // The area of the full surface; where every point is simulated it is that of the rings.
   const bool is_all = s.points.size() == s.dense.positions.size();
   s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
@@ -375,10 +421,14 @@ void finishSurface(const SceneParams& params, std::vector<Index> kept, const std
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = cleanInput(input);
+  const bool is_body = params.model == ModelKind::kElasticSolid && !params.elastic_solid.fill;
+  const bool is_curve =
+      params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
+  if (!is_body && !is_curve) moveOntoSurface(params.input, input, s);
   if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s.dense), s);
   if (params.model == ModelKind::kElasticSolid) {
-    if (params.elastic_solid.fill) {
-      Points estimated = findNeighbors(params.neighbors, s);
+    if (!is_body) {
+      Points estimated = findNeighbors(params, s);
       completeNormals(input, params.neighbors.k, std::move(estimated), s);
       buildFilledSolid(params, s);
     } else {
@@ -389,10 +439,8 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   }
   const Index n = static_cast<Index>(s.dense.positions.size());
 
-  Points estimated = findNeighbors(params.neighbors, s);
-  const bool is_curve =
-      params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
-  const cloud::Boundary boundary =
+  Points estimated = findNeighbors(params, s);
+  cloud::Boundary boundary =
       is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
   std::vector<Index> kept = chooseSimulationPoints(params, pin_points, boundary, coarsest, s);

@@ -34,10 +34,10 @@ struct GeodesicGraph {
 };
 
 /// neighbors: of every point, nearest first; a pair is linked if either lists the other. Links that no chosen path can use
-/// within the reach of the lists are left out. Throws InputError if sizes do not fit or geodesicness is below 1.
-/// Parallel; O(n k log n).
+/// within the reach of the lists are left out. min_gap: m, of geodesicness auto: links no longer than that in space are trusted.
+/// Throws InputError if sizes do not fit or geodesicness is below 1. Parallel; O(n k log n).
 GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
-                                 const OrAuto<double>& geodesicness);
+                                 const OrAuto<double>& geodesicness, double min_gap = 0.0);
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 

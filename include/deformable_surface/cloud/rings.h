@@ -38,7 +38,10 @@ double measureArea(const Points& positions, const Points& normals, const Lists& 
 /// degrees. neighbors, nearest first, holds at least 2k per point where the cloud has them.
 struct Boundary {
   std::vector<char> is_boundary, is_corner;  // (n)
+  std::vector<float> corner_gap;             // (n) rad, of a corner the angle without neighbours; 0: no corner
 };
+/// Leaves that many corners, the sharpest; of equal ones the first.
+void limitCorners(Index most, Boundary& boundary);
 Boundary findBoundary(const Points& positions, const Points& normals, const Lists& neighbors, Index k);
 
 /// What kind of surface it is: pieces, holes, handles, of the triangulation in which every point's ring is followed. Where

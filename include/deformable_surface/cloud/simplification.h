@@ -10,6 +10,8 @@ struct Simplification {
   Index num_points = 0;             // of the input
   std::vector<Index> removed;       // in the order of removal
   std::vector<double> diameter;     // m: running maximum of the key at removal; never falls
+  Index num_left_out = 0;           // parts too small for the target, all of whose points go first
+  Index num_left_out_points = 0;    // of these parts
 
   /// The points left when target points remain (all removable ones gone if it is smaller), ascending.
   std::vector<Index> keepCount(Index target) const;
@@ -28,7 +30,8 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
 /// The same for those who have found the neighbours (2k of every point, nearest first) and the corners already.
 /// over_surface: the neighbours are those over the surface (keepGeodesicNeighbors), and stars never look across a gap that they
 /// tell, however far apart the points left are. target: how many points will be asked for (0: min_points): of a large cloud rings
-/// decide from a few times as many on. The order depends on it, and on min_points in nothing but where it ends.
+/// decide from a few times as many on. The order depends on it, and on min_points in nothing but where it ends. Parts whose share
+/// of the target is less than three points are left out if they would keep more than a tenth of it.
 /// wanted: (n) the spacing wanted around each point, over the mean, above 0, little different from neighbour to neighbour. Keys,
 /// and so diameters, are divided by it, so that all prefixes are graded alike. Empty: even spacing.
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,

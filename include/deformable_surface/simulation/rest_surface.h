@@ -24,7 +24,9 @@ constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
 
 /// Everything made from the rest state; nothing in it changes afterwards.
 struct RestSurface {
-  cloud::CleanCloud dense;         // finite distinct points; normals complete and consistently oriented
+  cloud::CleanCloud dense;         // finite distinct points on the surface; normals complete and consistently oriented
+  Points off_surface;              // (dense) m, from there to where the input has them; empty: they are there
+  bool is_thick = false;           // the points fill their neighbourhoods: over the surface is where it is near in space
   Lists dense_neighbors;           // (dense) nearest first
   cloud::Simplification order;     // of the dense points: every coarser set of simulation points is a prefix of it
   Points points, normals;          // (m x 3) simulation points

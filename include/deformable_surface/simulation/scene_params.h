@@ -125,6 +125,8 @@ struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
   Index keep_parts = 0;         // >= 0; 0 = all
+  OrAuto<double> noise;         // m, >= 0
+  double min_gap = 0.0;         // m, >= 0
   double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
   double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
@@ -370,6 +372,11 @@ inline void visit(Fields& fields, InputParams& p) {
   fields.integer("keep_parts", p.keep_parts, "", between(0, kMaxPoints),
                  "of a cloud in several parts (outliers, loose pieces), only so many of the largest are kept; 0 = all. Points of "
                  "the others become NaN");
+  fields.number("noise", p.noise, "m", between(0.0, kMaxLength),
+                "standard deviation of the sensor's noise along the line of sight, at the median depth; `auto` = measured. "
+                "Neighbours are looked for on the surface behind it; outputs keep it; 0 = none (docs/geodesics.md)");
+  fields.number("min_gap", p.min_gap, "m", between(0.0, kMaxLength),
+                "points nearer to each other than this are neighbours over the surface, even across what looks like a gap");
   fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
                 "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
   fields.number(

@@ -1,0 +1,26 @@
+// An organised cloud as the pinhole camera that took it sees it: a depth for every pixel. Private: what it is good for is in
+// sensor_noise.h.
+#pragma once
+
+#include "deformable_surface/cloud/clean.h"
+
+#include <optional>
+
+namespace deformable_surface::cloud {
+
+struct DepthImage {
+  Index width = 0, height = 0;
+  Vec3 eye = Vec3::Zero();                // m
+  Mat3 view = Mat3::Identity();           // eye + depth view (u, v, 1) is the point of column u, row v; m
+  std::vector<double> inverse_depth;      // (height x width) 1/m, along the optical axis; 0: a hole
+
+  Vec3 ray(Index u, Index v) const { return view * Vec3(u, v, 1.0); }
+  /// Of neighbouring pixels at depth 1, m.
+  double pixel() const { return view.col(0).norm(); }
+};
+
+/// The image of an organised cloud whose rows and columns a pinhole camera at input.eye() explains; none otherwise.
+/// cloud: clean(input). O(n).
+std::optional<DepthImage> findDepthImage(const PointCloud& input, const CleanCloud& cloud);
+
+}  // namespace deformable_surface::cloud

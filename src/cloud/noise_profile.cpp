@@ -1,0 +1,94 @@
+#include "noise_profile.h"
+
+#include <Eigen/QR>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+#include "deformable_surface/base/median.h"
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr int kUnknowns = 6;          // of a quadratic
+constexpr int kFreedom = 4;           // samples beyond that, at least
+constexpr std::size_t kFewest = 40;   // windows of a part of the profile
+constexpr std::size_t kMostParts = 6;
+// Values that take so few levels, but not next to none, are quantised. Two levels may be two flat parts.
+constexpr std::size_t kFewestLevels = 8, kRepeats = 4;
+constexpr double kSameLevel = 2e-6;   // relative: what single precision makes of one
+
+// The median step between neighbouring levels; 0: values are not quantised. sorted: ascending.
+double findStep(const std::vector<double>& sorted) {
+  std::vector<double> steps;
+  for (std::size_t i = 1; i < sorted.size(); ++i)
+    if (sorted[i] - sorted[i - 1] > kSameLevel * std::abs(sorted[i])) steps.push_back(sorted[i] - sorted[i - 1]);
+  if (steps.size() < kFewestLevels || kRepeats * steps.size() > sorted.size()) return 0.0;
+  return findMedian(std::move(steps));
+}
+
+}  // namespace
+
+Leftover measureLeftover(const std::vector<Sample>& window) {
+  const int n = static_cast<int>(window.size());
+  if (n < kUnknowns + kFreedom) return {};
+  double largest = 0.0;
+  for (const Sample& s : window) largest = std::max(largest, s.place.squaredNorm());
+  if (!(largest > 0.0)) return {};
+  const double scale = 1.0 / std::sqrt(largest);
+  Eigen::Matrix<double, Eigen::Dynamic, kUnknowns> rows(n, kUnknowns);
+  Eigen::VectorXd values(n);
+  for (int k = 0; k < n; ++k) {
+    const double x = scale * window[k].place.x(), y = scale * window[k].place.y();
+    rows.row(k) << 1.0, x, y, x * x, x * y, y * y;
+    values[k] = window[k].value - window[0].value;
+  }
+  const Eigen::ColPivHouseholderQR<decltype(rows)> qr(rows);
+  if (qr.rank() < kUnknowns) return {};
+  const Eigen::ArrayXd squares = (values - rows * qr.solve(values)).array().square();
+  const double sum = squares.sum();
+  return {sum / (n - kUnknowns), sum > 0.0 ? n * squares.square().sum() / (sum * sum) : 0.0};
+}
+
+NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {
+  struct Fit {
+    double value, variance;
+    std::size_t window;
+  };
+  std::vector<Fit> fits;
+  for (std::size_t w = 0; w < windows.size(); ++w) {
+    const double variance = measureLeftover(windows[w]).variance;
+    if (variance >= 0.0) fits.push_back({windows[w][0].value, variance, w});
+  }
+  std::sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
+    return a.value != b.value ? a.value < b.value : a.window < b.window;
+  });
+  if (fits.empty()) return;
+  const std::size_t parts = std::clamp(fits.size() / kFewest, std::size_t{1}, kMostParts);
+  for (std::size_t p = 0; p < parts; ++p) {
+    const std::size_t begin = p * fits.size() / parts, end = (p + 1) * fits.size() / parts;
+    std::vector<double> variances, levels;
+    for (std::size_t f = begin; f < end; ++f) {
+      variances.push_back(fits[f].variance);
+      levels.push_back(fits[f].value);
+    }
+    const double step = findStep(levels);
+    values_.push_back(fits[(begin + end) / 2].value);
+    deviations_.push_back(std::sqrt(std::max(findMedian(std::move(variances)), step * step / 12.0)));
+  }
+}
+
+double NoiseProfile::at(double value) const {
+  const std::size_t above = std::upper_bound(values_.begin(), values_.end(), value) - values_.begin();
+  if (above == 0) return deviations_.front();
+  if (above == values_.size()) return deviations_.back();
+  const double share = (value - values_[above - 1]) / (values_[above] - values_[above - 1]);
+  return (1.0 - share) * deviations_[above - 1] + share * deviations_[above];
+}
+
+void NoiseProfile::scale(double factor) {
+  for (double& deviation : deviations_) deviation *= factor;
+}
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,43 @@
+// How noisy the values of a cloud are, as a function of the values: inverse depths of a camera, or heights over planes. Private.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <vector>
+
+namespace deformable_surface::cloud {
+
+/// A value and where it stands in its window: the smoother the surface, the better a quadratic of the place explains it.
+struct Sample {
+  Vec2 place;
+  double value;
+};
+
+/// What the best quadratic leaves of a window.
+struct Leftover {
+  // Of as many degrees of freedom, in the square of the values' unit; negative: too few samples, or they lie on a curve.
+  double variance = -1.0;
+  double kurtosis = 0.0;   // 3 of normal noise, 1 of two layers
+};
+Leftover measureLeftover(const std::vector<Sample>& window);
+
+class NoiseProfile {
+ public:
+  NoiseProfile() = default;
+  /// windows: of samples, the middle one first. Standard deviations are medians, over windows of similar values, of what the
+  /// best quadratic leaves, and at least what the steps of the values make: a twelfth of the square of a step.
+  explicit NoiseProfile(const std::vector<std::vector<Sample>>& windows);
+
+  /// The same at every value.
+  explicit NoiseProfile(double deviation) : values_{0.0}, deviations_{deviation} {}
+
+  /// Standard deviation at a value, in its unit.
+  double at(double value) const;
+  void scale(double factor);
+  bool isEmpty() const { return values_.empty(); }
+
+ private:
+  std::vector<double> values_, deviations_;  // ascending values, between which it is linear
+};
+
+}  // namespace deformable_surface::cloud
