@@ -13,10 +13,11 @@
 namespace deformable_surface::benchmark {
 namespace {
 
-simulation::SceneParams makeParams(const OrAuto<double>& geodesicness) {
+simulation::SceneParams makeParams(const Neighborhoods& how) {
   simulation::SceneParams params;
   params.simplification.target_points = kTargetPoints;
-  params.neighbors.geodesicness = geodesicness;
+  params.neighbors.geodesicness = how.geodesicness;
+  params.input.noise = how.noise;
   return params;
 }
 
@@ -42,8 +43,8 @@ bool lists(const Lists& lists, Index i, Index j) { return std::find(lists.begin(
 
 }  // namespace
 
-SetUp setUp(const cloud::PointCloud& cloud, const OrAuto<double>& geodesicness) {
-  const simulation::SceneParams params = makeParams(geodesicness);
+SetUp setUp(const cloud::PointCloud& cloud, const Neighborhoods& how) {
+  const simulation::SceneParams params = makeParams(how);
   SetUp made;
   const double before = processorSeconds();
   made.rest = simulation::buildRestSurface(params, cloud);
@@ -115,8 +116,8 @@ PullTest::PullTest(const test::CameraScene& scene, const test::CameraFrame& fram
   largest_ = measure();
 }
 
-Points PullTest::move(const cloud::PointCloud& cloud, const OrAuto<double>& geodesicness, double force) const {
-  simulation::SceneParams params = makeParams(geodesicness);
+Points PullTest::move(const cloud::PointCloud& cloud, const Neighborhoods& how, double force) const {
+  simulation::SceneParams params = makeParams(how);
   params.accuracy.estimate = false;
   params.integrator.type = solve::IntegratorType::kStatic;
   params.gravity.setZero();
@@ -144,9 +145,9 @@ Points PullTest::move(const cloud::PointCloud& cloud, const OrAuto<double>& geod
   return moved;
 }
 
-std::string PullTest::compare(const OrAuto<double>& geodesicness) const {
+std::string PullTest::compare(const Neighborhoods& how) const {
   try {
-    const Points moved = move(frame_.cloud, geodesicness, force_);
+    const Points moved = move(frame_.cloud, how, force_);
     double sum = 0.0;
     Index count = 0;
     for (Index i = 0; i < frame_.size(); ++i) {

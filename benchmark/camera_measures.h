@@ -11,6 +11,10 @@
 
 namespace deformable_surface::benchmark {
 
+struct Neighborhoods {
+  OrAuto<double> geodesicness, noise;
+};
+
 /// A cloud that was set up, and what that took.
 struct SetUp {
   simulation::RestSurface rest;
@@ -23,7 +27,7 @@ struct SetUp {
 constexpr Index kPiecePoints = 100;
 constexpr Index kTargetPoints = 1500;  // simulation points asked for
 
-SetUp setUp(const cloud::PointCloud& cloud, const OrAuto<double>& geodesicness);
+SetUp setUp(const cloud::PointCloud& cloud, const Neighborhoods& how);
 
 /// Entries of lists, by the truth of the pixels; of pixels that fly none.
 struct PairCounts {
@@ -45,10 +49,10 @@ class PullTest {
   /// Finds the force that moves the noise-free surface by a centimetre.
   PullTest(const test::CameraScene& scene, const test::CameraFrame& frame);
   /// Root mean square of the difference in motion to the noise-free surface, over its largest motion; or why there is none.
-  std::string compare(const OrAuto<double>& geodesicness) const;
+  std::string compare(const Neighborhoods& how) const;
 
  private:
-  Points move(const cloud::PointCloud& cloud, const OrAuto<double>& geodesicness, double force) const;
+  Points move(const cloud::PointCloud& cloud, const Neighborhoods& how, double force) const;
 
   const test::CameraScene& scene_;
   const test::CameraFrame& frame_;

@@ -42,9 +42,9 @@ class Search {
   Search(const GeodesicGraph& graph, const Points& positions) : graph_(graph), positions_(positions) {}
 
   // Calls visit(point, distance) for the points in the order of cost, the source first, until it returns false, or one is
-  // farther than reach.
-  template <class Visit>
-  void run(Index source, double reach, const Visit& visit) {
+  // farther than reach. admits(point, cost): false for what need not be looked at, nor what it leads to.
+  template <class Visit, class Admit>
+  void run(Index source, double reach, const Visit& visit, const Admit& admits) {
     met_.clear();
     states_.clear();
     queue_.clear();
@@ -63,10 +63,15 @@ class Search {
       if (!(distance <= reach) || !visit(point, distance)) return;
       for (Index e = graph_.links.offsets[point]; e < graph_.links.offsets[point + 1]; ++e) {
         const Index to = graph_.links.items[e];
-        if (!(cost + graph_.cost[e] <= most)) continue;
+        if (!(cost + graph_.cost[e] <= most) || !admits(to, cost + graph_.cost[e])) continue;
         offer(to, cost + graph_.cost[e], graph_.cost_is_distance ? 0.0 : length + (positions_[to] - positions_[point]).norm());
       }
     }
+  }
+
+  template <class Visit>
+  void run(Index source, double reach, const Visit& visit) {
+    run(source, reach, visit, [](Index, double) { return true; });
   }
 
  private:
@@ -123,6 +128,8 @@ class QuickCheck {
     }
     return missing_ == 0;
   }
+  // Whether that showed it of the place-th of the list.
+  bool isShown(std::size_t place) const { return bound_[place] <= most_[place]; }
 
  private:
   void relax(Index from, double cost) {
@@ -164,21 +171,35 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     QuickCheck check(graph);
     Search search(graph, positions);
-    std::vector<std::pair<Index, Index>> wanted;  // point, place in the list
+    std::vector<std::pair<Index, Index>> wanted;  // point, place in the list, of which nothing is known yet
     std::vector<char> is_met, is_settled;         // of the list
     for (Index i = begin; i < end; ++i) {
       const Index *first = neighbors.begin(i), *last = neighbors.end(i);
-      if (first == last || (graph.cost_is_distance && check.run(i, positions, first, last, kApartDetour))) continue;
+      const bool is_checked = graph.cost_is_distance;
+      if (first == last || (is_checked && check.run(i, positions, first, last, kApartDetour))) continue;
       wanted.clear();
-      for (const Index* j = first; j != last; ++j) wanted.emplace_back(*j, static_cast<Index>(j - first));
+      is_met.assign(last - first, 0);
+      is_settled.assign(last - first, 0);
+      Vec3 middle = Vec3::Zero();
+      for (const Index* j = first; j != last; ++j) {
+        const Index place = static_cast<Index>(j - first);
+        if (is_checked && check.isShown(place)) {
+          is_met[place] = is_settled[place] = 1;
+        } else {
+          wanted.emplace_back(*j, place);
+          middle += positions[*j];
+        }
+      }
+      middle /= static_cast<double>(wanted.size());
+      double radius = 0.0;  // around the middle, of those wanted
+      for (const auto& [point, place] : wanted) radius = std::max(radius, (positions[point] - middle).norm());
       std::sort(wanted.begin(), wanted.end());
-      is_met.assign(wanted.size(), 0);
-      is_settled.assign(wanted.size(), 0);
       // As far as the farthest of which nothing is known yet.
-      std::size_t left = wanted.size();
+      std::size_t left = is_settled.size();
+      while (is_settled[left - 1]) --left;
       const auto findReach = [&] { return kApartDetour * (positions[first[left - 1]] - positions[i]).norm(); };
       double reach = findReach();
-      search.run(i, reach, [&](Index point, double distance) {
+      const auto visit = [&](Index point, double distance) {
         const auto found = std::lower_bound(wanted.begin(), wanted.end(), std::make_pair(point, Index{0}));
         if (found != wanted.end() && found->first == point) {
           is_settled[found->second] = 1;
@@ -189,7 +210,13 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
           if (left < before) reach = findReach();
         }
         return distance <= reach;
-      });
+      };
+      // No way is shorter than in space.
+      const auto leadsThere = [&](Index point, double cost) {
+        const double room = std::max(0.0, reach - cost) + radius;
+        return !is_checked || (positions[point] - middle).squaredNorm() <= room * room;
+      };
+      search.run(i, reach, visit, leadsThere);
       for (const Index* j = first; j != last; ++j) {
         if (is_met[j - first]) continue;
         double ratio = 0.0;

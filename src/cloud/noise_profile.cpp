@@ -17,6 +17,9 @@ constexpr std::size_t kFewest = 40;   // windows of a part of the profile
 constexpr std::size_t kMostParts = 6;
 // Values that take so few levels, but not next to none, are quantised. Two levels may be two flat parts.
 constexpr std::size_t kFewestLevels = 8, kRepeats = 4;
+// Of what steps leave of a window, a twelfth of their square: that many windows have about that, and not just edges of parts or a
+// plane whose rows are level.
+constexpr double kLeastStepped = 0.2, kMostStepped = 1.5, kSteppedShare = 0.1;
 constexpr double kSameLevel = 2e-6;   // relative: what single precision makes of one
 
 // The median step between neighbouring levels; 0: values are not quantised. sorted: ascending.
@@ -73,9 +76,14 @@ NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {
       variances.push_back(fits[f].variance);
       levels.push_back(fits[f].value);
     }
-    const double step = findStep(levels);
+    const double stepped = findStep(levels) / std::sqrt(12.0);
+    const auto isStepped = [&](double variance) {
+      return variance >= std::pow(kLeastStepped * stepped, 2) && variance <= std::pow(kMostStepped * stepped, 2);
+    };
+    const double with_steps = static_cast<double>(std::count_if(variances.begin(), variances.end(), isStepped));
+    const bool is_quantised = with_steps >= kSteppedShare * static_cast<double>(variances.size());
     values_.push_back(fits[(begin + end) / 2].value);
-    deviations_.push_back(std::sqrt(std::max(findMedian(std::move(variances)), step * step / 12.0)));
+    deviations_.push_back(std::max(std::sqrt(findMedian(std::move(variances))), is_quantised ? stepped : 0.0));
   }
 }
 

@@ -95,7 +95,7 @@ bool areRegular(const Points& directions, const KdTree& tree) {
     if (window.size() == 2) nearest.push_back(findLastDistance(directions, window));
   if (nearest.empty()) return false;
   std::sort(nearest.begin(), nearest.end());
-  return nearest[nearest.size() * 9 / 10] <= kRegular * nearest[nearest.size() / 10];
+  return nearest[nearest.size() / 10] > 0.0 && nearest[nearest.size() * 9 / 10] <= kRegular * nearest[nearest.size() / 10];
 }
 
 // Inverse distances in the directions in which points are seen; a plane is a linear function of the direction.
@@ -227,7 +227,7 @@ ScatteredNoise measureNoise(const Points& positions) {
   return noise;
 }
 
-FittedPoints fitWindows(const Points& positions, const Vec3& eye, double deviation, Index count) {
+FittedPoints fitWindows(const Points& positions, const Vec3& eye, double deviation, double measured, Index count) {
   FittedPoints fitted{positions, 0, false};
   Points directions;
   std::vector<double> inverse;
@@ -241,6 +241,11 @@ FittedPoints fitWindows(const Points& positions, const Vec3& eye, double deviati
     if (fitted.is_seen) {
       SeenWindows windows{directions, std::move(inverse), {}};
       windows.noise = measureSeenNoise(directions, tree, windows.values);
+      if (!(measured > 0.0) || windows.noise.isEmpty()) {
+        windows.noise = NoiseProfile(deviation * std::pow(findMedian(windows.values), 2));
+      } else {
+        windows.noise.scale(deviation / measured);
+      }
       fitAll(windows, directions, count, fitted);
       return fitted;
     }

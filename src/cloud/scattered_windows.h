@@ -20,8 +20,9 @@ struct FittedPoints {
   Index unexplained = 0;  // such points
   bool is_seen = false;   // points were moved along their lines of sight from the eye, else along normals
 };
-/// Windows of count points each. deviation: m, across the surface. eye: from where the points may have been seen; whether they
-/// were, their directions tell, which are as far from each other as pixels then. O(n (log n + count)).
-FittedPoints fitWindows(const Points& positions, const Vec3& eye, double deviation, Index count);
+/// Windows of count points each. deviation: m, across the surface; measured: what was measured of it. eye: from where the points
+/// may have been seen; whether they were, their directions tell, which are as far from each other as pixels then.
+/// O(n (log n + count)).
+FittedPoints fitWindows(const Points& positions, const Vec3& eye, double deviation, double measured, Index count);
 
 }  // namespace deformable_surface::cloud

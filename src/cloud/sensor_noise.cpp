@@ -76,10 +76,10 @@ void fitScattered(const PointCloud& input, const CleanCloud& cloud, const OrAuto
   const double ratio = noise.deviation / (kNoticed * noise.spacing);
   Index count = static_cast<Index>(std::clamp(std::ceil(ratio * ratio), 1.0 * kFewestInWindow, 1.0 * kMostInWindow));
   const double most = kMostUnexplained * static_cast<double>(cloud.positions.size());
-  FittedPoints fitted = fitWindows(cloud.positions, input.eye(), noise.deviation, count);
+  FittedPoints fitted = fitWindows(cloud.positions, input.eye(), noise.deviation, measured.deviation, count);
   while (count > kFewestInWindow && fitted.unexplained > most) {
     count = std::max(kFewestInWindow, count / 2);
-    fitted = fitWindows(cloud.positions, input.eye(), noise.deviation, count);
+    fitted = fitWindows(cloud.positions, input.eye(), noise.deviation, measured.deviation, count);
   }
   // More than that are at no edges: it is no noise.
   if (deviation.is_auto && fitted.unexplained > kMostShape * static_cast<double>(cloud.positions.size())) return;

@@ -1,0 +1,210 @@
+// Where the surface lies behind the noise of depth cameras, and what is left as it is.
+#include "deformable_surface/cloud/sensor_noise.h"
+
+#include "../support/camera_scenes.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/normals.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace deformable_surface::cloud {
+namespace {
+
+using test::CameraFrame;
+using test::CameraScene;
+
+CameraFrame take(const CameraScene& scene, double noise, double quantum, double missing = 0.05) {
+  test::DepthCamera camera;
+  camera.width = 160;
+  camera.height = 120;
+  camera.focal_length = 575.0;
+  camera.noise = noise;
+  camera.quantum = quantum;
+  camera.missing = missing;
+  return test::takeFrame(camera, scene.sheets);
+}
+
+// Root mean square of the distances from where the pixels truly are.
+double measureError(const CameraFrame& frame, const CleanCloud& cloud, const Points& points) {
+  double sum = 0.0, count = 0.0;
+  for (Index p = 0; p < frame.size(); ++p) {
+    const Index i = cloud.point_of_input[p];
+    if (i < 0 || frame.flies[p]) continue;
+    sum += (points[i] - frame.clean.positions[p]).squaredNorm();
+    count += 1.0;
+  }
+  return std::sqrt(sum / count);
+}
+
+// Share of the list entries that the rule refuses.
+double findRefusedShare(const Points& points) {
+  const Lists neighbors = nearestNeighbors(points, 32);
+  SurfaceSides sides;
+  sides.normals = estimateNormals(points, neighbors);
+  const GeodesicGraph graph = buildGeodesicGraph(points, sides, neighbors, {});
+  return static_cast<double>(keepGeodesicNeighbors(graph, points, sides, neighbors).num_refused) / neighbors.items.size();
+}
+
+TEST(SensorNoise, OfACameraIsWhatItsDisparitiesHave) {
+  for (const double noise : {0.05, 0.1, 0.2}) {
+    const CameraFrame frame = take(test::makeTowel(1.0, 20.0), noise, 0.125);
+    const SensorNoise found = findSensorNoise(frame.cloud, clean(frame.cloud));
+    EXPECT_TRUE(found.is_image);
+    EXPECT_NEAR(found.deviation, frame.camera.depthNoise(1.0), 0.1 * frame.camera.depthNoise(1.0)) << noise;
+    EXPECT_NEAR(found.spacing, 1.0 / 575.0, 0.05 / 575.0);
+  }
+}
+
+TEST(SensorNoise, IsTakenFromTheSurfaceAndMakesNoGaps) {
+  for (const double tilt : {0.0, 30.0}) {
+    const CameraFrame frame = take(test::makeTowel(1.0, tilt), 0.1, 0.125);
+    const CleanCloud cloud = clean(frame.cloud);
+    const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+    ASSERT_EQ(found.surface.size(), cloud.positions.size());
+    EXPECT_LT(measureError(frame, cloud, found.surface), 0.3 * measureError(frame, cloud, cloud.positions)) << tilt;
+    EXPECT_GT(findRefusedShare(cloud.positions), 0.1) << tilt;
+    EXPECT_LT(findRefusedShare(found.surface), 0.002) << tilt;
+  }
+}
+
+TEST(SensorNoise, LeavesSheetsApartThatAreFartherThanItTells) {
+  const double gap = 0.015;
+  const CameraFrame frame = take(test::makeTwoSheets(1.0, gap), 0.1, 0.125);
+  const CleanCloud cloud = clean(frame.cloud);
+  const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+  ASSERT_FALSE(found.surface.empty());
+  EXPECT_LT(found.least_gap, gap);
+  Index astray = 0, seen = 0;
+  for (Index p = 0; p < frame.size(); ++p) {
+    const Index i = cloud.point_of_input[p];
+    if (i < 0) continue;
+    ++seen;
+    astray += std::abs(found.surface[i].z() - frame.clean.positions[p].z()) > 0.5 * gap;
+  }
+  EXPECT_LT(astray, seen / 200);
+}
+
+TEST(SensorNoise, MovesPointsAlongTheirLinesOfSight) {
+  const CameraFrame frame = take(test::makeFoldedTowel(1.0, 0.02), 0.1, 0.125);
+  CleanCloud cloud = clean(frame.cloud);
+  const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
+    EXPECT_LT(found.surface[i].normalized().cross(cloud.positions[i].normalized()).norm(), 1e-6);
+
+  // The same without rows and columns.
+  PointCloud scattered = frame.cloud;
+  scattered.width = static_cast<std::uint32_t>(scattered.size());
+  scattered.height = 1;
+  const SensorNoise again = findSensorNoise(scattered, cloud);
+  EXPECT_FALSE(again.is_image);
+  ASSERT_TRUE(again.is_seen);
+  for (std::size_t i = 0; i < cloud.positions.size(); ++i)
+    EXPECT_LT(again.surface[i].normalized().cross(cloud.positions[i].normalized()).norm(), 1e-9);
+  EXPECT_LT(measureError(frame, cloud, again.surface), 0.5 * measureError(frame, cloud, cloud.positions));
+}
+
+TEST(SensorNoise, IsSeenByACameraThatStandsAnywhere) {
+  CameraFrame frame = take(test::makeTowel(1.0, 0.0), 0.1, 0.125);
+  const SensorNoise there = findSensorNoise(frame.cloud, clean(frame.cloud));
+  const Eigen::Isometry3d turned = Eigen::Translation3d(3.0, -1.0, 0.5) * Eigen::AngleAxisd(2.0, Vec3(1, 2, -1).normalized());
+  for (Vec3& p : frame.cloud.positions) p = turned * p;
+  frame.cloud.origin = turned * Vec3::Zero();
+  const SensorNoise here = findSensorNoise(frame.cloud, clean(frame.cloud));
+  ASSERT_TRUE(here.is_image);
+  EXPECT_NEAR(here.deviation, there.deviation, 1e-6 * there.deviation);
+  for (std::size_t i = 0; i < here.surface.size(); ++i)
+    EXPECT_LT((here.surface[i] - turned * there.surface[i]).norm(), 1e-6) << i;
+}
+
+TEST(SensorNoise, LeavesCleanCloudsAsTheyAre) {
+  for (const CameraScene& scene : test::makeCameraScenes(1.0)) {
+    const CameraFrame frame = take(scene, 0.0, 0.0);
+    EXPECT_TRUE(findSensorNoise(frame.cloud, clean(frame.cloud)).surface.empty()) << scene.name;
+  }
+}
+
+// A sheet with points at random places, and off it by normal noise.
+PointCloud makeRoughSheet(double noise, double layer_gap) {
+  std::mt19937 random(3);
+  std::uniform_real_distribution<double> place(0.0, 1.0);
+  std::normal_distribution<double> off(0.0, 1.0);
+  PointCloud cloud;
+  for (int i = 0; i < 2500; ++i) {
+    const double x = place(random), y = place(random), z = noise * off(random) + (i % 2) * layer_gap;
+    cloud.positions.emplace_back(x, y, z);
+  }
+  cloud.width = 2500;
+  cloud.origin = Vec3(0.0, 0.0, 0.0);
+  return cloud;
+}
+
+TEST(SensorNoise, OfScatteredPointsIsWhatLargerWindowsHaveToo) {
+  const PointCloud cloud = makeRoughSheet(0.01, 0.0);
+  const SensorNoise found = findSensorNoise(cloud, clean(cloud));
+  EXPECT_FALSE(found.is_seen);
+  EXPECT_NEAR(found.deviation, 0.01, 0.0015);
+  ASSERT_EQ(found.surface.size(), cloud.positions.size());
+  double sum = 0.0;
+  for (const Vec3& p : found.surface) sum += p.z() * p.z() / 2500.0;
+  EXPECT_LT(std::sqrt(sum), 0.5 * 0.01);
+}
+
+TEST(SensorNoise, IsNotWhatLayersAndShapesLeave) {
+  const PointCloud layers = makeRoughSheet(0.0, 0.015);
+  EXPECT_TRUE(findSensorNoise(layers, clean(layers)).surface.empty());
+
+  // Few points on a torus, as far off the planes around them as noise would be.
+  PointCloud torus;
+  for (int a = 0; a < 24; ++a)
+    for (int b = 0; b < 8; ++b) {
+      const double u = 2.0 * M_PI * (a + 0.5 * (b % 2)) / 24.0, v = 2.0 * M_PI * b / 8.0;
+      torus.positions.emplace_back((1.0 + 0.35 * std::cos(v)) * std::cos(u), (1.0 + 0.35 * std::cos(v)) * std::sin(u),
+                                   0.35 * std::sin(v));
+    }
+  torus.width = static_cast<std::uint32_t>(torus.positions.size());
+  EXPECT_TRUE(findSensorNoise(torus, clean(torus)).surface.empty());
+}
+
+TEST(SensorNoise, MayBeStatedOrDenied) {
+  const CameraFrame frame = take(test::makeTowel(1.0, 0.0), 0.1, 0.125);
+  const CleanCloud cloud = clean(frame.cloud);
+  EXPECT_TRUE(findSensorNoise(frame.cloud, cloud, 0.0).surface.empty());
+  const SensorNoise stated = findSensorNoise(frame.cloud, cloud, 0.005);
+  EXPECT_DOUBLE_EQ(stated.deviation, 0.005);
+  EXPECT_GT(stated.window, findSensorNoise(frame.cloud, cloud).window);
+  EXPECT_THROW(findSensorNoise(frame.cloud, cloud, -1.0), InputError);
+  EXPECT_THROW(findSensorNoise(frame.cloud, cloud, std::nan("")), InputError);
+}
+
+TEST(SensorNoise, DoesNotDependOnTheNumberOfThreads) {
+  const CameraFrame frame = take(test::makeGarment(1.0), 0.1, 0.125);
+  const CleanCloud cloud = clean(frame.cloud);
+  setNumThreads(1);
+  const SensorNoise one = findSensorNoise(frame.cloud, cloud);
+  setNumThreads(3);
+  const SensorNoise three = findSensorNoise(frame.cloud, cloud);
+  setNumThreads(0);
+  EXPECT_EQ(one.surface, three.surface);
+}
+
+TEST(SensorNoise, TakesAnyCloud) {
+  PointCloud cloud;
+  cloud.width = 40;
+  cloud.height = 30;
+  cloud.positions.assign(1200, Vec3::Constant(std::nan("")));
+  for (int i = 0; i < 1200; i += 2) cloud.positions[i] = Vec3(i % 40, i / 40, 0.0);  // on the eye's plane
+  EXPECT_TRUE(findSensorNoise(cloud, clean(cloud)).surface.empty());
+  for (int i = 0; i < 1200; i += 2) cloud.positions[i] = Vec3(0.0, 0.0, 1.0 + i);    // on one ray
+  EXPECT_TRUE(findSensorNoise(cloud, clean(cloud)).surface.empty());
+  cloud.positions.assign(1200, Vec3::Zero());                                       // in the eye
+  EXPECT_TRUE(findSensorNoise(cloud, clean(cloud)).surface.empty());
+}
+
+}  // namespace
+}  // namespace deformable_surface::cloud
