@@ -2,7 +2,7 @@
 find_package(catkin REQUIRED COMPONENTS actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs
              interactive_markers message_generation nodelet pluginlib rosbag roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs
              std_srvs tf2 tf2_geometry_msgs tf2_msgs tf2_ros urdf visualization_msgs xmlrpcpp)
-find_package(PCL REQUIRED COMPONENTS common io)
+find_package(PCL REQUIRED COMPONENTS common filters io segmentation)
 find_path(ASSIMP_INCLUDE_DIR assimp/Importer.hpp)
 find_library(ASSIMP_LIBRARY assimp)
 
@@ -22,7 +22,7 @@ catkin_package(
                  tf2_msgs tf2_ros urdf visualization_msgs xmlrpcpp
   DEPENDS EIGEN3)
 
-file(GLOB io_sources CONFIGURE_DEPENDS src/io/point_files*.cpp src/io/mesh_files.cpp src/io/load_scene.cpp)
+file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/load_scene.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
 file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/*nodelet.cpp)
 list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet|/hand[a-z_]*)\\.cpp$")
@@ -114,7 +114,8 @@ if(CATKIN_ENABLE_TESTING)
     endif()
   endforeach()
 
-  file(GLOB io_tests CONFIGURE_DEPENDS test/io/point_files*_test.cpp test/io/load_scene_test.cpp test/scenario/*_test.cpp)
+  file(GLOB io_tests CONFIGURE_DEPENDS test/io/cloud_filters*_test.cpp test/io/point_files*_test.cpp test/io/load_scene_test.cpp
+       test/scenario/*_test.cpp)
   foreach(source ${io_tests})
     get_filename_component(name ${source} NAME_WE)
     add_unit_test(${name} deformable_surface_io ${source})
@@ -153,7 +154,7 @@ if(CATKIN_ENABLE_TESTING)
   set(devel_env ${CATKIN_DEVEL_PREFIX}/env.sh)
 
   # Launch files for real uses, each with a master of its own; one whose scan is not at hand skips itself.
-  foreach(case camera_bag demo demo_interrupted garment modelling modelling_plane poke record spaces track tracked)
+  foreach(case camera_bag demo demo_interrupted garment modelling modelling_plane poke record spaces towel_on_table track tracked)
     add_test(NAME launch_${case}
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_launch.py ${case})
     set_tests_properties(launch_${case} PROPERTIES SKIP_RETURN_CODE 77)

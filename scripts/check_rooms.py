@@ -33,7 +33,7 @@ OUTSIDE = [
     (STANDARD, r".*"),
     (r"Eigen/.*", r".*"),
     (r"yaml-cpp/.*", r"io/.*"),
-    (r"(pcl|boost)/.*", r"io/point_files\w*\..*"),
+    (r"(pcl|boost)/.*", r"io/(point_files|cloud_filters)\w*\..*"),
     (r"assimp/.*", r"io/mesh_files\.cpp"),
     (r".*", r"ros/.*|[^/]*"),
 ]

@@ -445,3 +445,60 @@ TEST(ParametersPage, IsWhatTheRepositoryHolds) {
   text << file.rdbuf();
   EXPECT_EQ(text.str(), parametersPage()) << "make it anew with: parameters_page > docs/parameters.md";
 }
+
+TEST(ReadScene, FiltersOfTheInputAreReadAndAllOffByDefault) {
+  EXPECT_FALSE(read("model: mass_spring").input.filter.isOn());
+  EXPECT_FALSE(read("model: mass_spring\ninput: {filter: {plane: {radius: 0.1}, outliers: {neighbors: 3}}}").input.filter.isOn());
+  const SceneParams p = read(
+      "model: mass_spring\n"
+      "input:\n"
+      "  filter:\n"
+      "    crop: [{box: {min: [0, 0, 0], max: [1, 1, 1]}}, {sphere: {center: [1, 2, 3], radius: 0.5}, outside: true}]\n"
+      "    range: {min: 0.3, max: 1.5}\n"
+      "    flying_pixels: 0.02\n"
+      "    plane: {distance: 0.003, radius: 0.01, min_share: 0.3, keep: far_side}\n"
+      "    outliers: {method: statistical, neighbors: 12, deviations: 1.5}\n");
+  const simulation::InputFilterParams& filter = p.input.filter;
+  EXPECT_TRUE(filter.isOn());
+  ASSERT_EQ(filter.crop.size(), 2u);
+  EXPECT_TRUE(filter.crop[1].region.outside);
+  EXPECT_EQ(filter.range.max, 1.5);
+  EXPECT_EQ(filter.plane.keep, simulation::PlaneFilterParams::Keep::kFarSide);
+  EXPECT_EQ(filter.outliers.neighbors, 12);
+  const std::string text = printScene(p);
+  EXPECT_EQ(printScene(read(text)), text);
+  // Each alone is on.
+  for (const char* one : {"crop: [{sphere: {center: [0, 0, 0], radius: 1}}]", "range: {min: 0.1}", "range: {max: 5}",
+                          "flying_pixels: 0.01", "plane: {distance: 0.001}", "outliers: {method: statistical}"})
+    EXPECT_TRUE(read(std::string("model: mass_spring\ninput: {filter: {") + one + "}}").input.filter.isOn()) << one;
+}
+
+TEST(ReadScene, FiltersOfTheInputThatCannotBeAreRefused) {
+  const std::pair<const char*, const char*> cases[] = {
+      {"range: {min: 2, max: 1}", "input.filter.range.max: found 1.0, which is not above min, 2.0; accepted: min < max"},
+      {"range: {min: 1, max: 1}", "input.filter.range.max: found 1.0"},
+      {"range: {min: -1}", "input.filter.range.min: found -1"},
+      {"range: {max: .nan}", "input.filter.range.max: found "},
+      {"range: {max: .inf}", "input.filter.range.max: found "},
+      {"flying_pixels: -0.1", "input.filter.flying_pixels: found -0.1"},
+      {"flying_pixels: .nan", "input.filter.flying_pixels: found "},
+      {"plane: {distance: -1}", "input.filter.plane.distance: found -1"},
+      {"plane: {radius: .inf}", "input.filter.plane.radius: found "},
+      {"plane: {min_share: 0}", "input.filter.plane.min_share: found 0"},
+      {"plane: {min_share: 1.1}", "input.filter.plane.min_share: found 1.1"},
+      {"plane: {keep: above}", "input.filter.plane.keep: found "},
+      {"outliers: {method: radius}", "input.filter.outliers.radius: found 0 with the method radius"},
+      {"outliers: {method: mean}", "input.filter.outliers.method: found "},
+      {"outliers: {neighbors: 0}", "input.filter.outliers.neighbors: found 0"},
+      {"outliers: {neighbors: 1001}", "input.filter.outliers.neighbors: found 1001"},
+      {"outliers: {deviations: -1}", "input.filter.outliers.deviations: found -1"},
+      {"crop: [{outside: true}]", "input.filter.crop[0]: found neither of box and sphere"},
+      {"crop: [{box: {min: [1, 0, 0], max: [0, 1, 1]}}]", "input.filter.crop[0].box.min: found 1.0 in x, which is above max"},
+      {"crop: {box: {min: [0, 0, 0], max: [1, 1, 1]}}", "input.filter.crop: found "},
+      {"crops: []", "input.filter.crops: unknown key; the nearest known one is input.filter.crop"},
+  };
+  for (const auto& [text, expected] : cases) {
+    const std::string problem = problemOf(std::string("input: {filter: {") + text + "}}");
+    EXPECT_TRUE(contains(problem, expected)) << text << ": " << problem;
+  }
+}

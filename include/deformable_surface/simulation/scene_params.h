@@ -5,12 +5,13 @@
 #include "deformable_surface/base/params.h"
 #include "deformable_surface/cloud/neighbors_params.h"
 #include "deformable_surface/cloud/simplification_params.h"
-#include "deformable_surface/geometry/region.h"
+#include "deformable_surface/geometry/region_params.h"
 #include "deformable_surface/model/elastic_solid/elastic_solid_params.h"
 #include "deformable_surface/model/mass_spring/mass_spring_params.h"
 #include "deformable_surface/model/material_params.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
 #include "deformable_surface/simulation/activity_params.h"
+#include "deformable_surface/simulation/input_filter_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/tool/robot_params.h"
@@ -124,6 +125,7 @@ enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running s
 struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
+  InputFilterParams filter;
   Index keep_parts = 0;         // >= 0; 0 = all
   OrAuto<double> noise;         // m, >= 0
   double min_gap = 0.0;         // m, >= 0
@@ -258,32 +260,8 @@ inline std::string describeStatedNumber(const cloud::SimplificationParams& how) 
          ", which states the number of simulation points; accepted: one of the two; leave out what states it, or give" + values;
 }
 
-inline void visitRegion(Fields& fields, geometry::Region& region) {
-  // Bounds of a box may lie far outside any cloud, to mean a half-space.
-  const bool is_box = fields.begin("box", region.kind == geometry::Region::Kind::kBox, "");
-  if (is_box) {
-    fields.required().vector("min", region.min, "m", anyFinite(), "the corner with the smallest coordinates");
-    fields.required().vector("max", region.max, "m", anyFinite(), "the corner with the largest coordinates");
-    for (int axis = 0; axis < 3; ++axis)
-      fields.require(region.min[axis] <= region.max[axis], "min",
-                     "found " + formatReal(region.min[axis]) + " in " + "xyz"[axis] + ", which is above max, " +
-                         formatReal(region.max[axis]) + "; accepted: min <= max in x, y and z");
-    fields.end();
-  }
-  const bool is_sphere = fields.begin("sphere", region.kind == geometry::Region::Kind::kSphere, "");
-  if (is_sphere) {
-    region.kind = geometry::Region::Kind::kSphere;
-    fields.required().vector("center", region.center, "m", anyFinite(), "its centre");
-    fields.required().number("radius", region.radius, "m", between(0.0, 2.0 * kMaxLength), "its radius");
-    fields.end();
-  }
-  fields.require(is_box != is_sphere, "",
-                 std::string("found ") + (is_box ? "both" : "neither") + " of box and sphere; accepted: one");
-  fields.flag("outside", region.outside, "the points that do not lie in the shape");
-}
-
 inline void visit(Fields& fields, PinParams& p) {
-  visitRegion(fields, p.region);
+  geometry::visitRegion(fields, p.region);
   fields.flag("orientation", p.orientation,
               "also clamp the tangent plane; needs a model with orientation. A mass-spring surface turns about a pin of one row "
               "of points and is clamped by a wider one up to where its region ends; points nearer to that than 0.35 spacings "
@@ -298,7 +276,7 @@ inline void visit(Fields& fields, PinParams& p) {
                  "found true with a path that turns; accepted: false, or a path with one orientation");
 }
 
-inline void visit(Fields& fields, CreaseParams& p) { visitRegion(fields, p.region); }
+inline void visit(Fields& fields, CreaseParams& p) { geometry::visitRegion(fields, p.region); }
 
 inline void visit(Fields& fields, MaterialChangeParams& p) {
   fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "`auto` = as everywhere");
@@ -310,7 +288,7 @@ inline void visit(Fields& fields, MaterialChangeParams& p) {
 }
 
 inline void visit(Fields& fields, RegionParams& p) {
-  visitRegion(fields, p.region);
+  geometry::visitRegion(fields, p.region);
   visit(fields, p.material);
 }
 
@@ -369,6 +347,9 @@ inline void visit(Fields& fields, InputParams& p) {
                 {{"ignore", InputPolicy::kIgnore}, {"replace", InputPolicy::kReplace}, {"track", InputPolicy::kTrack}},
                 "what a cloud on a running surface does; `track` draws the surface towards it (docs/run_time_control.md)");
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
+  fields.section("filter", p.filter,
+                 "What of a cloud is taken away before anything is made of it: these filters one after the other, in the "
+                 "surface's frame (docs/camera_clouds.md). Points that go become NaN.");
   fields.integer("keep_parts", p.keep_parts, "", between(0, kMaxPoints),
                  "of a cloud in several parts (outliers, loose pieces), only so many of the largest are kept; 0 = all. Points of "
                  "the others become NaN");
