@@ -3,6 +3,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/io/cloud_filters.h"
 
 #include <exception>
 #include <new>
@@ -124,12 +125,18 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
   try {
     setNumThreads(work.num_threads);
     transformCloud(work.transform, work.cloud);
+    const simulation::InputFilterParams& filter = work.params.input.filter;
+    if (filter.isOn() && work.kind == CloudWork::Kind::kBuild)
+      result.unfiltered = std::make_unique<cloud::PointCloud>(work.cloud);
+    io::FilterReport filtered = io::filterCloud(filter, work.cloud);
+    if (!filtered.refusal.empty()) throw InputError(filtered.refusal);
     if (work.kind == CloudWork::Kind::kObserve) {
       result.observed = std::make_unique<simulation::ObservedCloud>(work.cloud);
     } else {
       auto simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
       result.viewer = std::make_unique<simulation::Simulation>(simulation->viewer());
       result.simulation = std::move(simulation);
+      result.filter_notes = std::move(filtered.notes);
     }
   } catch (const std::bad_alloc&) {
     result.refusal = std::to_string(num_points) + " points do not fit in memory; accepted: fewer";

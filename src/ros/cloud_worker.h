@@ -18,6 +18,7 @@
 #include <optional>
 #include <string>
 #include <thread>
+#include <vector>
 
 namespace deformable_surface::node {
 
@@ -40,6 +41,9 @@ struct CloudResult {
   std::string refusal;  // one sentence; empty: it was accepted, and of these there is what was asked for:
   std::unique_ptr<simulation::Simulation> simulation, viewer;
   std::unique_ptr<simulation::ObservedCloud> observed;
+  // Of a simulation whose cloud was filtered: what became of it, and the cloud before, in the surface's frame.
+  std::vector<std::string> filter_notes;
+  std::unique_ptr<cloud::PointCloud> unfiltered;
 };
 
 class CloudWorker {

@@ -13,7 +13,9 @@
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/io/cloud_filters.h"
 #include "deformable_surface/io/load_scene.h"
+#include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/ros/commands.h"
 #include "deformable_surface/ros/find_package.h"
@@ -82,7 +84,8 @@ class Run {
       params_.expect.clear();
       note("what the scene expects is not looked at: it is of the scene's own cloud and duration");
     }
-    if (!options.final_file.empty()) checkFinalFile(options.final_file);
+    if (!options.final_file.empty()) checkPointFile("--final", options.final_file);
+    if (!options.filtered_file.empty()) checkPointFile("--filtered", options.filtered_file);
     if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
     if (!options.frames_directory.empty()) {
       frames_.emplace(options.frames_directory, options.frame_rate > 0.0 ? options.frame_rate : params_.output.publish_rate, dt);
@@ -144,7 +147,7 @@ class Run {
   // A cloud that is refused changes nothing.
   void takeCloud(DecodedCloud decoded, std::int64_t stamp) {
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
-    if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(decoded, stamp);
+    if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(std::move(decoded), stamp);
     std::unique_ptr<Simulation> simulation;
     const std::string cloud_frame = decoded.header.frame_id;
     try {
@@ -160,10 +163,11 @@ class Run {
     ++clouds_;
   }
 
-  void track(const DecodedCloud& decoded, std::int64_t stamp) {
+  void track(DecodedCloud decoded, std::int64_t stamp) {
     while (canStep() && now() < stamp) step();
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
+      filter(decoded.cloud);
       simulation_->observe(decoded.cloud);
     } catch (const InputError& error) {
       reportRefusal("cloud", stamp, error);
@@ -195,9 +199,21 @@ class Run {
     }
   }
 
+  // What became of the cloud, for notes.
+  std::vector<std::string> filter(cloud::PointCloud& cloud) {
+    const bool is_shown = !options_.filtered_file.empty() && !is_filtered_written_;
+    const cloud::PointCloud before = is_shown ? cloud : cloud::PointCloud();
+    io::FilterReport report = io::filterCloud(params_.input.filter, cloud);
+    if (is_shown) io::writePointFile(options_.filtered_file, io::withRemovedBy(report, before));
+    is_filtered_written_ = is_filtered_written_ || is_shown;
+    if (!report.refusal.empty()) throw InputError(report.refusal);
+    return report.notes;
+  }
+
   std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp) {
     const InterruptScope scope(terminal_.stop.has_come);
     endIfInterrupted();
+    filter_notes_ = filter(cloud);
     auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
     simulation->setInterrupt(&terminal_.stop.has_come);
     const std::string frame = findFrame(cloud_frame);
@@ -216,6 +232,7 @@ class Run {
     if (tool_commands_) tool_commands_->forget();
     start_ = stamp;
     note(std::to_string(simulation_->input().size()) + " input points");
+    for (const std::string& line : filter_notes_) note(line);
     for (const std::string& line : simulation_->buildNotes()) note(line);
     for (const std::string& line : simulation_->buildWarnings()) warn(line);
     ++cloud_.number;
@@ -395,6 +412,8 @@ class Run {
   std::optional<InputBag> bag_;
   std::optional<ToolCommands> tool_commands_;  // with the bag
   std::unique_ptr<Simulation> simulation_;
+  std::vector<std::string> filter_notes_;  // of its cloud
+  bool is_filtered_written_ = false;
   CloudId cloud_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
@@ -420,7 +439,7 @@ int simulate(const std::vector<std::string>& arguments, const Terminal& terminal
   } catch (const InputError& error) {
     for (const std::string& problem : error.problems()) report(problem);
   } catch (const Interrupted&) {
-    report("interrupted while a surface was built; nothing is written");
+    report("interrupted while a surface was built; no state of it is written");
     return kInterrupted + terminal.stop.number;
   } catch (const std::exception& error) {
     report(std::string("stopped: ") + error.what());

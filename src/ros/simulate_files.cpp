@@ -37,12 +37,12 @@ bool areSame(const fs::path& a, const fs::path& b) {
 
 }  // namespace
 
-void checkFinalFile(const std::string& file) {
+void checkPointFile(const std::string& option, const std::string& file) {
   io::checkPointFileName(file);
   const fs::path target = io::followLinks(file);
   std::error_code error;
   if (access(folderOf(target).c_str(), W_OK) != 0 || fs::is_directory(target, error)) {
-    throw InputError("--final: found " + quote(file) +
+    throw InputError(option + ": found " + quote(file) +
                      ", which cannot be written; accepted: a file in a folder that can be written");
   }
 }
@@ -52,7 +52,10 @@ void checkFilesDiffer(const SimulateOptions& options, const simulation::ScenePar
       {"the scene", options.scene}, {"--bag_in", options.bag_in}, {"cloud.file", findCloudFile(params.cloud.file)}};
   std::vector<std::string> problems;
   const std::pair<const char*, std::string> outputs[] = {
-      {"--final", options.final_file}, {"--statistics", options.statistics_file}, {"--bag_out", options.bag_out}};
+      {"--final", options.final_file},
+                                                         {"--filtered", options.filtered_file},
+                                                         {"--statistics", options.statistics_file},
+                                                         {"--bag_out", options.bag_out}};
   for (const auto& [option, output] : outputs) {
     if (output.empty()) continue;
     const auto refuse = [&, name = option, found = output](const std::string& why) {

@@ -9,8 +9,8 @@
 
 namespace deformable_surface::node {
 
-/// Throws InputError if the final surface could not be written to the file.
-void checkFinalFile(const std::string& file);
+/// Throws InputError if no cloud could be written to the file of the option.
+void checkPointFile(const std::string& option, const std::string& file);
 /// A run must not destroy what it is made from, nor one output another: throws InputError if it would.
 void checkFilesDiffer(const SimulateOptions& options, const simulation::SceneParams& params);
 

@@ -10,7 +10,7 @@
 namespace deformable_surface::node {
 namespace {
 
-const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",   "--frames",     "--frame_rate",
+const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",   "--filtered",   "--frames", "--frame_rate",
                                              "--bag_in", "--topic",    "--bag_out", "--statistics", "--threads"};
 const std::vector<std::string> kFlags{"--quiet", "--strict", "--help"};
 
@@ -52,6 +52,7 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
   for (const char* name : {"cloud_in", "force", "wrench", "tools"})
     options.topics[name] = std::string("/deformable_surface/") + name;
   const std::map<std::string, std::string*> texts{{"--final", &options.final_file},
+                                                  {"--filtered", &options.filtered_file},
                                                   {"--frames", &options.frames_directory},
                                                   {"--statistics", &options.statistics_file},
                                                   {"--bag_in", &options.bag_in},
@@ -127,6 +128,8 @@ std::string describeOptions() {
          "  --set KEY=VALUE       override one scene value by its dotted path, e.g. integrator.time_step=0.002; repeatable\n"
          "  --duration S          simulated seconds, a multiple of the time step (else the scene's duration)\n"
          "  --final FILE          the full cloud after the last step, with normals; .ply or .pcd\n"
+         "  --filtered FILE       the first cloud as it came, with a field that says by which of input.filter each point went\n"
+         "                        (docs/camera_clouds.md); .ply or .pcd\n"
          "  --frames DIR          the full cloud as numbered files from time 0 on; a folder that holds no frames yet\n"
          "  --frame_rate HZ       of --frames and at most one per step (else the scene's output.publish_rate)\n"
          "  --bag_in IN.bag       take clouds, forces, wrenches and tools from a bag, in stamp order, instead of the scene's\n"

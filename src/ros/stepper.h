@@ -168,6 +168,7 @@ class Stepper {
   std::unique_ptr<simulation::Simulation> simulation_;
   std::string frame_;
   CloudId cloud_;
+  std::unique_ptr<cloud::PointCloud> unfiltered_;  // what it was made of; null: the simulation's input itself
   StepSchedule schedule_;
   std::int64_t now_ = 0;  // ns of the ROS clock, less the delay; 0 = there is no valid time yet
   WaitingClouds clouds_;

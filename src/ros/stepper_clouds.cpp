@@ -69,7 +69,7 @@ void Stepper::handleClouds() {
     built_revision_ = params_revision_;
     if (!simulation_) setSurfaceFrame(work.frame);
     if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
-    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}});
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}});
     building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
   }
   worker_.begin(std::move(work));
@@ -152,7 +152,7 @@ void Stepper::observeReady() {
 // Whether neighbours, weights and springs would come out as they are.
 bool Stepper::isAgain(const CloudWork& work) const {
   return simulation_ && is_as_built_ && work.frame == frame_ && work.transform.isApprox(Eigen::Isometry3d::Identity(), 0.0) &&
-         cloud::areEqual(work.cloud, simulation_->input());
+         cloud::areEqual(work.cloud, unfiltered_ ? *unfiltered_ : simulation_->input());
 }
 
 // With the simulation that was built, or, where none was, with the one that is there.
@@ -174,6 +174,7 @@ void Stepper::begin(CloudResult&& result) {
     simulation_->reset();
   } else {
     simulation_ = std::move(result.simulation);
+    unfiltered_ = std::move(result.unfiltered);
   }
   is_as_built_ = true;
   frame_ = result.frame;
@@ -192,6 +193,7 @@ void Stepper::begin(CloudResult&& result) {
   std::string news = ": the cloud came again: the surface that was made of it begins anew";
   if (!is_again) {
     std::string notes;
+    for (const std::string& note : result.filter_notes) appendNotice(notes, note);
     for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
     news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
   }

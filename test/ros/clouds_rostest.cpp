@@ -5,7 +5,10 @@
 
 #include "deformable_surface/List.h"
 
+#include <sensor_msgs/point_cloud2_iterator.h>
+
 #include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::node::test {
 namespace {
@@ -94,6 +97,52 @@ TEST(Clouds, OneThatComesAgainBeginsItsSurfaceAnewWithoutBuildingIt) {
   client.publish(other);
   ASSERT_TRUE(client.waitForDiagnostic("clouds accepted", 3.0)) << process.output();
   EXPECT_EQ(client.diagnostic("clouds that came again"), 1.0);
+}
+
+TEST(Clouds, FiltersTakePartsOfThemAwayAndTheSameCloudIsStillKnown) {
+  NodeProcess process("/filtered", "{model: mass_spring, gravity: [0, 0, 0], input: {policy: replace, filter: {crop: [{box: "
+                                   "{min: [-1, -1, -1], max: [0.105, 10, 1]}}]}}}");
+  NodeClient client("/filtered");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  const PointCloud2 sent = makeStamped(20, 10, ros::Time::now());
+  const sensor_msgs::PointCloud2ConstPtr shown = client.exchange(sent);
+  ASSERT_TRUE(shown) << process.output();
+  ASSERT_EQ(shown->width * shown->height, kFewPoints);
+  int stay = 0;
+  sensor_msgs::PointCloud2ConstIterator<float> before(sent, "x"), after(*shown, "x");
+  for (std::uint32_t i = 0; i < kFewPoints; ++i, ++before, ++after) {
+    EXPECT_EQ(std::isfinite(*after), *before < 0.105f) << i;
+    stay += std::isfinite(*after);
+  }
+  EXPECT_GT(stay, 10);
+  EXPECT_LT(stay, 190);
+  EXPECT_NE(process.output().find("input.filter: taken away: crop " + std::to_string(200 - stay)), std::string::npos)
+      << process.output();
+
+  client.publish(makeStamped(20, 10, ros::Time::now()));
+  EXPECT_TRUE(client.waitForDiagnostic("clouds that came again", 1.0)) << process.output();
+  // Another one, of which nothing is left, is refused.
+  PointCloud2 elsewhere = makeStamped(20, 10, ros::Time::now());
+  for (sensor_msgs::PointCloud2Iterator<float> x(elsewhere, "x"); x != x.end(); ++x) *x += 100.0f;
+  client.publish(elsewhere);
+  EXPECT_TRUE(client.waitForDiagnostic("clouds refused", 1.0)) << process.output();
+  EXPECT_NE(client.diagnosticText("last complaint").find("of which 0 stay (taken away: crop 200)"), std::string::npos)
+      << client.diagnosticText("last complaint");
+}
+
+TEST(Clouds, OneToBeTrackedOfWhichTheFiltersLeaveNothingIsRefused) {
+  NodeProcess process("/filtered_track", "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, "
+                                         "input: {policy: track, filter: {range: {max: 50.0}}}}");
+  NodeClient client("/filtered_track");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
+  PointCloud2 elsewhere = makeStamped(20, 10, ros::Time::now());
+  for (sensor_msgs::PointCloud2Iterator<float> x(elsewhere, "x"); x != x.end(); ++x) *x += 100.0f;
+  client.publish(elsewhere);
+  EXPECT_TRUE(client.waitForDiagnostic("clouds refused", 1.0)) << process.output();
+  EXPECT_NE(client.diagnosticText("last complaint").find("taken away: range 200"), std::string::npos) << process.output();
+  client.publish(makeStamped(20, 10, ros::Time::now()));
+  EXPECT_TRUE(client.waitForDiagnostic("clouds tracked", 1.0)) << process.output();
 }
 
 TEST(Clouds, ASignalEndsTheNodeWhileALargeOneIsBuilt) {

@@ -121,7 +121,7 @@ TEST_F(Simulate, LeavesNothingBehindWhenItIsInterrupted) {
   stop_.has_come = true;
   EXPECT_EQ(run({"--final", path("out.ply"), "--statistics", path("out.csv"), "--bag_out", path("out.bag")}), 128 + SIGTERM);
   EXPECT_EQ(countFiles(".ply") + countFiles(".csv") + countFiles(".bag") + countFiles(".partial"), 0);
-  EXPECT_EQ(err_, "simulate: interrupted while a surface was built; nothing is written\n");
+  EXPECT_EQ(err_, "simulate: interrupted while a surface was built; no state of it is written\n");
 }
 
 TEST_F(Simulate, KeepsTheFramesUntilItIsInterrupted) {
@@ -307,6 +307,51 @@ TEST_F(Simulate, GivesTheSameFilesForEveryNumberOfThreads) {
   }
   EXPECT_EQ(readFile(path("1.ply")), readFile(path("3.ply")));
   EXPECT_EQ(readFile(path("1.bag")), readFile(path("3.bag")));
+}
+
+TEST_F(Simulate, TakesAwayFromItsCloudWhatTheSceneFilters) {
+  const std::string crop = "input.filter.crop=[{box: {min: [-1, -1, -1], max: [0, 1, 1]}}]";
+  EXPECT_EQ(run({"--set", crop, "--filtered", path("filtered.pcd"), "--final", path("final.pcd")}), 0) << err_;
+  EXPECT_NE(out_.find("note: input.filter: taken away: crop 50; before: 100 points, "), std::string::npos) << out_;
+  const cloud::PointCloud filtered = io::readPointFile(path("filtered.pcd"), 1.0, 1000);
+  const cloud::PointCloud last = io::readPointFile(path("final.pcd"), 1.0, 1000);
+  ASSERT_EQ(filtered.size(), 100);
+  ASSERT_EQ(last.size(), 100);
+  ASSERT_EQ(filtered.extra_fields.at(0).name, "removed_by");
+  for (Index i = 0; i < 100; ++i) {
+    const bool goes = filtered.positions[i].x() > 0.0;
+    EXPECT_EQ(filtered.extra_fields[0].bytes[i], goes ? 1 : 0);
+    EXPECT_EQ(last.positions[i].allFinite(), !goes);
+  }
+}
+
+TEST_F(Simulate, SaysByWhichFilterAllPointsWentAndShowsIt) {
+  EXPECT_EQ(run({"--set", "input.filter.plane.distance=0.01", "--filtered", path("filtered.ply")}), 2);
+  EXPECT_EQ(err_,
+            "simulate: input.filter: found 100 points, of which 0 stay (taken away: plane 100); accepted: filters that leave at "
+            "least 3\n");
+  EXPECT_TRUE(fs::exists(path("filtered.ply")));
+  EXPECT_EQ(run({"--filtered", path("filtered.xyz")}), 2);
+  EXPECT_EQ(run({"--filtered", path("none/filtered.ply")}), 2);
+  EXPECT_NE(err_.find("--filtered: found "), std::string::npos) << err_;
+  EXPECT_EQ(run({"--filtered", path("same.ply"), "--final", path("same.ply")}), 2);
+}
+
+TEST_F(Simulate, FiltersTheCloudsOfABagAlsoThoseToBeTracked) {
+  writeBag("in.bag", [](rosbag::Bag& bag) {
+    // One that is elsewhere, so that nothing of it is left.
+    sensor_msgs::PointCloud2 other = makeCloud(ros::Time(kStart + 0.05));
+    for (sensor_msgs::PointCloud2Iterator<float> x(other, "x"); x != x.end(); ++x) x[0] += 5.0f;
+    bag.write("/deformable_surface/cloud_in", ros::Time(kStart + 0.05), other);
+  });
+  for (const char* policy : {"replace", "track"}) {
+    EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", std::string("input.policy=") + policy, "--set",
+                   "input.filter.range.max=2.0"}),
+              0)
+        << err_;
+    EXPECT_NE(out_.find("note: input.filter: taken away: none; before: 100 points"), std::string::npos) << out_;
+    EXPECT_NE(err_.find("of which 0 stay (taken away: range 100)"), std::string::npos) << policy << ": " << err_;
+  }
 }
 
 TEST_F(Simulate, WritesABagOfWhatTheNodeWouldPublish) {
