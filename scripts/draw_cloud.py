@@ -1,7 +1,8 @@
 #!/usr/bin/env python3
 """Draws clouds of points as shaded surfaces, side by side, into a PNG. It is a file of its own so that the demo, the
 documentation and a user's own results are drawn alike. From the command line:
-  draw_cloud.py OUT.png REST.ply [DEFORMED.ply ...]     the colour is the distance from the first file's points"""
+  draw_cloud.py OUT.png REST.ply [DEFORMED.ply ...]     the colour is the distance from the first file's points
+  draw_cloud.py OUT.png FILTERED.pcd                    of `simulate --filtered`: the colour is the filter that took a point"""
 import argparse
 import os
 import sys
@@ -11,6 +12,13 @@ import numpy as np
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 import point_files  # noqa: E402
 
+# To z up, by a rotation each.
+UPRIGHT = {"x": [[0, 0, -1], [0, 1, 0], [1, 0, 0]], "-x": [[0, 0, 1], [0, 1, 0], [-1, 0, 0]],
+           "y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "-y": [[1, 0, 0], [0, 0, 1], [0, -1, 0]],
+           "z": np.eye(3), "-z": [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}
+# What the values of the field removed_by stand for (io/cloud_filters.h), and how they are drawn.
+FILTERS = [("stays", "#b9c6d2"), ("crop", "#5d6d7e"), ("range", "#8e7cc3"), ("flying pixels", "#e02020"), ("plane", "#f2c14e"),
+           ("other side of the plane", "#a0662c"), ("outliers", "#c2188a")]
 RIM_DEPTH = 0.35  # of the radius; small beside the relief of a surface, large enough to order neighbours
 
 
@@ -97,6 +105,56 @@ def render(points, values, low, high, view, center, extent, size, spacing, color
     return image.reshape(size, size, 3)
 
 
+def frame_all(points, azimuth, elevation):
+    """For render(): the view from these angles, its middle and how much it shows, so that all points are in the picture."""
+    view = look_along(azimuth, elevation)
+    seen = points[np.isfinite(points).all(axis=1)] @ view.T
+    low, high = seen.min(axis=0), seen.max(axis=0)
+    return view, view.T @ (0.5 * (low + high)), 1.08 * max(high[:2] - low[:2])
+
+
+def show_image(axis, image, title):
+    size = len(image) // 2
+    axis.imshow(image.reshape(size, 2, size, 2, 3).mean(axis=(1, 3)), interpolation="lanczos")  # 2 x 2 samples smooth the edges
+    axis.set_title(title, fontsize=15)
+    axis.axis("off")
+
+
+def save(figure, path):
+    from matplotlib import pyplot
+    temporary = path + ".part.png"
+    figure.savefig(temporary, dpi=100)
+    pyplot.close(figure)
+    os.replace(temporary, path)
+
+
+def draw_filtered(path, points, removed_by, title, azimuth=-60.0, elevation=15.0, size=700):
+    """Writes a picture of what filters have taken of points (n x 3): all of them in the colour of their filter, removed_by (n), and
+    beside them those that stay."""
+    import matplotlib
+    matplotlib.use("Agg")
+    from matplotlib import pyplot
+    from matplotlib.colors import ListedColormap, to_rgb
+    from matplotlib.patches import Patch
+
+    colors = np.array([to_rgb(color) for _, color in FILTERS])
+    finite = np.isfinite(points).all(axis=1)
+    view, center, extent = frame_all(points, azimuth, elevation)
+    spacing = measure_spacing(points)
+    figure, axes = pyplot.subplots(1, 2, figsize=(11.2, 6.3))
+    for axis, shown, name in ((axes[0], finite, title), (axes[1], finite & (removed_by == 0), "what stays")):
+        image = np.ones((2 * size, 2 * size, 3))
+        if shown.any():
+            image = render(points[shown], removed_by[shown].astype(float), 0.0, len(FILTERS) - 1.0, view, center, extent, 2 * size,
+                           spacing, ListedColormap(colors, N=len(colors)))
+        show_image(axis, image, name)
+    figure.subplots_adjust(left=0.01, right=0.99, top=0.93, bottom=0.12, wspace=0.02)
+    counts = [np.count_nonzero(finite & (removed_by == value)) for value in range(len(FILTERS))]
+    figure.legend(handles=[Patch(color=color, label="%s: %d" % (name, count)) for (name, color), count in zip(FILTERS, counts)
+                           if count > 0 or name == "stays"], loc="lower center", ncol=4, fontsize=12, frameon=False)
+    save(figure, path)
+
+
 def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size=700):
     """Writes the picture. `surfaces` is a list of pairs (points (n x 3) in m, displacement (n) in m), all in one scale and seen
     from the same side; the colour bar runs from zero to the largest displacement of all."""
@@ -106,44 +164,45 @@ def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size
     from matplotlib.colors import LinearSegmentedColormap
 
     colors = LinearSegmentedColormap.from_list("displacement", ["#c9d1da", "#f2c14e", "#e4572e", "#8f1d4f"])
-    view = look_along(azimuth, elevation)
-    everything = np.concatenate([points[np.isfinite(points).all(axis=1)] for points, _ in surfaces])
-    low, high = (everything @ view.T).min(axis=0), (everything @ view.T).max(axis=0)
-    center = view.T @ (0.5 * (low + high))
-    extent = 1.08 * max(high[:2] - low[:2])
+    view, center, extent = frame_all(np.concatenate([points for points, _ in surfaces]), azimuth, elevation)
     largest = max(np.nanmax(values) for _, values in surfaces)
     spacing = measure_spacing(surfaces[0][0])
 
     figure, axes = pyplot.subplots(1, len(surfaces), figsize=(5.6 * len(surfaces), 6.3), squeeze=False)
     for axis, (points, values), title in zip(axes[0], surfaces, titles):
         image = render(points, values, 0.0, largest, view, center, extent, 2 * size, spacing, colors)
-        image = image.reshape(size, 2, size, 2, 3).mean(axis=(1, 3))  # two by two samples a pixel smooth the edges
-        axis.imshow(image, interpolation="lanczos")
-        axis.set_title(title, fontsize=15)
-        axis.axis("off")
+        show_image(axis, image, title)
     figure.subplots_adjust(left=0.01, right=0.99, top=0.93, bottom=0.17, wspace=0.02)
     if largest > 0:
         bar = figure.add_axes([0.25, 0.11, 0.5, 0.022])
         scale = pyplot.cm.ScalarMappable(pyplot.Normalize(0, 1000 * largest), colors)
         figure.colorbar(scale, cax=bar, orientation="horizontal").set_label("displacement from rest (mm)")
     figure.text(0.5, 0.005, caption, ha="center", fontsize=11)
-    temporary = path + ".part.png"
-    figure.savefig(temporary, dpi=100)
-    pyplot.close(figure)
-    os.replace(temporary, path)
+    save(figure, path)
 
 
 def main():
     parser = argparse.ArgumentParser(description="Draw clouds of points as shaded surfaces, side by side.")
     parser.add_argument("picture", help="the PNG to write")
-    parser.add_argument("clouds", nargs="+", help=".ply, .pcd, .obj, .off or .xyz, the rest shape first")
+    parser.add_argument("clouds", nargs="+", help=".ply, .pcd, .obj, .off or .xyz, the rest shape first; or one of simulate --filtered")
+    parser.add_argument("--up", choices=sorted(UPRIGHT), default="z", help="the axis that points up; of a camera's clouds: -y")
     parser.add_argument("--azimuth", type=float, default=-60.0, help="where the viewer stands, degrees about z from x")
     parser.add_argument("--elevation", type=float, default=15.0, help="how high the viewer stands, degrees")
     arguments = parser.parse_args()
     try:
+        first, _, columns = point_files.read_rows(arguments.clouds[0])
         clouds = [point_files.read_points(path) for path in arguments.clouds]
     except (OSError, ValueError) as error:
         sys.exit("draw_cloud.py: %s" % error)
+    upright = np.array(UPRIGHT[arguments.up], float).T
+    if len(clouds) == 1 and "removed_by" in columns:
+        removed_by = columns["removed_by"].astype(int)
+        if not (removed_by < len(FILTERS)).all():
+            sys.exit("draw_cloud.py: %s: removed_by %d; accepted: 0 to %d" % (arguments.clouds[0], removed_by.max(), len(FILTERS) - 1))
+        draw_filtered(arguments.picture, first @ upright, removed_by, os.path.basename(arguments.clouds[0]),
+                      arguments.azimuth, arguments.elevation)
+        return
+    clouds = [cloud @ upright for cloud in clouds]
     for path, cloud in zip(arguments.clouds, clouds):
         if len(cloud) != len(clouds[0]):
             sys.exit("draw_cloud.py: %s has %d finite points, the first file has %d" % (path, len(cloud), len(clouds[0])))

@@ -162,6 +162,25 @@ def check_camera_bag():
         assert launch.last["deformed"].width == 8192, launch.last["deformed"].width
 
 
+def check_towel_on_table():
+    """The cloud shows no table; the plane that most of its points lie on goes, and what is alone."""
+    bag = find_data("ros_bags/watercan.bag")
+    from scan_clouds import read_positions
+    from sensor_msgs.msg import PointCloud2
+    with make_folder() as folder, \
+            Launch("towel_on_table.launch", "bag:=" + link_into(folder, bag), "topic:=/euclidean_cluster_indices_decomposer/output00",
+                   "keep:=both", "radius:=0.0", "crop:=[{box: {min: [0, 0.1, 0], max: [2, 2, 2]}}]") as launch:
+        keep = launch.listen("deformed", PointCloud2)  # noqa: F841
+        launch.wait("the first cloud, every row of it", lambda last: "deformed" in last and last["deformed"].width == 13966)
+        points = read_positions(launch.last["deformed"])
+        stays = np.isfinite(points).all(axis=1)
+        print("%d points stay" % np.count_nonzero(stays))
+        assert 5000 < np.count_nonzero(stays) < 12000, np.count_nonzero(stays)
+        assert points[stays, 1].min() > 0.099, "not cropped"
+        launch.wait("what was taken away, in the log", lambda last: any(
+            re.search("taken away: crop [0-9]+, plane [0-9]+", line) for line in launch.lines))
+
+
 def check_garment():
     # In decimetres or so, upright along y.
     scan = find_data("diffcloth_garments/tshirt1900.obj")
