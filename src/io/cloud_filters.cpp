@@ -92,6 +92,23 @@ std::string describe(const Filtering& filtering) {
          " m";
 }
 
+/// Every so many-th of the points that a ball of this radius around one of them holds enough for a median and not many more.
+Points thin(const Points& points, double radius) {
+  constexpr std::size_t kWanted = 24;  // the median of as many has a quarter of the noise of one
+  constexpr std::size_t kAsked = 64;   // points that stand for all
+  const cloud::KdTree tree(points);
+  std::vector<cloud::Neighbor> neighbors;
+  std::size_t found = 0, asked = 0;
+  for (std::size_t i = 0; i < points.size(); i += points.size() / kAsked + 1, ++asked) {
+    tree.withinRadius(points[i], radius, neighbors);
+    found += neighbors.size();
+  }
+  const std::size_t step = std::max<std::size_t>(1, found / (asked * kWanted));
+  Points thinned;
+  for (std::size_t i = 0; i < points.size(); i += step) thinned.push_back(points[i]);
+  return thinned;
+}
+
 /// Of each point its height above the plane, or the median of those within the radius, where that can say something else: farther
 /// off all within it lie on the point's own side of the layer.
 std::vector<double> findHeights(const PlaneFilterParams& params, const Plane& plane, const Points& points) {
@@ -101,17 +118,17 @@ std::vector<double> findHeights(const PlaneFilterParams& params, const Plane& pl
   if (!(params.radius > 0.0)) return heights;
   const double reach = params.distance + params.radius;
   std::vector<double> medians = heights;
-  const cloud::KdTree tree(points);
-  const std::vector<Index>& order = tree.order();
+  const Points thinned = thin(points, params.radius);
+  const cloud::KdTree tree(thinned);
   parallelFor(static_cast<Index>(points.size()), kBlock, [&](Index begin, Index end) {
     std::vector<cloud::Neighbor> neighbors;
     std::vector<double> around;
-    for (Index k = begin; k < end; ++k) {
-      const Index i = order[k];
+    for (Index i = begin; i < end; ++i) {
       if (std::abs(heights[i]) > reach) continue;
       tree.withinRadius(points[i], params.radius, neighbors);
+      if (neighbors.empty()) continue;
       around.clear();
-      for (const cloud::Neighbor& neighbor : neighbors) around.push_back(heights[neighbor.index]);
+      for (const cloud::Neighbor& neighbor : neighbors) around.push_back(plane.height(thinned[neighbor.index]));
       const auto middle = around.begin() + static_cast<std::ptrdiff_t>(around.size() / 2);
       std::nth_element(around.begin(), middle, around.end());
       medians[i] = *middle;

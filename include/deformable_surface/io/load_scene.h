@@ -17,7 +17,8 @@ namespace deformable_surface::io {
 simulation::SceneParams loadScene(const std::string& file, const std::vector<std::string>& assignments = {},
                                   const FindPackage& find_package = {});
 
-/// The cloud of the scene: its file, or its generated shape. Throws InputError.
+/// The cloud of the scene: its file, or its generated shape, from which filterCloud() is still to take what input.filter says.
+/// Throws InputError.
 cloud::PointCloud loadCloud(const simulation::SceneParams& params, const FindPackage& find_package = {});
 
 }  // namespace deformable_surface::io
