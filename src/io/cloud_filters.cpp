@@ -197,6 +197,10 @@ FilterReport filterCloud(const InputFilterParams& params, PointCloud& cloud) {
     return distance < params.range.min || distance > params.range.max;
   });
   if (params.flying_pixels > 0.0) {
+    if (cloud.width < 2 || cloud.height < 2) {
+      throw InputError("input.filter.flying_pixels: found a cloud of " + std::to_string(cloud.width) + " x " +
+                       std::to_string(cloud.height) + " points, where no pixel has neighbours; accepted: organised clouds, or 0");
+    }
     const std::vector<char> flying = cloud::findFlyingPixels(cloud, params.flying_pixels);
     removeIf(RemovedBy::kFlyingPixels, [&](std::size_t, Index i) { return flying[i]; });
   }
