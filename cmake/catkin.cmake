@@ -77,7 +77,7 @@ install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_
 install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # They lie beside each other, since some use others.
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
-                      scripts/launched_node.py scripts/modelling_client.py
+                      scripts/launched_node.py scripts/look_at_scan.py scripts/modelling_client.py
                       scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
                       scripts/tool_on_frame.py scripts/view_cloud.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
@@ -154,11 +154,16 @@ if(CATKIN_ENABLE_TESTING)
   set(devel_env ${CATKIN_DEVEL_PREFIX}/env.sh)
 
   # Launch files for real uses, each with a master of its own; one whose scan is not at hand skips itself.
-  foreach(case camera_bag demo demo_interrupted garment modelling modelling_plane poke record spaces towel_on_table track tracked)
+  foreach(case camera_bag demo demo_camera demo_interrupted demo_refused garment modelling modelling_plane poke record spaces
+               towel_on_table track tracked)
     add_test(NAME launch_${case}
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/launch/check_launch.py ${case})
     set_tests_properties(launch_${case} PROPERTIES SKIP_RETURN_CODE 77)
   endforeach()
+
+  # What the demo makes of a scan.
+  add_test(NAME look_at_scan
+           COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/scripts/look_at_scan_test.py)
 
   # The window that these open; scripts/rviz_pictures looks at all of them. Skips itself without RViz.
   add_test(NAME window

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""What happens in the demo: publishes a scan as the surface at rest, pulls the surface by its highest point with a force that
-grows and turns, lets go, ends the recording, and writes a summary and a picture. It talks to the node as any other client would,
-over topics only."""
+"""What happens in the demo: publishes a scan as the surface at rest, pulls the surface by the highest point that can move with a
+force that grows and turns, lets go, ends the recording, and writes a summary and a picture. It talks to the node as any other client
+would, over topics only."""
 import os
 import sys
 import threading
@@ -9,16 +9,23 @@ import time
 
 import numpy as np
 import rospy
+import tf2_ros
+from diagnostic_msgs.msg import DiagnosticArray
+from geometry_msgs.msg import TransformStamped
 from sensor_msgs.msg import PointCloud2
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 import draw_cloud  # noqa: E402
 from launched_node import end_launch, end_neighbor, run_node  # noqa: E402
-from scan_clouds import make_cloud, prepare_scan, read_field, read_positions  # noqa: E402
+from look_at_scan import Scan, to_quaternion  # noqa: E402
+from scan_clouds import make_cloud, read_field, read_positions  # noqa: E402
 from deformable_surface.msg import PointForce, Statistics  # noqa: E402
 
 GROW_UNTIL, TURN_UNTIL = 0.25, 0.6  # shares of the duration: the force grows, then turns, then is gone
 RECORDER_PATIENCE = 60.0            # s of wall time; the recorder writes what it has taken, packed, before it ends
+REAL_TIME = 0.95                    # of real time: a run that is slower is called slow
+FEWEST_POINTS = 100                 # that are proposed for a faster run
+CAMERA_FRAME = "demo_camera"
 LEAN = 0.8                          # the force's horizontal part over its whole, so that the surface sways as the force turns
 
 
@@ -31,6 +38,30 @@ def compute_pull(share, strength):
     return strength * grown * np.array([LEAN * np.cos(angle), LEAN * np.sin(angle), np.sqrt(1 - LEAN * LEAN)])
 
 
+def measure_speed(clock):
+    """Simulated time over wall time, between the first and the last pair of them; NaN if no time has passed."""
+    (first, begin), (last, end) = clock[0], clock[-1]
+    return (last - first) / (end - begin) if end > begin else float("nan")
+
+
+def choose_handle(points, is_held):
+    """The highest point (a row of the n x 3) that can move, and how many higher ones cannot. ValueError if none can."""
+    free = np.flatnonzero(~is_held)
+    if len(free) == 0:
+        raise ValueError("found every simulation point held; accepted: a scan that the demo holds by a part only")
+    handle = points[free[points[free, 2].argmax()]]
+    return handle, int(np.count_nonzero(points[:, 2] > handle[2]))
+
+
+def find_refusal(message, node):
+    """What the node's diagnostics say of a cloud that it has refused, or nothing."""
+    for status in message.status:
+        refused = [item.value for item in status.values if item.key == "clouds refused"]
+        if status.name.endswith(node + ": input") and refused and int(refused[0]) > 0:
+            return status.message
+    return None
+
+
 class Demo:
     def __init__(self):
         self.path = rospy.get_param("~scan")
@@ -40,18 +71,23 @@ class Demo:
         self.strength = float(rospy.get_param("~force", 2.0))
         self.radius = float(rospy.get_param("~radius", 0.0))
         self.duration = float(rospy.get_param("~duration", 8.0))
+        self.patience = float(rospy.get_param("~patience", 120.0))  # s of wall time; a slow machine may fall behind real time
         self.frame = rospy.get_param("~frame", "world")
         self.azimuth = float(rospy.get_param("~azimuth", -60.0))
         self.height = float(rospy.get_param("~height", 0.3))
-        self.points = prepare_scan(self.path, rospy.get_param("~up", "z"), self.height)
-        self.handle = int(self.points[:, 2].argmax())
+        self.scan = Scan(self.path, rospy.get_param("~up", "auto"), self.height)
+        for sentence in self.scan.told:
+            rospy.loginfo("%s", sentence)
 
-        self.lock = threading.Lock()  # the two subscribers call from threads of their own
+        self.lock = threading.Lock()  # the subscribers call from threads of their own
         self.rest = None
         self.now = None               # positions of the newest surface; one that has not changed is not sent again
         self.best = None              # the most deformed surface so far: positions, displacements, time
         self.last = None              # the newest statistics
-        self.speeds = []
+        self.clock = []               # pairs of simulated and wall time, s
+        self.simulated = None         # the simulation points at rest, and which of them are held
+        self.handle = None            # the point of the surface that is pulled: its index
+        self.refusal = None           # why there is no surface
         self.pulling = True
         self.ended = threading.Event()
 
@@ -59,25 +95,42 @@ class Demo:
         self.cloud = rospy.Publisher("cloud_in", PointCloud2, queue_size=1, latch=True)
         rospy.Subscriber("statistics", Statistics, self.take_statistics, queue_size=100)
         rospy.Subscriber("deformed", PointCloud2, self.take_surface, queue_size=1, buff_size=1 << 26)
+        rospy.Subscriber("simulation_points", PointCloud2, self.take_simulation_points, queue_size=1)
+        rospy.Subscriber("/diagnostics", DiagnosticArray, self.take_diagnostics, queue_size=10)
+
+    def publish_scan(self):
+        """A camera's frame as the camera would: its grid, in its own frame. Anything else upright in the world."""
+        scan, now = self.scan, rospy.Time.now()
+        if not scan.is_camera:
+            placed = scan.place()
+            self.cloud.publish(make_cloud(placed[np.isfinite(placed).all(axis=1)], now, self.frame))
+            return
+        transform = TransformStamped(child_frame_id=CAMERA_FRAME)
+        transform.header.stamp, transform.header.frame_id = now, self.frame
+        for target, names, values in ((transform.transform.translation, "xyz", scan.offset),
+                                      (transform.transform.rotation, "xyzw", to_quaternion(scan.rotation))):
+            for name, value in zip(names, values):
+                setattr(target, name, value)
+        self.broadcaster = tf2_ros.StaticTransformBroadcaster()
+        self.broadcaster.sendTransform(transform)
+        self.cloud.publish(make_cloud(scan.scale * scan.rows, now, CAMERA_FRAME, scan.width))
 
     def run(self):
         """Returns the sentence that says why the demo failed, or nothing."""
         rospy.on_shutdown(self.ended.set)
-        rospy.loginfo("publishing %d points of %s", len(self.points), os.path.basename(self.path))
-        self.cloud.publish(make_cloud(self.points, rospy.Time.now(), self.frame))
-        patience = rospy.get_param("~patience", 120.0)  # s of wall time; a slow machine may fall behind real time
-        ended = self.ended.wait(patience)
+        self.publish_scan()
+        ended = self.ended.wait(self.patience)
         if rospy.is_shutdown():
             return "it was shut down before its end; nothing is written"
-        if not ended:
-            if self.rest is None:
-                return "no deformed surface arrived within %g s" % patience
-            rospy.logwarn("the demo did not reach %g simulated seconds within %g s; ending it here", self.duration, patience)
-        bag = self.end_recording()
+        if self.refusal:
+            return self.refusal
         with self.lock:
-            if self.best is None or self.last is None:
-                return "the run ended before there was a deformed surface with statistics"
-            self.write_results(bag)
+            self.ended.set()
+            if self.rest is None or self.best is None or self.last is None:
+                return "no deformed surface with statistics arrived within %g s; nothing is written" % self.patience
+        if not ended:
+            rospy.logwarn("the demo did not reach %g simulated seconds within %g s; ending it here", self.duration, self.patience)
+        self.write_results(self.end_recording())
         return None
 
     def end_recording(self):
@@ -92,17 +145,46 @@ class Demo:
             time.sleep(0.05)
         return "%s (%.1f MB)" % (path, os.path.getsize(path) / 1e6)
 
+    def take_diagnostics(self, message):
+        with self.lock:
+            node = rospy.resolve_name("statistics").split("/")[1]
+            if self.rest is None and not self.ended.is_set():
+                self.refusal = find_refusal(message, node)
+            if self.refusal:
+                self.ended.set()
+
+    def take_simulation_points(self, message):
+        with self.lock:
+            if self.simulated is None:
+                self.simulated = read_positions(message), read_field(message, "pinned") > 0
+                self.take_hold()
+
+    def take_hold(self):
+        """Chooses what is pulled, once both are there: what is simulated says what can move."""
+        if self.rest is None or self.simulated is None or self.ended.is_set():
+            return
+        try:
+            place, higher = choose_handle(*self.simulated)
+        except ValueError as error:
+            self.refusal = str(error)
+            self.ended.set()
+            return
+        self.handle = int(np.nanargmin(np.linalg.norm(self.rest[0] - place, axis=1)))
+        rospy.loginfo("pulls at the highest point that can move, %.3g m above the ground%s", place[2],
+                      "; %d higher ones are in parts that nothing holds, and stay where they are" % higher if higher else "")
+
     def take_statistics(self, message):
         """They come while the surface rests, too, and are the demo's clock."""
         with self.lock:
             if self.ended.is_set():
                 return
             self.last = message
-            if self.rest is None:
+            if self.rest is None or self.handle is None:
                 return
-            self.speeds.append(message.real_time_factor)
-            self.pull(self.now[self.handle], message.simulation_time)
-            if message.simulation_time >= self.duration:
+            self.clock.append((message.simulation_time, time.monotonic()))
+            # What was simulated before there was a handle is not the demo's.
+            self.pull(self.now[self.handle], message.simulation_time - self.clock[0][0])
+            if message.simulation_time - self.clock[0][0] >= self.duration:
                 self.ended.set()
 
     def take_surface(self, message):
@@ -112,6 +194,7 @@ class Demo:
             positions, displacement = read_positions(message), read_field(message, "displacement")
             if self.rest is None:
                 self.rest = positions, displacement
+                self.take_hold()
             self.now = positions
             time = self.last.simulation_time if self.last else 0.0
             if self.best is None or np.nanmax(displacement) > np.nanmax(self.best[1]):
@@ -133,16 +216,21 @@ class Demo:
         positions, displacement, time = self.best
         largest = np.nanmax(displacement)
         picture = os.path.join(self.output, "surface.png")
-        caption = "%s: %d points, %d of them simulated, pulled by the highest point with %g N" % (
+        caption = "%s: %d points, %d of them simulated, pulled by the highest point that can move with %g N" % (
             os.path.basename(self.path), self.last.points, self.last.simulation_points, self.strength)
         titles = ["at rest", "after %.1f s" % time]
         draw_cloud.draw(picture, [self.rest, (positions, displacement)], titles, caption, self.azimuth)
-        lines = [
-            ("scan", "%s, %.2f m tall" % (os.path.basename(self.path), self.height)),
+        speed = measure_speed(self.clock) if self.clock else float("nan")
+        fewer = max(FEWEST_POINTS, self.last.simulation_points // 4)
+        slow = "" if speed >= REAL_TIME else "; slower than real time, try set:='{simplification: {target_points: %d}}'" % fewer
+        lines = [("scan", self.scan.told[0])]
+        lines += [("", sentence) for sentence in self.scan.told[1:]]
+        lines += [
             ("points", "%d" % self.last.points),
             ("simulation points", "%d" % self.last.simulation_points),
+            ("pulled", "a point %.3g m above the ground" % self.rest[0][self.handle][2] if self.handle is not None else "nothing"),
             ("steps", "%d (%.2f s simulated)" % (self.last.step, self.last.simulation_time)),
-            ("real-time factor", "%.2f (median)" % np.median(self.speeds)),
+            ("real-time factor", "%.3g (simulated time over wall time)%s" % (speed, slow)),
             ("largest displacement", "%.1f mm (at %.2f s, under at most %g N)" % (1000 * largest, time, self.strength)),
             ("picture", picture),
             ("bag", bag)]

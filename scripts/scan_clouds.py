@@ -9,15 +9,12 @@ from sensor_msgs.msg import PointCloud2, PointField
 
 sys.path.insert(0, os.path.dirname(os.path.realpath(__file__)))
 import point_files  # noqa: E402
-
-# To z up, by a rotation each: a mirrored scan would not be the thing that was scanned.
-UPRIGHT = {"x": [[0, 0, -1], [0, 1, 0], [1, 0, 0]], "y": [[1, 0, 0], [0, 0, -1], [0, 1, 0]], "z": np.eye(3)}
-
+from look_at_scan import UPRIGHT  # noqa: E402
 
 def prepare_scan(path, up, height):
     """The scan's points standing upright on z = 0, centred on the z axis, `height` metres tall."""
     if up not in UPRIGHT:
-        raise ValueError("up is '%s'; accepted: x, y, z" % up)
+        raise ValueError("up is '%s'; accepted: %s" % (up, ", ".join(sorted(UPRIGHT))))
     if not height > 0:
         raise ValueError("height is %s; accepted: a positive number of metres" % height)
     points = point_files.read_points(path) @ np.array(UPRIGHT[up], float).T
@@ -28,8 +25,11 @@ def prepare_scan(path, up, height):
     return (points - [middle[0], middle[1], low[2]]) * (height / (high[2] - low[2]))
 
 
-def make_cloud(points, stamp, frame):
-    message = PointCloud2(height=1, width=len(points), is_dense=True, point_step=12, row_step=12 * len(points))
+def make_cloud(points, stamp, frame, width=None):
+    """width: of the grid that the points are in, row after row; NaN are its holes."""
+    width = width or len(points)
+    message = PointCloud2(height=len(points) // width, width=width, is_dense=bool(np.isfinite(points).all()), point_step=12,
+                          row_step=12 * width)
     message.header.stamp, message.header.frame_id = stamp, frame
     message.fields = [PointField(name=name, offset=4 * i, datatype=PointField.FLOAT32, count=1) for i, name in enumerate("xyz")]
     message.data = points.astype("<f4").tobytes()

@@ -1,7 +1,6 @@
 #include "parts.h"
 
 #include "deformable_surface/base/value.h"
-#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/links.h"
 
 #include <algorithm>
@@ -10,53 +9,6 @@
 #include "rest_parts.h"
 
 namespace deformable_surface::simulation {
-namespace {
-
-constexpr Index kMostSizes = 5;  // that a sentence lists
-
-// "12, 5 and 3", the largest first; "12, 5, 3, 2, 2 and fewer" where there are more.
-std::string listSizes(std::vector<Index> sizes) {
-  std::sort(sizes.begin(), sizes.end(), std::greater<Index>());
-  const Index listed = std::min(kMostSizes, static_cast<Index>(sizes.size()));
-  const bool has_more = listed < static_cast<Index>(sizes.size());
-  std::string text;
-  for (Index k = 0; k < listed; ++k) {
-    if (k > 0) text += k + 1 == listed && !has_more ? " and " : ", ";
-    text += std::to_string(sizes[k]);
-  }
-  return text + (has_more ? " and fewer" : "");
-}
-
-// Dense points that belong to simulation points which are marked.
-Index countDense(const RestSurface& s, const std::vector<char>& marked) {
-  const cloud::KdTree tree(s.points);
-  std::vector<cloud::Neighbor> near;
-  Index found = 0;
-  for (std::size_t i = 0; i < s.dense.positions.size(); ++i) {
-    Index owner = s.cells.owner.empty() ? -1 : s.cells.owner[i];
-    if (owner < 0) {
-      tree.nearest(s.dense.positions[i], 1, near);
-      owner = near.front().index;
-    }
-    found += marked[owner];
-  }
-  return found;
-}
-
-// Which points are pinned or anchored.
-std::vector<char> markHeld(const SceneParams& params, const RestSurface& s) {
-  std::vector<char> held = s.pinned;
-  const cloud::KdTree tree(s.points);
-  std::vector<cloud::Neighbor> near;
-  for (const AnchorParams& anchor : params.anchors) {
-    tree.nearest(anchor.point, 1, near);
-    held[near.front().index] = 1;
-  }
-  return held;
-}
-
-}  // namespace
-
 Parts findParts(Index n, const std::vector<std::pair<Index, Index>>& links) {
   Parts parts;
   Index count = 0;
@@ -77,21 +29,28 @@ std::vector<char> markLargest(const Parts& parts, Index most) {
   return marked;
 }
 
-void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s) {
-  const Index most = params.input.keep_parts;
-  if (most == 0 || parts.count() <= most) return;
-  const std::vector<char> kept = markLargest(parts, most);
+std::vector<std::pair<Index, Index>> linksOf(const Lists& neighbors) {
+  std::vector<std::pair<Index, Index>> links;
+  for (Index i = 0; i < neighbors.size(); ++i)
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) links.emplace_back(i, *j);
+  return links;
+}
+
+void leaveOut(const std::string& why, const Parts& parts, const std::vector<char>& kept, RestSurface& s) {
   cloud::CleanCloud& dense = s.dense;
   std::vector<Index> new_index(kept.size(), -1);
+  std::vector<char> is_out(parts.count(), 0);
   Index n = 0;
   for (std::size_t i = 0; i < kept.size(); ++i) {
+    is_out[parts.label[i]] = !kept[i];
     if (!kept[i]) continue;
     dense.positions[n] = dense.positions[i];
     if (!dense.normals.empty()) dense.normals[n] = dense.normals[i];
     if (!s.off_surface.empty()) s.off_surface[n] = s.off_surface[i];
     new_index[i] = n++;
   }
-  s.notes.push_back("input.keep_parts " + std::to_string(most) + ": " + count(parts.count() - most, "of ") +
+  if (n == static_cast<Index>(kept.size())) return;
+  s.notes.push_back(why + ": " + count(static_cast<Index>(std::count(is_out.begin(), is_out.end(), 1)), "of ") +
                     count(parts.count(), "parts of the cloud are left out, ") +
                     count(static_cast<Index>(kept.size()) - n, "points, which become NaN"));
   dense.positions.resize(n);
@@ -101,27 +60,8 @@ void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface
     if (point >= 0) point = new_index[point];
 }
 
-void noteParts(const SceneParams& params, RestSurface& s) {
-  const Index n = static_cast<Index>(s.points.size());
-  if (s.model->stretchLinks().empty()) return;
-  const Parts parts = findParts(n, s.model->stretchLinks());
-  if (parts.count() < 2) return;
-  const std::vector<char> held = markHeld(params, s);
-  std::vector<char> is_held(parts.count(), 0);
-  for (Index i = 0; i < n; ++i)
-    if (held[i]) is_held[parts.label[i]] = 1;
-  std::vector<Index> sizes;
-  for (Index p = 0; p < parts.count(); ++p)
-    if (!is_held[p]) sizes.push_back(parts.size[p]);
-  if (sizes.empty()) return;
-  std::vector<char> loose;
-  for (const Index label : parts.label) loose.push_back(is_held[label] ? 0 : 1);
-  const bool is_any_held = static_cast<Index>(sizes.size()) < parts.count();
-  (is_any_held ? s.warnings : s.notes)
-      .push_back(count(static_cast<Index>(sizes.size()), "of ") +
-                 count(parts.count(), "parts of what is simulated held by no pin and no anchor, with ") + listSizes(sizes) +
-                 " simulation points (" + count(countDense(s, loose), "points of the cloud)") +
-                 (is_any_held ? "; input.keep_parts leaves small parts out" : ""));
+void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s) {
+  leaveOut("input.keep_parts " + std::to_string(params.input.keep_parts), parts, markLargest(parts, params.input.keep_parts), s);
 }
 
 void LooseParts::follow(Index n, const std::vector<std::pair<Index, Index>>* links) {

@@ -1,5 +1,5 @@
 // The parts that a surface or body is in: what is connected with nothing else. Private, and apart from how they are built and
-// stepped, because both ask which of them nothing holds.
+// stepped, because both ask for them.
 #pragma once
 
 #include "deformable_surface/simulation/contact_load.h"
@@ -20,16 +20,17 @@ struct Parts {
 };
 
 Parts findParts(Index n, const std::vector<std::pair<Index, Index>>& links);
+std::vector<std::pair<Index, Index>> linksOf(const Lists& neighbors);
 
 /// Marks (n, 1) the points of that many largest parts, of equal ones the first.
 std::vector<char> markLargest(const Parts& parts, Index most);
 
-/// Of a scene with input.keep_parts: leaves only that many largest parts of the dense points. The points of the others become
-/// holes of the input.
-void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s);
+/// Leaves out of the dense points whole parts, those whose points are not kept (n, 1): they become holes of the input, and a note
+/// says how many and why.
+void leaveOut(const std::string& why, const Parts& parts, const std::vector<char>& kept, RestSurface& s);
 
-/// Adds to the notes or warnings how many parts there are, if several, and which of them neither a pin nor an anchor holds.
-void noteParts(const SceneParams& params, RestSurface& s);
+/// Of a scene with input.keep_parts: leaves only that many largest parts of the dense points.
+void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s);
 
 /// Of an equilibrium: the parts that neither a held point nor a load that resists motion holds, nor perhaps a tool, though their
 /// loads do not sum to zero. Allocates nothing while the numbers of points and parts stay.

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "unheld.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -147,6 +149,7 @@ void applyPins(const SceneParams& params, RestSurface& s) {
                        "]: the points it holds belong to no surface (they are too far from all others); "
                        "accepted: a shape that holds a point of the surface");
   }
+  if (params.input.unheld == Unheld::kFreeze) freezeUnheld(params, s);
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
     s.warnings.push_back("pins hold every simulation point: nothing can move");
 }

@@ -26,7 +26,7 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
 bool isBandOfRows(const Points& points, double spacing);
 bool isBandOfRows(const Points& points, const PinParams& pin, double spacing);
 
-/// Which simulation points the scene's pins hold.
+/// Which simulation points the scene's pins hold, and with input.unheld: freeze those of parts that nothing holds.
 void applyPins(const SceneParams& params, RestSurface& s);
 
 /// Pins whose band clamps the surface of these points and is but one row of the simulation points, which turn about it: sets

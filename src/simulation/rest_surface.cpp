@@ -21,6 +21,7 @@
 #include "parts.h"
 #include "rest_parts.h"
 #include "settle_particles.h"
+#include "unheld.h"
 #include "wanted_spacing.h"
 
 namespace deformable_surface::simulation {
@@ -215,14 +216,17 @@ void take(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSu
   }
 }
 
-// Fewer points can fall into more parts than the cloud has: of those only the largest are wanted, too.
-std::vector<char> markWanted(const SceneParams& params, const cloud::Rings& rings) {
-  const Index n = rings.ring.size();
-  if (params.input.keep_parts == 0) return std::vector<char>(n, 1);
-  std::vector<std::pair<Index, Index>> links;
-  for (Index i = 0; i < n; ++i)
-    for (const Index* j = rings.ring.begin(i); j != rings.ring.end(i); ++j) links.emplace_back(i, *j);
-  return markLargest(findParts(n, links), params.input.keep_parts);
+// Fewer points can fall into more parts than the cloud has: of those only the largest, and what is held, are wanted, too.
+std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
+  std::vector<char> wanted(s.points.size(), 1);
+  const bool drops = params.input.unheld == Unheld::kDrop;
+  if (params.input.keep_parts == 0 && !drops) return wanted;
+  const Parts parts = findParts(static_cast<Index>(s.points.size()), linksOf(s.rings.ring));
+  if (params.input.keep_parts > 0) wanted = markLargest(parts, params.input.keep_parts);
+  if (!drops) return wanted;
+  const std::vector<char> held = markHeldParts(params, parts, s.points);
+  for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = wanted[i] && held[i];
+  return wanted;
 }
 
 // Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
@@ -244,7 +248,7 @@ Index connect(const SceneParams& params, const cloud::CleanCloud& dense, const L
         if (s.normals[i].dot(fine[i]) < 0.0) s.normals[i] = -s.normals[i];
     }
     s.rings = cloud::buildRings(s.points, s.normals, neighbors);
-    const std::vector<char> is_wanted = markWanted(params, s.rings);
+    const std::vector<char> is_wanted = markWanted(params, s);
     std::vector<Index> rest;
     for (std::size_t i = 0; i < kept.size(); ++i)
       if (is_wanted[i] && s.rings.area[i] > 0.0 && s.rings.ring.count(static_cast<Index>(i)) >= 2) rest.push_back(kept[i]);
@@ -426,6 +430,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
       params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
   if (!is_body && !is_curve) moveOntoSurface(params.input, input, s);
   if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s.dense), s);
+  if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, s.dense), s);
   if (params.model == ModelKind::kElasticSolid) {
     if (!is_body) {
       Points estimated = findNeighbors(params, s);
@@ -434,7 +439,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     } else {
       buildRestSolid(params, input, s);
     }
-    noteParts(params, s);
+    noteUnheld(params, s);
     return s;
   }
   const Index n = static_cast<Index>(s.dense.positions.size());
@@ -471,7 +476,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   s.notes.push_back(count(n, "points, ") + count(static_cast<Index>(s.points.size()), "simulation points, ") +
                     count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
-  noteParts(params, s);
+  noteUnheld(params, s);
   return s;
 }
 

@@ -316,6 +316,51 @@ def check_demo():
         assert counts["/deformable_surface/cloud_in"] == 1 and counts["/deformable_surface/force"] > 1, counts
 
 
+def write_frame(path, width=80, height=60):
+    """A frame of a camera that looks at a wall with a bulge, 1 m away; a corner was not seen."""
+    column, row = np.meshgrid(np.arange(width), np.arange(height))
+    x, y = (column - 0.5 * width) / width, (row - 0.5 * height) / width
+    depth = 1.0 - 0.1 * np.exp(-20 * (x * x + y * y))
+    depth[:10, :10] = np.nan
+    with open(path, "w") as stream:
+        stream.write("VERSION 0.7\nFIELDS x y z\nSIZE 4 4 4\nTYPE F F F\nCOUNT 1 1 1\nWIDTH %d\nHEIGHT %d\n"
+                     "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS %d\nDATA ascii\n" % (width, height, width * height))
+        np.savetxt(stream, np.stack([x * depth, y * depth, depth], axis=-1).reshape(-1, 3))
+
+
+def check_demo_camera():
+    import rosbag
+    with make_folder() as folder:
+        scan = os.path.join(folder, "a frame.pcd")
+        write_frame(scan)
+        with Launch("demo.launch", "scan:=" + scan, "output:=" + folder, "duration:=1",
+                    "set:={simplification: {target_points: 200}}") as launch:
+            launch.process.wait(2 * PATIENCE)
+            expect_clean_end(launch)
+        with open(os.path.join(folder, "summary.txt")) as stream:
+            summary = stream.read()
+        assert "a camera's frame" in summary and "up is -y" in summary, summary
+        assert re.search(r"simulation points +2\d\d\n", summary), summary
+        assert 0 < float(re.search(r"real-time factor +(\S+)", summary).group(1)) < 1.2, summary
+        with rosbag.Bag(os.path.join(folder, "demo.bag")) as bag:
+            messages = {topic: message for topic, message, _ in bag.read_messages()}
+        sent, back = messages["/deformable_surface/cloud_in"], messages["/deformable_surface/deformed"]
+        assert (sent.width, sent.height, sent.header.frame_id) == (80, 60, "demo_camera"), sent.header
+        assert (back.width, back.height, back.header.frame_id) == (80, 60, "world"), back.header
+        assert messages["/tf_static"].transforms[0].child_frame_id == "demo_camera"
+
+
+def check_demo_refused():
+    with make_folder() as folder:
+        scan = os.path.join(folder, "a line.xyz")
+        np.savetxt(scan, np.outer(np.linspace(0.0, 1.0, 200), [1.0, 2.0, 3.0]))
+        with Launch("demo.launch", "scan:=" + scan, "output:=" + folder) as launch:
+            launch.process.wait(PATIENCE)
+            launch.reader.join()
+        assert any("found points along a line" in line for line in launch.lines)
+        assert not os.path.exists(os.path.join(folder, "summary.txt"))
+
+
 def check_demo_interrupted():
     from deformable_surface.msg import PointForce
     with make_folder() as folder:

@@ -7,6 +7,7 @@
 namespace deformable_surface::test {
 namespace {
 
+using simulation::PinParams;
 using simulation::SceneParams;
 using simulation::Simulation;
 
@@ -34,7 +35,7 @@ bool contains(const std::vector<std::string>& sentences, const std::string& text
 TEST(Parts, TheBuildTellsWhichNothingHolds) {
   for (const Index simulated : {200, 900}) {
     const Simulation s(hangingDebris(simulated), debris());
-    EXPECT_TRUE(contains(s.buildWarnings(), "2 of 3 parts of what is simulated held by no pin and no anchor"));
+    EXPECT_TRUE(contains(s.buildWarnings(), "no pin, anchor or tool holds 2 of 3 parts of what is simulated"));
     EXPECT_TRUE(contains(s.buildWarnings(), "(44 points of the cloud)"));
   }
   SceneParams anchored = hangingDebris();
@@ -44,10 +45,152 @@ TEST(Parts, TheBuildTellsWhichNothingHolds) {
   loose.pins.clear();
   const Simulation falling(loose, debris());
   EXPECT_TRUE(falling.buildWarnings().empty());
-  EXPECT_TRUE(contains(falling.buildNotes(), "3 of 3 parts"));
+  EXPECT_TRUE(contains(falling.buildNotes(), "no pin, anchor or tool holds what is simulated, 3 parts of "));
+  loose.input.keep_parts = 1;
+  EXPECT_TRUE(contains(Simulation(loose, debris()).buildNotes(), "holds what is simulated: it moves freely"));
   const Simulation whole(hangingDebris(), sheetCloud(30));
   EXPECT_FALSE(contains(whole.buildWarnings(), "parts"));
   EXPECT_FALSE(contains(whole.buildNotes(), "parts"));
+}
+
+tool::ToolParams toolAt(const Vec3& place, tool::Mode mode) {
+  tool::ToolParams tool;
+  tool.id = "tool";
+  tool.mode = mode;
+  tool.shape.radius = 0.3;
+  tool.path = {{0.0, place}};
+  return tool;
+}
+
+TEST(Parts, AToolHoldsWhatItGripsOrHoldsUpFromTheBeginning) {
+  const auto isHeld = [](const tool::ToolParams& tool, const Vec3& gravity) {
+    SceneParams p = hangingDebris();
+    p.accuracy.estimate = false;
+    p.gravity = gravity;
+    p.tools = {tool};
+    return contains(Simulation(p, debris()).buildWarnings(), "1 of 3 parts");
+  };
+  const Vec3 down(0.0, 0.0, -9.81), none = Vec3::Zero(), inside(2.1, 0.1, 0.5), below(2.1, 0.1, -0.5);
+  EXPECT_TRUE(isHeld(toolAt(below, tool::Mode::kSolid), down));
+  EXPECT_FALSE(isHeld(toolAt(below, tool::Mode::kSolid), none));
+  EXPECT_FALSE(isHeld(toolAt(below, tool::Mode::kSolid), -down));
+  EXPECT_FALSE(isHeld(toolAt(below, tool::Mode::kMove), down));
+  EXPECT_TRUE(isHeld(toolAt(inside, tool::Mode::kMove), down));
+  EXPECT_FALSE(isHeld(toolAt(inside, tool::Mode::kCut), down));
+  tool::ToolParams later = toolAt(inside, tool::Mode::kMove);
+  later.start = 1.0;
+  EXPECT_FALSE(isHeld(later, down));
+  tool::ToolParams magnet = toolAt(below, tool::Mode::kAttract);
+  magnet.strength = 1.0;
+  magnet.reach = 0.1;
+  EXPECT_FALSE(isHeld(magnet, down));
+  magnet.reach = 1.0;
+  EXPECT_TRUE(isHeld(magnet, down));
+}
+
+TEST(Parts, ThatNothingHoldsStayWhereTheyAreWhereThatIsAsked) {
+  for (const Index simulated : {200, 900})
+    for (const bool has_estimate : {false, true}) {
+      SceneParams p = hangingDebris(simulated);
+      p.accuracy.estimate = has_estimate;
+      p.input.unheld = simulation::Unheld::kFreeze;
+      Simulation s(p, debris());
+      EXPECT_TRUE(s.buildWarnings().empty()) << s.buildWarnings()[0];
+      EXPECT_TRUE(contains(s.buildNotes(), "input.unheld freeze keeps them"));
+      const Points rest = s.state().positions;
+      run(s, 20);
+      double fallen = 0.0;
+      for (Index i = 0; i < s.state().size(); ++i) {
+        const bool is_loose = rest[i].x() > 1.5 || rest[i].x() < -1.5;
+        if (is_loose) EXPECT_EQ(s.state().positions[i], rest[i]);
+        if (is_loose) EXPECT_TRUE(s.pinned()[i]);
+        fallen = std::max(fallen, (s.state().positions[i] - rest[i]).norm());
+      }
+      EXPECT_GT(fallen, 1e-3);
+      for (const Vec3& point : s.surface(false).positions) EXPECT_TRUE(point.allFinite());
+      // Until they are unpinned, and again from a reset on.
+      geometry::Region piece;
+      piece.kind = geometry::Region::Kind::kSphere;
+      piece.center = Vec3(2.1, 0.1, 0.5);
+      piece.radius = 0.5;
+      EXPECT_GT(s.unpin(piece), 3);
+      run(s, 20);
+      const auto lowest = [&] {
+        double z = 1.0;
+        for (const Vec3& at : s.state().positions)
+          if (at.x() > 1.5) z = std::min(z, at.z());
+        return z;
+      };
+      EXPECT_LT(lowest(), 0.49);
+      s.reset();
+      run(s, 20);
+      EXPECT_EQ(lowest(), 0.5);
+    }
+}
+
+TEST(Parts, ThatNothingHoldsAreLeftOutWhereThatIsAsked) {
+  for (const Index simulated : {200, 900}) {
+    SceneParams p = hangingDebris(simulated);
+    Simulation alone(p, sheetCloud(30));
+    run(alone, 5);
+    p.input.unheld = simulation::Unheld::kDrop;
+    Simulation s(p, debris());
+    run(s, 5);
+    EXPECT_TRUE(contains(s.buildNotes(), "input.unheld drop: 3 of 4 parts of the cloud are left out, 44 points"));
+    EXPECT_TRUE(s.buildWarnings().empty());
+    EXPECT_EQ(s.stateHash(), alone.stateHash());
+    const Points& now = s.surface(false).positions;
+    for (Index i = 0; i < kAll; ++i) EXPECT_EQ(now[i].allFinite(), i < kSheet) << i;
+  }
+}
+
+TEST(Parts, OfAllKindsAreFrozenOrLeftOut) {
+  for (const simulation::ModelKind model : {simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
+    const bool is_body = model == simulation::ModelKind::kElasticSolid;
+    Points points;
+    for (int piece = 0; piece < 2; ++piece)
+      for (int i = 0; i < 8; ++i)
+        for (int j = 0; j < 8; ++j)
+          for (int k = 0; k < (is_body ? 4 : 1); ++k) points.emplace_back(0.1 * i + 3.0 * piece, 0.1 * j, 0.1 * k);
+    const Index half = static_cast<Index>(points.size()) / 2;
+    SceneParams p;
+    p.model = model;
+    p.accuracy.estimate = false;
+    p.simplification.method = cloud::SimplificationMethod::kNone;
+    PinParams pin;
+    pin.region.kind = geometry::Region::Kind::kBox;
+    pin.region.min = Vec3(-0.05, -1.0, -1.0);
+    pin.region.max = Vec3(0.15, 1.0, 1.0);
+    p.pins = {pin};
+    p.input.unheld = simulation::Unheld::kFreeze;
+    Simulation frozen(p, asCloud(points));
+    EXPECT_TRUE(contains(frozen.buildNotes(), "holds 1 of 2 parts of what is simulated"));
+    const Points rest = frozen.state().positions;
+    run(frozen, 5);
+    double moved = 0.0;
+    for (std::size_t i = 0; i < rest.size(); ++i) {
+      const double way = (frozen.state().positions[i] - rest[i]).norm();
+      if (rest[i].x() > 1.5)
+        EXPECT_EQ(way, 0.0);
+      else
+        moved = std::max(moved, way);
+    }
+    EXPECT_GT(moved, 1e-5);
+    p.input.unheld = simulation::Unheld::kDrop;
+    Simulation dropped(p, asCloud(points));
+    EXPECT_EQ(dropped.state().size(), half);
+    const Points& now = dropped.surface(false).positions;
+    for (Index i = 0; i < 2 * half; ++i) EXPECT_EQ(now[i].allFinite(), i < half) << i;
+  }
+}
+
+TEST(Parts, OfWhichNothingIsHeldAreNeitherFrozenNorLeftOut) {
+  SceneParams p = hangingDebris();
+  p.pins.clear();
+  for (const simulation::Unheld unheld : {simulation::Unheld::kFreeze, simulation::Unheld::kDrop}) {
+    p.input.unheld = unheld;
+    EXPECT_THROW(Simulation(p, debris()), InputError);
+  }
 }
 
 TEST(Parts, OnlyTheLargestAreKeptWhereThatIsAsked) {

@@ -122,6 +122,8 @@ struct OutputParams {
 
 enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running surface
 
+enum class Unheld { kKeep, kFreeze, kDrop };  // what becomes of parts that nothing holds
+
 struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
@@ -129,6 +131,7 @@ struct InputParams {
   Index keep_parts = 0;         // >= 0; 0 = all
   OrAuto<double> noise;         // m, >= 0
   double min_gap = 0.0;         // m, >= 0
+  Unheld unheld = Unheld::kKeep;
   double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
   double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
@@ -358,6 +361,9 @@ inline void visit(Fields& fields, InputParams& p) {
                 "Neighbours are looked for on the surface behind it; outputs keep it; 0 = none (docs/geodesics.md)");
   fields.number("min_gap", p.min_gap, "m", between(0.0, kMaxLength),
                 "points nearer to each other than this are neighbours over the surface, even across what looks like a gap");
+  fields.choice("unheld", p.unheld, {{"keep", Unheld::kKeep}, {"freeze", Unheld::kFreeze}, {"drop", Unheld::kDrop}},
+                "of a cloud in several parts, those that no pin, anchor or tool holds at time 0 (docs/run_time_control.md): "
+                "`keep` lets them move and tells, `freeze` holds them where they are, `drop` makes their points NaN");
   fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
                 "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
   fields.number(

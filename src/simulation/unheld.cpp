@@ -1,0 +1,140 @@
+#include "unheld.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/simulation/contact_load.h"
+
+#include <algorithm>
+
+#include "rest_parts.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kMostSizes = 5;  // that a sentence lists
+
+// "12, 5 and 3", the largest first; "12, 5, 3, 2, 2 and fewer" where there are more.
+std::string listSizes(std::vector<Index> sizes) {
+  std::sort(sizes.begin(), sizes.end(), std::greater<Index>());
+  const Index listed = std::min(kMostSizes, static_cast<Index>(sizes.size()));
+  const bool has_more = listed < static_cast<Index>(sizes.size());
+  std::string text;
+  for (Index k = 0; k < listed; ++k) {
+    if (k > 0) text += k + 1 == listed && !has_more ? " and " : ", ";
+    text += std::to_string(sizes[k]);
+  }
+  return text + (has_more ? " and fewer" : "");
+}
+
+// Dense points that belong to simulation points which are marked.
+Index countDense(const RestSurface& s, const std::vector<char>& marked) {
+  const cloud::KdTree tree(s.points);
+  std::vector<cloud::Neighbor> near;
+  Index found = 0;
+  for (std::size_t i = 0; i < s.dense.positions.size(); ++i) {
+    Index owner = s.cells.owner.empty() ? -1 : s.cells.owner[i];
+    if (owner < 0) {
+      tree.nearest(s.dense.positions[i], 1, near);
+      owner = near.front().index;
+    }
+    found += marked[owner];
+  }
+  return found;
+}
+
+// What parts are found by: the model's links, and of a surface that has no model yet the edges that will be its springs.
+Parts findSimulatedParts(const RestSurface& s) {
+  const Index n = static_cast<Index>(s.points.size());
+  if (!s.model) return findParts(n, linksOf(s.rings.ring));
+  if (!s.model->stretchLinks().empty()) return findParts(n, s.model->stretchLinks());
+  const std::unique_ptr<model::DeformableModel> begun = s.model->clone();  // particles have links from the beginning on
+  model::State state;
+  state.positions = s.points;
+  begun->beginAtRest(state);
+  return findParts(n, begun->stretchLinks());
+}
+
+void requireHeld(const SceneParams& params, const std::vector<char>& held) {
+  if (std::find(held.begin(), held.end(), 1) != held.end()) return;
+  throw InputError(std::string("input.unheld: found ") + (params.input.unheld == Unheld::kDrop ? "drop" : "freeze") +
+                   ", but no pin, anchor or tool holds anything of the cloud; accepted: keep, or something that holds");
+}
+
+}  // namespace
+
+std::vector<char> markHeldParts(const SceneParams& params, const Parts& parts, const Points& points) {
+  const Index n = static_cast<Index>(points.size());
+  std::vector<char> is_held(parts.count(), 0);
+  for (const PinParams& pin : params.pins)
+    for (Index i = 0; i < n; ++i)
+      if (pin.region.contains(points[i])) is_held[parts.label[i]] = 1;
+  const cloud::KdTree tree(points);
+  std::vector<cloud::Neighbor> near;
+  for (const AnchorParams& anchor : params.anchors) {
+    tree.nearest(anchor.point, 1, near);
+    is_held[parts.label[near.front().index]] = 1;
+  }
+  for (const tool::ToolParams& tool : params.tools) {
+    if (tool.mode != tool::Mode::kMove || !tool::isActive(tool, 0.0)) continue;
+    const tool::Pose pose = tool::interpolate(tool.path, 0.0);
+    for (Index i = 0; i < n; ++i)
+      if (tool::findSignedDistance(tool.shape, pose, points[i], 0.0).distance <= 0.0) is_held[parts.label[i]] = 1;
+  }
+  std::vector<tool::ToolParams> tools;  // a knife holds nothing
+  std::copy_if(params.tools.begin(), params.tools.end(), std::back_inserter(tools),
+               [](const tool::ToolParams& tool) { return tool.mode != tool::Mode::kCut; });
+  const std::vector<double> masses;  // which are not asked for
+  ContactLoad contact(masses);
+  contact.setTools(tools);
+  const Vec3 down = params.gravity.isZero(0.0) ? Vec3::Zero() : params.gravity.normalized();
+  for (Index i = 0; i < n && !contact.isEmpty(); ++i)
+    if (!is_held[parts.label[i]]) is_held[parts.label[i]] = contact.mayHold(points[i], down, 0.0);
+  std::vector<char> marked;
+  for (const Index label : parts.label) marked.push_back(is_held[label]);
+  return marked;
+}
+
+void dropUnheld(const SceneParams& params, const Parts& parts, RestSurface& s) {
+  const std::vector<char> held = markHeldParts(params, parts, s.dense.positions);
+  requireHeld(params, held);
+  leaveOut("input.unheld drop", parts, held, s);
+}
+
+void freezeUnheld(const SceneParams& params, RestSurface& s) {
+  const std::vector<char> held = markHeldParts(params, findSimulatedParts(s), s.points);
+  requireHeld(params, held);
+  for (std::size_t i = 0; i < held.size(); ++i)
+    if (!held[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
+}
+
+void noteUnheld(const SceneParams& params, RestSurface& s) {
+  const Parts parts = findSimulatedParts(s);
+  const std::vector<char> held = markHeldParts(params, parts, s.points);
+  std::vector<char> is_loose, is_held(parts.count(), 0);
+  for (std::size_t i = 0; i < held.size(); ++i) {
+    is_loose.push_back(!held[i]);
+    is_held[parts.label[i]] = held[i];
+  }
+  std::vector<Index> sizes;
+  for (Index p = 0; p < parts.count(); ++p)
+    if (!is_held[p]) sizes.push_back(parts.size[p]);
+  const Index loose = static_cast<Index>(sizes.size());
+  if (loose == 0) return;
+  if (loose == parts.count()) {
+    const std::string all =
+        loose == 1 ? "" : ", " + count(loose, "parts of ") + listSizes(std::move(sizes)) + " simulation points";
+    s.notes.push_back("no pin, anchor or tool holds what is simulated" + all + ": it moves freely");
+    return;
+  }
+  const std::string which = "no pin, anchor or tool holds " + count(loose, "of ") +
+                            count(parts.count(), "parts of what is simulated, with ") + listSizes(std::move(sizes)) +
+                            " simulation points (" + count(countDense(s, is_loose), "points of the cloud): ");
+  if (params.input.unheld == Unheld::kFreeze)
+    s.notes.push_back(which + "input.unheld freeze keeps them where they are");
+  else
+    s.warnings.push_back(
+        which + "they move freely; input.unheld freezes or drops such parts, input.keep_parts leaves small ones out");
+}
+
+}  // namespace deformable_surface::simulation
