@@ -87,6 +87,7 @@ class Demo:
         self.clock = []               # pairs of simulated and wall time, s
         self.simulated = None         # the simulation points at rest, and which of them are held
         self.handle = None            # the point of the surface that is pulled: its index
+        self.pulled = "nothing"       # the same in words
         self.refusal = None           # why there is no surface
         self.pulling = True
         self.ended = threading.Event()
@@ -170,8 +171,10 @@ class Demo:
             self.ended.set()
             return
         self.handle = int(np.nanargmin(np.linalg.norm(self.rest[0] - place, axis=1)))
-        rospy.loginfo("pulls at the highest point that can move, %.3g m above the ground%s", place[2],
-                      "; %d higher ones are in parts that nothing holds, and stay where they are" % higher if higher else "")
+        self.pulled = "the highest point that can move, %.3g m above the ground" % place[2]
+        if higher:
+            self.pulled += "; %d higher simulation points are held, or in parts that nothing holds" % higher
+        rospy.loginfo("pulls %s", self.pulled)
 
     def take_statistics(self, message):
         """They come while the surface rests, too, and are the demo's clock."""
@@ -228,7 +231,7 @@ class Demo:
         lines += [
             ("points", "%d" % self.last.points),
             ("simulation points", "%d" % self.last.simulation_points),
-            ("pulled", "a point %.3g m above the ground" % self.rest[0][self.handle][2] if self.handle is not None else "nothing"),
+            ("pulled", self.pulled),
             ("steps", "%d (%.2f s simulated)" % (self.last.step, self.last.simulation_time)),
             ("real-time factor", "%.3g (simulated time over wall time)%s" % (speed, slow)),
             ("largest displacement", "%.1f mm (at %.2f s, under at most %g N)" % (1000 * largest, time, self.strength)),

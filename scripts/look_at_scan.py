@@ -17,7 +17,7 @@ UPRIGHT = {"x": [[0, 0, -1], [0, 1, 0], [1, 0, 0]], "-x": [[0, 0, 1], [0, 1, 0],
            "z": [[1, 0, 0], [0, 1, 0], [0, 0, 1]], "-z": [[1, 0, 0], [0, -1, 0], [0, 0, -1]]}
 
 FEWEST = 20          # points: fewer span nothing worth pulling
-FLAT = 0.25          # of the largest extent: what is lower along z lies down
+FLAT = 0.1           # of the largest extent: what is lower along z lies down
 LINE = 0.01          # of the longest axis of the spread: what is no wider is a line
 ROD = 0.2            # the same: what is no wider, and shows no surface from near, is one for the simulation
 NO_SURFACE = 0.3     # of the width of a neighbourhood: one so thick is no piece of a surface

@@ -43,16 +43,41 @@ Index countDense(const RestSurface& s, const std::vector<char>& marked) {
   return found;
 }
 
-// What parts are found by: the model's links, and of a surface that has no model yet the edges that will be its springs.
-Parts findSimulatedParts(const RestSurface& s) {
+// Of a model whose elements come and go: what its forces connect where it begins.
+Parts findBeginningParts(const model::DeformableModel& model, const Points& points) {
+  const std::unique_ptr<model::DeformableModel> begun = model.clone();
+  model::State state;
+  state.positions = points;
+  begun->beginAtRest(state);
+  begun->followPartners(state);
+  const Index n = static_cast<Index>(points.size());
+  Parts parts;
+  parts.label.assign(n, -1);
+  for (Index first = 0; first < n; ++first) {
+    if (parts.label[first] >= 0) continue;
+    std::vector<Index> front{first};
+    parts.label[first] = parts.count();
+    parts.size.push_back(1);
+    // Ring by ring.
+    while (!front.empty()) {
+      std::vector<char> marked(n, 0);
+      begun->markPartners(front, marked);
+      front.clear();
+      for (Index i = 0; i < n; ++i)
+        if (marked[i] && parts.label[i] < 0) front.push_back(i);
+      for (const Index i : front) parts.label[i] = parts.label[first];
+      parts.size.back() += static_cast<Index>(front.size());
+    }
+  }
+  return parts;
+}
+
+// Of a surface that has no model yet, by the edges that will be its springs.
+Parts findSimulatedParts(const SceneParams& params, const RestSurface& s) {
   const Index n = static_cast<Index>(s.points.size());
   if (!s.model) return findParts(n, linksOf(s.rings.ring));
-  if (!s.model->stretchLinks().empty()) return findParts(n, s.model->stretchLinks());
-  const std::unique_ptr<model::DeformableModel> begun = s.model->clone();  // particles have links from the beginning on
-  model::State state;
-  state.positions = s.points;
-  begun->beginAtRest(state);
-  return findParts(n, begun->stretchLinks());
+  if (params.model == ModelKind::kOrientedParticles) return findBeginningParts(*s.model, s.points);
+  return findParts(n, s.model->stretchLinks());
 }
 
 void requireHeld(const SceneParams& params, const std::vector<char>& held) {
@@ -102,14 +127,14 @@ void dropUnheld(const SceneParams& params, const Parts& parts, RestSurface& s) {
 }
 
 void freezeUnheld(const SceneParams& params, RestSurface& s) {
-  const std::vector<char> held = markHeldParts(params, findSimulatedParts(s), s.points);
+  const std::vector<char> held = markHeldParts(params, findSimulatedParts(params, s), s.points);
   requireHeld(params, held);
   for (std::size_t i = 0; i < held.size(); ++i)
     if (!held[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
 }
 
 void noteUnheld(const SceneParams& params, RestSurface& s) {
-  const Parts parts = findSimulatedParts(s);
+  const Parts parts = findSimulatedParts(params, s);
   const std::vector<char> held = markHeldParts(params, parts, s.points);
   std::vector<char> is_loose, is_held(parts.count(), 0);
   for (std::size_t i = 0; i < held.size(); ++i) {
