@@ -23,6 +23,8 @@ from deformable_surface.msg import PointForce, Statistics  # noqa: E402
 
 GROW_UNTIL, TURN_UNTIL = 0.25, 0.6  # shares of the duration: the force grows, then turns, then is gone
 RECORDER_PATIENCE = 60.0            # s of wall time; the recorder writes what it has taken, packed, before it ends
+LISTENERS = 2                       # to transforms: the node and the recorder
+TF_PATIENCE, TF_LAG = 5.0, 0.3      # s of wall time: until both listen, and until what was sent is there
 REAL_TIME = 0.95                    # of real time: a run that is slower is called slow
 FEWEST_POINTS = 100                 # that are proposed for a faster run
 CAMERA_FRAME = "demo_camera"
@@ -114,6 +116,11 @@ class Demo:
                 setattr(target, name, value)
         self.broadcaster = tf2_ros.StaticTransformBroadcaster()
         self.broadcaster.sendTransform(transform)
+        # A node that gets the cloud first waits for the transform, but says so as if something were wrong. The recorder listens, too.
+        end = time.monotonic() + TF_PATIENCE
+        while self.broadcaster.pub_tf.get_num_connections() < LISTENERS and time.monotonic() < end and not rospy.is_shutdown():
+            time.sleep(0.05)
+        time.sleep(TF_LAG)
         self.cloud.publish(make_cloud(scan.scale * scan.rows, now, CAMERA_FRAME, scan.width))
 
     def run(self):
