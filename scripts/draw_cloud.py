@@ -165,8 +165,9 @@ def draw(path, surfaces, titles, caption="", azimuth=-60.0, elevation=15.0, size
 
     colors = LinearSegmentedColormap.from_list("displacement", ["#c9d1da", "#f2c14e", "#e4572e", "#8f1d4f"])
     view, center, extent = frame_all(np.concatenate([points for points, _ in surfaces]), azimuth, elevation)
-    largest = max(np.nanmax(values) for _, values in surfaces)
     spacing = measure_spacing(surfaces[0][0])
+    extent += 2 * spacing  # points are balls
+    largest = max(np.nanmax(values) for _, values in surfaces)
 
     figure, axes = pyplot.subplots(1, len(surfaces), figsize=(5.6 * len(surfaces), 6.3), squeeze=False)
     for axis, (points, values), title in zip(axes[0], surfaces, titles):
