@@ -23,6 +23,7 @@ from deformable_surface.msg import PointForce, Statistics  # noqa: E402
 
 GROW_UNTIL, TURN_UNTIL = 0.25, 0.6  # shares of the duration: the force grows, then turns, then is gone
 RECORDER_PATIENCE = 60.0            # s of wall time; the recorder writes what it has taken, packed, before it ends
+FARTHEST = 2.0                      # heights of the scan: what comes farther than that is let go
 LISTENERS = 2                       # to transforms: the node and the recorder
 TF_PATIENCE, TF_LAG = 5.0, 0.3      # s of wall time: until both listen, and until what was sent is there
 REAL_TIME = 0.95                    # of real time: a run that is slower is called slow
@@ -212,10 +213,14 @@ class Demo:
 
     def pull(self, point, time):
         """Sends the force anew at the place to which the surface has moved. A zero force ends it and is sent once."""
-        force = compute_pull(time / self.duration, self.strength)
         if not self.pulling:
             return
+        force = compute_pull(time / self.duration, self.strength)
         self.pulling = time < TURN_UNTIL * self.duration
+        way = np.linalg.norm(point - self.rest[0][self.handle])
+        if self.pulling and way > FARTHEST * self.height:
+            force, self.pulling = np.zeros(3), False
+            self.pulled += "; let go after %.2f s, when it had come %.3g m" % (time, way)
         message = PointForce(id="pull", radius=self.radius)
         message.header.frame_id = self.frame  # the stamp stays zero: from now on
         message.point.x, message.point.y, message.point.z = point

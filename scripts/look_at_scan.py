@@ -25,7 +25,7 @@ NEIGHBORS = 16
 SAMPLES = 100        # neighbourhoods that are looked at
 CELL = 3.0           # spacings: parts that are apart by more are parts
 HELD = 0.1           # of the height, from below, is what the demo holds
-FEWEST_HELD = 0.03   # of the points of the part, at least
+FEWEST_HELD = 0.1    # of the points of the part, at least
 
 
 class Scan:

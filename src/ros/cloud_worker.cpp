@@ -9,18 +9,9 @@
 #include <new>
 #include <utility>
 
+#include "frames.h"
+
 namespace deformable_surface::node {
-namespace {
-
-void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud) {
-  if (transform.isApprox(Eigen::Isometry3d::Identity(), 0.0)) return;
-  for (Vec3& p : cloud.positions) p = transform * p;
-  for (Vec3& n : cloud.normals) n = transform.linear() * n;
-  if (cloud.viewpoint) cloud.viewpoint = transform * *cloud.viewpoint;
-  cloud.origin = transform * cloud.origin;
-}
-
-}  // namespace
 
 CloudWorker::CloudWorker(Inbox& inbox, Complaints& complaints, const DecodeLimits& limits)
     : inbox_(inbox), complaints_(complaints), limits_(limits), thread_([this] { run(); }) {}

@@ -70,6 +70,14 @@ LatestTransform findTransformUntil(const std::string& what, const std::string& f
   return lookUp(what, source, target, stamp, transforms);
 }
 
+void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud) {
+  if (transform.isApprox(Eigen::Isometry3d::Identity(), 0.0)) return;
+  for (Vec3& p : cloud.positions) p = transform * p;
+  for (Vec3& n : cloud.normals) n = transform.linear() * n;
+  if (cloud.viewpoint) cloud.viewpoint = transform * *cloud.viewpoint;
+  cloud.origin = transform * cloud.origin;
+}
+
 Eigen::Isometry3d readPose(const geometry_msgs::Pose& pose) {
   const Vec3 position(pose.position.x, pose.position.y, pose.position.z);
   const auto& o = pose.orientation;

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
+#include "deformable_surface/cloud/point_cloud.h"
 
 #include <geometry_msgs/Pose.h>
 #include <ros/time.h>
@@ -48,6 +49,9 @@ struct LatestTransform {
 };
 LatestTransform findTransformUntil(const std::string& what, const std::string& from, const std::string& to,
                                    const ros::Time& stamp, const tf2::BufferCore& transforms);
+
+/// Moves points, normals, viewpoint and origin.
+void transformCloud(const Eigen::Isometry3d& transform, cloud::PointCloud& cloud);
 
 /// A pose of a message; an orientation left at zero counts as the identity. Throws InputError for values that are not finite and
 /// orientations that are no unit quaternion.

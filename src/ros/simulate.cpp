@@ -147,11 +147,12 @@ class Run {
   // A cloud that is refused changes nothing.
   void takeCloud(DecodedCloud decoded, std::int64_t stamp) {
     if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) return;
-    if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(std::move(decoded), stamp);
+    if (simulation_ && params_.input.policy == simulation::InputPolicy::kTrack) return track(decoded, stamp);
     std::unique_ptr<Simulation> simulation;
     const std::string cloud_frame = decoded.header.frame_id;
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
+      bringInto(findFrame(cloud_frame), stamp, decoded);
       simulation = build(std::move(decoded.cloud), cloud_frame, stamp);
     } catch (const InputError& error) {
       return reportRefusal("cloud", stamp, error);
@@ -163,10 +164,11 @@ class Run {
     ++clouds_;
   }
 
-  void track(DecodedCloud decoded, std::int64_t stamp) {
+  void track(DecodedCloud& decoded, std::int64_t stamp) {
     while (canStep() && now() < stamp) step();
     try {
       if (!decoded.ok()) throw InputError(decoded.refusal);
+      bringInto(frame_, stamp, decoded);
       filter(decoded.cloud);
       simulation_->observe(decoded.cloud);
     } catch (const InputError& error) {
@@ -244,6 +246,13 @@ class Run {
 
   std::string findFrame(const std::string& cloud_frame) const {
     return !params_.frame_id.empty() ? params_.frame_id : !cloud_frame.empty() ? cloud_frame : kDefaultFrame;
+  }
+
+  // A recorded cloud, by the transforms of its bag.
+  void bringInto(const std::string& frame, std::int64_t stamp, DecodedCloud& decoded) const {
+    ros::Time time;
+    time.fromNSec(static_cast<std::uint64_t>(stamp));
+    transformCloud(findTransform("header.frame_id", decoded.header.frame_id, frame, time, bag_->transforms()), decoded.cloud);
   }
 
   // In the surface's frame.

@@ -95,6 +95,26 @@ TEST_F(SimulateBag, EndsAForceAfterItsDuration) {
   EXPECT_NEAR(fall, 1.0 / 0.81 * (0.5 * 0.02 * 0.02 + 0.02 * 0.08), 1e-6);
 }
 
+TEST_F(SimulateBag, BringsTheCloudIntoTheFrameOfTheScene) {
+  // Upside down, a metre up.
+  writeBag("in.bag", [](rosbag::Bag& bag) {
+    geometry_msgs::TransformStamped sheet;
+    sheet.header.frame_id = "room";
+    sheet.header.stamp = ros::Time(kStart);
+    sheet.child_frame_id = "sheet";
+    sheet.transform.translation.z = 1.0;
+    sheet.transform.rotation.x = 1.0;
+    tf2_msgs::TFMessage transforms;
+    transforms.transforms.push_back(sheet);
+    bag.write("/tf_static", ros::Time(kStart), transforms);
+  });
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", "frame_id=room", "--final", path("out.ply")}), 0) << err_;
+  const cloud::PointCloud cloud = io::readPointFile(path("out.ply"), 1.0, 1000);
+  EXPECT_TRUE(cloud.positions[58].isApprox(Vec3(0.8, -0.5, 1.0), 1e-6)) << cloud.positions[58];
+  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", "frame_id=nowhere"}), 2);
+  EXPECT_NE(err_.find("there is no transform from frame 'sheet' to 'nowhere'"), std::string::npos) << err_;
+}
+
 TEST_F(SimulateBag, AppliesAWrenchAtItsFrameUntilTheTimeout) {
   writeBag("in.bag", [](rosbag::Bag& bag) {
     // The tip's z axis points along -z of the sheet.

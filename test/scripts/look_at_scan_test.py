@@ -68,7 +68,7 @@ class Scans(unittest.TestCase):
     def test_where_few_points_are_low_enough_are_held_all_the_same(self):
         points = np.vstack([make_sheet(40, 20)[:, [0, 2, 1]] + [0.0, 0.0, 0.2], make_sheet(1, 20)[:, [0, 2, 1]]])
         placed = Scan(self.write(points)).place()
-        self.assertGreaterEqual(np.count_nonzero(placed[:, 2] <= 0.03 + 1e-9), 0.03 * len(points))
+        self.assertGreaterEqual(np.count_nonzero(placed[:, 2] <= 0.03 + 1e-9), 0.1 * len(points))
         self.assertLess(placed[:, 2].min(), -0.01)
 
     def test_up_is_z_or_the_longest_axis_of_what_lies_flat_or_what_is_given(self):
@@ -138,6 +138,17 @@ class Client(unittest.TestCase):
         self.assertEqual((place.tolist(), higher), ([0, 0, 0.2], 1))
         with self.assertRaisesRegex(ValueError, "every simulation point held"):
             demo_client.choose_handle(points, np.ones(4, bool))
+
+    def test_it_lets_go_of_what_comes_too_far(self):
+        demo = demo_client.Demo.__new__(demo_client.Demo)
+        demo.pulling, demo.pulled, demo.strength, demo.duration, demo.height = True, "", 2.0, 8.0, 0.3
+        demo.radius, demo.frame, demo.handle, demo.rest = 0.0, "world", 0, (np.zeros((1, 3)),)
+        sent = []
+        demo.force = type("Publisher", (), {"publish": lambda self, message: sent.append(message.force.z)})()
+        for place in (0.1, 0.5, 0.7, 0.8):
+            demo.pull(np.array([place, 0.0, 0.0]), 2.0)
+        self.assertEqual([force > 0 for force in sent], [True, True, False])
+        self.assertIn("let go after 2.00 s, when it had come 0.7 m", demo.pulled)
 
 
 if __name__ == "__main__":
