@@ -84,11 +84,13 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
 }
 
 // The parts of the dense points: what links between neighbours connect, over the surface or in the body.
-Parts findDenseParts(const SceneParams& params, const cloud::CleanCloud& dense) {
+Parts findDenseParts(const SceneParams& params, const RestSurface& of) {
+  const cloud::CleanCloud& dense = of.dense;
   const Index n = static_cast<Index>(dense.positions.size());
   const bool is_body = params.model == ModelKind::kElasticSolid && !params.elastic_solid.fill;
   RestSurface s;
   s.dense = dense;
+  s.is_thick = of.is_thick;
   Points normals;
   if (is_body) {
     s.dense_neighbors = cloud::nearestNeighbors(dense.positions, 2 * params.neighbors.k);
@@ -429,8 +431,8 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   const bool is_curve =
       params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
   if (!is_body && !is_curve) moveOntoSurface(params.input, input, s);
-  if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s.dense), s);
-  if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, s.dense), s);
+  if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s), s);
+  if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, s), s);
   if (params.model == ModelKind::kElasticSolid) {
     if (!is_body) {
       Points estimated = findNeighbors(params, s);
