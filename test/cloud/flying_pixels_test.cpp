@@ -1,5 +1,5 @@
 // Flying pixels on frames whose truth is known: what hangs at outlines goes, what is a surface stays.
-#include "support/camera_frame.h"
+#include "support/depth_picture.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"

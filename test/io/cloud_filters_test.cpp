@@ -1,5 +1,5 @@
 // What filters take from frames whose truth is known, and what they refuse.
-#include "support/camera_frame.h"
+#include "support/depth_picture.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"

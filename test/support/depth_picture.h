@@ -1,4 +1,4 @@
-// Frames as a depth camera at the origin gives them that looks along z: rows and columns, depths in steps of disparity, noise.
+// Pictures of a depth camera at the origin that looks along z, by a function for the depth; camera_frames.h sees surfaces.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
