@@ -14,6 +14,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numeric>
+#include <optional>
 #include <utility>
 
 #include "accuracy.h"
@@ -43,14 +44,14 @@ constexpr double kMostUnexplained = 0.02;  // of the points
 
 std::string formatMillimeters(double length) { return formatShort(1000.0 * length) + " mm"; }
 
-// Moves the dense points onto the surface behind the sensor's noise.
-void moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
+// Moves the dense points onto the surface behind the sensor's noise. Returns from where they were seen, if that is known.
+std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
   cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
   s.is_thick = noise.is_thick;
   if (noise.is_thick)
     s.warnings.push_back("the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
                          "and no gap is told (input.noise 0: the points are exact)");
-  if (noise.surface.empty()) return;
+  if (noise.surface.empty()) return input.viewpoint;
   for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
   s.dense.positions = std::move(noise.surface);
   s.notes.push_back("noise of " + formatMillimeters(noise.deviation) + " along " +
@@ -62,6 +63,7 @@ void moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, 
     s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
                          " points have no window that this noise explains, and stay: gaps around them may be noise "
                          "(input.noise)");
+  return noise.is_seen ? input.eye() : input.viewpoint;
 }
 
 // The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
@@ -110,13 +112,13 @@ Parts findDenseParts(const SceneParams& params, const RestSurface& of) {
 
 // Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent
 // side. Returns the boundary.
-cloud::Boundary completeNormals(const cloud::PointCloud& input, Index k, Points normals, RestSurface& s) {
+cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
   s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
   const cloud::OrientationRule rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary,
-                                                           s.dense.normals, input.viewpoint, normals);
+                                                           s.dense.normals, viewpoint, normals);
   // A given normal is taken as it is where it agrees with the side.
   if (!s.dense.normals.empty())
     for (Index i = 0; i < n; ++i)
@@ -430,13 +432,14 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   const bool is_body = params.model == ModelKind::kElasticSolid && !params.elastic_solid.fill;
   const bool is_curve =
       params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
-  if (!is_body && !is_curve) moveOntoSurface(params.input, input, s);
+  const std::optional<Vec3> viewpoint =
+      is_body || is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
   if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s), s);
   if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, s), s);
   if (params.model == ModelKind::kElasticSolid) {
     if (!is_body) {
       Points estimated = findNeighbors(params, s);
-      completeNormals(input, params.neighbors.k, std::move(estimated), s);
+      completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
       buildFilledSolid(params, s);
     } else {
       buildRestSolid(params, input, s);
@@ -448,7 +451,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
 
   Points estimated = findNeighbors(params, s);
   cloud::Boundary boundary =
-      is_curve ? completeCurveNormals(s) : completeNormals(input, params.neighbors.k, std::move(estimated), s);
+      is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
   const std::vector<Index> pin_points = choosePinPoints(params, s.dense.positions);
   std::vector<Index> kept = chooseSimulationPoints(params, pin_points, boundary, coarsest, s);
   const auto measureArea = [&] {
