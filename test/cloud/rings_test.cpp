@@ -278,6 +278,27 @@ TEST(Rings, ListsOfDifferentLengthAreRefused) {
   EXPECT_THROW(findBoundary(sheet.positions, sheet.normals, neighbors, 0), InputError);
 }
 
+TEST(Boundary, OfWhichOnlySoManyCornersAreWantedKeepsTheSharpest) {
+  // Right angles, and one corner cut back so that it is sharper.
+  TestSurface sheet = makeSheet(24);
+  TestSurface cut;
+  const double side = sheet.positions.back().x();
+  for (Index i = 0; i < sheet.size(); ++i) {
+    const Vec3& p = sheet.positions[i];
+    if (p.y() <= 0.5 * side + 0.5 * p.x()) cut.add(p, sheet.normals[i]);
+  }
+  Boundary boundary = findBoundaryOf(cut);
+  ASSERT_GT(std::count(boundary.is_corner.begin(), boundary.is_corner.end(), 1), 2);
+  const std::vector<float> gaps = boundary.corner_gap;
+  limitCorners(2, boundary);
+  EXPECT_EQ(std::count(boundary.is_corner.begin(), boundary.is_corner.end(), 1), 2);
+  for (std::size_t kept = 0; kept < gaps.size(); ++kept)
+    for (std::size_t gone = 0; gone < gaps.size(); ++gone)
+      if (boundary.is_corner[kept] && gaps[gone] > 0.0f && !boundary.is_corner[gone]) EXPECT_GE(gaps[kept], gaps[gone]);
+  limitCorners(0, boundary);
+  EXPECT_EQ(std::count(boundary.is_corner.begin(), boundary.is_corner.end(), 1), 0);
+}
+
 TEST(Boundary, OfAJitteredSheetIsItsOutlineWithFourCorners) {
   const Index side = 24;
   for (double jitter : {0.0, 0.1, 0.3}) {

@@ -360,7 +360,7 @@ inline void visit(Fields& fields, InputParams& p) {
                 "standard deviation of the sensor's noise along the line of sight, at the median depth; `auto` = measured. "
                 "Neighbours are looked for on the surface behind it; outputs keep it; 0 = none (docs/geodesics.md)");
   fields.number("min_gap", p.min_gap, "m", between(0.0, kMaxLength),
-                "points nearer to each other than this are neighbours over the surface, even across what looks like a gap");
+                "of the nearest neighbours in space, those nearer than this are neighbours over the surface, even across a gap");
   fields.choice("unheld", p.unheld, {{"keep", Unheld::kKeep}, {"freeze", Unheld::kFreeze}, {"drop", Unheld::kDrop}},
                 "of a cloud in several parts, those that no pin, anchor or tool holds at time 0 (docs/run_time_control.md): "
                 "`keep` lets them move and tells, `freeze` holds them where they are, `drop` makes their points NaN");

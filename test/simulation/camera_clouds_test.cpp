@@ -1,0 +1,127 @@
+// Clouds of depth cameras, from the frame to the surface that comes out.
+#include "deformable_surface/simulation/simulation.h"
+
+#include "deformable_surface/simulation/rest_surface.h"
+#include "support/camera_scenes.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+
+CameraFrame take(const CameraScene& scene, double noise, double flying = 0.0) {
+  DepthCamera camera;
+  camera.width = 120;
+  camera.height = 90;
+  camera.noise = noise;
+  camera.quantum = noise > 0.0 ? 0.125 : 0.0;
+  camera.flying = flying;
+  return takeFrame(camera, scene.sheets);
+}
+
+SceneParams makeScene(Index target) {
+  SceneParams scene;
+  scene.material.thickness = 0.003;
+  scene.simplification.target_points = target;
+  scene.gravity.setZero();
+  scene.accuracy.estimate = false;
+  scene.integrator.type = solve::IntegratorType::kStatic;
+  return scene;
+}
+
+// Pulled at the middle, held at the left.
+Points pull(const cloud::PointCloud& cloud, const OrAuto<double>& noise) {
+  SceneParams scene = makeScene(300);
+  scene.input.noise = noise;
+  simulation::PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, 0.0);
+  pin.region.max = Vec3(-0.08, 1.0, 2.0);
+  scene.pins = {pin};
+  simulation::ForceParams force;
+  force.id = "pull";
+  force.point = Vec3(0.05, 0.0, 1.0);
+  force.force = Vec3(0.0, 0.0, -0.05);
+  force.radius = 0.03;
+  scene.forces = {force};
+  simulation::Simulation simulation(scene, cloud);
+  EXPECT_TRUE(simulation.step().ok);
+  Points moved = simulation.surface(false).positions;
+  for (std::size_t i = 0; i < moved.size(); ++i) moved[i] -= cloud.positions[i];
+  return moved;
+}
+
+TEST(CameraClouds, GiveTheNumberOfPointsThatIsAskedFor) {
+  for (const CameraScene& scene : {makeTowel(1.0, 30.0), makeGarment(1.0)}) {
+    const CameraFrame frame = take(scene, 0.2, 0.5);
+    for (const Index target : {100, 1500}) {
+      const simulation::RestSurface s = simulation::buildRestSurface(makeScene(target), frame.cloud);
+      EXPECT_NEAR(static_cast<double>(s.points.size()), target, 0.05 * target) << scene.name;
+    }
+  }
+}
+
+TEST(CameraClouds, AtRestComeOutAsTheyCameIn) {
+  const CameraFrame frame = take(makeFoldedTowel(1.0, 0.02), 0.1);
+  simulation::Simulation simulation(makeScene(300), frame.cloud);
+  const simulation::Surface& surface = simulation.surface(true);
+  ASSERT_EQ(surface.positions.size(), frame.cloud.positions.size());
+  Index holes = 0;
+  for (Index p = 0; p < frame.size(); ++p) {
+    if (!frame.isSeen(p)) {
+      ++holes;
+      EXPECT_TRUE(std::isnan(surface.positions[p].x()));
+      continue;
+    }
+    EXPECT_LT((surface.positions[p] - frame.cloud.positions[p]).norm(), 1e-9);
+    EXPECT_LT(surface.displacement[p], 1e-9f);
+  }
+  EXPECT_GT(holes, 100);
+}
+
+TEST(CameraClouds, MoveAsTheTrueSurfaceDoes) {
+  const CameraFrame frame = take(makeTowel(1.0, 0.0), 0.1);
+  const Points truth = pull(frame.clean, {}), moved = pull(frame.cloud, {}), as_seen = pull(frame.cloud, 0.0);
+  const auto measureError = [&](const Points& points) {
+    double sum = 0.0, largest = 0.0;
+    for (Index p = 0; p < frame.size(); ++p) {
+      if (!frame.isSeen(p)) continue;
+      sum += (points[p] - truth[p]).squaredNorm() / frame.size();
+      largest = std::max(largest, truth[p].norm());
+    }
+    return std::sqrt(sum) / largest;
+  };
+  EXPECT_LT(measureError(moved), 0.03);
+  EXPECT_GT(measureError(as_seen), 5.0 * measureError(moved));
+}
+
+TEST(CameraClouds, HaveNormalsTowardsTheCamera) {
+  CameraFrame frame = take(makeTowel(1.0, 0.0), 0.1);
+  const simulation::RestSurface s = simulation::buildRestSurface(makeScene(300), frame.cloud);
+  for (std::size_t i = 0; i < s.points.size(); ++i) EXPECT_LT(s.normals[i].dot(s.points[i]), 0.0);
+}
+
+TEST(CameraClouds, AreNotToldApartBelowTheGapThatIsStated) {
+  const CameraFrame frame = take(makeTwoSheets(1.0, 0.003), 0.0);
+  const auto countAcross = [&](double min_gap) {
+    SceneParams scene = makeScene(300);
+    scene.input.min_gap = min_gap;
+    const simulation::RestSurface s = simulation::buildRestSurface(scene, frame.cloud);
+    std::vector<Index> sheet(s.dense.positions.size());
+    for (Index p = 0; p < frame.size(); ++p)
+      if (s.dense.point_of_input[p] >= 0) sheet[s.dense.point_of_input[p]] = frame.sheet[p];
+    Index across = 0;
+    for (Index i = 0; i < s.dense_neighbors.size(); ++i)
+      for (const Index* j = s.dense_neighbors.begin(i); j != s.dense_neighbors.end(i); ++j) across += sheet[i] != sheet[*j];
+    return across;
+  };
+  EXPECT_EQ(countAcross(0.0), 0);
+  EXPECT_GT(countAcross(0.005), 100);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
