@@ -15,9 +15,11 @@ constexpr Index kRowsPerTask = 8, kPlanesPerTask = 8192;
 constexpr Index kNoiseRadius = 3;        // of the windows that noise is measured in
 constexpr Index kSampledRows = 120;      // and at most so many rows of them, as many columns
 constexpr double kFewestPixels = 6.0;    // of a window: twice the unknowns of a plane
+constexpr double kLeastFilled = 0.3;     // of a window: a little more than a quarter, which is left in the corner of an image
 constexpr double kLeastSpread = 0.05;    // of the determinant of a full window's spread: what stands in a line has no plane
 constexpr double kSurprise = 3.0;        // standard deviations of a variance that noise makes
 constexpr double kOutlier = 4.0;         // and of a value
+constexpr Index kBeside = 2;              // pixels that a window may be away from one that fits none
 constexpr double kMostVariance = 3.0;    // of a window over that of small ones: more is shape
 
 // Sums over pixels; u and v count from the middle of the image.
@@ -97,7 +99,7 @@ struct Plane {
 
 Plane fitPlane(const SummedImage& image, const NoiseProfile& noise, Index u, Index v, Index radius) {
   const Sums s = image.around(u, v, radius);
-  if (s.n < kFewestPixels) return {};
+  if (s.n < std::max(kFewestPixels, kLeastFilled * (2.0 * radius + 1.0) * (2.0 * radius + 1.0))) return {};
   const double mean_u = s.u / s.n, mean_v = s.v / s.n, mean_w = s.w / s.n;
   const double uu = s.uu / s.n - mean_u * mean_u, uv = s.uv / s.n - mean_u * mean_v, vv = s.vv / s.n - mean_v * mean_v;
   const double uw = s.uw / s.n - mean_u * mean_w, vw = s.vw / s.n - mean_v * mean_w, ww = s.ww / s.n - mean_w * mean_w;
@@ -184,6 +186,23 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
   fitted.inverse_depth = image.inverse_depth;
   fitted.factor = markExplained(planes);
   const std::vector<Offset> offsets = listOffsets(radius);
+  // What flies between two surfaces goes to the nearer one, so that it does not join them. Windows that contain it hold others
+  // that fly, so those beside them are asked as well.
+  const Index wide = radius + kBeside;
+  const auto findNearest = [&](Index u, Index v, double own) {
+    double nearest = own, least = std::numeric_limits<double>::infinity();
+    for (Index y = std::max(0, v - wide); y <= std::min(height - 1, v + wide); ++y) {
+      for (Index x = std::max(0, u - wide); x <= std::min(width - 1, u + wide); ++x) {
+        const Plane& plane = planes[std::size_t(y) * width + x];
+        if (!(plane.deviation > 0.0)) continue;
+        const double there = plane.at(u, v), misfit = std::abs(there - own) / plane.deviation;
+        if (!(there > 0.0 && misfit < least)) continue;
+        least = misfit;
+        nearest = there;
+      }
+    }
+    return nearest;
+  };
   const double unexplained = parallelSum(height, kRowsPerTask, [&](Index begin, Index end) {
     double count = 0.0;
     for (Index v = begin; v < end; ++v) {
@@ -204,7 +223,9 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
           best = cost;
           value = there;
         }
-        count += !(best < std::numeric_limits<double>::infinity());
+        if (best < std::numeric_limits<double>::infinity()) continue;
+        count += 1.0;
+        value = findNearest(u, v, own);
       }
     }
     return count;

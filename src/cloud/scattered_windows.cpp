@@ -167,12 +167,16 @@ void fitAll(const Windows& windows, const Points& places, Index count, FittedPoi
   const double unexplained = parallelSum(n, kBlock, [&](Index begin, Index end) {
     double missing = 0.0;
     for (Index i = begin; i < end; ++i) {
-      double best = std::numeric_limits<double>::infinity();
-      Index chosen = -1;
+      double best = std::numeric_limits<double>::infinity(), nearest = best;
+      Index chosen = -1, least = -1;
       const auto offer = [&](Index j, double offset) {
         if (!(fits[j].deviation > 0.0)) return;
         const double misfit = windows.measureMisfit(fits[j], i) / fits[j].deviation;
         const double cost = offset + 0.25 * misfit * misfit;
+        if (std::abs(misfit) < nearest) {
+          nearest = std::abs(misfit);
+          least = j;
+        }
         if (!(std::abs(misfit) < kOutlier && cost < best)) return;
         best = cost;
         chosen = j;
@@ -184,6 +188,7 @@ void fitAll(const Windows& windows, const Points& places, Index count, FittedPoi
         if (offset <= 1.0) offer(*j, offset);
       }
       missing += chosen < 0;
+      if (chosen < 0) chosen = least;  // what flies goes to the nearer surface
       if (chosen >= 0) fitted.positions[i] = windows.move(fits[chosen], i, fitted.positions[i]);
     }
     return missing;

@@ -16,8 +16,8 @@ struct ScatteredNoise {
 ScatteredNoise measureNoise(const Points& positions);
 
 struct FittedPoints {
-  Points positions;       // (n) on the surface; of a point that no window explains what it was
-  Index unexplained = 0;  // such points
+  Points positions;       // (n) on the surface; of a point without explained windows what it was
+  Index unexplained = 0;  // points that fit no window
   bool is_seen = false;   // points were moved along their lines of sight from the eye, else along normals
 };
 /// Windows of count points each. deviation: m, across the surface; measured: what was measured of it. eye: from where the points

@@ -61,8 +61,8 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
                     formatMillimeters(noise.least_gap) + " in that direction are taken for surface");
   if (noise.unexplained > kMostUnexplained * static_cast<double>(s.dense.positions.size()))
     s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
-                         " points have no window that this noise explains, and stay: gaps around them may be noise "
-                         "(input.noise)");
+                         " points fit no window that this noise explains, and are moved to the nearest one: there the "
+                         "surface is a guess (input.noise)");
   return noise.is_seen ? input.eye() : input.viewpoint;
 }
 

@@ -19,7 +19,7 @@ namespace {
 using test::CameraFrame;
 using test::CameraScene;
 
-CameraFrame take(const CameraScene& scene, double noise, double quantum, double missing = 0.05) {
+CameraFrame take(const CameraScene& scene, double noise, double quantum, double missing = 0.05, double flying = 0.0) {
   test::DepthCamera camera;
   camera.width = 160;
   camera.height = 120;
@@ -27,6 +27,7 @@ CameraFrame take(const CameraScene& scene, double noise, double quantum, double 
   camera.noise = noise;
   camera.quantum = quantum;
   camera.missing = missing;
+  camera.flying = flying;
   return test::takeFrame(camera, scene.sheets);
 }
 
@@ -88,6 +89,24 @@ TEST(SensorNoise, LeavesSheetsApartThatAreFartherThanItTells) {
     astray += std::abs(found.surface[i].z() - frame.clean.positions[p].z()) > 0.5 * gap;
   }
   EXPECT_LT(astray, seen / 200);
+}
+
+TEST(SensorNoise, DoesNotJoinSurfacesByWhatFliesBetweenThem) {
+  const CameraFrame frame = take(test::makeTwoSheets(1.0, 0.02), 0.05, 0.125, 0.05, 0.5);
+  const CleanCloud cloud = clean(frame.cloud);
+  const Points surface = findSensorNoise(frame.cloud, cloud).surface;
+  ASSERT_FALSE(surface.empty());
+  Index flying = 0, between = 0;
+  for (Index p = 0; p < frame.size(); ++p) {
+    const Index i = cloud.point_of_input[p];
+    if (i < 0 || !frame.flies[p]) continue;
+    ++flying;
+    double nearest = 1.0;
+    for (const double z : {0.98, 1.0, 1.02}) nearest = std::min(nearest, std::abs(surface[i].z() - z));
+    between += nearest > 0.005;
+  }
+  EXPECT_GT(flying, 50);
+  EXPECT_LE(between, flying / 50);
 }
 
 TEST(SensorNoise, MovesPointsAlongTheirLinesOfSight) {

@@ -14,7 +14,7 @@ struct SensorNoise {
   bool is_seen = false;    // points are moved along their lines of sight, else along normals
   double window = 0.0;     // spacings across the windows in which the surface was looked for; 0: points stay where they are
   double least_gap = 0.0;  // m: parts that are nearer to each other in that direction are not told apart
-  Index unexplained = 0;   // points that stay, because noise explains no window around them
+  Index unexplained = 0;   // points that fit no window that noise explains, and go to the nearest, if there is one
   bool is_thick = false;   // points fill their neighbourhoods: there is no telling what is surface and what is noise
   Points surface;          // (n) where the points lie on the surface; empty: where they are
 };
