@@ -19,16 +19,15 @@ constexpr std::size_t kMostParts = 6;
 constexpr std::size_t kFewestLevels = 8, kRepeats = 4;
 // Of what steps leave of a window, a twelfth of their square: that many windows have about that, and not just edges of parts or a
 // plane whose rows are level.
-constexpr double kLeastStepped = 0.2, kMostStepped = 1.5, kSteppedShare = 0.1;
+constexpr double kLeastStepped = 0.2, kMostStepped = 1.5, kSteppedShare = 0.01;
 constexpr double kSameLevel = 2e-6;   // relative: what single precision makes of one
 
-// The median step between neighbouring levels; 0: values are not quantised. sorted: ascending.
-double findStep(const std::vector<double>& sorted) {
+// Between neighbouring levels. sorted: values, ascending.
+std::vector<double> findSteps(const std::vector<double>& sorted) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < sorted.size(); ++i)
     if (sorted[i] - sorted[i - 1] > kSameLevel * std::abs(sorted[i])) steps.push_back(sorted[i] - sorted[i - 1]);
-  if (steps.size() < kFewestLevels || kRepeats * steps.size() > sorted.size()) return 0.0;
-  return findMedian(std::move(steps));
+  return steps;
 }
 
 }  // namespace
@@ -68,6 +67,11 @@ NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {
     return a.value != b.value ? a.value < b.value : a.window < b.window;
   });
   if (fits.empty()) return;
+  std::vector<double> all;
+  for (const Fit& fit : fits) all.push_back(fit.value);
+  std::vector<double> all_steps = findSteps(all);
+  const bool has_levels = all_steps.size() >= kFewestLevels && kRepeats * all_steps.size() <= all.size();
+  const double usual = has_levels ? findMedian(std::move(all_steps)) : 0.0;
   const std::size_t parts = std::clamp(fits.size() / kFewest, std::size_t{1}, kMostParts);
   for (std::size_t p = 0; p < parts; ++p) {
     const std::size_t begin = p * fits.size() / parts, end = (p + 1) * fits.size() / parts;
@@ -76,7 +80,9 @@ NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {
       variances.push_back(fits[f].variance);
       levels.push_back(fits[f].value);
     }
-    const double stepped = findStep(levels) / std::sqrt(12.0);
+    std::vector<double> steps = findSteps(levels);
+    const double step = !has_levels ? 0.0 : steps.empty() ? usual : findMedian(std::move(steps));
+    const double stepped = step / std::sqrt(12.0);
     const auto isStepped = [&](double variance) {
       return variance >= std::pow(kLeastStepped * stepped, 2) && variance <= std::pow(kMostStepped * stepped, 2);
     };

@@ -22,6 +22,10 @@ constexpr double kWay = 0.999;
 // three standard deviations of its own, sigma^2 sqrt(18 / n). Below 3.5 sigma steps were told apart in no window.
 constexpr double kStepShare = 16.0, kSurprise = 3.0, kLeastStep = 3.5;
 
+bool isNoticed(const SensorNoise& noise) {
+  return noise.spacing > 0.0 && noise.deviation > 0.0 && noise.deviation >= kNoticed * noise.spacing;
+}
+
 double findLeastGap(double deviation, double samples) {
   return deviation * std::max(kLeastStep, std::sqrt(kStepShare * kSurprise * std::sqrt(2.0 / samples)));
 }
@@ -44,7 +48,7 @@ void fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
     else profile = NoiseProfile(deviation.value / (depth * depth));
     noise.deviation = deviation.value;
   }
-  if (!(noise.deviation >= kNoticed * noise.spacing)) return;
+  if (!isNoticed(noise)) return;
 
   const double wanted = std::ceil(0.5 * (noise.deviation / (kNoticed * noise.spacing) - 1.0));
   Index radius = static_cast<Index>(std::clamp(wanted, 1.0, static_cast<double>(kMostRadius)));
@@ -72,7 +76,7 @@ void fitScattered(const PointCloud& input, const CleanCloud& cloud, const OrAuto
   noise.deviation = deviation.valueOr(measured.deviation);
   noise.spacing = measured.spacing;
   noise.is_thick = deviation.is_auto && measured.is_thick;
-  if (!(noise.deviation >= kNoticed * noise.spacing)) return;
+  if (!isNoticed(noise)) return;
   const double ratio = noise.deviation / (kNoticed * noise.spacing);
   Index count = static_cast<Index>(std::clamp(std::ceil(ratio * ratio), 1.0 * kFewestInWindow, 1.0 * kMostInWindow));
   const double most = kMostUnexplained * static_cast<double>(cloud.positions.size());

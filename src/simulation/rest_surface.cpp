@@ -42,7 +42,9 @@ bool isZero(const Vec3& v) { return v.isZero(0.0); }
 // More than the edges of parts are.
 constexpr double kMostUnexplained = 0.02;  // of the points
 
-std::string formatMillimeters(double length) { return formatShort(1000.0 * length) + " mm"; }
+std::string formatLength(double length) {
+  return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
+}
 
 // Moves the dense points onto the surface behind the sensor's noise. Returns from where they were seen, if that is known.
 std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
@@ -54,11 +56,12 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   if (noise.surface.empty()) return input.viewpoint;
   for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
   s.dense.positions = std::move(noise.surface);
-  s.notes.push_back("noise of " + formatMillimeters(noise.deviation) + " along " +
-                    (noise.is_seen ? "the line of sight" : "the normal") + ", " +
-                    formatShort(noise.deviation / noise.spacing) + " spacings: the surface is where windows of " +
-                    formatShort(noise.window) + " x " + formatShort(noise.window) + " points have it; gaps below " +
-                    formatMillimeters(noise.least_gap) + " in that direction are taken for surface");
+  const std::string window = noise.is_image ? formatShort(noise.window) + " x " + formatShort(noise.window) + " points"
+                                            : "about " + formatShort(std::round(noise.window * noise.window)) + " points";
+  s.notes.push_back("noise of " + formatLength(noise.deviation) + " along " +
+                    (noise.is_seen ? "the line of sight" : "the normal (from where the points were seen is not known)") + ", " +
+                    formatShort(noise.deviation / noise.spacing) + " spacings: the surface is where windows of " + window +
+                    " have it; gaps below " + formatLength(noise.least_gap) + " in that direction are taken for surface");
   if (noise.unexplained > kMostUnexplained * static_cast<double>(s.dense.positions.size()))
     s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
                          " points fit no window that this noise explains, and are moved to the nearest one: there the "
@@ -416,6 +419,10 @@ void finishSurface(const SceneParams& params, std::vector<Index> kept, const std
     more += missing;
     dropped = connect(params, s.dense, s.dense_neighbors, s.order.keepCount(asked + more), s);
   }
+  if ((asked - static_cast<Index>(s.points.size())) * kCountTolerance > asked)
+    s.notes.push_back(count(asked, "simulation points were chosen, of which ") +
+                      count(static_cast<Index>(s.points.size()), "are left: the others belong to no surface, or to no part "
+                                                                 "that is kept"));
   if (dropped > 0)
     s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
   // The area of the full surface; where every point is simulated it is that of the rings.

@@ -74,6 +74,25 @@ TEST(SensorNoise, IsTakenFromTheSurfaceAndMakesNoGaps) {
   }
 }
 
+TEST(SensorNoise, IsAtLeastWhatTheStepsOfDepthsMake) {
+  // Of a slightly tilted plane most windows lie on one step.
+  for (const double tilt : {10.0, 30.0}) {
+    const CameraFrame frame = take(test::makeTowel(1.0, tilt), 0.0, 0.125, 0.0);
+    const CleanCloud cloud = clean(frame.cloud);
+    const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+    EXPECT_GT(found.deviation, 0.8 * frame.camera.depthNoise(1.0)) << tilt;
+    ASSERT_FALSE(found.surface.empty());
+    EXPECT_LT(findRefusedShare(found.surface), 0.002) << tilt;
+  }
+}
+
+TEST(SensorNoise, OfLinesOfPointsIsNone) {
+  PointCloud lines;
+  for (int i = 0; i < 4000; ++i) lines.positions.emplace_back(0.001 * (i % 1000), 0.03 * (i / 1000), 0.0);
+  lines.width = 4000;
+  EXPECT_TRUE(findSensorNoise(lines, clean(lines)).surface.empty());
+}
+
 TEST(SensorNoise, LeavesSheetsApartThatAreFartherThanItTells) {
   const double gap = 0.015;
   const CameraFrame frame = take(test::makeTwoSheets(1.0, gap), 0.1, 0.125);
