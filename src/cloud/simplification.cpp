@@ -64,9 +64,10 @@ std::vector<Index> labelParts(const Points& positions, const Points& normals, co
 
 // Marks (num_parts, 1) those that are left out.
 std::vector<char> findLeftOut(const std::vector<Index>& part, Index num_parts, Index target) {
+  std::vector<char> is_small(num_parts);
+  if (target == 0) return is_small;
   std::vector<std::int64_t> size(num_parts);
   for (const Index p : part) ++size[p];
-  std::vector<char> is_small(num_parts);
   std::int64_t kept = 0;
   for (Index p = 0; p < num_parts; ++p) {
     is_small[p] = size[p] * target < std::int64_t{kMinPartPoints} * static_cast<std::int64_t>(part.size());
@@ -442,7 +443,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
   std::vector<char> stays = is_corner;
   Index num_parts = 0;
   std::vector<Index> part = labelParts(positions, normals, neighbors, k, num_parts);
-  const std::vector<char> left_out = findLeftOut(part, num_parts, std::max(target, min_points));
+  const std::vector<char> left_out = findLeftOut(part, num_parts, target);
   const Index num_left_out = static_cast<Index>(std::count(left_out.begin(), left_out.end(), 1));
   Index num_left_out_points = 0;
   for (Index i = 0; i < n; ++i) {

@@ -204,7 +204,7 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
       wanted = wantSpacing(params, boundary.is_boundary, std::min(expected, n), s);
     cloud::limitCorners(std::max(kCornersOfFew, std::min(expected, n) / kPointsPerCorner), boundary);
     s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, kept, s.dense_neighbors,
-                              boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? last : target, wanted);
+                              boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? 0 : target, wanted);
     if (s.order.num_left_out > 0)
       s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
                         count(s.order.num_left_out_points, "points, are too small for so few simulation points, and ride along "
