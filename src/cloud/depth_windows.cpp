@@ -17,8 +17,6 @@ constexpr Index kSampledRows = 120;      // and at most so many rows of them, as
 constexpr double kFewestPixels = 6.0;    // of a window: twice the unknowns of a plane
 constexpr double kLeastFilled = 0.3;     // of a window: a little more than a quarter, which is left in the corner of an image
 constexpr double kLeastSpread = 0.05;    // of the determinant of a full window's spread: what stands in a line has no plane
-constexpr double kSurprise = 3.0;        // standard deviations of a variance that noise makes
-constexpr double kOutlier = 4.0;         // and of a value
 constexpr Index kBeside = 2;              // pixels that a window may be away from one that fits none
 constexpr double kMostVariance = 3.0;    // of a window over that of small ones: more is shape
 
@@ -127,7 +125,7 @@ double markExplained(std::vector<Plane>& planes) {
     for (Index p = begin; p < end; ++p) {
       Plane& plane = planes[p];
       plane.deviation *= factor;
-      const double most = 1.0 + kSurprise * std::sqrt(2.0 / plane.freedom);
+      const double most = findMostVariance(plane.freedom);
       if (!(plane.variance <= most * plane.deviation * plane.deviation)) plane.deviation = 0.0;
     }
   });

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/base/types.h"
 
+#include <cmath>
 #include <vector>
 
 namespace deformable_surface::cloud {
@@ -20,6 +21,11 @@ struct Leftover {
   double kurtosis = 0.0;   // 3 of normal noise, 1 of two layers
 };
 Leftover measureLeftover(const std::vector<Sample>& window);
+
+constexpr double kSurprise = 3.0;  // standard deviations of a variance that noise makes
+constexpr double kOutlier = 4.0;   // and of a value
+/// The largest variance of a window with so many degrees of freedom that noise explains, over the variance of the noise.
+inline double findMostVariance(double freedom) { return 1.0 + kSurprise * std::sqrt(2.0 / freedom); }
 
 class NoiseProfile {
  public:

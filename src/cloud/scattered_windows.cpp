@@ -27,8 +27,6 @@ constexpr double kLayers = 2.2;         // kurtosis below that of any noise
 constexpr double kThickest = 0.31, kBall = 2.3;  // of the radius, in windows of 64 points, and kurtosis
 constexpr double kClean = 0.1;          // spacings: as little in the two smallest windows is not worth a look at larger ones
 constexpr double kRegular = 1.5;        // ninth over first decile of the distances of directions that pixels have
-constexpr double kSurprise = 3.0;       // standard deviations of a variance that noise makes
-constexpr double kOutlier = 4.0;        // and of a value
 
 // A plane through some points, least squares; the normal is unit.
 struct Plane {
@@ -120,7 +118,7 @@ struct SeenWindows {
     double sum = 0.0;
     for (const Index* j = begin; j != end; ++j) sum += std::pow(values[*j] - fit.gradient.dot(directions[*j]), 2);
     const double freedom = static_cast<double>(end - begin) - 3.0;
-    const double most = fit.deviation * fit.deviation * (1.0 + kSurprise * std::sqrt(2.0 / freedom));
+    const double most = fit.deviation * fit.deviation * findMostVariance(freedom);
     return sum <= most * freedom ? fit : Fit();
   }
   double measureMisfit(const Fit& fit, Index i) const { return fit.gradient.dot(directions[i]) - values[i]; }
@@ -143,7 +141,7 @@ struct SpaceWindows {
   Fit fit(const Index* begin, const Index* end, Index) const {
     const Plane plane = fitPlane(positions, begin, end);
     const double freedom = static_cast<double>(end - begin) - 3.0;
-    const double most = deviation * deviation * (1.0 + kSurprise * std::sqrt(2.0 / freedom));
+    const double most = deviation * deviation * findMostVariance(freedom);
     return plane.sum <= most * freedom ? Fit{plane.middle, plane.normal, deviation} : Fit();
   }
   double measureMisfit(const Fit& fit, Index i) const { return (fit.middle - positions[i]).dot(fit.normal); }

@@ -20,7 +20,7 @@ constexpr double kMostShape = 0.05;
 constexpr double kWay = 0.999;
 // A step seen through the middle of a window of n samples adds a sixteenth of its square to their variance, of which noise makes
 // three standard deviations of its own, sigma^2 sqrt(18 / n). Below 3.5 sigma steps were told apart in no window.
-constexpr double kStepShare = 16.0, kSurprise = 3.0, kLeastStep = 3.5;
+constexpr double kStepShare = 16.0, kLeastStep = 3.5;
 
 bool isNoticed(const SensorNoise& noise) {
   return noise.spacing > 0.0 && noise.deviation > 0.0 && noise.deviation >= kNoticed * noise.spacing;

@@ -6,7 +6,6 @@
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/normals.h"
-#include "deformable_surface/cloud/sensor_noise.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
@@ -18,6 +17,7 @@
 #include <utility>
 
 #include "accuracy.h"
+#include "behind_noise.h"
 #include "clamp_edges.h"
 #include "parts.h"
 #include "rest_parts.h"
@@ -38,36 +38,6 @@ constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the number asked f
 constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
-
-// More than the edges of parts are.
-constexpr double kMostUnexplained = 0.02;  // of the points
-
-std::string formatLength(double length) {
-  return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
-}
-
-// Moves the dense points onto the surface behind the sensor's noise. Returns from where they were seen, if that is known.
-std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
-  cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
-  s.is_thick = noise.is_thick;
-  if (noise.is_thick)
-    s.warnings.push_back("the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
-                         "and no gap is told (input.noise 0: the points are exact)");
-  if (noise.surface.empty()) return input.viewpoint;
-  for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
-  s.dense.positions = std::move(noise.surface);
-  const std::string window = noise.is_image ? formatShort(noise.window) + " x " + formatShort(noise.window) + " points"
-                                            : "about " + formatShort(std::round(noise.window * noise.window)) + " points";
-  s.notes.push_back("noise of " + formatLength(noise.deviation) + " along " +
-                    (noise.is_seen ? "the line of sight" : "the normal (from where the points were seen is not known)") + ", " +
-                    formatShort(noise.deviation / noise.spacing) + " spacings: the surface is where windows of " + window +
-                    " have it; gaps below " + formatLength(noise.least_gap) + " in that direction are taken for surface");
-  if (noise.unexplained > kMostUnexplained * static_cast<double>(s.dense.positions.size()))
-    s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
-                         " points fit no window that this noise explains, and are moved to the nearest one: there the "
-                         "surface is a guess (input.noise)");
-  return noise.is_seen ? input.eye() : input.viewpoint;
-}
 
 // The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
 // what the neighbours in space show: returned if it is what the neighbours over the surface show as well, else empty.
