@@ -1,7 +1,7 @@
 // One projected Newton iteration with line search, shared by the implicit step and the static solution.
 #pragma once
 
-#include "deformable_surface/base/block_cholesky.h"
+#include "deformable_surface/linear/block_cholesky.h"
 #include "deformable_surface/solve/system.h"
 #include "product_solver.h"
 

@@ -2,7 +2,7 @@
 // step.
 #pragma once
 
-#include "deformable_surface/base/multigrid.h"
+#include "deformable_surface/linear/multigrid.h"
 #include "deformable_surface/solve/system.h"
 
 #include <atomic>

@@ -2,7 +2,7 @@
 // steps of it.
 #pragma once
 
-#include "deformable_surface/base/scalar_cholesky.h"
+#include "deformable_surface/linear/scalar_cholesky.h"
 #include "deformable_surface/solve/system.h"
 
 namespace deformable_surface::solve {

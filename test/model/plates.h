@@ -3,8 +3,8 @@
 #pragma once
 
 #include "../support/surfaces.h"
-#include "deformable_surface/base/block_sparse.h"
 #include "deformable_surface/cloud/simplification.h"
+#include "deformable_surface/linear/block_sparse.h"
 #include "deformable_surface/model/mass_spring/curvature_bending.h"
 
 #include <Eigen/Dense>

@@ -1,7 +1,7 @@
 // A block matrix with all of its zeros, to be checked by dense linear algebra.
 #pragma once
 
-#include "deformable_surface/base/block_sparse.h"
+#include "deformable_surface/linear/block_sparse.h"
 
 namespace deformable_surface::test {
 

@@ -3,9 +3,9 @@
 // life of particles, the simulation names them.
 #pragma once
 
-#include "deformable_surface/base/block_sparse.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
+#include "deformable_surface/linear/block_sparse.h"
 
 #include <limits>
 #include <memory>

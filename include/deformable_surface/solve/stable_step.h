@@ -2,7 +2,7 @@
 // bounded.
 #pragma once
 
-#include "deformable_surface/base/lanczos.h"
+#include "deformable_surface/linear/lanczos.h"
 #include "deformable_surface/solve/system.h"
 
 namespace deformable_surface::solve {

@@ -1,7 +1,7 @@
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 
-#include "deformable_surface/base/lanczos.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/linear/lanczos.h"
 #include "deformable_surface/model/elastic_solid/point_volumes.h"
 
 #include <Eigen/Eigenvalues>

@@ -1,7 +1,7 @@
 #include "moment_balance.h"
 
-#include "deformable_surface/base/block_cholesky.h"
 #include "deformable_surface/base/parallel.h"
+#include "deformable_surface/linear/block_cholesky.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // Factors of matrices with one number a pair, against dense ones.
-#include "deformable_surface/base/scalar_cholesky.h"
+#include "deformable_surface/linear/scalar_cholesky.h"
 
 #include "deformable_surface/base/interrupt.h"
 

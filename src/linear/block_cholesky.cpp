@@ -1,8 +1,8 @@
-#include "deformable_surface/base/block_cholesky.h"
+#include "deformable_surface/linear/block_cholesky.h"
 
-#include "deformable_surface/base/fill_reducing_order.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/simd.h"
+#include "deformable_surface/linear/fill_reducing_order.h"
 
 #include <Eigen/SparseCore>
 

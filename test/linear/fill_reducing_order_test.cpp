@@ -1,5 +1,5 @@
 // The order of elimination: the same whether or not it can be interrupted, and left at once when it is.
-#include "deformable_surface/base/fill_reducing_order.h"
+#include "deformable_surface/linear/fill_reducing_order.h"
 #include "deformable_surface/base/interrupt.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-#include "deformable_surface/base/block_cholesky.h"
+#include "deformable_surface/linear/block_cholesky.h"
 
 #include "../support/dense.h"
 #include "../support/surfaces.h"

@@ -1,4 +1,4 @@
-#include "deformable_surface/base/multigrid.h"
+#include "deformable_surface/linear/multigrid.h"
 
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"

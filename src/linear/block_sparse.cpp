@@ -1,4 +1,4 @@
-#include "deformable_surface/base/block_sparse.h"
+#include "deformable_surface/linear/block_sparse.h"
 
 #include "deformable_surface/base/interrupt.h"
 

@@ -2,7 +2,7 @@
 // factorisation that asks for memory only when the pattern changes. It knows nothing of what the matrix stands for.
 #pragma once
 
-#include "deformable_surface/base/block_sparse.h"
+#include "deformable_surface/linear/block_sparse.h"
 
 namespace deformable_surface {
 

@@ -1,5 +1,5 @@
 // Approximate inverses of springs between points: how near to the exact one, and what they may be used for.
-#include "deformable_surface/base/multigrid.h"
+#include "deformable_surface/linear/multigrid.h"
 
 #include "deformable_surface/base/parallel.h"
 

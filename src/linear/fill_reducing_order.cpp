@@ -1,4 +1,4 @@
-#include "deformable_surface/base/fill_reducing_order.h"
+#include "deformable_surface/linear/fill_reducing_order.h"
 
 #include "deformable_surface/base/interrupt.h"
 

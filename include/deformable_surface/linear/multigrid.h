@@ -2,7 +2,7 @@
 // what it stores and does is in proportion to the points, where the factor of a compact body is not.
 #pragma once
 
-#include "deformable_surface/base/scalar_cholesky.h"
+#include "deformable_surface/linear/scalar_cholesky.h"
 
 namespace deformable_surface {
 
