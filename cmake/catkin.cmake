@@ -23,9 +23,9 @@ catkin_package(
   DEPENDS EIGEN3)
 
 file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/load_scene.cpp)
-file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/*.cpp)
-file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/*nodelet.cpp)
-list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet|/hand[a-z_]*)\\.cpp$")
+file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/convert/*.cpp src/ros/node/*.cpp src/ros/simulate/*.cpp)
+file(GLOB nodelet_sources CONFIGURE_DEPENDS src/ros/node/*nodelet.cpp)
+list(FILTER ros_sources EXCLUDE REGEX "(_main|nodelet)\\.cpp$")
 
 # Installed programs find the libraries beside them without a ROS environment.
 set(CMAKE_INSTALL_RPATH "$ORIGIN/..;$ORIGIN")
@@ -50,16 +50,16 @@ target_link_libraries(deformable_surface_ros PUBLIC deformable_surface_io ${catk
 add_library(deformable_surface_nodelet ${nodelet_sources})
 target_link_libraries(deformable_surface_nodelet PUBLIC deformable_surface_ros)
 
-add_executable(deformable_surface_node src/ros/node_main.cpp)
+add_executable(deformable_surface_node src/ros/node/node_main.cpp)
 target_link_libraries(deformable_surface_node deformable_surface_ros)
-file(GLOB hand_sources CONFIGURE_DEPENDS src/ros/hand*.cpp)
+file(GLOB hand_sources CONFIGURE_DEPENDS src/ros/hand/*.cpp)
 add_executable(deformable_surface_hand ${hand_sources})
 target_link_libraries(deformable_surface_hand deformable_surface_ros)
-add_executable(simulate src/ros/simulate_main.cpp)
+add_executable(simulate src/ros/simulate/simulate_main.cpp)
 target_link_libraries(simulate deformable_surface_ros)
 add_executable(parameters_page src/io/parameters_page_main.cpp)
 target_link_libraries(parameters_page deformable_surface_core)
-add_executable(interface_page src/ros/interface_page_main.cpp)
+add_executable(interface_page src/ros/node/interface_page_main.cpp)
 target_link_libraries(interface_page deformable_surface_ros)
 
 # The benchmark over ROS: scripts/benchmark_ros builds it.
@@ -121,15 +121,15 @@ if(CATKIN_ENABLE_TESTING)
     add_unit_test(${name} deformable_surface_io ${source})
   endforeach()
 
-  file(GLOB ros_tests CONFIGURE_DEPENDS test/ros/*_test.cpp)
+  file(GLOB ros_tests CONFIGURE_DEPENDS test/ros/*/*_test.cpp)
   foreach(source ${ros_tests})
     get_filename_component(name ${source} NAME_WE)
     add_unit_test(${name} deformable_surface_ros ${source})
   endforeach()
 
   # The decoder reads what strangers send: its test runs under the sanitizers as well.
-  add_unit_test(cloud_decoder_sanitized_test "${catkin_LIBRARIES}" test/ros/cloud_decoder_test.cpp src/ros/cloud_decoder.cpp
-                src/base/value.cpp)
+  add_unit_test(cloud_decoder_sanitized_test "${catkin_LIBRARIES}" test/ros/convert/cloud_decoder_test.cpp
+                src/ros/convert/cloud_decoder.cpp src/base/value.cpp)
   if(TARGET cloud_decoder_sanitized_test)
     set(sanitizers -fsanitize=address,undefined -fno-sanitize=vptr -fno-sanitize-recover=all)
     target_include_directories(cloud_decoder_sanitized_test PRIVATE include)
@@ -139,10 +139,11 @@ if(CATKIN_ENABLE_TESTING)
   endif()
 
   # A test with a master of its own: NAME.test starts the nodes, NAME_rostest.cpp asks them.
-  file(GLOB launch_tests CONFIGURE_DEPENDS test/ros/*.test)
+  file(GLOB launch_tests CONFIGURE_DEPENDS test/ros/*/*.test)
   foreach(launch ${launch_tests})
     get_filename_component(name ${launch} NAME_WE)
-    add_rostest_gtest(${name}_rostest ${launch} test/ros/${name}_rostest.cpp)
+    get_filename_component(folder ${launch} DIRECTORY)
+    add_rostest_gtest(${name}_rostest ${launch} ${folder}/${name}_rostest.cpp)
     if(TARGET ${name}_rostest)
       add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet deformable_surface_hand simulate)
       target_link_libraries(${name}_rostest deformable_surface_ros)

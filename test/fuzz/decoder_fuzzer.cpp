@@ -1,5 +1,5 @@
 // libFuzzer on the decoder of point clouds: any bytes give a cloud within its limits, or a sentence.
-#include "deformable_surface/ros/cloud_decoder.h"
+#include "deformable_surface/ros/convert/cloud_decoder.h"
 
 #include <cstdlib>
 

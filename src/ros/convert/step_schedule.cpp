@@ -1,0 +1,53 @@
+#include "deformable_surface/ros/convert/step_schedule.h"
+
+#include <cmath>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+// A clock that runs ahead by more than this in one go has jumped; less is caught up.
+constexpr std::int64_t kForwardJump = 1'000'000'000;
+// The computer's clock is corrected by small amounts now and then, which must not reset a simulation. A recording's never is.
+constexpr std::int64_t kCorrection = 1'000'000'000;
+
+}  // namespace
+
+bool ClockWatch::observe(std::int64_t now, std::int64_t steady) {
+  bool jumped_back = false;
+  if (news_.now != 0) {
+    const std::int64_t excess = now - news_.now - (simulated_ ? 0 : steady - last_steady_);
+    jumped_back = excess < (simulated_ ? 0 : -kCorrection);
+    if (jumped_back) {
+      news_.jumped_back = true;
+      news_.restart = now;
+      news_.skipped = 0;
+    } else if (excess > kForwardJump) {
+      news_.skipped += excess;
+    }
+  }
+  news_.now = now;
+  last_steady_ = steady;
+  return jumped_back;
+}
+
+ClockNews ClockWatch::take() {
+  ClockNews rest;
+  rest.now = news_.now;
+  return std::exchange(news_, rest);
+}
+
+void StepSchedule::start(std::int64_t zero) {
+  zero_ = zero;
+  skipped_ = 0;
+}
+
+void StepSchedule::skipTo(std::int64_t now, std::uint64_t step) {
+  if (begin(step) < now) skip(now - begin(step));
+}
+
+std::int64_t StepSchedule::stamp(std::uint64_t step) const {
+  return zero_ + static_cast<std::int64_t>(std::llround(static_cast<double>(step) * time_step_ * 1e9));
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,297 @@
+#include "hand.h"
+
+#include "deformable_surface/ToolArray.h"
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/ros/convert/frames.h"
+
+#include <sensor_msgs/point_cloud2_iterator.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::node {
+namespace {
+
+using shape_msgs::SolidPrimitive;
+using visualization_msgs::InteractiveMarkerFeedback;
+
+// RViz says that it is still there four times a second; without it the person or the network is gone.
+constexpr double kGripPatience = 2.0;  // s
+// A tool that the surface lost (a reset, another cloud) is sent again, one that it refuses is not for ever.
+constexpr double kRepeatPeriod = 1.0;  // s
+constexpr int kMaxRepeats = 3;
+// With so many times as many points, or as few, it is another surface.
+constexpr double kNewShare = 1.2;
+// Handles follow what has moved by this share of the spacing; less is not seen.
+constexpr double kSeenShare = 0.05;
+// Of the surface's extent.
+constexpr double kPanelShare = 0.04;
+// Balls that overlap, so that one of them is before every place of the surface as it is drawn, and a spot that stands out of
+// them.
+constexpr double kBallShare = 2.0, kSpotShare = 2.2;
+
+Vec3 toVec3(const geometry_msgs::Point& p) { return {p.x, p.y, p.z}; }
+
+bool hasField(const sensor_msgs::PointCloud2& message, const std::string& name) {
+  return std::any_of(message.fields.begin(), message.fields.end(), [&](const auto& field) { return field.name == name; });
+}
+
+Points readVectors(const sensor_msgs::PointCloud2& message, const char* first) {
+  Points vectors;
+  vectors.reserve(message.width);
+  for (sensor_msgs::PointCloud2ConstIterator<float> at(message, first); at != at.end(); ++at)
+    vectors.emplace_back(at[0], at[1], at[2]);
+  return vectors;
+}
+
+}  // namespace
+
+Hand::Hand(const HandParams& params)
+    : params_(params),
+      surface_(ros::names::resolve(params.surface)),
+      node_(surface_),
+      tools_(node_.advertise<ToolArray>("tools", 10)),
+      points_subscriber_(node_.subscribe<sensor_msgs::PointCloud2>(
+          "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { takePoints(*m); })),
+      wrenches_subscriber_(node_.subscribe<ToolWrenchArray>(
+          "tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) { takeWrenches(*m); })),
+      timer_(node_.createWallTimer(ros::WallDuration(1.0 / params.rate), [this](const ros::WallTimerEvent&) { refresh(); })),
+      server_(ros::this_node::getName()) {
+  ROS_INFO_STREAM("waiting for the points of " << surface_);
+}
+
+// ---- From the surface ----
+
+void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
+  if (message.width == 0) return;
+  // Particles may be born and go in every frame.
+  const double growth = static_cast<double>(message.width) / static_cast<double>(std::max<std::size_t>(num_measured_, 1));
+  const bool is_new = header_.frame_id != message.header.frame_id || growth > kNewShare || growth < 1.0 / kNewShare;
+  header_.frame_id = message.header.frame_id;
+  points_ = readVectors(message, "x");
+  normals_ = readVectors(message, "normal_x");
+  ids_.clear();
+  if (hasField(message, "id"))
+    for (sensor_msgs::PointCloud2ConstIterator<std::uint32_t> id(message, "id"); id != id.end(); ++id) ids_.push_back(*id);
+  if (is_new) measure();
+}
+
+/// Sizes of handles and tools follow those of the surface.
+void Hand::measure() {
+  num_measured_ = points_.size();
+  const Box box = findMainBox(points_);
+  extent_ = box.extent();
+  text_place_ = placeText(box, header_.frame_id);
+  const cloud::KdTree tree(points_);
+  std::vector<cloud::Neighbor> nearest;
+  std::vector<double> distances;
+  for (const Vec3& p : points_) {
+    tree.nearest(p, 2, nearest);
+    distances.push_back(std::sqrt(nearest.back().squared_distance));
+  }
+  const double median = findMedian(std::move(distances));
+  spacing_ = median > 0.0 ? median : extent_;
+  if (!has_menus_) {
+    makeMenus();
+    chooseSpot(text_place_.anchor);  // where it is seen
+  }
+  shown_.clear();
+  showPanel();
+}
+
+void Hand::takeWrenches(const ToolWrenchArray& message) {
+  const ros::WallTime now = ros::WallTime::now();
+  noticeSlip(message);
+  std::string refused;
+  for (auto& [id, held] : held_) {
+    const auto is_this = [&id = id](const ToolWrench& wrench) { return wrench.id == id; };
+    if (std::any_of(message.wrenches.begin(), message.wrenches.end(), is_this)) {
+      held.repeats = 0;
+    } else if ((now - held.sent).toSec() > kRepeatPeriod) {
+      if (++held.repeats > kMaxRepeats) refused = id;
+      held.sent = now;
+      send(held.tool, Tool::ADD);
+    }
+  }
+  if (refused.empty()) return;
+  removeTool(refused);
+  tell("the surface does not take " + refused + "; its log says why", false);
+}
+
+/// What let go does not take hold again, and a handle that moves alone would not say why.
+void Hand::noticeSlip(const ToolWrenchArray& message) {
+  if (!grip_) return;
+  const auto is_grip = [](const ToolWrench& wrench) { return wrench.id == kGripId; };
+  const auto found = std::find_if(message.wrenches.begin(), message.wrenches.end(), is_grip);
+  if (found == message.wrenches.end()) return;
+  const bool has_slipped = grip_->holds && found->contacts == 0;
+  grip_->holds = found->contacts > 0;
+  if (!has_slipped) return;
+  endGrip();
+  tell("the surface slipped out of the hand, which pulls with at most " + formatShort(params_.strength) + " N", false);
+}
+
+/// At the rate of the parameters, and only what has changed. Nothing else applies changes: a menu must not go while it calls.
+void Hand::refresh() {
+  // Nothing is shown that would not be heard.
+  if (points_.empty() || tools_.getNumSubscribers() == 0) return;
+  followSurface();
+  server_.applyChanges();
+}
+
+void Hand::followSurface() {
+  if (grip_) {
+    if ((ros::WallTime::now() - grip_->heard).toSec() > kGripPatience) {
+      endGrip();
+      tell("nothing was heard of the pull for a while; let go", false);
+    }
+    return;  // what is dragged is RViz's
+  }
+  const std::size_t spot = findSpot();
+  bool has_moved = shown_.size() != points_.size();
+  for (std::size_t i = 0; i < points_.size() && !has_moved; ++i)
+    has_moved = !((points_[i] - shown_[i]).norm() <= kSeenShare * spacing_);
+  if (!has_moved) return;
+  const bool is_first = shown_.size() != points_.size();
+  shown_ = points_;
+  const auto pull = [this](const Feedback& feedback) { onPull(feedback); };
+  server_.insert(makeSurfaceHandle(header_, points_, kBallShare * spacing_), pull);
+  // A menu that is open would close if its marker were made anew.
+  if (is_first) {
+    server_.insert(makeSpotHandle(header_, points_[spot], kSpotShare * spacing_), pull);
+    spot_menu_.apply(server_, kSpotHandle);
+  } else {
+    server_.setPose(kSpotHandle, makePose(points_[spot]));
+  }
+}
+
+// ---- From the person ----
+
+void Hand::onPull(const Feedback& feedback) {
+  const Vec3 handle = toVec3(feedback->pose.position);
+  if (!handle.allFinite()) return;
+  switch (feedback->event_type) {
+    case InteractiveMarkerFeedback::MOUSE_DOWN: {
+      endGrip();
+      const bool is_spot = feedback->marker_name == kSpotHandle;
+      // Without a depth under the mouse nobody knows what was meant.
+      if (!is_spot && !feedback->mouse_point_valid) return;
+      if (!is_spot) chooseSpot(toVec3(feedback->mouse_point));
+      grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now(), false};
+      return;
+    }
+    case InteractiveMarkerFeedback::POSE_UPDATE:
+    case InteractiveMarkerFeedback::KEEP_ALIVE:
+      if (grip_ && grip_->handle == feedback->marker_name) moveGrip(handle);
+      return;
+    case InteractiveMarkerFeedback::MOUSE_UP:
+      if (grip_ && grip_->handle == feedback->marker_name) endGrip();
+      return;
+  }
+}
+
+void Hand::moveGrip(const Vec3& handle) {
+  grip_->heard = ros::WallTime::now();
+  const Vec3 way = handle - grip_->start;
+  if (!grip_->is_sent && way.isZero()) return;
+  HandTool tool;
+  tool.id = kGripId;
+  tool.mode = Tool::MOVE;
+  tool.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
+  tool.strength = params_.strength;
+  // It takes hold where the surface is, and then goes.
+  if (!grip_->is_sent) {
+    tool.pose = makePose(points_[findSpot()]);
+    send(tool, Tool::ADD);
+  }
+  grip_->is_sent = true;
+  tool.pose = makePose(grip_->from + way);
+  send(tool, Tool::ADD);
+}
+
+void Hand::endGrip() {
+  if (!grip_) return;
+  HandTool tool;
+  tool.id = kGripId;
+  if (grip_->is_sent) send(tool, Tool::DELETE);
+  grip_.reset();
+  // The handles go back to the surface with the next refresh.
+  shown_.assign(points_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
+}
+
+void Hand::chooseSpot(const Vec3& point) {
+  std::size_t nearest = 0;
+  for (std::size_t i = 0; i < points_.size(); ++i)
+    if ((points_[i] - point).squaredNorm() < (points_[nearest] - point).squaredNorm()) nearest = i;
+  spot_ = isOfParticles() ? ids_[nearest] : static_cast<std::uint32_t>(nearest);
+}
+
+/// The row of the spot; of a particle that is gone, the first.
+std::size_t Hand::findSpot() const {
+  if (!isOfParticles()) return spot_ < points_.size() ? spot_ : 0;
+  const auto found = std::find(ids_.begin(), ids_.end(), spot_);
+  return found == ids_.end() ? 0 : static_cast<std::size_t>(found - ids_.begin());
+}
+
+/// A point that has no neighbours has none; up is as good as any other way then.
+Vec3 Hand::normalAt(std::size_t row) const { return normals_[row].allFinite() ? normals_[row] : Vec3(Vec3::UnitZ()); }
+
+void Hand::onTool(const Feedback& feedback) {
+  const auto found = held_.find(feedback->marker_name);
+  if (found == held_.end() || feedback->event_type != InteractiveMarkerFeedback::POSE_UPDATE) return;
+  try {
+    readPose(feedback->pose);
+  } catch (const InputError& error) {
+    return tell(toOneLine(error.what()), false);
+  }
+  found->second.tool.pose = feedback->pose;
+  found->second.sent = ros::WallTime::now();
+  send(found->second.tool, Tool::ADD);
+}
+
+// ---- Showing and sending ----
+
+void Hand::showTool(const HandTool& tool) {
+  server_.insert(makeToolHandle(header_, tool), [this](const Feedback& feedback) { onTool(feedback); });
+  tool_menu_.apply(server_, tool.id);
+  HeldTool& held = held_.at(tool.id);
+  held.sent = ros::WallTime::now();
+  held.repeats = 0;
+  send(tool, Tool::ADD);
+}
+
+void Hand::showPanel() {
+  server_.insert(makePanelHandle(header_, text_place_, kPanelShare * extent_, sentence_));
+  panel_menu_.apply(server_, kPanelHandle);
+}
+
+void Hand::send(const HandTool& tool, std::uint8_t action) {
+  ToolArray array;
+  array.tools.resize(1);
+  Tool& message = array.tools[0];
+  message.header.frame_id = header_.frame_id;
+  message.id = tool.id;
+  message.action = action;
+  message.mode = tool.mode;
+  message.primitive = tool.primitive;
+  message.pose = tool.pose;
+  message.strength = tool.strength;
+  if (tool.mode == Tool::HEAT) message.strength = params_.heat;
+  if (tool.mode == Tool::ATTRACT) message.strength = params_.attraction;
+  tools_.publish(array);
+}
+
+void Hand::tell(const std::string& sentence, bool is_good) {
+  if (is_good) {
+    ROS_INFO_STREAM(sentence);
+  } else {
+    ROS_WARN_STREAM(sentence);
+  }
+  sentence_ = sentence;
+  showPanel();
+}
+
+}  // namespace deformable_surface::node

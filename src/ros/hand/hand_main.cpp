@@ -1,0 +1,63 @@
+// The executable deformable_surface_hand: takes the surface of a running node in hand, in RViz.
+#include "hand.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/ros/convert/xmlrpc_value.h"
+
+#include <ros/ros.h>
+
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+namespace {
+
+using deformable_surface::node::HandParams;
+
+constexpr char kHelp[] = R"(deformable_surface_hand: pulls, pins and works on a deformable surface by hand, in RViz.
+
+  rosrun deformable_surface deformable_surface_hand [_surface:=NAME] [_rate:=HZ] [_radius:=M]
+
+Parameters (private): surface (deformable_surface), rate (10 Hz), radius (auto, m), strength (0 = any, N),
+  heat (500 K), attraction (10 N/m)
+In RViz: the display InteractiveMarkers with the topic ~update. docs/rviz.md says what can be done.
+)";
+
+// As roscpp does for SIGINT.
+void handleSignal(int) { ros::requestShutdown(); }
+
+HandParams readHandParams(const ros::NodeHandle& node) {
+  XmlRpc::XmlRpcValue tree;
+  HandParams params;
+  if (!node.getParam(node.getNamespace(), tree)) return params;
+  std::string all;
+  for (const std::string& problem : readParams(deformable_surface::node::toValue(tree), params)) all += "\n" + problem;
+  if (!all.empty()) throw deformable_surface::InputError(all);
+  return params;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  std::setvbuf(stdout, nullptr, _IOLBF, 0);
+  ros::init(argc, argv, "deformable_surface_hand");
+  for (int i = 1; i < argc; ++i) {
+    const std::string argument = argv[i];
+    if (argument == "--help" || argument == "-h") {
+      std::fputs(kHelp, stdout);
+      return 0;
+    }
+    std::fprintf(stderr, "found the argument '%s'; accepted: --help, and ROS remappings such as _surface:=NAME\n", argv[i]);
+    return 2;
+  }
+  const ros::NodeHandle node, private_node("~");
+  std::signal(SIGTERM, handleSignal);
+  try {
+    const deformable_surface::node::Hand hand(readHandParams(private_node));
+    ros::spin();
+  } catch (const deformable_surface::InputError& error) {
+    ROS_FATAL_STREAM("the parameters below " << private_node.getNamespace() << " are not accepted:" << error.what());
+    return 2;
+  }
+  return 0;
+}

@@ -1,0 +1,139 @@
+#include "cloud_worker.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/io/cloud_filters.h"
+#include "deformable_surface/ros/convert/frames.h"
+
+#include <exception>
+#include <new>
+#include <utility>
+
+namespace deformable_surface::node {
+
+CloudWorker::CloudWorker(Inbox& inbox, Complaints& complaints, const DecodeLimits& limits)
+    : inbox_(inbox), complaints_(complaints), limits_(limits), thread_([this] { run(); }) {}
+
+CloudWorker::~CloudWorker() {
+  {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    is_ended_ = true;
+  }
+  came_.notify_all();
+  thread_.join();
+}
+
+void CloudWorker::put(const boost::shared_ptr<const BoundedCloud>& message) {
+  const std::int64_t arrival = inbox_.now();
+  const std::lock_guard<std::mutex> lock(mutex_);
+  ++counts_.received;
+  counts_.ignored += is_ignoring_;
+  if (is_ignoring_) return;
+  counts_.replaced += arrived_.has_value();
+  arrived_ = Arrived{message, arrival};
+  came_.notify_one();
+}
+
+void CloudWorker::ignore(bool is_ignoring) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  is_ignoring_ = is_ignoring;
+}
+
+CloudWorker::Counts CloudWorker::counts() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return counts_;
+}
+
+bool CloudWorker::isBusy() const {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  return is_busy_;
+}
+
+void CloudWorker::begin(CloudWork&& work) {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  is_busy_ = true;
+  work_ = std::move(work);
+  came_.notify_one();
+}
+
+std::optional<CloudResult> CloudWorker::take() {
+  const std::lock_guard<std::mutex> lock(mutex_);
+  if (!result_) return std::nullopt;
+  // Clouds that came meanwhile are decoded from now on.
+  is_busy_ = false;
+  came_.notify_one();
+  return std::exchange(result_, std::nullopt);
+}
+
+void CloudWorker::run() {
+  for (;;) {
+    std::optional<CloudWork> work;
+    std::optional<Arrived> arrived;
+    {
+      std::unique_lock<std::mutex> lock(mutex_);
+      came_.wait(lock, [this] { return is_ended_ || work_ || (arrived_ && !is_busy_); });
+      if (is_ended_) return;
+      work = std::exchange(work_, std::nullopt);
+      if (!work) arrived = std::exchange(arrived_, std::nullopt);
+    }
+    if (arrived) {
+      decode(*arrived);
+      continue;
+    }
+    CloudResult result = carryOut(*work);
+    {
+      const std::lock_guard<std::mutex> lock(mutex_);
+      result_ = std::move(result);
+    }
+    inbox_.wake();
+  }
+}
+
+void CloudWorker::decode(const Arrived& arrived) {
+  DecodedCloud decoded;
+  try {
+    decoded = decodeCloud(arrived.message->bytes.data(), arrived.message->bytes.size(), limits_);
+  } catch (const std::bad_alloc&) {
+    decoded.refusal =
+        std::to_string(arrived.message->bytes.size()) + " bytes do not fit in memory a second time; accepted: fewer";
+  }
+  if (decoded.ok()) return inbox_.put(std::move(decoded), arrived.arrival);
+  complaints_.report(Complaint::kCloudRefused, "cloud refused: " + decoded.refusal);
+  inbox_.wake();
+}
+
+// Nothing that a cloud can hold may end the thread.
+CloudResult CloudWorker::carryOut(CloudWork& work) const {
+  const Index num_points = work.cloud.size();
+  CloudResult result;
+  result.stamp = work.stamp;
+  result.arrival = work.arrival;
+  result.frame = std::move(work.frame);
+  result.cloud_frame = std::move(work.cloud_frame);
+  const InterruptScope scope(*inbox_.closing());
+  try {
+    setNumThreads(work.num_threads);
+    transformCloud(work.transform, work.cloud);
+    const simulation::InputFilterParams& filter = work.params.input.filter;
+    if (filter.isOn() && work.kind == CloudWork::Kind::kBuild)
+      result.unfiltered = std::make_unique<cloud::PointCloud>(work.cloud);
+    io::FilterReport filtered = io::filterCloud(filter, work.cloud);
+    if (!filtered.refusal.empty()) throw InputError(filtered.refusal);
+    if (work.kind == CloudWork::Kind::kObserve) {
+      result.observed = std::make_unique<simulation::ObservedCloud>(work.cloud);
+    } else {
+      auto simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
+      result.viewer = std::make_unique<simulation::Simulation>(simulation->viewer());
+      result.simulation = std::move(simulation);
+      result.filter_notes = std::move(filtered.notes);
+    }
+  } catch (const std::bad_alloc&) {
+    result.refusal = std::to_string(num_points) + " points do not fit in memory; accepted: fewer";
+  } catch (const std::exception& error) {
+    result.refusal = error.what();
+  }
+  return result;
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,99 @@
+// The thread that does with clouds what takes long: it decodes them, builds surfaces of them, and makes them ready to be tracked,
+// while the stepping thread steps on. A file of its own, because all that the two share is here: the newest cloud that came, one
+// piece of work, one result.
+#pragma once
+
+#include "complaints.h"
+#include "inbox.h"
+
+#include "deformable_surface/ros/convert/cloud_decoder.h"
+#include "deformable_surface/simulation/observed_cloud.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <Eigen/Geometry>
+
+#include <condition_variable>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace deformable_surface::node {
+
+/// What is to be made of a cloud.
+struct CloudWork {
+  enum class Kind { kBuild, kObserve };
+  Kind kind = Kind::kBuild;
+  cloud::PointCloud cloud;
+  std::int64_t stamp = 0, arrival = 0;                          // ns
+  Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // T_surface_cloud
+  std::string frame, cloud_frame;  // of the surface; of the message
+  simulation::SceneParams params;  // to build with
+  int num_threads = 1;             // of the loops over its points; >= 1
+};
+
+/// What became of it.
+struct CloudResult {
+  std::int64_t stamp = 0, arrival = 0;  // ns
+  std::string frame, cloud_frame;
+  std::string refusal;  // one sentence; empty: it was accepted, and of these there is what was asked for:
+  std::unique_ptr<simulation::Simulation> simulation, viewer;
+  std::unique_ptr<simulation::ObservedCloud> observed;
+  // Of a simulation whose cloud was filtered: what became of it, and the cloud before, in the surface's frame.
+  std::vector<std::string> filter_notes;
+  std::unique_ptr<cloud::PointCloud> unfiltered;
+};
+
+class CloudWorker {
+ public:
+  CloudWorker(Inbox& inbox, Complaints& complaints, const DecodeLimits& limits);
+  /// After the inbox is closed, which ends what is under way.
+  ~CloudWorker();
+  CloudWorker(const CloudWorker&) = delete;
+  CloudWorker& operator=(const CloudWorker&) = delete;
+
+  /// From any thread: a cloud that came. It is decoded and put into the inbox when there is no other work; of those that come
+  /// meanwhile the newest is kept.
+  void put(const boost::shared_ptr<const BoundedCloud>& message);
+  /// How many came; of these were replaced by newer ones; and were not even decoded, because clouds are ignored.
+  struct Counts {
+    int received = 0, replaced = 0, ignored = 0;
+  };
+  Counts counts() const;
+
+  // From the stepping thread.
+  /// Clouds are (not) taken from now on.
+  void ignore(bool is_ignoring);
+  /// Whether there is work under way, or a result that was not taken.
+  bool isBusy() const;
+  /// Only when it is not.
+  void begin(CloudWork&& work);
+  /// Nothing if there is none (yet). The inbox is woken when one comes.
+  std::optional<CloudResult> take();
+
+ private:
+  struct Arrived {
+    boost::shared_ptr<const BoundedCloud> message;
+    std::int64_t arrival = 0;
+  };
+
+  void run();
+  void decode(const Arrived& arrived);
+  CloudResult carryOut(CloudWork& work) const;
+
+  Inbox& inbox_;
+  Complaints& complaints_;
+  const DecodeLimits limits_;
+  mutable std::mutex mutex_;
+  std::condition_variable came_;
+  std::optional<Arrived> arrived_;
+  std::optional<CloudWork> work_;
+  std::optional<CloudResult> result_;
+  bool is_busy_ = false, is_ignoring_ = false, is_ended_ = false;
+  Counts counts_;
+  std::thread thread_;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,42 @@
+// One rollout: from the goal of the action to tools and forces on a copy of the surface, and from its steps to the result. Apart
+// from the server of the action, so that it is tested without a roscore.
+#pragma once
+
+#include "deformable_surface/RolloutGoal.h"
+#include "deformable_surface/RolloutResult.h"
+#include "deformable_surface/ros/convert/step_schedule.h"
+#include "deformable_surface/ros/convert/surface_output.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <tf2/buffer_core.h>
+
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace deformable_surface::node {
+
+// As many as ~step takes in a call.
+constexpr std::uint64_t kMaxRolloutSteps = 1000000;
+// What a result may hold: with the fields of a cloud, some hundred megabytes.
+constexpr std::uint64_t kMaxRolloutPoints = 4000000, kMaxRolloutSamples = 20000;
+
+struct RolloutPlan {
+  std::uint64_t first = 0, steps = 0;                  // the step that it begins with, and how many are taken
+  std::vector<std::uint64_t> cloud_steps, sample_steps;  // ascending: after so many steps of the rollout
+  std::uint8_t clouds = RolloutGoal::NONE;
+  CloudId cloud;  // of the surface
+};
+
+/// Gives the goal's tools and forces to the copy. Throws InputError for what is not accepted; the copy is then of no use.
+RolloutPlan prepareRollout(const RolloutGoal& goal, const std::string& surface_frame, const tf2::BufferCore& transforms,
+                           simulation::Simulation& copy);
+
+enum class RolloutEnd { kDone, kStopped, kFailed };
+
+/// Takes the steps. goes_on is asked before each with the share that is done. Fills the result, as far as it came.
+RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame, const StepSchedule& schedule,
+                      const std::function<bool(double progress)>& goes_on, simulation::Simulation& copy, RolloutResult& result);
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,480 @@
+#include "stepper.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/timer.h"
+#include "deformable_surface/ros/convert/frames.h"
+#include "deformable_surface/simulation/run_time_params.h"
+
+#include <ros/console.h>
+#include <ros/time.h>
+
+#include <algorithm>
+#include <cmath>
+#include <new>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+using std::chrono::milliseconds;
+using std::chrono::steady_clock;
+
+// How often what is waited for, a transform, is looked at; for how long a step in lockstep waits for one.
+constexpr milliseconds kPollPeriod(20), kTransformPatience(2000);
+// More lag than this on the computer's clock would only be felt as delay; it is let go instead.
+constexpr std::int64_t kMaxLag = 250'000'000;
+// How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
+// Less than what is let go of, so that a step that wakes is caught up with, where one may.
+constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeriod(1000);
+
+}  // namespace
+
+Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers,
+                 FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints)
+    : params_(params),
+      inbox_(inbox),
+      worker_(worker),
+      publishers_(publishers),
+      frames_(frames),
+      wrenches_(wrenches),
+      transforms_(transforms),
+      complaints_(complaints),
+      is_clock_simulated_(ros::Time::isSimTime()),
+      delay_(std::llround(params.input.delay * 1e9)),
+      schedule_(params.integrator.time_step),
+      commands_(params.force, params.input, transforms, complaints) {}
+
+bool Stepper::turn(Inbox::SteadyTime until) {
+  Inbox::Content content = inbox_.take(nextDeadline(until));
+  if (content.closed) return false;
+  last_turn_ = steady_clock::now();
+  handleClock(content.clock);
+  tellOfBuilding();
+  for (Command& command : content.commands)
+    if (!command.is_stamped) command.stamp = stampOfArrival(command.stamp, timeStep());
+  commands_.append(std::move(content.commands));
+  if (!content.tools_refused.empty()) commands_.toolStatuses().tellRefused(Tool(), content.tools_refused);
+  if (content.cloud) clouds_.put(std::move(*content.cloud));
+  if (now_ != 0) handleClouds();
+  if (simulation_ && !is_gravity_known_) updateGravity();
+  // What passed while the surface slept is part of what services see.
+  bool has_stepped = false;
+  while (isDue() && simulation_->isAsleep() && hasFrames() && takeStep()) has_stepped = true;
+  // The clock was read before them: what they take shows as lag in the next turn.
+  const double call_seconds = call_seconds_;
+  const Timer calls;
+  inbox_.doJobs();
+  call_seconds_ = calls.seconds();
+  if (content.frame_wanted && simulation_) show();
+  letGoOfLag(call_seconds);
+  if (isDue() && hasFrames() && takeStep()) has_stepped = true;
+  publishToolStatuses();
+  if (has_stepped && std::exchange(is_frame_due_, false) && isWanted()) frames_.show(makeMoment());
+  return true;
+}
+
+Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
+  const auto now = steady_clock::now();
+  if (!clouds_.isEmpty() || (simulation_ && !is_gravity_known_)) until = std::min<Inbox::SteadyTime>(until, now + kPollPeriod);
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return until;
+  if (isLockstep()) {
+    if (!isDue()) return until;  // a command wakes the inbox
+    return missing_since_ ? std::min<Inbox::SteadyTime>(until, now + kPollPeriod) : Inbox::SteadyTime(now);
+  }
+  if (canRest()) {
+    const milliseconds unheard = simulation_->isLeftAlone() ? kLeftAlonePeriod : kUnheardRestPeriod;
+    const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : unheard;
+    return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + period));
+  }
+  if (isDue()) return now;
+  // A simulated clock wakes the inbox itself.
+  if (is_clock_simulated_) return until;
+  const std::int64_t due =
+      schedule_.begin(simulation_->stepCount() + 1) - delayed(static_cast<std::int64_t>(ros::Time::now().toNSec()));
+  return due > kMaxAhead ? until
+                         : std::min<Inbox::SteadyTime>(until, now + std::chrono::nanoseconds(std::max<std::int64_t>(due, 0)));
+}
+
+// Nothing but time passes in the steps to come, and nobody wants to be told of each of them.
+bool Stepper::canRest() const {
+  return simulation_->isAsleep() && !commands_.isMoving() && ready_.empty() && !wrenches_.isHeard() &&
+         (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_);
+}
+
+// ---- The clock ----
+
+std::int64_t Stepper::delayed(std::int64_t clock) const { return clock == 0 ? 0 : std::max<std::int64_t>(clock - delay_, 1); }
+
+void Stepper::handleClock(const ClockNews& clock) {
+  now_ = delayed(clock.now);
+  if (!clock.jumped_back) {
+    // A surface that waited for its time has nothing to catch up of what the clock jumped over before.
+    const std::int64_t skipped = simulation_ && waitsUntilLater(now_ - clock.skipped)
+                                     ? std::max<std::int64_t>(0, now_ - schedule_.begin(simulation_->stepCount() + 1))
+                                     : clock.skipped;
+    if (isLockstep()) return;
+    schedule_.skip(skipped);
+    if (skipped > 0 && simulation_) {
+      complaints_.report(Complaint::kClock,
+                         "the clock jumped forward by " + formatShort(toSeconds(skipped)) + " s, which is not caught up");
+    }
+    return;
+  }
+  ++counts_.jumps_back;
+  commands_.clear();
+  if (!simulation_) return;
+  restart(delayed(clock.restart));
+  complaints_.report(
+      Complaint::kClock,
+      "the clock jumped back to " + formatReal(toSeconds(clock.restart)) + " s; the surface is reset to its rest state" +
+          (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
+                                       " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
+                                 : ""));
+  show();
+}
+
+void Stepper::restart(std::int64_t now) {
+  simulation_->reset();
+  beginAnew(schedule_.zero());
+  skipTo(now, 0);
+  updateGravity();
+}
+
+// The surface is at rest, and nothing is left of what came before; time 0 is at zero of the clock.
+void Stepper::beginAnew(std::int64_t zero) {
+  is_held_ = is_held_valid_ = false;
+  is_failed_ = is_frame_due_ = is_gravity_known_ = false;
+  last_frame_ = 0;
+  ready_.clear();
+  commands_.forget();
+  schedule_.start(zero);
+}
+
+void Stepper::letGoOfLag(double call_seconds) {
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_ || is_clock_simulated_ || isLockstep()) return;
+  const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
+  if (!(lag > kMaxLag)) return;
+  schedule_.skip(lag);
+  if (simulation_->stepCount() == 0) {
+    counts_.time_in_builds += toSeconds(lag);  // which the line about the surface has told
+    return;
+  }
+  if (2.0 * call_seconds > toSeconds(lag)) {
+    counts_.time_in_calls += toSeconds(lag);
+    complaints_.report(Complaint::kBehind, "services took " + formatShort(call_seconds) + " s, in which no step was taken; " +
+                                               formatShort(toSeconds(lag)) + " s are not caught up");
+    return;
+  }
+  counts_.time_let_go += toSeconds(lag);
+  const std::string why = step_seconds_ > params_.integrator.time_step
+                              ? "slower than real time (fewer simulation points, or a larger integrator.tolerance of the "
+                                "implicit method, are faster)"
+                              : "the process did not get to run for a while";
+  complaints_.report(Complaint::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
+                                             formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
+                                             " s are not caught up");
+}
+
+// ---- Steps ----
+
+std::string Stepper::obstacle() {
+  if (!simulation_)
+    return std::string("there is no surface yet; ") +
+           (isBuilding() ? "one is being built" : "publish a cloud on ~cloud_in first");
+  if (!is_gravity_known_ && !updateGravity()) return "the transform of gravity_frame is not known yet";
+  return "";
+}
+
+bool Stepper::isDue() const {
+  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return false;
+  if (isLockstep()) return isHeard();
+  return now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
+}
+
+bool Stepper::isHeard() const { return commands_.areCompleteAt(schedule_.begin(simulation_->stepCount())); }
+
+// A frame that does not come is waited for as long as a command is.
+bool Stepper::hasFrames() {
+  if (!isLockstep()) return true;
+  const std::uint64_t step = simulation_->stepCount();
+  const std::string missing = commands_.missingFrame(schedule_.begin(step), schedule_.begin(step + 1), frame_);
+  if (missing.empty()) {
+    missing_since_.reset();
+    return true;
+  }
+  if (!missing_since_) missing_since_ = steady_clock::now();
+  if (steady_clock::now() - *missing_since_ > kTransformPatience) return true;
+  complaints_.report(Complaint::kWaiting, "step " + std::to_string(step) + " waits for a transform of frame " + quote(missing));
+  return false;
+}
+
+void Stepper::skipTo(std::int64_t now, std::uint64_t step) {
+  if (!isLockstep()) schedule_.skipTo(now, step);
+}
+
+void Stepper::resumeAt(std::int64_t now, std::uint64_t step) {
+  if (!isLockstep()) schedule_.resumeAt(now, step);
+}
+
+bool Stepper::waitsUntilLater(std::int64_t now) const {
+  return schedule_.begin(simulation_->stepCount()) > now + timeStep();
+}
+
+void Stepper::setPaused(bool paused) {
+  if (isPaused() && !paused && simulation_) skipTo(now_, simulation_->stepCount());
+  if (!paused) is_failed_ = false;
+  is_paused_ = paused;
+}
+
+// At once, also where the clock is behind the cloud's stamp.
+void Stepper::reset() {
+  commands_.clear();
+  restart(now_);
+  if (now_ != 0) resumeAt(now_, 0);
+}
+
+void Stepper::hold() { is_held_ = is_held_valid_ = true; }
+
+void Stepper::letGo() {
+  if (!is_held_) return;
+  is_held_ = false;
+  if (simulation_) skipTo(now_, simulation_->stepCount());
+}
+
+void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
+  letGo();
+  if (!is_held_valid_)
+    throw InputError("the surface has become another meanwhile, by a reset, a snapshot or a cloud; nothing was changed");
+  simulation_ = std::move(simulation);
+  simulation_->setInterrupt(inbox_.endingStep());
+  is_as_built_ = false;
+  show();
+}
+
+void Stepper::requireFree() const {
+  if (is_held_) throw InputError("a surface is being grown (~fit); accepted: once that is done");
+}
+
+void Stepper::keepSnapshot(const std::string& name) {
+  snapshots_.put(name, {simulation_->snapshot(), commands_.memory(), simulation_->stateHash()});
+}
+
+void Stepper::restoreSnapshot(const std::string& name) {
+  const SnapshotShelf::Entry& entry = snapshots_.find(name);
+  is_held_ = is_held_valid_ = false;
+  simulation_->restore(entry.snapshot);
+  commands_.restore(entry.commands);
+  simulation::setPhysics(simulation::findPhysics(simulation_->params()), params_);
+  ++params_revision_;
+  if (on_params_) on_params_();
+  is_failed_ = is_frame_due_ = false;
+  last_frame_ = countFrames();
+  resumeAt(now_, simulation_->stepCount());
+}
+
+void Stepper::setParams(const simulation::SceneParams& params) {
+  requireFree();
+  if (simulation_) {
+    simulation_->setParams(params);
+  }
+  params_ = params;
+  ++params_revision_;
+  if (!simulation_) return;
+  last_frame_ = countFrames();
+  updateGravity();
+  Moment moment = makeMoment();
+  moment.params = simulation_->params();
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
+}
+
+double Stepper::secondsInStep() const {
+  const steady_clock::rep began = step_began_;
+  if (began == 0) return 0.0;
+  return std::chrono::duration<double>(steady_clock::now().time_since_epoch() - steady_clock::duration(began)).count();
+}
+
+std::uint32_t Stepper::takeSteps(std::uint32_t count) {
+  skipTo(now_, simulation_->stepCount());
+  std::uint32_t taken = 0;
+  while (taken < count && !*inbox_.endingStep() && takeStep()) ++taken;
+  is_frame_due_ = false;
+  // They may have run ahead of the clock, which those to come do not wait for.
+  if (now_ != 0) resumeAt(now_, simulation_->stepCount());
+  commands_.forgetSteps();
+  return taken;
+}
+
+bool Stepper::takeStep() {
+  const Timer timer;
+  const std::uint64_t step = simulation_->stepCount();
+  commands_.apply(schedule_.begin(step), schedule_.begin(step + 1), *simulation_, frame_);
+  updateGravity();
+  time_input_ = timer.seconds();
+
+  const simulation::StepOutcome outcome = [this] {
+    struct Mark {
+      std::atomic<steady_clock::rep>& began;
+      ~Mark() { began = 0; }
+    };
+    const Mark mark{step_began_};  // which an exception must not leave
+    step_began_ = steady_clock::now().time_since_epoch().count();
+    return simulation_->step();
+  }();
+  step_seconds_ = timer.seconds();
+  if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
+  if (!outcome.ok && *inbox_.endingStep()) return false;
+  if (!outcome.ok) {
+    is_failed_ = true;
+    complaints_.report(Complaint::kStep,
+                       outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
+    return false;
+  }
+  ++counts_.steps_taken;
+  publishWrenches();
+  const std::int64_t frame = countFrames();
+  is_frame_due_ = is_frame_due_ || frame > last_frame_;
+  last_frame_ = std::max(frame, last_frame_);
+  return true;
+}
+
+// Rounding must not delay a frame by a step.
+std::int64_t Stepper::countFrames() const {
+  return static_cast<std::int64_t>(std::floor(simulation_->time() * params_.output.publish_rate + 1e-6));
+}
+
+// That of the step's beginning. The first may be younger, since no step is taken, and no time passes, before there is one.
+Eigen::Isometry3d Stepper::findGravityTransform() const {
+  const auto find = [&](const ros::Time& stamp) {
+    return findTransformUntil("gravity_frame", params_.gravity_frame, frame_, stamp, transforms_).transform;
+  };
+  try {
+    return find(ros::Time().fromNSec(static_cast<std::uint64_t>(schedule_.begin(simulation_->stepCount()))));
+  } catch (const FrameError&) {
+    if (is_gravity_known_) throw;
+    return find(ros::Time());
+  }
+}
+
+bool Stepper::updateGravity() {
+  if (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_) return is_gravity_known_ = true;
+  try {
+    simulation_->setGravity(findGravityTransform().linear() * params_.gravity);
+    // The time spent waiting is not caught up.
+    if (!is_gravity_known_) skipTo(now_, simulation_->stepCount());
+    return is_gravity_known_ = true;
+  } catch (const InputError& error) {
+    // Once known, the last one stays.
+    if (!is_gravity_known_) complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the surface waits for it");
+    return is_gravity_known_;
+  }
+}
+
+// ---- Output ----
+
+// The ROS time at which the state is the surface's. One that waits, as in a pause, is that of now, and so is one that is so late
+// that the lag is about to be let go.
+std::int64_t Stepper::outputStamp() const {
+  const std::uint64_t step = simulation_->stepCount();
+  if (params_.output.stamp == simulation::OutputStamp::kSimulation) return schedule_.stamp(step);
+  const std::int64_t begin = schedule_.begin(step);
+  if (isLockstep()) return begin;
+  const bool waits = isPaused() || is_held_ || !is_gravity_known_ || begin > now_;
+  const bool is_let_go = !is_clock_simulated_ && now_ - begin > kMaxLag;
+  return now_ != 0 && (waits || is_let_go) ? now_ : begin;
+}
+
+StepSchedule Stepper::scheduleFrom(std::uint64_t step) const {
+  StepSchedule schedule = schedule_;
+  if (params_.output.stamp == simulation::OutputStamp::kSimulation) {
+    schedule.start(schedule.zero());
+  } else {
+    schedule.resumeAt(outputStamp(), step);
+  }
+  return schedule;
+}
+
+void Stepper::publishWrenches() {
+  wrenches_.publish(*simulation_, outputStamp(), frame_, commands_.silentTools());
+}
+
+Moment Stepper::makeMoment() {
+  Moment moment;
+  moment.sight = simulation_->sight();
+  moment.stamp = outputStamp();
+  moment.cloud = cloud_;
+  moment.time_input = time_input_;
+  moment.revision = shown_revision_ = simulation_->revision();
+  moment.surface_revision = shown_surface_revision_ = simulation_->surfaceRevision();
+  return moment;
+}
+
+void Stepper::publishToolStatuses() {
+  ToolStatusArray statuses;
+  if (!commands_.toolStatuses().takeNews(statuses)) return;
+  statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
+  statuses.header.frame_id = frame_;
+  wrenches_.publish(statuses);
+}
+
+// Making a moment costs a copy of the state.
+bool Stepper::isWanted() const {
+  return publishers_.isWanted(simulation_->revision() != shown_revision_,
+                              simulation_->surfaceRevision() != shown_surface_revision_);
+}
+
+void Stepper::show() {
+  Moment moment = makeMoment();
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
+}
+
+StepperStatus Stepper::status() const {
+  StepperStatus status = counts_;
+  status.frames_dropped = frames_.numDropped();
+  status.is_failed = is_failed_;
+  status.time_step = params_.integrator.time_step;
+  status.commands_applied = commands_.numApplied();
+  status.commands_late = commands_.numLate();
+  status.commands_waiting = commands_.numWaiting();
+  status.commands_dropped = commands_.numDropped();
+  for (const std::string& id : commands_.silentTools()) status.silent_tools += (status.silent_tools.empty() ? "" : ", ") + id;
+  const CloudWorker::Counts came = worker_.counts();
+  status.clouds_received = came.received;
+  status.clouds_ignored += came.ignored;
+  status.clouds_dropped += clouds_.numDropped() + came.replaced;
+  if (simulation_) {
+    status.simulation_time = simulation_->time();
+    status.step = simulation_->stepCount();
+    status.accuracy = simulation_->accuracyChoice().sentence;
+    status.has_snapped = simulation_->hasSnapped();
+    status.lag = isLockstep() ? 0.0 : std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
+  }
+  if (is_failed_) {
+    status.state = "stopped by a failed step";
+  } else if (is_held_) {
+    status.state = "growing a surface";
+  } else if (is_paused_) {
+    status.state = "paused";
+  } else if (now_ == 0) {
+    status.state = "waiting for the clock";
+  } else if (simulation_ && !is_gravity_known_) {
+    status.state = "waiting for the transform of gravity_frame";
+  } else if (simulation_ && isLockstep() && !isHeard()) {
+    const double begin = std::round(1e3 * toSeconds(schedule_.begin(status.step))) / 1e3;
+    status.state = "waiting for commands after " + formatReal(begin) + " s (input.lockstep)";
+  } else if (simulation_ && !isLockstep() && waitsUntilLater(now_)) {
+    status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
+  } else if (simulation_) {
+    status.state = "running";
+  } else if (isBuilding()) {
+    status.state = "building a surface";
+  }
+  if (simulation_ && isBuilding()) status.state += ", while another surface is built";
+  return status;
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,216 @@
+// What becomes of clouds: which one is decoded next into a surface or something to track, when that is taken, and what is
+// ignored. A file of its own, because the steps go on meanwhile: what takes long is done by the worker.
+#include "stepper.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/parallel.h"
+#include "deformable_surface/cloud/equal_clouds.h"
+#include "deformable_surface/ros/convert/frames.h"
+#include "deformable_surface/simulation/run_time_params.h"
+
+#include <ros/console.h>
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_surface::node {
+namespace {
+
+// A simulated clock may start late or jump; a cloud older than this when it comes is not one that steps should catch up from.
+constexpr std::int64_t kOldCloud = 1'000'000'000;
+// The stamp of a cloud is that of its surface at rest while tf2 and RViz, which keep ten seconds, surely know its transforms.
+constexpr std::int64_t kLongestBuild = 5'000'000'000;
+// Clouds that were made ready before their step: as many as may wait undone.
+constexpr std::size_t kMostReady = 64;
+constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
+constexpr double kLongBuild = 2.0;  // s: who waits longer wonders
+constexpr double kToldLag = 0.25;   // s: what is caught up with need not be told
+
+double secondsSince(Inbox::SteadyTime then) {
+  return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
+}
+
+}  // namespace
+
+bool Stepper::isTracking() const { return simulation_ && params_.input.policy == simulation::InputPolicy::kTrack; }
+
+std::int64_t Stepper::arrivalOf(const IncomingCloud& incoming) const {
+  return incoming.arrival != 0 ? incoming.arrival : now_ + delay_;
+}
+
+std::int64_t Stepper::stampOf(const IncomingCloud& incoming) const {
+  const ros::Time stamp = incoming.decoded.header.stamp;
+  return stamp.isZero() ? arrivalOf(incoming) : static_cast<std::int64_t>(stamp.toNSec());
+}
+
+void Stepper::handleClouds() {
+  if (std::optional<CloudResult> result = worker_.take()) takeResult(std::move(*result));
+  if (isTracking()) observeReady();
+  if (simulation_ && params_.input.policy == simulation::InputPolicy::kIgnore) {
+    counts_.clouds_ignored += static_cast<int>(clouds_.size());
+    clouds_.clear();
+  }
+  if (clouds_.isEmpty() || worker_.isBusy()) return;
+  CloudWork work;
+  std::optional<IncomingCloud> incoming = clouds_.take(
+      [&](const IncomingCloud& cloud, bool is_patient) { return prepare(cloud, is_patient, work); });
+  if (!incoming) return;
+  work.kind = isTracking() ? CloudWork::Kind::kObserve : CloudWork::Kind::kBuild;
+  work.arrival = arrivalOf(*incoming);
+  work.stamp = stampOf(*incoming);
+  work.cloud_frame = incoming->decoded.header.frame_id;
+  work.cloud = std::move(incoming->decoded.cloud);
+  work.params = params_;
+  // The steps of a surface that is there go on beside it.
+  work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
+  if (work.kind == CloudWork::Kind::kBuild) {
+    built_revision_ = params_revision_;
+    if (!simulation_) setSurfaceFrame(work.frame);
+    if (simulation_) commands_.keepSince(work.stamp);  // which nobody carries out before there is one
+    if (isAgain(work)) return begin({work.stamp, work.arrival, frame_, work.cloud_frame, {}, {}, {}, {}, {}, {}});
+    building_ = Building{std::chrono::steady_clock::now(), work.cloud.size()};
+  }
+  worker_.begin(std::move(work));
+}
+
+/// Finds the way into the surface's frame, if that can be done now.
+WaitingClouds::Answer Stepper::prepare(const IncomingCloud& incoming, bool is_patient, CloudWork& work) {
+  const std_msgs::Header& header = incoming.decoded.header;
+  const std::int64_t ahead = stampOf(incoming) - arrivalOf(incoming);
+  try {
+    if (ahead > kMaxAhead) {
+      throw InputError("header.stamp: found a time " + formatReal(toSeconds(ahead)) + " s ahead of the clock; accepted: up to " +
+                       formatReal(toSeconds(kMaxAhead)) + " s");
+    }
+    work.frame = isTracking() ? frame_ : withoutSlash(params_.frame_id.empty() ? header.frame_id : params_.frame_id);
+    work.transform = findTransform("header.frame_id", header.frame_id, work.frame, header.stamp, transforms_);
+    return WaitingClouds::Answer::kTake;
+  } catch (const FrameError& error) {
+    if (is_patient) {
+      complaints_.report(Complaint::kWaiting, std::string("cloud: ") + error.what() + "; the cloud waits for it");
+      return WaitingClouds::Answer::kWait;
+    }
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  }
+  return WaitingClouds::Answer::kRefuse;
+}
+
+void Stepper::takeResult(CloudResult&& result) {
+  if (!result.refusal.empty()) {
+    building_.reset();
+    commands_.forgetKept();
+    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + result.refusal);
+  } else if (result.simulation) {
+    begin(std::move(result));
+  } else if (isTracking() && result.frame == frame_) {
+    ready_.push_back({result.stamp, std::move(result.observed)});
+    std::int64_t points = 0;
+    for (const ReadyCloud& ready : ready_) points += static_cast<std::int64_t>(ready.cloud->points().size());
+    for (; ready_.size() > kMostReady || (ready_.size() > 1 && points > kMostReadyPoints); ++counts_.clouds_dropped) {
+      points -= static_cast<std::int64_t>(ready_.front().cloud->points().size());
+      ready_.pop_front();
+    }
+  }
+}
+
+void Stepper::setSurfaceFrame(const std::string& frame) {
+  inbox_.setSurfaceFrame(frame);
+  commands_.setSurfaceFrame(frame);
+}
+
+// Once, so that nobody takes the node for dead.
+void Stepper::tellOfBuilding() {
+  if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
+  building_->is_told = true;
+  ROS_INFO_STREAM(complaints_.name() << ": a surface of " << building_->points << " points has been under construction for "
+                                     << formatShort(secondsSince(building_->begin)) << " s"
+                                     << (simulation_ ? "; the one before goes on meanwhile" : ""));
+}
+
+// A cloud shows the surface at its stamp, and draws it from there on.
+void Stepper::observeReady() {
+  if (is_held_) return;
+  const std::uint64_t step = simulation_->stepCount();
+  const auto isDue = [&](const ReadyCloud& ready) { return isPaused() || ready.stamp <= schedule_.begin(step); };
+  const auto newest = std::find_if(ready_.rbegin(), ready_.rend(), isDue);
+  if (newest == ready_.rend()) return;
+  try {
+    simulation_->observe(*newest->cloud);
+    ++counts_.clouds_tracked;
+    counts_.clouds_late += !isPaused() && step > 0 && newest->stamp <= schedule_.begin(step - 1);
+  } catch (const InputError& error) {
+    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+  }
+  counts_.clouds_dropped += static_cast<int>(ready_.rend() - newest) - 1;
+  ready_.erase(ready_.begin(), newest.base());
+}
+
+// Whether neighbours, weights and springs would come out as they are.
+bool Stepper::isAgain(const CloudWork& work) const {
+  return simulation_ && is_as_built_ && work.frame == frame_ && work.transform.isApprox(Eigen::Isometry3d::Identity(), 0.0) &&
+         cloud::areEqual(work.cloud, unfiltered_ ? *unfiltered_ : simulation_->input());
+}
+
+// With the simulation that was built, or, where none was, with the one that is there.
+void Stepper::begin(CloudResult&& result) {
+  const bool is_again = !result.simulation;
+  if (!is_again) {
+    result.simulation->setInterrupt(inbox_.endingStep());
+    // What may change while a surface runs may have changed while this one was built.
+    if (params_revision_ != built_revision_)
+      result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
+  }
+  // Commands for the surface before are not for this one, but those since its stamp are; before the first there was none that
+  // they could be for.
+  if (simulation_) {
+    commands_.takeBack();
+    commands_.dropBefore(result.stamp);
+  }
+  if (is_again) {
+    simulation_->reset();
+  } else {
+    simulation_ = std::move(result.simulation);
+    unfiltered_ = std::move(result.unfiltered);
+  }
+  is_as_built_ = true;
+  frame_ = result.frame;
+  setSurfaceFrame(frame_);
+  snapshots_.clear();
+  beginAnew(result.stamp);
+  if (is_clock_simulated_ && result.arrival - result.stamp > kOldCloud) skipTo(delayed(result.arrival), 0);
+  updateGravity();
+  ++counts_.clouds_accepted;
+  counts_.clouds_again += is_again;
+  cloud_.number = static_cast<std::uint32_t>(counts_.clouds_accepted);
+  cloud_.stamp.fromNSec(static_cast<std::uint64_t>(result.stamp));
+  cloud_.frame = result.cloud_frame;
+  worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
+
+  std::string news = ": the cloud came again: the surface that was made of it begins anew";
+  if (!is_again) {
+    std::string notes;
+    for (const std::string& note : result.filter_notes) appendNotice(notes, note);
+    for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
+    news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
+  }
+  const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
+  if (behind > kToldLag)
+    news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
+  ROS_INFO_STREAM(complaints_.name() << news);
+  for (const std::string& warning : simulation_->buildWarnings()) complaints_.report(Complaint::kNotice, warning);
+  building_.reset();
+  Moment moment = makeMoment();
+  // At rest it is the cloud itself, at its stamp.
+  if (inbox_.now() - result.stamp <= kLongestBuild) moment.stamp = result.stamp;
+  moment.viewer = std::move(result.viewer);
+  moment.params = simulation_->params();
+  moment.frame = frame_;
+  moment.all = moment.is_kept = true;
+  frames_.show(std::move(moment));
+  publishWrenches();
+}
+
+}  // namespace deformable_surface::node

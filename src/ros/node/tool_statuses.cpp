@@ -1,0 +1,57 @@
+#include "tool_statuses.h"
+
+#include "deformable_surface/ros/convert/tool_decoder.h"
+
+#include <algorithm>
+
+namespace deformable_surface::node {
+namespace {
+
+constexpr std::size_t kShownId = 64;  // letters of an id that is wrong
+
+}  // namespace
+
+void ToolStatuses::tellWaiting(const Tool& command, const std::string& reason) {
+  tell(command, ToolStatus::WAITING, reason, 0);
+}
+
+void ToolStatuses::tellAccepted(const Tool& command, std::uint64_t step) {
+  if (command.action == Tool::DELETEALL) clear();
+  tell(command, ToolStatus::ACCEPTED, "", step);
+}
+
+void ToolStatuses::tellRefused(const Tool& command, const std::string& reason) {
+  tell(command, ToolStatus::REFUSED, reason, 0);
+}
+
+void ToolStatuses::clear() {
+  has_news_ = has_news_ || !entries_.empty();
+  entries_.clear();
+}
+
+void ToolStatuses::tell(const Tool& command, std::uint8_t status, const std::string& reason, std::uint64_t step) {
+  const std::string id = command.action == Tool::DELETEALL ? "" : command.id.substr(0, kShownId);
+  if (entries_.size() >= kMaxTools && entries_.count(id) == 0) {
+    const auto is_older = [](const auto& a, const auto& b) { return a.second.told < b.second.told; };
+    entries_.erase(std::min_element(entries_.begin(), entries_.end(), is_older));
+  }
+  Entry& entry = entries_[id];
+  entry.told = ++count_;
+  entry.status.header = command.header;
+  entry.status.id = id;
+  entry.status.action = command.action;
+  entry.status.status = status;
+  entry.status.message = reason;
+  entry.status.step = step;
+  has_news_ = true;
+}
+
+bool ToolStatuses::takeNews(ToolStatusArray& message) {
+  if (!has_news_) return false;
+  has_news_ = false;
+  message.tools.clear();
+  for (const auto& [id, entry] : entries_) message.tools.push_back(entry.status);
+  return true;
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,36 @@
+// What became of the last command to each tool, so that its sender is answered. Apart from the commands that wait, which it
+// outlives.
+#pragma once
+
+#include "deformable_surface/Tool.h"
+#include "deformable_surface/ToolStatusArray.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+
+namespace deformable_surface::node {
+
+class ToolStatuses {
+ public:
+  void tellWaiting(const Tool& command, const std::string& reason);
+  /// step: the first one that it counts for.
+  void tellAccepted(const Tool& command, std::uint64_t step);
+  void tellRefused(const Tool& command, const std::string& reason);
+  void clear();
+  /// Fills the list if it has changed since the last call, and the first time; else returns false.
+  bool takeNews(ToolStatusArray& message);
+
+ private:
+  void tell(const Tool& command, std::uint8_t status, const std::string& reason, std::uint64_t step);
+
+  struct Entry {
+    ToolStatus status;
+    std::uint64_t told = 0;  // counts
+  };
+  std::map<std::string, Entry> entries_;  // by id
+  std::uint64_t count_ = 0;
+  bool has_news_ = true;
+};
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,89 @@
+// The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each becomes visible under its name only
+// when it is complete.
+#pragma once
+
+#include "deformable_surface/io/pending_file.h"
+#include "deformable_surface/ros/convert/encode.h"
+#include "deformable_surface/ros/convert/markers.h"
+#include "deformable_surface/ros/convert/surface_output.h"
+#include "deformable_surface/simulation/simulation.h"
+
+#include <rosbag/bag.h>
+
+#include <cstdint>
+#include <fstream>
+#include <memory>
+#include <set>
+#include <string>
+
+namespace deformable_surface::node {
+
+/// When the next output of a rate is due: at the first step at or after each multiple of its period, and at most once per step.
+class Pace {
+ public:
+  Pace(double rate, double time_step) : rate_(rate), tolerance_(1e-6 * time_step) {}
+  bool isDue(double time);
+
+ private:
+  double rate_;       // Hz
+  double tolerance_;  // s; rounding of the time must not move an output to the next step
+  std::uint64_t count_ = 0;
+};
+
+/// One CSV row per step.
+class StatisticsFile {
+ public:
+  explicit StatisticsFile(const std::string& file);
+  void add(const simulation::Statistics& statistics);
+  void finish();
+
+ private:
+  void check() const;
+
+  std::string name_;
+  io::PendingFile file_;
+  std::ofstream stream_;
+};
+
+/// frame_000000.ply, frame_000001.ply, ...
+bool isFrameName(const std::string& name);
+class FrameFiles {
+ public:
+  /// Makes the folder if there is none. Throws InputError if it cannot, or if the folder holds frames: the frames of two runs
+  /// would look like those of one.
+  FrameFiles(const std::string& directory, double rate, double time_step);
+  void add(double time, simulation::Simulation& simulation);
+
+ private:
+  std::string directory_;
+  Pace pace_;
+  int count_ = 0;
+};
+
+/// What the node would publish. Wall times are left out as NaN, so that equal input gives equal bytes.
+class OutputBag {
+ public:
+  OutputBag(const std::string& file, double rate, double time_step);
+  /// For a new surface, at rest.
+  void begin(const std::string& frame_id, const CloudId& cloud, const simulation::Simulation& simulation);
+  /// time: s since the run began; stamp: ns on the clock of the bag, >= 0; silent: ids of the tools that are.
+  void add(double time, std::int64_t stamp, const std::set<std::string>& silent, simulation::Simulation& simulation);
+  void finish();
+
+ private:
+  // A bag that cannot be written ends the program from its own destructor; such a one is not destroyed.
+  struct CloseOrLeave {
+    void operator()(rosbag::Bag* bag) const noexcept;
+  };
+
+  std::string name_;
+  io::PendingFile file_;
+  std::unique_ptr<rosbag::Bag, CloseOrLeave> bag_;
+  Pace pace_;
+  std::string frame_id_;
+  CloudId cloud_;
+  std::unique_ptr<SurfaceEncoder> encoder_;
+  std::unique_ptr<SimulationMarkers> markers_;
+};
+
+}  // namespace deformable_surface::node

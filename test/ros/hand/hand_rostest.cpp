@@ -1,0 +1,301 @@
+// The test plays RViz: it answers the markers of the hand as RViz does when a person drags them or chooses from a menu, and looks
+// at what the surface does.
+#include "../bad_clouds.h"
+#include "../node_client.h"
+
+#include "deformable_surface/ToolWrenchArray.h"
+
+#include <visualization_msgs/InteractiveMarkerFeedback.h>
+#include <visualization_msgs/InteractiveMarkerInit.h>
+#include <visualization_msgs/InteractiveMarkerUpdate.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::node::test {
+namespace {
+
+using visualization_msgs::InteractiveMarker;
+using visualization_msgs::InteractiveMarkerFeedback;
+
+constexpr char kScene[] = R"(
+model: mass_spring
+material: {young_modulus: 1.0e5, thickness: 0.001, bending_rigidity: 0.01, damping: 20.0}
+gravity: [0, 0, 0]
+pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}]
+output: {publish_rate: 50.0, stamp: simulation}
+)";
+constexpr int kColumns = 21, kRows = 11;  // of a flat sheet of this spacing that begins at the origin
+constexpr double kSpacing = 0.01;
+
+sensor_msgs::PointCloud2 makeFlatSheet() {
+  PointCloud2 cloud = makeCloud(kColumns, kRows, 16, [](std::uint32_t column, std::uint32_t row) {
+    return Point3f{static_cast<float>(kSpacing * column), static_cast<float>(kSpacing * row), 0.0f};
+  });
+  cloud.header.stamp = ros::Time::now();
+  cloud.header.frame_id = "table";
+  return cloud;
+}
+
+/// What RViz knows of the markers of the hand, and what a person at it can do.
+class FakeRviz {
+ public:
+  FakeRviz()
+      : init_(node_.subscribe<visualization_msgs::InteractiveMarkerInit>(
+            "/hand/update_full", 100,
+            [this](const visualization_msgs::InteractiveMarkerInitConstPtr& m) {
+              for (const auto& marker : m->markers) markers[marker.name] = marker;
+            })),
+        update_(node_.subscribe<visualization_msgs::InteractiveMarkerUpdate>(
+            "/hand/update", 100,
+            [this](const visualization_msgs::InteractiveMarkerUpdateConstPtr& m) {
+              for (const auto& marker : m->markers) markers[marker.name] = marker;
+              for (const auto& pose : m->poses) markers[pose.name].pose = pose.pose;
+              for (const auto& name : m->erases) markers.erase(name);
+              num_updates += m->type == visualization_msgs::InteractiveMarkerUpdate::UPDATE;
+            })),
+        feedback_(node_.advertise<InteractiveMarkerFeedback>("/hand/feedback", 100)) {}
+
+  bool waitForMarker(const std::string& name) {
+    return waitUntil([&] { return markers.count(name) > 0 && feedback_.getNumSubscribers() > 0; });
+  }
+
+  void press(const std::string& marker, const Vec3& handle, const Vec3& mouse) {
+    InteractiveMarkerFeedback feedback = makeFeedback(marker, InteractiveMarkerFeedback::MOUSE_DOWN, handle);
+    feedback.mouse_point.x = mouse.x(), feedback.mouse_point.y = mouse.y(), feedback.mouse_point.z = mouse.z();
+    feedback.mouse_point_valid = true;
+    feedback_.publish(feedback);
+  }
+  void drag(const std::string& marker, const Vec3& handle) {
+    feedback_.publish(makeFeedback(marker, InteractiveMarkerFeedback::POSE_UPDATE, handle));
+  }
+  void release(const std::string& marker, const Vec3& handle) {
+    feedback_.publish(makeFeedback(marker, InteractiveMarkerFeedback::MOUSE_UP, handle));
+  }
+  void choose(const std::string& marker, const std::string& title) {
+    InteractiveMarkerFeedback feedback = makeFeedback(marker, InteractiveMarkerFeedback::MENU_SELECT, Vec3::Zero());
+    const auto& entries = markers.at(marker).menu_entries;
+    const auto found = std::find_if(entries.begin(), entries.end(), [&](const auto& entry) { return entry.title == title; });
+    ASSERT_NE(found, entries.end()) << title;
+    feedback.pose = markers.at(marker).pose;
+    feedback.menu_entry_id = found->id;
+    feedback_.publish(feedback);
+  }
+  bool offers(const std::string& marker, const std::string& title) {
+    const auto& entries = markers.at(marker).menu_entries;
+    return std::any_of(entries.begin(), entries.end(), [&](const auto& entry) { return entry.title == title; });
+  }
+
+  std::map<std::string, InteractiveMarker> markers;
+  int num_updates = 0;
+
+ private:
+  InteractiveMarkerFeedback makeFeedback(const std::string& marker, std::uint8_t event, const Vec3& handle) {
+    InteractiveMarkerFeedback feedback;
+    feedback.header.frame_id = "table";
+    feedback.client_id = "fake_rviz";
+    feedback.marker_name = marker;
+    feedback.event_type = event;
+    feedback.pose.position.x = handle.x(), feedback.pose.position.y = handle.y(), feedback.pose.position.z = handle.z();
+    feedback.pose.orientation.w = 1.0;
+    return feedback;
+  }
+
+  ros::NodeHandle node_;
+  ros::Subscriber init_, update_;
+  ros::Publisher feedback_;
+};
+
+class HandTest : public ::testing::Test {
+ protected:
+  void start(const std::string& scene, const std::string& more = "") {
+    process_ = std::make_unique<NodeProcess>("/surface", scene);
+    hand_ = std::make_unique<NodeProcess>("/hand", "{surface: /surface, rate: 20.0" + more + "}", "deformable_surface_hand");
+    client_ = std::make_unique<NodeClient>("/surface");
+    points_subscriber_ = client_->handle().subscribe<PointCloud2>(
+        "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { points_ = *m; });
+    wrenches_subscriber_ = client_->handle().subscribe<ToolWrenchArray>(
+        "tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) {
+          contacts_.clear();
+          for (const ToolWrench& wrench : m->wrenches) contacts_[wrench.id] = wrench.contacts;
+        });
+    ASSERT_TRUE(client_->waitForNode()) << process_->output();
+    ASSERT_TRUE(client_->exchange(makeFlatSheet())) << process_->output();
+    for (const char* name : {"surface", "spot", "panel"}) ASSERT_TRUE(rviz_.waitForMarker(name)) << name << hand_->output();
+  }
+
+  /// The sentence beside the panel as RViz shows it.
+  visualization_msgs::Marker findAnswer() {
+    for (const auto& control : rviz_.markers["panel"].controls)
+      for (const auto& marker : control.markers)
+        if (marker.type == visualization_msgs::Marker::TEXT_VIEW_FACING) return marker;
+    return {};
+  }
+
+  Vec3 lastPosition(int column, int row) const { return readPosition(*client_->frames.back(), row * kColumns + column); }
+  int countPinned() const {
+    int count = 0;
+    for (std::size_t i = 0; i < points_.width; ++i) {
+      const auto field = std::find_if(points_.fields.begin(), points_.fields.end(), [](auto& f) { return f.name == "pinned"; });
+      count += points_.data[i * points_.point_step + field->offset] != 0;
+    }
+    return count;
+  }
+
+  FakeRviz rviz_;
+  std::unique_ptr<NodeProcess> process_, hand_;
+  std::unique_ptr<NodeClient> client_;
+  PointCloud2 points_;
+  std::map<std::string, std::uint32_t> contacts_;
+  ros::Subscriber points_subscriber_, wrenches_subscriber_;
+};
+
+TEST_F(HandTest, TakesTheSurfaceAlongWhileTheButtonIsDownAndLetsGo) {
+  start(kScene);
+  const Vec3 corner(kSpacing * (kColumns - 1), 0.05, 0.0);
+  // A click alone moves nothing, but the spot goes there.
+  rviz_.press("surface", Vec3::Zero(), corner);
+  rviz_.release("surface", Vec3::Zero());
+  EXPECT_TRUE(waitUntil([&] { return std::abs(rviz_.markers["spot"].pose.position.x - corner.x()) < 1e-6; }));
+  EXPECT_EQ(contacts_.count("hand"), 0u);
+
+  rviz_.press("surface", Vec3::Zero(), corner);
+  for (int i = 1; i <= 10; ++i) rviz_.drag("surface", Vec3(0.0, 0.0, 0.002 * i));
+  EXPECT_TRUE(waitUntil([&] { return std::abs(lastPosition(kColumns - 1, 5).z() - 0.02) < 1e-4; })) << hand_->output();
+  EXPECT_LT(lastPosition(0, 5).norm() - 0.05, 1e-6);
+  EXPECT_TRUE(waitUntil([&] { return contacts_["hand"] > 0; }));
+  rviz_.release("surface", Vec3(0.0, 0.0, 0.02));
+  EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand") == 0; }));
+  EXPECT_TRUE(waitUntil([&] { return std::abs(lastPosition(kColumns - 1, 5).z()) < 0.01; }));
+}
+
+TEST_F(HandTest, LetsGoWhenRvizIsGone) {
+  start(kScene);
+  rviz_.press("surface", Vec3::Zero(), Vec3(0.2, 0.05, 0.0));
+  rviz_.drag("surface", Vec3(0.0, 0.0, 0.005));
+  ASSERT_TRUE(waitUntil([&] { return contacts_.count("hand") > 0; }));
+  EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand") == 0; }));
+}
+
+TEST_F(HandTest, SlipsWhereThePullTakesMoreThanItsStrength) {
+  start(kScene, ", strength: 1.0");
+  const Vec3 corner(kSpacing * (kColumns - 1), 0.05, 0.0);
+  rviz_.press("surface", Vec3::Zero(), corner);
+  double way = 0.0;
+  const auto pull = [&] {
+    rviz_.drag("surface", Vec3(way += 0.0002, 0.0, 0.0));
+    return waitUntil([] { return false; }, 0.02);
+  };
+  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_["hand"] > 0; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_.count("hand") == 0; })) << hand_->output();
+  EXPECT_TRUE(waitUntil([&] { return findAnswer().text.find("at most 1 N") != std::string::npos; })) << hand_->output();
+  // The button is still down.
+  EXPECT_TRUE(waitUntil([&] { return pull() || std::abs(lastPosition(kColumns - 1, 5).x() - corner.x()) < 1e-4; }));
+  EXPECT_EQ(contacts_.count("hand"), 0u);
+}
+
+TEST_F(HandTest, PinsAndFreesWhatIsAtTheSpot) {
+  start(kScene);
+  ASSERT_TRUE(waitUntil([&] { return points_.width > 0; }));
+  const int before = countPinned();
+  rviz_.press("surface", Vec3::Zero(), Vec3(0.2, 0.05, 0.0));
+  rviz_.release("surface", Vec3::Zero());
+  rviz_.choose("spot", "Pin here");
+  ASSERT_TRUE(waitUntil([&] { return countPinned() > before; })) << hand_->output();
+  rviz_.choose("spot", "Unpin here");
+  ASSERT_TRUE(waitUntil([&] { return countPinned() == before; })) << hand_->output();
+  EXPECT_FALSE(rviz_.offers("spot", "Take away here"));  // springs cannot
+  EXPECT_FALSE(rviz_.offers("spot", "Knife"));
+}
+
+TEST_F(HandTest, MovesAToolThatOutlastsAReset) {
+  start(kScene);
+  rviz_.press("surface", Vec3::Zero(), Vec3(0.1, 0.05, 0.0));
+  rviz_.release("surface", Vec3::Zero());
+  rviz_.choose("spot", "Ball");
+  ASSERT_TRUE(rviz_.waitForMarker("hand_1")) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return contacts_.count("hand_1") > 0; }));
+  EXPECT_EQ(contacts_["hand_1"], 0u);  // beside the surface
+  const double z = rviz_.markers["hand_1"].pose.position.z;
+  EXPECT_GT(std::abs(z), 0.01);
+  for (int i = 1; i <= 10; ++i) {
+    rviz_.drag("hand_1", Vec3(0.1, 0.05, z * (1.0 - 0.06 * i)));
+    waitUntil([] { return false; }, 0.03);  // as RViz would
+  }
+  ASSERT_TRUE(waitUntil([&] { return contacts_["hand_1"] > 0; })) << hand_->output() << process_->output();
+
+  ASSERT_TRUE(client_->reset().success);
+  ASSERT_TRUE(waitUntil([&] { return contacts_.count("hand_1") == 0; }));
+  EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand_1") > 0; })) << hand_->output();
+
+  rviz_.choose("hand_1", "Attract");
+  rviz_.choose("hand_1", "Larger");
+  rviz_.choose("hand_1", "Delete");
+  EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand_1") == 0 && rviz_.markers.count("hand_1") == 0; }));
+}
+
+TEST_F(HandTest, PausesStepsAndResets) {
+  start(kScene);
+  rviz_.choose("panel", "Pause");
+  ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused"; })) << hand_->output();
+  // Letters that can be read where the whole surface is seen.
+  ASSERT_TRUE(waitUntil([&] { return findAnswer().text.find("paused") != std::string::npos; }));
+  EXPECT_GT(findAnswer().scale.z, 0.03 * Vec3(kSpacing * kColumns, kSpacing * kRows, 0.0).norm());
+  EXPECT_TRUE(rviz_.markers["panel"].description.empty());
+  const ros::Time stamp = client_->frames.back()->header.stamp;
+  rviz_.choose("panel", "Ten steps");
+  ASSERT_TRUE(waitUntil([&] { return client_->frames.back()->header.stamp >= stamp + ros::Duration(0.099); }));
+  const ros::Time later = client_->frames.back()->header.stamp;
+  rviz_.choose("panel", "Reset");
+  ASSERT_TRUE(waitUntil([&] { return client_->frames.back()->header.stamp < later; }));
+  rviz_.choose("panel", "Go on");
+  ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "running"; }));
+}
+
+TEST_F(HandTest, SaysNothingWhileNothingMoves) {
+  start(kScene);
+  waitUntil([] { return false; }, 0.3);
+  const int before = rviz_.num_updates;
+  const double step = client_->diagnostic("step");
+  ASSERT_TRUE(waitUntil([&] { return client_->diagnostic("step") >= step + 50; }));
+  EXPECT_EQ(rviz_.num_updates, before);
+}
+
+TEST_F(HandTest, SpraysTakesAwayAndFreezesParticles) {
+  start("{model: oriented_particles, gravity: [0, 0, 0], simplification: {method: none}, material: {damping: 20.0}}");
+  ASSERT_TRUE(waitUntil([&] { return points_.width == kColumns * kRows; }));
+  rviz_.press("surface", Vec3::Zero(), Vec3(0.1, 0.05, 0.0));
+  rviz_.release("surface", Vec3::Zero());
+  rviz_.choose("spot", "Take away here");
+  ASSERT_TRUE(waitUntil([&] { return points_.width < kColumns * kRows; })) << hand_->output();
+  const std::uint32_t left = points_.width;
+  rviz_.choose("spot", "Spray points here");
+  ASSERT_TRUE(waitUntil([&] { return points_.width > left; })) << hand_->output();
+  // What the hand has seen: the newest points may reach it later than this test.
+  const auto is_frozen = [&] { return countPinned() == static_cast<int>(points_.width); };
+  bool all_frozen = false;
+  for (int k = 0; k < 5 && !all_frozen; ++k) {
+    rviz_.choose("panel", "Freeze");
+    all_frozen = waitUntil(is_frozen, 3.0);
+  }
+  ASSERT_TRUE(all_frozen) << hand_->output();
+  rviz_.choose("panel", "Melt");
+  ASSERT_TRUE(waitUntil([&] { return countPinned() == 0; })) << hand_->output();
+}
+
+TEST(Hand, RefusesWhatItDoesNotKnow) {
+  NodeProcess hand("/hand", "{surface: /surface, rate: -1.0, raduis: 0.1}", "deformable_surface_hand");
+  EXPECT_EQ(hand.waitForExit(), std::optional<int>(2));
+  EXPECT_NE(hand.output().find("raduis"), std::string::npos) << hand.output();
+  EXPECT_NE(hand.output().find("rate"), std::string::npos) << hand.output();
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
+
+int main(int argc, char** argv) {
+  testing::InitGoogleTest(&argc, argv);
+  ros::init(argc, argv, "hand_rostest");
+  ros::NodeHandle keep_alive;
+  return RUN_ALL_TESTS();
+}

@@ -1,0 +1,104 @@
+// Moments are handed over without waiting for those that are shown: the newest is shown, those to be kept all are, and those that
+// gave way are counted.
+#include "../../../src/ros/node/frame_thread.h"
+
+#include <gtest/gtest.h>
+
+#include <condition_variable>
+#include <mutex>
+#include <vector>
+
+namespace deformable_surface::node {
+namespace {
+
+/// Shows a moment, by its stamp, when it is let.
+class Screen {
+ public:
+  void show(Moment& moment) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    ++num_begun_;
+    changed_.notify_all();
+    changed_.wait(lock, [this] { return num_let_ > 0; });
+    --num_let_;
+    shown_.push_back(moment.stamp);
+    was_all_.push_back(moment.all);
+    changed_.notify_all();
+  }
+  void let(int count) {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    num_let_ += count;
+    changed_.notify_all();
+  }
+  void waitUntilBegun(int count) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return num_begun_ >= count; });
+  }
+  std::vector<std::int64_t> waitFor(std::size_t count) {
+    std::unique_lock<std::mutex> lock(mutex_);
+    changed_.wait(lock, [&] { return shown_.size() >= count; });
+    return shown_;
+  }
+  std::vector<bool> wasAll() {
+    const std::lock_guard<std::mutex> lock(mutex_);
+    return was_all_;
+  }
+
+ private:
+  std::mutex mutex_;
+  std::condition_variable changed_;
+  int num_begun_ = 0, num_let_ = 0;
+  std::vector<std::int64_t> shown_;
+  std::vector<bool> was_all_;
+};
+
+Moment makeMoment(std::int64_t stamp, bool is_kept = false) {
+  Moment moment;
+  moment.stamp = stamp;
+  moment.is_kept = is_kept;
+  return moment;
+}
+
+TEST(FrameThread, ShowsTheNewestAndNeverHoldsUpWhoHandsOver) {
+  Screen screen;
+  FrameThread frames([&](Moment& moment) { screen.show(moment); }, 1);
+  frames.show(makeMoment(1));
+  screen.waitUntilBegun(1);
+  // The screen stands: whoever waited for it would wait for ever.
+  for (std::int64_t stamp = 2; stamp <= 100; ++stamp) frames.show(makeMoment(stamp));
+  EXPECT_EQ(frames.numDropped(), 98);
+  screen.let(2);
+  EXPECT_EQ(screen.waitFor(2), (std::vector<std::int64_t>{1, 100}));
+  EXPECT_EQ(frames.numDropped(), 98);
+}
+
+TEST(FrameThread, KeepsWhatIsToBeKeptAndWhatWasAskedOfThoseThatGaveWay) {
+  Screen screen;
+  FrameThread frames([&](Moment& moment) { screen.show(moment); }, 1);
+  frames.show(makeMoment(1));
+  screen.waitUntilBegun(1);
+  frames.show(makeMoment(2));
+  frames.show(makeMoment(3, true));
+  Moment all = makeMoment(4);
+  all.all = true;
+  frames.show(std::move(all));
+  frames.show(makeMoment(5));
+  screen.let(3);
+  EXPECT_EQ(screen.waitFor(3), (std::vector<std::int64_t>{1, 3, 5}));
+  EXPECT_EQ(screen.wasAll(), (std::vector<bool>{false, false, true}));
+  EXPECT_EQ(frames.numDropped(), 2);
+}
+
+TEST(FrameThread, EndsWhileMomentsWait) {
+  Screen screen;
+  {
+    FrameThread frames([&](Moment& moment) { screen.show(moment); }, 1);
+    frames.show(makeMoment(1, true));
+    screen.waitUntilBegun(1);
+    frames.show(makeMoment(2, true));
+    screen.let(2);
+  }
+  EXPECT_EQ(screen.waitFor(1).front(), 1);
+}
+
+}  // namespace
+}  // namespace deformable_surface::node
