@@ -76,72 +76,74 @@ Definitions defineService() {
 std::vector<InterfaceEntry> makeTable() {
   return {
       {Kind::kSubscribed, "cloud_in", "sensor_msgs/PointCloud2",
-       "the surface at rest: any layout with x, y, z as float32 or float64, organised or not", {}},
+       "the surface at rest. Any layout with x, y, z as float32 or float64, organised or not", {}},
       {Kind::kSubscribed, "force", "deformable_surface/PointForce",
-       "a named force near a point; the same id replaces it, a zero force removes it", define<PointForce>()},
+       "a named force near a point. The same id replaces it, a zero force removes it", define<PointForce>()},
       {Kind::kSubscribed, "wrench", "geometry_msgs/WrenchStamped",
-       "its force acts at the origin of its frame over `force.radius`, and ends `force.timeout` after the last message; its "
-       "torque is not applied",
+       "a force at the origin of its frame, shared over `force.radius`. It ends `force.timeout` after the last message. The torque "
+       "is not applied",
        {}},
       {Kind::kSubscribed, "tools", "deformable_surface/ToolArray",
-       "rigid tools that push, draw, carry, cut, heat or erase: add, move, delete ([tools](tools.md))", define<ToolArray>()},
+       "commands to rigid tools: add, move, delete ([tools](tools.md))", define<ToolArray>()},
       {Kind::kSubscribed, "rollout/goal", "deformable_surface/RolloutActionGoal",
-       "the action `~rollout`: what becomes of the surface with other tools and forces, on a copy ([run-time "
-       "control](run_time_control.md)). Below: goal, result and feedback",
+       "action `~rollout`: simulates a copy of the surface with other tools and forces ([run-time control](run_time_control.md)). "
+       "Goal, result and feedback",
        joinParts({define<RolloutGoal>(), define<RolloutResult>(), define<RolloutFeedback>()})},
-      {Kind::kSubscribed, "rollout/cancel", "actionlib_msgs/GoalID", "of the same action", {}},
+      {Kind::kSubscribed, "rollout/cancel", "actionlib_msgs/GoalID", "cancels a rollout", {}},
       {Kind::kPublished, "deformed", "sensor_msgs/PointCloud2",
-       "latched; every input point in its order: x y z, normal_x normal_y normal_z, displacement (m), then the input's other "
-       "fields; what is gone is NaN, what was born comes behind; sent when it has changed, and for who comes new",
+       "the deformed cloud: x y z, normal_x normal_y normal_z, displacement (m), then the input's other fields. One point per input "
+       "point, in the same order. Removed points are NaN. New particles are appended; they copy the extra fields of their parent, "
+       "and their displacement is NaN. Latched. Published on change and to new subscribers",
        {}},
       {Kind::kPublished, "deformed_update", "deformable_surface/DeformedUpdate",
-       "the same in less: only the rows that have changed; sent when any has, whole for who comes new", define<DeformedUpdate>()},
+       "incremental version of `~deformed`: only the changed rows. New subscribers get all rows first",
+       define<DeformedUpdate>()},
       {Kind::kPublished, "simulation_points", "sensor_msgs/PointCloud2",
-       "the points that move by physics: x y z, normal, mass (kg), strain, awake, pinned, and of particles temperature (K above "
-       "ambient) and id; sent when anything has changed, and for who comes new",
+       "the simulation points: x y z, normal, mass (kg), strain, awake, pinned. Particles also have temperature (K above ambient) "
+       "and id. Published on change and to new subscribers",
        {}},
       {Kind::kPublished, "markers", "visualization_msgs/MarkerArray",
-       "latched; for RViz ([rviz](rviz.md)): all of them in every message; sent when anything has changed, once a second, and "
-       "for who comes new",
+       "markers for RViz ([rviz](rviz.md)). Every message contains all markers. Latched. Published on change, once a second, and to "
+       "new subscribers",
        {}},
-      {Kind::kPublished, "statistics", "deformable_surface/Statistics", "what the last step did and cost", define<Statistics>()},
+      {Kind::kPublished, "statistics", "deformable_surface/Statistics", "state and cost of the last step", define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
-       "after every step: what the surface does to each tool; `~tools/<id>/wrench`, a geometry_msgs/WrenchStamped, has it of one",
+       "contact wrenches of tools and pins, after every step. `~tools/<id>/wrench` is a geometry_msgs/WrenchStamped of one tool",
        define<ToolWrenchArray>()},
       {Kind::kPublished, "tool_status", "deformable_surface/ToolStatusArray",
-       "latched; what became of the last command to each tool: it waits, was accepted or was refused, and why",
+       "result of the last command to each tool: waiting, accepted or refused, with the reason. Latched",
        define<ToolStatusArray>()},
-      {Kind::kPublished, "rollout/feedback", "deformable_surface/RolloutActionFeedback", "how far a rollout is", {}},
-      {Kind::kPublished, "rollout/result", "deformable_surface/RolloutActionResult", "what became of it", {}},
-      {Kind::kPublished, "rollout/status", "actionlib_msgs/GoalStatusArray", "of all goals", {}},
+      {Kind::kPublished, "rollout/feedback", "deformable_surface/RolloutActionFeedback", "progress of a rollout", {}},
+      {Kind::kPublished, "rollout/result", "deformable_surface/RolloutActionResult", "result of a rollout", {}},
+      {Kind::kPublished, "rollout/status", "actionlib_msgs/GoalStatusArray", "status of all goals", {}},
       {Kind::kPublished, "parameter_descriptions", "dynamic_reconfigure/ConfigDescription",
-       "latched; the parameters that may change while the node runs, for rqt_reconfigure", {}},
-      {Kind::kPublished, "parameter_updates", "dynamic_reconfigure/Config", "latched; their values", {}},
+       "the parameters that can change at run time, for rqt_reconfigure. Latched", {}},
+      {Kind::kPublished, "parameter_updates", "dynamic_reconfigure/Config", "their values. Latched", {}},
       {Kind::kPublished, "/diagnostics", "diagnostic_msgs/DiagnosticArray",
-       "rate, real-time factor, dropped input, last complaint; `diagnostics: false` turns it off", {}},
+       "rate, real-time factor, dropped input, last warning. `diagnostics: false` turns it off", {}},
       {Kind::kService, "reset", "std_srvs/Trigger",
-       "back to the rest state of the last cloud at time 0; pins, tools and forces of the scene stay, those that came over ROS "
-       "go",
+       "returns to the rest state of the last cloud, at time 0. Pins, tools and forces of the scene stay. Those that came over ROS "
+       "are deleted",
        {}},
-      {Kind::kService, "pause", "std_srvs/SetBool", "true stops stepping, false goes on; nothing is caught up", {}},
+      {Kind::kService, "pause", "std_srvs/SetBool", "true: stop stepping. false: continue. The time between is not caught up", {}},
       {Kind::kService, "step", "deformable_surface/Step", "takes steps while paused", defineService<Step>()},
-      {Kind::kService, "pin", "deformable_surface/SelectRegion", "holds the points inside a shape where they are",
+      {Kind::kService, "pin", "deformable_surface/SelectRegion", "constrains the points inside a shape",
        defineService<SelectRegion>()},
-      {Kind::kService, "unpin", "deformable_surface/SelectRegion", "lets go of the points inside a shape", {}},
-      {Kind::kService, "save", "deformable_surface/SaveCloud", "writes the surface as it is now to a file",
+      {Kind::kService, "unpin", "deformable_surface/SelectRegion", "releases the points inside a shape", {}},
+      {Kind::kService, "save", "deformable_surface/SaveCloud", "writes the current surface to a file",
        defineService<SaveCloud>()},
       {Kind::kService, "edit", "deformable_surface/EditParticles", "changes single oriented particles",
        defineService<EditParticles>()},
-      {Kind::kService, "fit", "deformable_surface/FitSurface", "grows a surface through the oriented particles there are",
+      {Kind::kService, "fit", "deformable_surface/FitSurface", "grows a surface through the existing oriented particles",
        defineService<FitSurface>()},
-      {Kind::kService, "snapshot", "deformable_surface/Snapshot", "keeps the state under a name", defineService<Snapshot>()},
-      {Kind::kService, "restore", "deformable_surface/Restore", "goes back to a state that was kept", defineService<Restore>()},
-      {Kind::kService, "list", "deformable_surface/List", "the tools, forces, pins, regions and snapshots there are",
+      {Kind::kService, "snapshot", "deformable_surface/Snapshot", "stores the state under a name", defineService<Snapshot>()},
+      {Kind::kService, "restore", "deformable_surface/Restore", "restores a stored state", defineService<Restore>()},
+      {Kind::kService, "list", "deformable_surface/List", "lists tools, forces, pins, materials and snapshots",
        defineService<List>()},
       {Kind::kService, "set_material", "deformable_surface/SetMaterial",
-       "gives a region, or everything, other values of its material", defineService<SetMaterial>()},
+       "changes the material of a region or of the whole surface", defineService<SetMaterial>()},
       {Kind::kService, "set_parameters", "dynamic_reconfigure/Reconfigure",
-       "changes parameters while the node runs; what is refused stays as it was", {}},
+       "changes parameters at run time. A refused value changes nothing", {}},
   };
 }
 
@@ -181,9 +183,9 @@ const std::vector<InterfaceEntry>& interfaceTable() {
 std::string interfacePage() {
   std::string page =
       "# Topics and services\n\n"
-      "Of `deformable_surface_node` and its nodelet. This page is printed by `rosrun deformable_surface interface_page`; a test "
-      "fails when it is stale.\nNames are private to the node, so that several surfaces run side by side; their parameters are "
-      "in [parameters.md](parameters.md).\n";
+      "Interface of `deformable_surface_node` and its nodelet. Printed by `rosrun deformable_surface interface_page`; a test compares "
+      "the two.\n\n"
+      "All names are private to the node, so several surfaces can run side by side. Parameters: [parameters.md](parameters.md).\n";
   const std::pair<Kind, const char*> parts[] = {
       {Kind::kSubscribed, "Subscribed"}, {Kind::kPublished, "Published"}, {Kind::kService, "Services"}};
   std::map<std::string, std::string> printed = findOwners();
