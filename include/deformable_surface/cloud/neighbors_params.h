@@ -16,14 +16,15 @@ struct NeighborsParams {
 };
 
 inline void visit(Fields& fields, NeighborsParams& p) {
-  fields.integer("k", p.k, "", between(6, 64), "nearest neighbours among which a point's ring is found");
+  fields.integer("k", p.k, "", between(6, 64), "number of nearest neighbours from which the ring of a point is built");
   fields.number(
       "geodesicness", p.geodesicness, "", between(1.0, 64.0),
-      "1 = neighbours in space; above 1 = those near on the surface by shortest paths of links |x_i - x_j|^geodesicness, "
-      "as published; `auto` = by paths whose links are trusted up to what holds the surface together");
+      "1 = Euclidean neighbours; above 1 = geodesic neighbours by shortest paths with link weights |x_i - x_j|^geodesicness, as "
+      "published; `auto` = geodesic neighbours by paths whose link length is limited by the spacing that connects the surface "
+      "(docs/geodesics.md)");
   fields.number("radius", p.radius, "m", between(1e-9, kMaxLength),
-                "only `auto`: neighbours are the k nearest. Those within one distance, as published, are too few where points "
-                "are sparse, hundreds where they are dense, and none among simulation points, which are farther apart than it");
+                "only `auto`: neighbours are the k nearest. A fixed radius, as published, gives too few neighbours in sparse "
+                "regions and too many in dense ones");
   fields.require(p.radius.is_auto, "radius", "found a number; accepted: auto (neighbours are the k nearest, see neighbors.k)");
 }
 

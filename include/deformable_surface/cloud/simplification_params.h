@@ -20,19 +20,17 @@ struct SimplificationParams {
 
 inline void visit(Fields& fields, SimplificationParams& p) {
   fields.choice("method", p.method, {{"delaunay", SimplificationMethod::kDelaunay}, {"none", SimplificationMethod::kNone}},
-                "how the simulation points are chosen; `none` simulates every point");
-  fields.integer("target_points", p.target_points, "", between(0, kMaxPoints), "simulation points to keep; 0 = by threshold");
+                "how simulation points are chosen; `none` = every point is simulated");
+  fields.integer("target_points", p.target_points, "", between(0, kMaxPoints), "number of simulation points; 0 = by threshold");
   fields.require(p.target_points == 0 || p.target_points >= 3, "target_points",
                  "found " + std::to_string(p.target_points) + "; accepted: 0 for the threshold, or at least 3, a triangle");
   fields.number(
       "threshold", p.threshold, "m", between(1e-9, kMaxLength),
-      "ring diameter up to which points are removed; `auto` keeps what `accuracy` leads to; without a wish a thousand points, "
-      "or all if "
-      "there are fewer");
+      "points are removed up to this ring diameter; `auto` = by the accuracy target or step budget; without either, 1000 points "
+      "or all if there are fewer");
   fields.choice("density", p.density, {{"uniform", PointDensity::kUniform}, {"adaptive", PointDensity::kAdaptive}},
-                "where the simulation points are: `uniform` everywhere alike, as published; `adaptive` nearer to each other "
-                "around small pins that clamp and where a force or an anchor acts on a point, and farther apart elsewhere, as "
-                "many in all; mass_spring only; where it pays: docs/accuracy.md");
+                "`uniform` = even spacing, as published; `adaptive` = smaller spacing around small clamping pins and point "
+                "loads, larger spacing elsewhere, same number of points. Only for mass_spring. When it pays: docs/accuracy.md");
 }
 
 }  // namespace deformable_surface::cloud

@@ -54,37 +54,37 @@ inline void visit(Fields& fields, Solid& p) {
   if (fields.begin("sphere", p.kind == Kind::kSphere, "")) {
     ++given;
     p.kind = Kind::kSphere;
-    fields.required().number("radius", p.radius, "m", lengths, "its radius");
+    fields.required().number("radius", p.radius, "m", lengths, "radius");
     fields.end();
   }
   if (fields.begin("box", p.kind == Kind::kBox, "")) {
     ++given;
     p.kind = Kind::kBox;
-    fields.required().vector("size", p.size, "m", lengths, "its edges along x, y and z");
+    fields.required().vector("size", p.size, "m", lengths, "edge lengths along x, y and z");
     fields.end();
   }
   if (fields.begin("cylinder", p.kind == Kind::kCylinder, "along z, about its middle")) {
     ++given;
     p.kind = Kind::kCylinder;
-    fields.required().number("radius", p.radius, "m", lengths, "its radius");
-    fields.required().number("height", p.height, "m", lengths, "its height");
+    fields.required().number("radius", p.radius, "m", lengths, "radius");
+    fields.required().number("height", p.height, "m", lengths, "height");
     fields.end();
   }
   if (fields.begin("cone", p.kind == Kind::kCone, "along z, the tip up, about the middle of its height")) {
     ++given;
     p.kind = Kind::kCone;
-    fields.required().number("radius", p.radius, "m", lengths, "of its base");
-    fields.required().number("height", p.height, "m", lengths, "its height");
+    fields.required().number("radius", p.radius, "m", lengths, "radius of the base");
+    fields.required().number("height", p.height, "m", lengths, "height");
     fields.end();
   }
   if (fields.begin("plane", p.kind == Kind::kPlane, "")) {
     ++given;
     p.kind = Kind::kPlane;
-    fields.vector("normal", p.normal, "", between(-1e6, 1e6), "points out of the solid; of any length but zero");
+    fields.vector("normal", p.normal, "", between(-1e6, 1e6), "points out of the solid; any length except zero");
     constexpr double kShortest = 1e-9;  // whose direction would be rounding
     fields.require(p.normal.norm() > kShortest, "normal",
                    "found a normal of length " + formatReal(p.normal.norm()) + "; accepted: one with a direction");
-    fields.number("offset", p.offset, "m", between(-1e6, 1e6), "of the plane from the tool's origin, along the normal");
+    fields.number("offset", p.offset, "m", between(-1e6, 1e6), "distance of the plane from the tool's origin, along the normal");
     fields.end();
   }
   if (fields.begin("mesh", p.kind == Kind::kMesh, "a closed polyhedron, from a file or written out")) {
@@ -92,11 +92,11 @@ inline void visit(Fields& fields, Solid& p) {
     p.kind = Kind::kMesh;
     Points vertices = p.mesh ? p.mesh->vertices() : Points(), triangles = p.mesh ? toRows(p.mesh->triangles()) : Points();
     const Points vertices_before = vertices, triangles_before = triangles;
-    fields.text("file", p.mesh_file, "`.ply`, `.stl`, `.obj`, `.off` or `.dae`; `package://PACKAGE/PATH` is found");
-    fields.number("scale", p.mesh_scale, "", between(1e-9, 1e9), "units of the file to metres");
-    fields.rows("vertices", vertices, "m", between(-kMaxLength, kMaxLength), "corners, in place of a file");
+    fields.text("file", p.mesh_file, "`.ply`, `.stl`, `.obj`, `.off` or `.dae` file: path or `package://PACKAGE/PATH`");
+    fields.number("scale", p.mesh_scale, "", between(1e-9, 1e9), "metres per file unit");
+    fields.rows("vertices", vertices, "m", between(-kMaxLength, kMaxLength), "vertices, if there is no file");
     fields.rows("triangles", triangles, "", between(0.0, kMaxPoints),
-                "each by three places in vertices, counted from 0; all wound alike");
+                "three indices into vertices each, from 0; all with the same winding");
     fields.require(p.mesh_file.empty() != vertices.empty(), "",
                    "found both or neither of file and vertices; accepted: one of them");
     if (!vertices.empty() && (!p.mesh || vertices != vertices_before || triangles != triangles_before)) {

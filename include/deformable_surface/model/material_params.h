@@ -34,22 +34,23 @@ struct MaterialParams {
 // values neither overflow nor become denormal.
 inline void visit(Fields& fields, MaterialParams& p) {
   fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15),
-                "Young's modulus; the membrane stiffness is this times the thickness");
+                "Young's modulus E; the membrane stiffness is E h");
   fields.number("poisson_ratio", p.poisson_ratio, "", strictlyBetween(-1.0, 0.5),
-                "Poisson's ratio in plane stress; pure springs have 1/3 by construction, and oriented particles but in "
+                "Poisson's ratio nu in plane stress. Springs have 1/3 by construction. Oriented particles use it only for "
                 "`bending_rigidity: auto`");
-  fields.number("thickness", p.thickness, "m", between(1e-10, 1e3), "thickness of the surface");
+  fields.number("thickness", p.thickness, "m", between(1e-10, 1e3), "thickness h of the surface");
   fields.number("bending_rigidity", p.bending_rigidity, "N m", between(0.0, 1e20),
-                "bending stiffness D; `auto` = E h^3 / (12 (1 - nu^2))");
+                "bending rigidity D; `auto` = E h^3 / (12 (1 - nu^2))");
   fields.number("bending_poisson_ratio", p.bending_poisson_ratio, "", strictlyBetween(-1.0, 0.5),
-                "Poisson's ratio of bending, with `mass_spring.bending: curvature`: how much the curvatures along and across "
-                "feel each other; `auto` = poisson_ratio with `bending_rigidity: auto`, a plate of one material, and 0 with a "
-                "stated one, which strips of any width then have");
+                "Poisson's ratio of bending, for `mass_spring.bending: curvature`. `auto` = poisson_ratio with "
+                "`bending_rigidity: auto` (a plate of one material). With a stated bending_rigidity `auto` = 0: strips of any "
+                "width then have that rigidity");
   fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9),
-                "mass density; the areal density is this times the thickness");
-  fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "force = -damping * mass * velocity");
+                "mass density; the areal density is density times h");
+  fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "mass-proportional damping: force = -damping * mass * velocity");
   fields.number("spring_damping", p.spring_damping, "s", between(0.0, 1e3),
-                "damping constant of a link over its stiffness; what it acts on: mass_spring.damping");
+                "stiffness-proportional damping of links: damping constant over stiffness. `mass_spring.damping` selects the "
+                "velocity that it acts on");
 }
 
 }  // namespace deformable_surface::model

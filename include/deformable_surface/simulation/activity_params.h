@@ -18,13 +18,12 @@ struct ActivityParams {
 inline void visit(Fields& fields, ActivityParams& p) {
   fields.choice(
       "sleep", p.sleep, {{"auto", Sleep::kAuto}, {"always", Sleep::kAlways}, {"never", Sleep::kNever}},
-      "whether parts at rest are left out of the steps until something disturbs them; `auto` = with every integrator but "
-      "explicit_euler");
+      "regions at rest sleep until something disturbs them; `auto` = always, except with explicit_euler");
   fields.number(
       "tolerance", p.tolerance, "m", between(1e-15, kMaxLength),
-      "motion that a part may lose by falling asleep: slower than this over quiet_time, and this near to where it would settle; "
-      "`auto` = a ten-thousandth of the spacing of the simulation points");
-  fields.number("quiet_time", p.quiet_time, "s", between(1e-6, 1e6), "how long a part must have been slow");
+      "largest motion that sleeping may suppress. A region sleeps if it moves less than this in quiet_time and is this close to "
+      "its equilibrium; `auto` = 1e-4 of the spacing of the simulation points");
+  fields.number("quiet_time", p.quiet_time, "s", between(1e-6, 1e6), "time that a region must be slow before it sleeps");
 }
 
 }  // namespace deformable_surface::simulation

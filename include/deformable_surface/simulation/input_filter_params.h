@@ -57,8 +57,8 @@ inline void visit(Fields& fields, CropParams& p) { geometry::visitRegion(fields,
 
 inline void visit(Fields& fields, RangeParams& p) {
   const Range accepted = between(0.0, RangeParams().max);
-  fields.number("min", p.min, "m", accepted, "nearer points go");
-  fields.number("max", p.max, "m", accepted, "farther points go; the default takes none");
+  fields.number("min", p.min, "m", accepted, "closer points are removed");
+  fields.number("max", p.max, "m", accepted, "farther points are removed; the default removes none");
   fields.require(
       p.min < p.max, "max",
       "found " + formatReal(p.max) + ", which is not above min, " + formatReal(p.min) + "; accepted: min < max");
@@ -66,43 +66,41 @@ inline void visit(Fields& fields, RangeParams& p) {
 
 inline void visit(Fields& fields, PlaneFilterParams& p) {
   fields.number("distance", p.distance, "m", between(0.0, kMaxLength),
-                "what lies within it of the plane goes; 0 = no plane is looked for. For a towel on a table: half of the towel's "
-                "thickness, if that is more than the table is bent");
+                "points within this distance of the plane are removed; 0 = off. For a towel on a table: half of the towel's "
+                "thickness, if the table is flatter than that");
   fields.number("radius", p.radius, "m", between(0.0, kMaxLength),
-                "the median of the heights of the points within it decides, which tells layers apart that are thinner than the "
-                "noise; 0 = each point's own height");
+                "radius of the median filter on the heights. It separates layers that are thinner than the noise; 0 = no filter");
   fields.number("min_share", p.min_share, "", between(0.02, 1.0),
-                "of the points that the filters before have left: a plane that fewer lie on stays, which the build says");
+                "smallest fraction of the remaining points on the plane. A plane with fewer points is kept, with a message");
   using Keep = PlaneFilterParams::Keep;
   fields.choice("keep", p.keep, {{"both", Keep::kBoth}, {"near_side", Keep::kNearSide}, {"far_side", Keep::kFarSide}},
-                "`near_side`: what lies on the other side of the plane than the eye goes as well: the floor around a table, "
-                "noise below its top, and of a towel what hangs over the edge. `far_side`: for a cloud that came in a frame "
-                "whose origin is below the table");
+                "side of the plane that is kept, seen from the viewpoint. `both` = only the plane is removed. `near_side` also "
+                "removes the floor around a table, noise below its top, and the part of a towel that hangs over the edge. "
+                "`far_side` is for a cloud frame with its origin below the table");
 }
 
 inline void visit(Fields& fields, OutlierParams& p) {
   using Method = OutlierParams::Method;
   fields.choice("method", p.method, {{"none", Method::kNone}, {"radius", Method::kRadius}, {"statistical", Method::kStatistical}},
-                "points that are alone go: `radius`: those with fewer than `neighbors` others within `radius`; `statistical`: "
-                "those whose mean distance to the nearest `neighbors` is above that of all by `deviations` standard deviations");
-  fields.integer("neighbors", p.neighbors, "", between(1, 1000), "how many others are looked at");
-  fields.number("radius", p.radius, "m", between(0.0, kMaxLength), "`radius`: some spacings of the points");
+                "`radius` removes points with fewer than `neighbors` others within `radius`. `statistical` removes points whose "
+                "mean distance to the nearest `neighbors` exceeds the overall mean by `deviations` standard deviations");
+  fields.integer("neighbors", p.neighbors, "", between(1, 1000), "number of neighbours");
+  fields.number("radius", p.radius, "m", between(0.0, kMaxLength), "for `radius`: a few point spacings");
   fields.require(p.method != Method::kRadius || p.radius > 0.0, "radius",
                  "found 0 with the method radius; accepted: above 0 and at most " + formatReal(kMaxLength) + " (m)");
-  fields.number("deviations", p.deviations, "", between(0.0, 1e6), "`statistical`: of the mean distances");
+  fields.number("deviations", p.deviations, "", between(0.0, 1e6), "for `statistical`: number of standard deviations");
 }
 
 inline void visit(Fields& fields, InputFilterParams& p) {
-  fields.list("crop", p.crop, "Points that do not lie in every one of these closed boxes and spheres go.");
+  fields.list("crop", p.crop, "Only points inside all of these closed boxes and spheres are kept.");
   fields.section("range", p.range,
-                 "How far from the eye points may be: the viewpoint that the cloud brings, else the origin of the frame that it "
-                 "came in.");
+                 "Distance from the viewpoint: the cloud's own viewpoint if it has one, else the origin of the cloud's frame.");
   fields.number("flying_pixels", p.flying_pixels, "m", between(0.0, kMaxLength),
-                "of an organised cloud: points that hang between two surfaces go, if both are farther off than this along the "
-                "line of sight. Stated for a distance of 1 m, it grows with the square of the distance, as noise and steps of "
-                "depth do; 0 = off");
-  fields.section("plane", p.plane, "The plane that most points lie on, as a table (RANSAC, with a fixed seed).");
-  fields.section("outliers", p.outliers, "Points that are alone.");
+                "organised clouds: removes points between two surfaces if both are farther away than this along the line of "
+                "sight. The value is for 1 m distance. It grows with the square of the distance, like noise and depth steps; 0 = "
+                "off");
+  fields.section("plane", p.plane, "Removes the plane with the most points, such as a table (RANSAC with a fixed seed).");
+  fields.section("outliers", p.outliers, "Removes isolated points.");
 }
 
 }  // namespace deformable_surface::simulation

@@ -201,7 +201,7 @@ inline std::vector<std::string> expectQuantities() {
 
 inline void visit(Fields& fields, CloudParams& p) {
   using Shape = CloudParams::Shape;
-  fields.text("file", p.file, "a .pcd, .ply, .obj or .xyz file: a path or package://PACKAGE/PATH");
+  fields.text("file", p.file, "a .pcd, .ply, .obj or .xyz file: path or package://PACKAGE/PATH");
   fields.choice("shape", p.shape,
                 {{"none", Shape::kNone},
                  {"sheet", Shape::kSheet},
@@ -213,39 +213,42 @@ inline void visit(Fields& fields, CloudParams& p) {
                  {"cap", Shape::kCap},
                  {"two_bars", Shape::kTwoBars},
                  {"bar", Shape::kBar}},
-                "a generated cloud instead of a file");
+                "generated cloud, if there is no file");
   fields.require(p.file.empty() || p.shape == Shape::kNone, "shape", "found beside a file; accepted: one of the two");
-  fields.integer("points", p.points, "", between(4, kMaxPoints), "shapes: how many points, about; the count made is printed");
+  fields.integer("points", p.points, "", between(4, kMaxPoints),
+                 "shapes: approximate number of points; the actual number is printed");
   fields.vector(
       "size", p.size, "m", between(1e-6, kMaxLength),
-      "sheet, sine and lattice (the hexagonal one): extent in x and y; strip: length and width; chain: length along x; two_bars: "
-      "length and the height of one bar; bar (filled with points): extent in x, from 0 on, and in y");
+      "sheet, sine, lattice (hexagonal): extent in x and y; strip: length and width; chain: length along x; two_bars: length and "
+      "height of one bar; bar (filled with points): extent in x, from x = 0, and in y");
   fields.number("height", p.height, "m", between(1e-6, kMaxLength), "bar: extent in z");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength), "sphere and cap: radius");
-  fields.number("angle", p.angle, "rad", between(1e-3, 3.1), "cap: the lower part of a sphere, from its lowest point to its rim");
+  fields.number("angle", p.angle, "rad", between(1e-3, 3.1),
+                "cap (the lower part of a sphere): polar angle from its lowest point to its rim");
   fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength),
-                "sine: height of the crests; one of them runs along x = 0");
-  fields.number("wavelength", p.wavelength, "m", between(1e-6, kMaxLength), "sine: from crest to crest, along x");
-  fields.number("gap", p.gap, "m", between(1e-9, kMaxLength), "two_bars: free space between the bars");
+                "sine: height of the crests; one crest is at x = 0");
+  fields.number("wavelength", p.wavelength, "m", between(1e-6, kMaxLength), "sine: wavelength along x");
+  fields.number("gap", p.gap, "m", between(1e-9, kMaxLength), "two_bars: gap between the bars");
   fields.number("jitter", p.jitter, "", between(0.0, 0.5),
-                "shapes: points move by up to this share of the spacing within the surface");
+                "shapes: random displacement within the surface, as a fraction of the spacing");
   fields.integer("seed", p.seed, "", between(0, std::numeric_limits<Index>::max()),
-                 "shapes: start of the random numbers of jitter");
+                 "shapes: random seed of jitter");
   fields.number("scale", p.scale, "", between(1e-9, 1e9), "file: metres per file unit");
 }
 
 inline void visit(Fields& fields, AccuracyParams& p) {
   fields.number(
       "position_error", p.position_error, "m", between(0.0, kMaxLength),
-      "`simplification.threshold: auto` keeps the fewest points, and then the softest membrane, whose estimated error stays "
-      "below it over `duration`; 0 = not controlled");
+      "accuracy target for the position error. Chooses the fewest points, then the softest membrane, that meet it over "
+      "`duration`. Needs `simplification.threshold: auto`; 0 = off");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
-                "`simplification.threshold: auto` keeps the most points whose step takes no longer than this wall time; gives up "
-                "bit-identical repeats; 0 = not controlled");
+                "target for the wall time per step. Chooses the most points that meet it. Runs are then not bit-identical. Needs "
+                "`simplification.threshold: auto`; 0 = off");
   fields.require(!(p.position_error > 0.0 && p.step_budget > 0.0), "step_budget",
                  "found beside a position_error; accepted: one of the two");
   fields.flag("estimate", p.estimate,
-              "estimate the error in every step, from coarser copies of the simulation; trials for a position_error always do");
+              "estimate the error in every step, with coarser copies of the simulation. Trials for a position_error always "
+              "estimate it");
 }
 
 /// Why an accuracy cannot choose the number of simulation points: the keys that state it, and how to free it. Empty if it can.
@@ -266,12 +269,12 @@ inline std::string describeStatedNumber(const cloud::SimplificationParams& how) 
 inline void visit(Fields& fields, PinParams& p) {
   geometry::visitRegion(fields, p.region);
   fields.flag("orientation", p.orientation,
-              "also clamp the tangent plane; needs a model with orientation. A mass-spring surface turns about a pin of one row "
-              "of points and is clamped by a wider one up to where its region ends; points nearer to that than 0.35 spacings "
-              "ride on it");
+              "oriented particles: also constrain the tangent plane. On a mass-spring surface a pin of one row of points is a "
+              "hinge. A wider pin clamps up to the boundary of its region; free points closer to that boundary than 0.35 "
+              "spacings move with the pin");
   tool::visitPath(fields, p.path,
-                  "Of a frame that carries the points rigidly, from its pose at time 0 on; interpolated between the times and "
-                  "held outside them; none: they stay where they are.");
+                  "Poses of a frame that moves the points rigidly, relative to its pose at time 0. Interpolated between the "
+                  "times, constant outside. None: the points are fixed.");
   const bool turns = std::any_of(p.path.begin(), p.path.end(), [&](const tool::WaypointParams& waypoint) {
     return waypoint.orientation != p.path.front().orientation;
   });
@@ -282,11 +285,11 @@ inline void visit(Fields& fields, PinParams& p) {
 inline void visit(Fields& fields, CreaseParams& p) { geometry::visitRegion(fields, p.region); }
 
 inline void visit(Fields& fields, MaterialChangeParams& p) {
-  fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "`auto` = as everywhere");
+  fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "`auto` = the value of `material`");
   fields.number("bending_rigidity", p.bending_rigidity, "N m", between(1e-20, 1e20),
-                "`auto` = as everywhere; follows young_modulus where `material.bending_rigidity` is `auto`; Poisson's ratio of "
-                "bending is that of the whole surface, also with a rigidity stated here");
-  fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9), "`auto` = as everywhere");
+                "`auto` = the value of `material`; if `material.bending_rigidity` is `auto`, it follows young_modulus. Poisson's "
+                "ratio of bending is always that of the whole surface");
+  fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9), "`auto` = the value of `material`");
   fields.require(!p.isEmpty(), "", "found none of young_modulus, bending_rigidity, density; accepted: at least one");
 }
 
@@ -297,38 +300,39 @@ inline void visit(Fields& fields, RegionParams& p) {
 
 inline void visit(Fields& fields, AnchorParams& p) {
   fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
-                           "at rest; the nearest simulation point is held, which in a mass_spring is the cloud's nearest point");
-  fields.required().vector("target", p.target, "m", between(-kMaxLength, kMaxLength), "where it is drawn to");
+                           "place on the surface at rest. The spring acts on the nearest simulation point; for mass_spring this "
+                           "is the nearest point of the cloud");
+  fields.required().vector("target", p.target, "m", between(-kMaxLength, kMaxLength), "fixed end of the spring");
   fields.required().number("stiffness", p.stiffness, "N/m", between(0.0, 1e15), "force = stiffness * (target - position)");
 }
 
 inline void visit(Fields& fields, ForceParams& p) {
-  fields.required().text("id", p.id, "its name, not empty; no two forces share one");
+  fields.required().text("id", p.id, "unique name, not empty");
   fields.require(!p.id.empty(), "id", "found empty text; accepted: a name");
   fields.required().vector("point", p.point, "m", between(-kMaxLength, kMaxLength),
-                           "points within the radius of here share the force");
-  fields.required().vector("force", p.force, "N", between(-1e12, 1e12), "the total");
+                           "centre of the force; the points within radius share the force");
+  fields.required().vector("force", p.force, "N", between(-1e12, 1e12), "total force");
   fields.number("radius", p.radius, "m", between(0.0, kMaxLength),
-                "0 = the nearest simulation point, which in a mass_spring is the cloud's nearest point at rest");
-  fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
-  fields.number("end", p.end, "s", anyFinite(), "the default never ends");
+                "0 = the nearest simulation point; for mass_spring this is the nearest point of the cloud at rest");
+  fields.number("start", p.start, "s", anyFinite(), "active in the steps that begin at start <= t < end");
+  fields.number("end", p.end, "s", anyFinite(), "end of the active time; the default never ends");
   fields.require(p.start < p.end, "end",
                  "found " + formatReal(p.end) + ", which is not after start, " + formatReal(p.start) + "; accepted: start < end");
 }
 
 inline void visit(Fields& fields, WrenchParams& p) {
   fields.number("radius", p.radius, "m", between(0.0, kMaxLength),
-                "points within it share the force; 0 = the nearest simulation point");
-  fields.number("timeout", p.timeout, "s", between(1e-3, 1e9), "without a new message for this long, the force is dropped");
+                "the points within this radius share the force; 0 = the nearest simulation point");
+  fields.number("timeout", p.timeout, "s", between(1e-3, 1e9), "the force ends this long after the last message");
 }
 
 inline void visit(Fields& fields, OutputParams& p) {
   fields.choice("stamp", p.stamp, {{"clock", OutputStamp::kClock}, {"simulation", OutputStamp::kSimulation}},
-                "the node: header stamps are the ROS time of the state; `simulation`: the cloud's stamp plus simulation time, "
-                "which falls behind the clock by every pause and jumps back at `~reset`");
-  fields.flag("normals", p.normals, "normals of the full cloud");
+                "header stamps of the node: `clock` = ROS time of the state; `simulation` = the cloud's stamp plus simulation "
+                "time. The latter falls behind the clock with every pause and jumps back at `~reset`");
+  fields.flag("normals", p.normals, "compute normals of the full cloud");
   fields.flag("resample", p.resample, "insert points where the surface is stretched");
-  fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: clouds and markers");
+  fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: largest rate of clouds and markers");
 }
 
 /// The names in a text, which spaces or commas separate.
@@ -348,36 +352,37 @@ inline std::vector<std::string> splitNames(const std::string& text) {
 inline void visit(Fields& fields, InputParams& p) {
   fields.choice("policy", p.policy,
                 {{"ignore", InputPolicy::kIgnore}, {"replace", InputPolicy::kReplace}, {"track", InputPolicy::kTrack}},
-                "what a cloud on a running surface does; `track` draws the surface towards it (docs/run_time_control.md)");
+                "a cloud that arrives while a surface is running: `replace` = new surface; `ignore`; `track` = pull the surface "
+                "towards the cloud (docs/run_time_control.md)");
   fields.integer("max_points", p.max_points, "", between(3, kMaxPoints), "larger clouds are refused");
   fields.section("filter", p.filter,
-                 "What of a cloud is taken away before anything is made of it: these filters one after the other, in the "
-                 "surface's frame (docs/camera_clouds.md). Points that go become NaN.");
+                 "Filters of the input cloud, applied in this order in the surface's frame (docs/camera_clouds.md). Removed "
+                 "points become NaN.");
   fields.integer("keep_parts", p.keep_parts, "", between(0, kMaxPoints),
-                 "of a cloud in several parts (outliers, loose pieces), only so many of the largest are kept; 0 = all. Points of "
-                 "the others become NaN");
+                 "number of the largest connected parts that are kept; 0 = all. Points of the other parts (outliers, loose "
+                 "pieces) become NaN");
   fields.number("noise", p.noise, "m", between(0.0, kMaxLength),
-                "standard deviation of the sensor's noise along the line of sight, at the median depth; `auto` = measured. "
-                "Neighbours are looked for on the surface behind it; outputs keep it; 0 = none (docs/geodesics.md)");
+                "standard deviation of the sensor noise along the line of sight, at the median depth; `auto` = measured; 0 = "
+                "none. Neighbours are searched on the surface without noise. Outputs keep the noise (docs/geodesics.md)");
   fields.number("min_gap", p.min_gap, "m", between(0.0, kMaxLength),
-                "of the nearest neighbours in space, those nearer than this are neighbours over the surface, even across a gap");
+                "of the nearest Euclidean neighbours, those closer than this count as geodesic neighbours, even across a gap");
   fields.choice("unheld", p.unheld, {{"keep", Unheld::kKeep}, {"freeze", Unheld::kFreeze}, {"drop", Unheld::kDrop}},
-                "of a cloud in several parts, those that no pin, anchor or tool holds at time 0 (docs/run_time_control.md): "
-                "`keep` lets them move and tells, `freeze` holds them where they are, `drop` makes their points NaN");
+                "connected parts that no pin, anchor or tool holds at time 0 (docs/run_time_control.md): `keep` = they move, "
+                "with a message; `freeze` = they are pinned; `drop` = their points become NaN");
   fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
-                "`track`: force = gain * mass * distance from the cloud's plane, critically damped");
+                "for `track`: force = gain * mass * distance from the cloud's local plane, critically damped");
   fields.number(
       "track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
-      "`track`: points of the surface farther from the cloud were not seen; `auto` = three spacings of the simulation points");
+      "for `track`: points farther from the cloud count as not visible; `auto` = three spacings of the simulation points");
   fields.number(
       "delay", p.delay, "s", between(0.0, 10.0),
-      "the node: steps stay this far behind the clock, so that messages and transforms on their way come in time for theirs");
+      "the node: steps lag the clock by this time, so that messages and transforms arrive before their step");
   fields.number("tool_timeout", p.tool_timeout, "s", between(0.0, 1e9),
-                "a tool that came over ROS or is a robot's link is silent after this long without a message for its twist or a "
-                "transform of the frame that it follows: it stops, and its wrench is stale; 0 = never");
+                "time after which a tool from ROS or a robot link is silent: no message for its twist, or no transform of its "
+                "frame. It then stops, and its wrench is stale; 0 = never");
   fields.text("lockstep", p.lockstep,
-              "the node: topics (`force`, `wrench`, `tools`) that drive the steps instead of the clock: a step waits until each "
-              "has brought a command stamped after the step's beginning (docs/ros.md)");
+              "the node: topics (`force`, `wrench`, `tools`) that drive the steps instead of the clock. A step waits until each "
+              "topic has delivered a command stamped after the start of the step (docs/ros.md)");
   const auto isTopic = [](const std::string& name) { return name == "force" || name == "wrench" || name == "tools"; };
   const std::vector<std::string> topics = splitNames(p.lockstep);
   fields.require(std::all_of(topics.begin(), topics.end(), isTopic), "lockstep",
@@ -409,18 +414,18 @@ inline void visit(Fields& fields, SceneParams& p) {
                            {{"mass_spring", ModelKind::kMassSpring},
                             {"oriented_particles", ModelKind::kOrientedParticles},
                             {"elastic_solid", ModelKind::kElasticSolid}},
-                           "what the surface is made of, or the body");
+                           "the model");
   fields.text("frame_id", p.frame_id, "frame of the outputs; empty = the cloud's frame");
-  fields.section("cloud", p.cloud, "Where `simulate` takes its cloud from; the node takes `~cloud_in`.");
-  fields.section("material", p.material, "What the surface is made of, in the units of the laboratory.");
-  fields.section("neighbors", p.neighbors, "How neighbourhoods are chosen.");
-  fields.section("simplification", p.simplification, "How many points move by physics; the others follow them.");
+  fields.section("cloud", p.cloud, "The cloud of `simulate`. The node subscribes to `~cloud_in` instead.");
+  fields.section("material", p.material, "Material in SI units.");
+  fields.section("neighbors", p.neighbors, "How neighbours are chosen.");
+  fields.section("simplification", p.simplification, "Number of simulation points. All other points follow them.");
   const bool is_chosen = p.model == ModelKind::kMassSpring && p.simplification.method == cloud::SimplificationMethod::kDelaunay;
   fields.require(p.simplification.density == cloud::PointDensity::kUniform || is_chosen, "simplification.density",
                  "found adaptive where no points are chosen by it; accepted: uniform, or model: mass_spring with "
                  "simplification.method: delaunay");
-  fields.section("mass_spring", p.mass_spring, "Choices within the mass-spring model.");
-  fields.section("transfer", p.transfer, "How all points follow the simulation points.");
+  fields.section("mass_spring", p.mass_spring, "Options of the mass-spring model (docs/mass_spring.md).");
+  fields.section("transfer", p.transfer, "Interpolation from the simulation points to the full cloud.");
   fields.require(p.model == ModelKind::kMassSpring || p.mass_spring.tear_strain == 0.0, "mass_spring.tear_strain",
                  "found one, but the model is another; accepted: 0, or model: mass_spring");
   const bool pure_springs = p.mass_spring.membrane == model::Membrane::kSprings;
@@ -441,48 +446,49 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
   fields.section("oriented_particles", p.oriented_particles,
-                 "Choices within the model of oriented particles (docs/oriented_particles.md).");
-  fields.section("elastic_solid", p.elastic_solid, "Choices within the model of elastic solids (docs/elastic_solid.md).");
+                 "Options of oriented particles (docs/oriented_particles.md).");
+  fields.section("elastic_solid", p.elastic_solid, "Options of elastic solids (docs/elastic_solid.md).");
   const bool is_solid = p.model == ModelKind::kElasticSolid;
   fields.require(!is_solid || p.material.spring_damping == 0.0, "material.spring_damping",
                  "found one, but elastic_solid has no springs; accepted: 0");
-  fields.section("integrator", p.integrator, "How time is stepped.");
+  fields.section("integrator", p.integrator, "Time integration.");
   const bool has_method = p.integrator.type == solve::IntegratorType::kAuto ||
                           p.integrator.type == solve::IntegratorType::kVerlet ||
                           p.integrator.type == solve::IntegratorType::kStatic;
   fields.require(p.model != ModelKind::kOrientedParticles || has_method, "integrator.type",
                  "found one that oriented_particles has not; accepted: auto, verlet, static");
-  fields.section("accuracy", p.accuracy, "Control of the error or of the time per step; at most one of the two.");
-  fields.section("activity", p.activity, "Leaves out of the steps what is at rest (docs/activity.md).");
+  fields.section("accuracy", p.accuracy, "Accuracy target or step budget; at most one of the two (docs/accuracy_control.md).");
+  fields.section("activity", p.activity, "Sleeping: regions at rest are not computed (docs/activity.md).");
   fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
                  "found a wish, but only mass_spring has its points chosen by the error; accepted: 0");
   fields.require(!is_solid || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
                  "found a wish, which is not built for elastic_solid; accepted: 0");
   const std::string stated = describeStatedNumber(p.simplification);
   fields.require(stated.empty() || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy", stated);
-  fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "in gravity_frame");
-  fields.text("gravity_frame", p.gravity_frame, "empty = frame_id; else looked up in tf by the node");
-  fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9), "per current area, against the normal velocity");
-  fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "on the current area along the outward normal");
+  fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "gravity, in gravity_frame");
+  fields.text("gravity_frame", p.gravity_frame, "frame of `gravity`; empty = frame_id; the node looks other frames up in tf");
+  fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9),
+                "viscous drag: force per current area and normal velocity, against the motion");
+  fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "pressure on the current area, along the outward normal");
   fields.require(!is_solid || p.viscous_drag == 0.0, "viscous_drag",
                  "found one, but the points of elastic_solid have no sides; accepted: 0");
   fields.require(!is_solid || p.pressure == 0.0, "pressure",
                  "found one, but the points of elastic_solid have no sides; accepted: 0");
-  fields.list("pins", p.pins, "Each holds the simulation points whose rest position lies in a closed box or sphere.");
+  fields.list("pins", p.pins, "Each pin constrains the simulation points whose rest position lies in a closed box or sphere.");
   for (std::size_t i = 0; i < p.pins.size(); ++i)
     fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles,
                    "pins[" + std::to_string(i) + "].orientation",
                    "found true, but only oriented_particles have an orientation; accepted: false");
-  fields.list("creases", p.creases, "Particles that lie in one of these at rest keep their spacing but no smoothness.");
+  fields.list("creases", p.creases, "Particles in these regions at rest keep their spacing but have no smoothness forces.");
   fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
                  "found some, but only oriented_particles have an orientation; accepted: none");
   fields.list("regions", p.regions,
-              "What lies in a closed box or sphere at rest is made of something else; a later one goes over an earlier one.");
+              "Regions with another material, by rest position. A later region overrides an earlier one.");
   for (std::size_t i = 0; i < p.regions.size(); ++i) {
     const std::string problem = findMaterialProblem(p, p.regions[i].material);
     fields.require(problem.empty(), "regions[" + std::to_string(i) + "]", problem);
   }
-  fields.list("anchors", p.anchors, "World springs.");
+  fields.list("anchors", p.anchors, "Springs between a point of the surface and a fixed target.");
   fields.list("forces", p.forces, "Named forces on the surface near a point.");
   std::set<std::string> ids;
   for (std::size_t i = 0; i < p.forces.size(); ++i) {
@@ -490,9 +496,9 @@ inline void visit(Fields& fields, SceneParams& p) {
     fields.require(id.empty() || ids.insert(id).second, "forces[" + std::to_string(i) + "].id",
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
-  fields.section("force", p.force, "The force that comes as `~wrench`.");
+  fields.section("force", p.force, "The force of `~wrench`.");
   fields.list("tools", p.tools, "Rigid tools.");
-  fields.section("robot", p.robot, "Links of a robot that are tools, too (docs/tools.md).");
+  fields.section("robot", p.robot, "Links of a robot as tools (docs/tools.md).");
   ids.clear();
   for (std::size_t i = 0; i < p.tools.size(); ++i) {
     const std::string& id = p.tools[i].id;
@@ -502,20 +508,20 @@ inline void visit(Fields& fields, SceneParams& p) {
   for (std::size_t i = 0; i < p.tools.size(); ++i)
     for (const ToolProblem& problem : findToolProblems(p.model, p.tools[i]))
       fields.require(false, "tools[" + std::to_string(i) + "]." + problem.field, problem.sentence);
-  fields.number("duration", p.duration, "s", between(1e-9, 1e9), "`simulate`: simulated time, a multiple of the time step");
+  fields.number("duration", p.duration, "s", between(1e-9, 1e9), "for `simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
-                 "0 = all cores; nodelets of one manager keep their own; the result is the same for every number");
-  fields.section("output", p.output, "What is computed and published.");
+                 "number of threads; 0 = all cores. Results do not depend on it. Nodelets of one manager have a number each");
+  fields.section("output", p.output, "Published clouds.");
   fields.require(!is_solid || !p.output.resample, "output.resample",
                  "found true, but points are inserted in surfaces only; accepted: false");
-  fields.section("input", p.input, "What clouds are taken.");
+  fields.section("input", p.input, "Input clouds.");
   fields.require(p.model != ModelKind::kElasticSolid || p.input.policy != InputPolicy::kTrack, "input.policy",
                  "found track, but an elastic_solid has no sides that a cloud could show; accepted: ignore, replace");
-  fields.text("save_directory", p.save_directory, "where `~save` writes; empty = `~save` is off");
+  fields.text("save_directory", p.save_directory, "directory for `~save`; empty = `~save` is off");
   fields.flag("diagnostics", p.diagnostics, "publish `/diagnostics`");
   std::vector<NamedBounds> bounds;
   for (const ExpectParams& expect : p.expect) bounds.push_back({expect.quantity, expect.min, expect.max});
-  fields.bounds("expect", bounds, expectQuantities(), "what a test checks after the run");
+  fields.bounds("expect", bounds, expectQuantities(), "bounds that a test checks after the run");
   fields.require(
       !p.output.resample || !canBeCut(p), "output.resample",
       "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");

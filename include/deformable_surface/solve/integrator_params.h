@@ -25,15 +25,16 @@ inline void visit(Fields& fields, IntegratorParams& p) {
        {"explicit_euler", IntegratorType::kExplicitEuler},
        {"implicit", IntegratorType::kImplicit},
        {"static", IntegratorType::kStatic}},
-      "`auto` = verlet while it fits the sub-steps, else implicit, or what the trials of a wish of `accuracy` lead to; "
-      "`explicit_euler` = as published; `static` = each step is the equilibrium under its loads");
-  fields.number("time_step", p.time_step, "s", between(1e-9, 1e3), "never changed silently; sub-steps happen inside it");
+      "`auto` = verlet within max_substeps, else implicit; with an accuracy target, the integrator that its trials choose. "
+      "`explicit_euler` = as published. `static` = each step is the equilibrium under its loads");
+  fields.number("time_step", p.time_step, "s", between(1e-9, 1e3), "length of a step. It is never changed; sub-steps divide it");
   fields.integer("max_substeps", p.max_substeps, "", between(1, 1e9),
-                 "`auto` leaves verlet when a step needs more sub-steps than this");
+                 "`auto` changes from verlet to implicit if a step needs more sub-steps than this");
   fields.number("tolerance", p.tolerance, "", between(1e-15, 0.1),
-                "implicit and static stop when the residual force is below this share of the largest force; a stage of implicit "
-                "that leaves more than a millionth takes an iteration at least");
-  fields.integer("max_iterations", p.max_iterations, "", between(1, 1e6), "Newton iterations of an implicit or static step");
+                "implicit and static: relative residual force at which iterations stop. A stage of implicit with a relative "
+                "residual above 1e-6 takes at least one iteration");
+  fields.integer("max_iterations", p.max_iterations, "", between(1, 1e6),
+                 "maximum number of Newton iterations of an implicit or static step");
 }
 
 }  // namespace deformable_surface::solve

@@ -20,16 +20,16 @@ struct RobotParams {
 };
 
 inline void visit(Fields& fields, RobotLinkParams& p) {
-  fields.required().text("name", p.name, "of a link with collision geometry, which is a frame of tf");
+  fields.required().text("name", p.name, "name of a link with collision geometry; also its tf frame");
   fields.require(!p.name.empty(), "name", "found empty text; accepted: the name of a link");
-  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient");
+  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient");
 }
 
 inline void visit(Fields& fields, RobotParams& p) {
   fields.text("description", p.description, "the ROS parameter that holds the URDF");
   fields.text("file", p.file,
-              "a URDF in its place: a path or `package://PACKAGE/PATH`; what `simulate` needs, with a bag that has tf");
-  fields.list("links", p.links, "Their collision geometry is solid and follows their frames.");
+              "URDF file instead of the ROS parameter: path or `package://PACKAGE/PATH`. `simulate` needs it, and a bag with tf");
+  fields.list("links", p.links, "Their collision geometry becomes solid tools that follow the tf frames.");
 }
 
 }  // namespace deformable_surface::tool

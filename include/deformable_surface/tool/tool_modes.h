@@ -33,16 +33,20 @@ inline constexpr ModeUse kUnknown{}, kPlain{true}, kRubs{true, true}, kStrong{tr
 
 /// In the order of Mode.
 inline constexpr ModeInfo kModes[] = {
-    {Mode::kSolid, "solid", 0, "keeps the surface out", nullptr, false, kRubs, kRubs, kRubs, {0.6f, 0.6f, 0.6f}},
-    {Mode::kAttract, "attract", 1, "draws the surface to the tool's surface", "N/m, shared among all points by mass", true,
+    {Mode::kSolid, "solid", 0, "pushes the surface out", nullptr, false, kRubs, kRubs, kRubs, {0.6f, 0.6f, 0.6f}},
+    {Mode::kAttract, "attract", 1, "pulls the surface to the tool's surface", "N/m, shared among all points by mass", true,
      kReaches, kReaches, kReaches, {0.2f, 0.4f, 0.9f}},
-    {Mode::kMove, "move", 2, "carries what is inside when it begins", "N at which the grip lets go, 0 = never", false, kStrong,
+    {Mode::kMove, "move", 2, "carries the points that are inside when it "
+                             "starts",
+      "force in N at which the grip slips, 0 = never", false, kStrong,
      kStrong, kStrong, {0.2f, 0.8f, 0.3f}},
-    {Mode::kErase, "erase", 3, "takes away what is inside (oriented particles)", nullptr, false, kUnknown, kPlain, kUnknown,
+    {Mode::kErase, "erase", 3, "deletes the particles inside (oriented particles)", nullptr, false, kUnknown, kPlain, kUnknown,
      {0.9f, 0.9f, 0.9f}},
-    {Mode::kCut, "cut", 4, "cuts what it goes between (mass_spring), or is solid and heats what it touches (oriented particles)",
-     "K above ambient, 0 = where bonds are gone (oriented particles)", false, kPlain, kRubsHot, kUnknown, {0.9f, 0.8f, 0.1f}},
-    {Mode::kHeat, "heat", 5, "warms what is inside (oriented particles)", "K above ambient", true, kUnknown, kStrong, kUnknown,
+    {Mode::kCut, "cut", 4, "cuts the links that it passes between (mass_spring); is solid and heats what it touches (oriented "
+                           "particles)",
+     "K above ambient, 0 = the melting temperature (oriented particles)", false, kPlain, kRubsHot, kUnknown, {0.9f, 0.8f, 0.1f}},
+    {Mode::kHeat, "heat", 5, "heats the particles inside (oriented "
+                             "particles)", "K above ambient", true, kUnknown, kStrong, kUnknown,
      {0.9f, 0.3f, 0.1f}},
 };
 

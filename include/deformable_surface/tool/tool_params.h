@@ -38,8 +38,9 @@ const char* describeStrengths();
 std::vector<std::pair<const char*, Mode>> listModes();
 
 inline void visit(Fields& fields, WaypointParams& p) {
-  fields.number("time", p.time, "s", anyFinite(), "when");
-  fields.required().vector("position", p.position, "m", between(-kMaxLength, kMaxLength), "of the tool's origin, in frame_id");
+  fields.number("time", p.time, "s", anyFinite(), "time of the waypoint");
+  fields.required().vector("position", p.position, "m", between(-kMaxLength, kMaxLength),
+                           "position of the frame's origin, in frame_id");
   fields.vector("orientation", p.orientation, "", between(-1.0, 1.0), "quaternion x, y, z, w of length 1");
   fields.require(std::abs(p.orientation.norm() - 1.0) <= kLengthTolerance, "orientation",
                  "found a quaternion of length " + formatReal(p.orientation.norm()) + "; accepted: length 1");
@@ -54,26 +55,26 @@ inline void visitPath(Fields& fields, std::vector<WaypointParams>& path, const c
 }
 
 inline void visit(Fields& fields, ToolParams& p) {
-  fields.required().text("id", p.id, "its name, not empty; no two tools share one");
+  fields.required().text("id", p.id, "unique name, not empty");
   fields.require(!p.id.empty(), "id", "found empty text; accepted: a name");
   fields.choice("mode", p.mode, listModes(), describeModes());
   fields.section(
       "shape", p.shape,
-      "One of sphere, box, cylinder, cone, plane and mesh (`plane: {}` is solid below z = 0 of the tool's frame; a cone's tip "
-      "is up).");
-  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb's coefficient of solid, and of cut (oriented particles)");
+      "One of sphere, box, cylinder, cone, plane and mesh. `plane: {}` is solid below z = 0 of the tool's frame. A cone's tip is "
+      "up.");
+  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient of solid, and of cut (oriented particles)");
   fields.number("strength", p.strength, "", between(0.0, 1e12), describeStrengths());
   const ModeInfo& mode = infoOf(p.mode);
   fields.require(!mode.needs_strength || p.strength > 0.0, "strength",
                  "found 0, with which " + std::string(mode.name) + " does nothing; accepted: above 0");
-  fields.number("reach", p.reach, "m", between(0.0, kMaxLength), "attract: how far from its surface it is felt");
+  fields.number("reach", p.reach, "m", between(0.0, kMaxLength), "attract: distance from the tool's surface up to which it acts");
   fields.require(p.mode != Mode::kAttract || p.reach > 0.0, "reach",
                  "found 0, with which attract does nothing; accepted: above 0");
-  fields.number("start", p.start, "s", anyFinite(), "acts in the steps that begin at start <= t < end");
-  fields.number("end", p.end, "s", anyFinite(), "the default never ends");
+  fields.number("start", p.start, "s", anyFinite(), "active in the steps that begin at start <= t < end");
+  fields.number("end", p.end, "s", anyFinite(), "end of the active time; the default never ends");
   fields.require(p.start < p.end, "end",
                  "found " + formatReal(p.end) + ", which is not after start, " + formatReal(p.start) + "; accepted: start < end");
-  visitPath(fields, p.path, "Where it is; interpolated between the times and held outside them.");
+  visitPath(fields, p.path, "Poses over time. Interpolated between the times, constant outside.");
   fields.require(!p.path.empty(), "path", "found no waypoint; accepted: at least one");
 }
 

@@ -20,13 +20,14 @@ struct TransferParams {
 };
 
 inline void visit(Fields& fields, TransferParams& p) {
-  fields.integer("k", p.k, "", between(3, 64), "simulation points that each point follows");
+  fields.integer("k", p.k, "", between(3, 64), "number of simulation points that each point follows");
   fields.choice("weighting", p.weighting, {{"compact", Weighting::kCompact}, {"gaussian", Weighting::kGaussian}},
-                "`gaussian` = exp(-r^2 / h^2) as published");
+                "weights by distance: `compact` = compact support; `gaussian` = exp(-r^2 / h^2), as published");
   fields.number("gaussian_width", p.gaussian_width, "m", between(0.0, kMaxLength),
-                "h of the Gaussian; 0 = the mean distance of the k points");
+                "h of `gaussian`; 0 = mean distance of the k points");
   fields.choice("normals", p.normals, {{"gradient", NormalMethod::kGradient}, {"covariance", NormalMethod::kCovariance}},
-                "of the deformed surface; `covariance` = by covariance analysis in every frame, as published");
+                "normals of the deformed surface: `gradient` = from the interpolated deformation gradient; `covariance` = "
+                "covariance analysis in every frame, as published");
 }
 
 }  // namespace deformable_surface::transfer

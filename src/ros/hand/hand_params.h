@@ -17,14 +17,14 @@ struct HandParams {
 };
 
 inline void visit(Fields& fields, HandParams& p) {
-  fields.text("surface", p.surface, "name of the node whose surface is taken in hand");
-  fields.number("rate", p.rate, "Hz", between(0.1, 60.0), "how often, at most, the handles follow the surface");
+  fields.text("surface", p.surface, "name of the node of the surface");
+  fields.number("rate", p.rate, "Hz", between(0.1, 60.0), "largest rate at which the markers follow the surface");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength),
-                "what a grip, a pin and a trim take around the place; `auto` = one and a half spacings of the simulation points");
+                "radius of a grip, a pin and a trim; `auto` = 1.5 spacings of the simulation points");
   fields.number("strength", p.strength, "N", between(0.0, 1e12),
-                "a pull that takes more slips off the surface; 0 = none does");
-  fields.number("heat", p.heat, "K", between(1e-6, 1e9), "above ambient: strength of a tool that heats");
-  fields.number("attraction", p.attraction, "N/m", between(1e-9, 1e12), "strength of a tool that attracts");
+                "force at which a pull slips off the surface; 0 = never");
+  fields.number("heat", p.heat, "K", between(1e-6, 1e9), "strength of a heating tool, above ambient");
+  fields.number("attraction", p.attraction, "N/m", between(1e-9, 1e12), "strength of an attracting tool");
   fields.require(!p.surface.empty(), "surface", "found empty text; accepted: the name of a node");
 }
 

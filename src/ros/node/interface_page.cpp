@@ -80,31 +80,31 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kSubscribed, "force", "deformable_surface/PointForce",
        "a named force near a point. The same id replaces it, a zero force removes it", define<PointForce>()},
       {Kind::kSubscribed, "wrench", "geometry_msgs/WrenchStamped",
-       "a force at the origin of its frame, shared over `force.radius`. It ends `force.timeout` after the last message. The torque "
-       "is not applied",
+       "a force at the origin of its frame, shared over `force.radius`. It ends `force.timeout` after the last message. The "
+       "torque is not applied",
        {}},
       {Kind::kSubscribed, "tools", "deformable_surface/ToolArray",
        "commands to rigid tools: add, move, delete ([tools](tools.md))", define<ToolArray>()},
       {Kind::kSubscribed, "rollout/goal", "deformable_surface/RolloutActionGoal",
-       "action `~rollout`: simulates a copy of the surface with other tools and forces ([run-time control](run_time_control.md)). "
-       "Goal, result and feedback",
+       "action `~rollout`: simulates a copy of the surface with other tools and forces ([run-time "
+       "control](run_time_control.md)). Goal, result and feedback",
        joinParts({define<RolloutGoal>(), define<RolloutResult>(), define<RolloutFeedback>()})},
       {Kind::kSubscribed, "rollout/cancel", "actionlib_msgs/GoalID", "cancels a rollout", {}},
       {Kind::kPublished, "deformed", "sensor_msgs/PointCloud2",
-       "the deformed cloud: x y z, normal_x normal_y normal_z, displacement (m), then the input's other fields. One point per input "
-       "point, in the same order. Removed points are NaN. New particles are appended; they copy the extra fields of their parent, "
-       "and their displacement is NaN. Latched. Published on change and to new subscribers",
+       "the deformed cloud: x y z, normal_x normal_y normal_z, displacement (m), then the input's other fields. One point per "
+       "input point, in the same order. Removed points are NaN. New particles are appended; they copy the extra fields of their "
+       "parent, and their displacement is NaN. Latched. Published on change and to new subscribers",
        {}},
       {Kind::kPublished, "deformed_update", "deformable_surface/DeformedUpdate",
        "incremental version of `~deformed`: only the changed rows. New subscribers get all rows first",
        define<DeformedUpdate>()},
       {Kind::kPublished, "simulation_points", "sensor_msgs/PointCloud2",
-       "the simulation points: x y z, normal, mass (kg), strain, awake, pinned. Particles also have temperature (K above ambient) "
-       "and id. Published on change and to new subscribers",
+       "the simulation points: x y z, normal, mass (kg), strain, awake, pinned. Particles also have temperature (K above "
+       "ambient) and id. Published on change and to new subscribers",
        {}},
       {Kind::kPublished, "markers", "visualization_msgs/MarkerArray",
-       "markers for RViz ([rviz](rviz.md)). Every message contains all markers. Latched. Published on change, once a second, and to "
-       "new subscribers",
+       "markers for RViz ([rviz](rviz.md)). Every message contains all markers. Latched. Published on change, once a second, and "
+       "to new subscribers",
        {}},
       {Kind::kPublished, "statistics", "deformable_surface/Statistics", "state and cost of the last step", define<Statistics>()},
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
@@ -122,10 +122,11 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished, "/diagnostics", "diagnostic_msgs/DiagnosticArray",
        "rate, real-time factor, dropped input, last warning. `diagnostics: false` turns it off", {}},
       {Kind::kService, "reset", "std_srvs/Trigger",
-       "returns to the rest state of the last cloud, at time 0. Pins, tools and forces of the scene stay. Those that came over ROS "
-       "are deleted",
+       "returns to the rest state of the last cloud, at time 0. Pins, tools and forces of the scene stay. Those that came over "
+       "ROS are deleted",
        {}},
-      {Kind::kService, "pause", "std_srvs/SetBool", "true: stop stepping. false: continue. The time between is not caught up", {}},
+      {Kind::kService, "pause", "std_srvs/SetBool",
+       "true: stop stepping. false: continue. The time between is not caught up", {}},
       {Kind::kService, "step", "deformable_surface/Step", "takes steps while paused", defineService<Step>()},
       {Kind::kService, "pin", "deformable_surface/SelectRegion", "constrains the points inside a shape",
        defineService<SelectRegion>()},
@@ -183,9 +184,10 @@ const std::vector<InterfaceEntry>& interfaceTable() {
 std::string interfacePage() {
   std::string page =
       "# Topics and services\n\n"
-      "Interface of `deformable_surface_node` and its nodelet. Printed by `rosrun deformable_surface interface_page`; a test compares "
-      "the two.\n\n"
-      "All names are private to the node, so several surfaces can run side by side. Parameters: [parameters.md](parameters.md).\n";
+      "Interface of `deformable_surface_node` and its nodelet. Printed by `rosrun deformable_surface interface_page`; a test "
+      "compares the two.\n\n"
+      "All names are private to the node, so several surfaces can run side by side. "
+      "Parameters: [parameters.md](parameters.md).\n";
   const std::pair<Kind, const char*> parts[] = {
       {Kind::kSubscribed, "Subscribed"}, {Kind::kPublished, "Published"}, {Kind::kService, "Services"}};
   std::map<std::string, std::string> printed = findOwners();

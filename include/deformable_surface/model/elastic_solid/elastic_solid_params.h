@@ -28,21 +28,20 @@ inline void visit(Fields& fields, ElasticSolidParams& p) {
   fields.choice(
       "dimension", p.dimension,
       {{"auto", SolidDimension::kAuto}, {"planar", SolidDimension::kPlanar}, {"volume", SolidDimension::kVolume}},
-      "what the cloud fills; `auto` = a part of a plane if it lies in one, else of space. A planar solid moves in its own "
-      "plane only");
+      "dimension of the body; `auto` = planar if the cloud lies in a plane, else volume. A planar solid moves only in its plane");
   fields.choice("plane", p.plane, {{"stress", PlaneKind::kStress}, {"strain", PlaneKind::kStrain}},
-                "of a planar solid: without `stress` across it, as a plate of the material's thickness, or without `strain`");
+                "of a planar solid: plane `stress` (a plate with the material's thickness) or plane `strain`");
   fields.choice("law", p.law, {{"corotated", SolidLaw::kCorotated}, {"linear", SolidLaw::kLinear}},
-                "`linear` strain, as published, takes a rotation for strain: half a per cent at 6 degrees, 13 at 30");
+                "`linear` strain, as published, mistakes rotation for strain: 0.5 % at 6 degrees, 13 % at 30 degrees");
   fields.number(
       "stabilization", p.stabilization, "", between(0.0, 10.0),
-      "stiffness, over Young's modulus, against motions from point to point that the fitted strain does not show; 0 leaves "
-      "them free");
+      "stabilisation stiffness over Young's modulus. It acts on point-to-point motions that the fitted strain does not include; "
+      "0 = off");
   fields.flag("fill", p.fill,
-              "the cloud is the closed surface of a body: points are made inside, which are simulated and in no output cloud");
+              "the cloud is the closed surface of a body: points are generated inside. They are simulated but not published");
   fields.require(!p.fill || p.dimension != SolidDimension::kPlanar, "fill",
                  "found true for a planar solid; accepted: false, or dimension auto or volume");
-  fields.section("plasticity", p.plasticity, "What stays of a deformation.");
+  fields.section("plasticity", p.plasticity, "Plasticity.");
   fields.require(!p.plasticity.isOn() || p.law == SolidLaw::kCorotated, "plasticity.yield_stress",
                  "found one with law: linear, which would take rotations for yield; accepted: 0, or law: corotated");
 }

@@ -18,12 +18,11 @@ struct PlasticityParams {
 inline void visit(Fields& fields, PlasticityParams& p) {
   fields.number(
       "yield_stress", p.yield_stress, "Pa", between(0.0, 1e15),
-      "equivalent stress (von Mises; of a planar solid Tresca's in its plane) beyond which a part of the deformation stays; "
-      "0 = nothing does");
+      "equivalent stress at which plastic flow starts: von Mises; for planar solids Tresca in the plane; 0 = elastic");
   fields.number("creep", p.creep, "1/s", between(1e-9, 1e12),
-                "rate at which what is beyond the yield flows; `auto` = all of it in every step");
+                "rate of plastic flow beyond the yield surface; `auto` = complete in every step");
   fields.number("max_strain", p.max_strain, "", between(1e-6, 10.0),
-                "equivalent plastic strain (logarithmic) at which flow ends");
+                "equivalent plastic strain (logarithmic) at which flow stops");
 }
 
 }  // namespace deformable_surface::model

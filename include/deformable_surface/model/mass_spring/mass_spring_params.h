@@ -33,15 +33,15 @@ struct MassSpringParams {
 inline void visit(Fields& fields, MassSpringParams& p) {
   fields.choice("membrane", p.membrane,
                 {{"auto", Membrane::kAuto}, {"springs", Membrane::kSprings}, {"triangles", Membrane::kTriangles}},
-                "`springs` = the published scheme, `triangles` = co-rotated, any Poisson's ratio; `auto` = triangles");
+                "`triangles` = co-rotated triangles, any Poisson's ratio; `springs` = the published scheme; `auto` = triangles");
   fields.choice("bending", p.bending,
                 {{"springs", Bending::kSprings}, {"curvature", Bending::kCurvature}, {"none", Bending::kNone}},
-                "`springs` = the published scheme, `curvature` = converges to the bending rigidity");
+                "`curvature` = energy that converges to the bending rigidity; `springs` = the published scheme");
   fields.choice("stiffness", p.stiffness, {{"material", Stiffness::kMaterial}, {"uniform", Stiffness::kUniform}},
-                "of the springs: `material` = from Young's modulus and the triangles at each spring, `uniform` = spring_constant "
-                "for all, which makes the surface depend on the pattern of its points");
+                "spring stiffness: `material` = from Young's modulus and the triangles at each spring; `uniform` = "
+                "spring_constant for all springs, so that the surface depends on the pattern of its points");
   fields.number("spring_constant", p.spring_constant, "N/m", between(0.0, 1e15),
-                "of every stretching spring with `stiffness: uniform`, in place of Young's modulus; else 0");
+                "stiffness of every stretching spring with `stiffness: uniform`; replaces Young's modulus; else 0");
   const bool uniform = p.stiffness == Stiffness::kUniform;
   fields.require(!uniform || p.membrane == Membrane::kSprings, "stiffness",
                  "found uniform with a membrane of triangles, which takes Young's modulus; accepted: material, or membrane: "
@@ -52,13 +52,13 @@ inline void visit(Fields& fields, MassSpringParams& p) {
                  "found " + formatReal(p.spring_constant) + " with stiffness: material; accepted: 0, or stiffness: uniform");
   fields.choice("damping", p.damping,
                 {{"along_spring", Damping::kAlongSpring}, {"relative_velocity", Damping::kRelativeVelocity}},
-                "what material.spring_damping acts on: `along_spring` = the rate of the length, `relative_velocity` = the whole "
-                "difference of the velocities, as published, which damps rotation too");
-  fields.number("volume_stiffness", p.volume_stiffness, "Pa", between(0.0, 1e15), "keeps the volume of a closed surface");
+                "velocity that material.spring_damping acts on: `along_spring` = rate of the length; `relative_velocity` = full "
+                "relative velocity, as published; it also damps rotation");
+  fields.number("volume_stiffness", p.volume_stiffness, "Pa", between(0.0, 1e15), "volume stiffness of a closed surface");
   fields.number("bending_spring_ratio", p.bending_spring_ratio, "", between(1e-9, 1e6),
-                "stiffness of the published bending springs over that of the stretching springs");
+                "for `bending: springs`: stiffness of bending springs over that of stretching springs");
   fields.number("tear_strain", p.tear_strain, "", between(0.0, 1e6),
-                "l / l0 - 1 beyond which a link is cut for good, after each step; 0 = never");
+                "links with l / l0 - 1 above this after a step are cut permanently; 0 = never");
   fields.require(!(p.tear_strain > 0.0) || p.volume_stiffness == 0.0, "tear_strain",
                  "found one beside a volume_stiffness, which a torn surface cannot have; accepted: one of them, the other 0");
 }

@@ -27,32 +27,35 @@ struct GrowthParams {
 };
 
 inline void visit(Fields& fields, GrowthParams& p) {
-  fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "particles this far apart get one between them");
+  fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "particles this far apart get a new one between them");
   fields.number("max_gap", p.max_gap, "spacings", between(1.0, 100.0), "the widest gap that is closed");
   fields.require(p.min_gap <= p.max_gap, "max_gap", "found less than min_gap; accepted: at least min_gap");
   fields.number(
       "sample_gap", p.sample_gap, "", between(0.0, 100.0),
-      "of `fit`: beside a sample gaps are closed up to this times the distance of its fourth nearest (and up to 2.5 spacings), "
-      "at most max_gap: where samples are dense, features may be small; 0 = max_gap everywhere");
-  fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours grow nothing");
-  fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours grow nothing");
+      "for `fit`: limits gaps near a sample to this times the distance of its fourth nearest sample, at least 2.5 spacings and "
+      "at most max_gap. Dense samples may show small features. 0 = max_gap everywhere");
+  fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours do not grow");
+  fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours do not grow");
   fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: as many or more");
-  fields.number("min_angle", p.min_angle, "rad", between(1.0, 6.2832), "smallest gap between successive neighbours to fill");
-  fields.number("max_angle", p.max_angle, "rad", between(1.0, 6.2832), "largest gap between successive neighbours to fill");
+  fields.number("min_angle", p.min_angle, "rad", between(1.0, 6.2832),
+                "smallest angular gap between successive neighbours that is filled");
+  fields.number("max_angle", p.max_angle, "rad", between(1.0, 6.2832),
+                "largest angular gap between successive neighbours that is filled");
   fields.require(p.min_angle <= p.max_angle, "max_angle", "found less than min_angle; accepted: at least min_angle");
-  fields.number("neighbor_range", p.neighbor_range, "spacings", between(1.0, 3.0), "up to which others count as neighbours");
-  fields.number("clearance", p.clearance, "spacings", between(0.3, 1.0), "what grows keeps this distance to all others");
+  fields.number("neighbor_range", p.neighbor_range, "spacings", between(1.0, 3.0),
+                "distance up to which particles are neighbours");
+  fields.number("clearance", p.clearance, "spacings", between(0.3, 1.0), "new particles keep this distance to all others");
   fields.integer("edge_rows", p.edge_rows, "", between(0, 1000),
-                 "rows of particles that may grow at edges which face no other within max_gap");
-  fields.integer("max_passes", p.max_passes, "", between(1, 10000), "growth ends after so many passes at the latest");
-  fields.integer("max_particles", p.max_particles, "", between(1, kMaxPoints), "growth ends at so many particles at the latest");
-  fields.flag("fix_samples", p.fix_samples, "the given particles keep their places while others grow");
-  fields.flag("release_samples", p.release_samples, "the given particles move in a last relaxation");
+                 "rows of particles that may grow at edges without an opposite edge within max_gap");
+  fields.integer("max_passes", p.max_passes, "", between(1, 10000), "maximum number of growth passes");
+  fields.integer("max_particles", p.max_particles, "", between(1, kMaxPoints), "maximum number of particles");
+  fields.flag("fix_samples", p.fix_samples, "the given particles are constrained while others grow");
+  fields.flag("release_samples", p.release_samples, "the given particles move in a final relaxation");
   fields.number(
       "noise", p.noise, "spacings", between(0.0, 1.0),
-      "of `fit`: how far samples are off the surface (root mean square): let go, it is smoothed until they have moved that far "
-      "along their normals, or no more, and curvatures at rest are means over a few spacings; 0 = as little as makes the surface "
-      "even, for noise cannot be told from features as small as the distance of samples");
+      "for `fit`: rms distance of the samples from the surface. After release the surface is smoothed until the samples have "
+      "moved that far along their normals, or until they stop. Rest curvatures are means over a few spacings. 0 = the least "
+      "smoothing that makes the surface even. Noise cannot be distinguished from features as small as the sample distance");
   fields.require(!(p.noise > 0.0) || p.release_samples, "noise",
                  "found " + formatReal(p.noise) + " with release_samples: false; accepted: 0, or samples that are let go");
 }

@@ -64,70 +64,76 @@ struct OrientedParticlesParams {
 
 inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.choice("mode", p.mode, {{"space", ParticleMode::kSpace}, {"plane", ParticleMode::kPlane}},
-                "`space` = a surface, `plane` = a curve of particles that stay in y = 0");
+                "`space` = a surface; `plane` = a curve of particles in the plane y = 0");
   fields.number("spacing", p.spacing, "m", between(1e-9, kMaxLength),
-                "between neighbours on the flat surface at rest; `auto` = that of the cloud");
+                "rest distance between neighbours on a flat surface; `auto` = spacing of the cloud");
   fields.number("lennard_jones", p.lennard_jones, "", between(0.0, 1e6),
-                "attraction and repulsion; with 1 the surface has Young's modulus");
+                "weight of attraction and repulsion; 1 = the surface has Young's modulus");
   fields.number("co_planarity", p.co_planarity, "", between(0.0, 1e6),
-                "keeps neighbours in each other's tangent planes; (this + co_normality) / 2 multiplies the bending rigidity");
-  fields.number("co_normality", p.co_normality, "", between(0.0, 1e6), "keeps neighbouring normals parallel");
+                "weight of the co-planarity potential: neighbours stay in each other's tangent planes. The bending rigidity is "
+                "multiplied by (co_planarity + co_normality) / 2");
+  fields.number("co_normality", p.co_normality, "", between(0.0, 1e6),
+                "weight of the co-normality potential: neighbouring normals stay parallel");
   fields.number("co_circularity", p.co_circularity, "", between(0.0, 1e6),
-                "keeps the curvature constant, on the scale of co_planarity");
+                "weight of the co-circularity potential: the curvature stays constant; same scale as co_planarity");
   fields.number("spin", p.spin, "1/s", between(0.0, 1e9),
-                "how fast x axes turn to a principal direction, "
-                "times how much curvatures times spacing differ; forces do not see it");
+                "rate at which x axes align with the principal curvature direction, per unit of curvature difference times "
+                "spacing. Display only");
   fields.choice("principal", p.principal, {{"signed", PrincipalDirection::kSigned}, {"absolute", PrincipalDirection::kAbsolute}},
-                "x axes turn to the direction of the least curvature, `signed` or `absolute`");
-  fields.vector("exponents", p.exponents, "", between(1.0, 24.0), "of repulsion and attraction: whole, the first the larger");
+                "x axes align with the direction of the least `signed` or `absolute` curvature");
+  fields.vector("exponents", p.exponents, "", between(1.0, 24.0),
+                "exponents of repulsion and attraction: integers, the first is larger");
   const auto isWhole = [](double x) { return x == std::floor(x); };
   fields.require(isWhole(p.exponents[0]) && isWhole(p.exponents[1]) && p.exponents[0] > p.exponents[1], "exponents",
                  "found " + formatReal(p.exponents[0]) + " and " + formatReal(p.exponents[1]) +
                      "; accepted: whole numbers, the first the larger");
   fields.number("cutoff", p.cutoff, "", between(1.05, 4.0),
-                "distance, in that of a pair's least energy, beyond which particles do not feel each other: a bond is then gone");
+                "interaction cutoff, as a multiple of the equilibrium distance. Longer bonds break");
   fields.number(
       "tear_strain", p.tear_strain, "", between(0.0, 4.0),
-      "stretch l / l0 - 1 at which a bond carries most: drawn further it lets go, as the cutoff is then so much shorter; 0 = as "
-      "exponents and cutoff make it (0.42 by default), which is the most that there is");
+      "strain l / l0 - 1 of the largest bond force. Beyond it the bond breaks. A value above 0 shortens the cutoff. 0 = the "
+      "maximum, which follows from exponents and cutoff (0.42 by default)");
   fields.require(!(p.tear_strain > 0.0) || p.tear_strain >= 0.1, "tear_strain",
                  "found " + formatReal(p.tear_strain) +
                      "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
   fields.choice("weighting", p.weighting,
                 {{"isotropic", ParticleWeighting::kIsotropic}, {"anisotropic", ParticleWeighting::kAnisotropic}},
-                "of the forces between orientations: by distance, or more near the tangent plane (as published)");
-  fields.number("weighting_width", p.weighting_width, "", between(0.1, 10.0), "in spacings, with weighting: anisotropic");
+                "weights of the orientation forces: `isotropic` = by distance; `anisotropic` = larger near the tangent plane, as "
+                "published");
+  fields.number("weighting_width", p.weighting_width, "", between(0.1, 10.0),
+                "width of the anisotropic weights in the tangent plane, in spacings");
   fields.number("weighting_height", p.weighting_height, "", between(0.05, 10.0),
-                "in spacings, with weighting: anisotropic; at most weighting_width");
+                "width of the anisotropic weights along the normal, in spacings; at most weighting_width");
   fields.require(p.weighting_height <= p.weighting_width, "weighting_height",
                  "found " + formatReal(p.weighting_height) + " above weighting_width: " + formatReal(p.weighting_width) +
                      "; accepted: at most the width");
   fields.choice(
       "rest_shape", p.rest_shape, {{"auto", RestShape::kAuto}, {"flat", RestShape::kFlat}, {"cloud", RestShape::kCloud}},
-      "what is at rest: `flat` = an even, flat sheet, as published: other clouds move from the beginning; `cloud` = the cloud: "
-      "before time 0 particles slide over it until they are even, and keep its curvature; `auto` = `cloud` but for "
-      "weighting: anisotropic and mode: plane");
+      "rest shape: `flat` = an even, flat sheet, as published; other clouds move from the start. `cloud` = the cloud: particles "
+      "slide over it before time 0 until they are even, and keep its curvature. `auto` = `flat` for weighting: anisotropic and "
+      "mode: plane, else `cloud`");
   fields.require(p.rest_shape != RestShape::kCloud || p.remembersShape(), "rest_shape",
                  "found cloud with weighting: anisotropic or mode: plane, which remember no shape; accepted: flat, auto");
   fields.number("melting", p.melting, "K", between(1e-6, 1e9),
-                "above ambient, where bonds are gone; they weaken linearly until then");
-  fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures fall to the ambient one");
+                "melting temperature above ambient: bonds weaken linearly and vanish there");
+  fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures decay to ambient");
   fields.number("hold_below", p.hold_below, "K", between(0.0, 1e9),
-                "above ambient: cooler particles neither move nor turn, so that only what is heated can be shaped; 0 = all may");
+                "above ambient: cooler particles neither move nor rotate, so only heated particles can be shaped; 0 = off");
   fields.number("yield_curvature", p.yield_curvature, "1/m", between(0.0, 1e9),
-                "plasticity: what is bent by more than this keeps what is beyond as its rest shape; 0 = nothing");
+                "plasticity: curvature change beyond this becomes part of the rest shape; 0 = no plasticity");
   fields.require(!(p.yield_curvature > 0.0) || p.remembersShape(), "yield_curvature",
                  "found " + formatReal(p.yield_curvature) + " with weighting: anisotropic or mode: plane, which remember no "
                      "shape; accepted: 0");
-  fields.flag("delete_trapped", p.delete_trapped, "particles that are inside two solid tools at once go");
-  fields.flag("stretching", p.stretching, "particles are born between neighbours that were drawn apart (the stretching rule)");
+  fields.flag("delete_trapped", p.delete_trapped, "delete particles that are inside two solid tools at once");
+  fields.flag("stretching", p.stretching, "stretching rule: insert particles between neighbours that were pulled apart");
   fields.choice(
       "growing", p.growing, {{"none", Growing::kNone}, {"gaps", Growing::kGaps}, {"edges", Growing::kEdges}},
-      "particles are born around those with few neighbours (the growing rule): in `gaps` that face another side, or at open "
-      "`edges` too");
-  fields.number("growth_interval", p.growth_interval, "s", between(1e-9, 1e9), "between two looks for room to be born in");
-  fields.flag("fit", p.fit, "before time 0 a surface is grown through the particles, as by `~fit`");
-  fields.section("growth", p.growth, "The two rules: lengths in spacings of the particles.");
+      "growing rule: insert particles around particles with few neighbours: `gaps` = in gaps with an opposite side; `edges` = "
+      "also at open edges");
+  fields.number("growth_interval", p.growth_interval, "s", between(1e-9, 1e9),
+                "time between two searches for places of new particles");
+  fields.flag("fit", p.fit, "grow a surface through the particles before time 0, like `~fit`");
+  fields.section("growth", p.growth, "The stretching and growing rules. Lengths are in particle spacings.");
 }
 
 }  // namespace deformable_surface::model
