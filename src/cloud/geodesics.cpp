@@ -52,10 +52,10 @@ class Search {
     const double most = graph_.cost_is_distance ? reach : std::numeric_limits<double>::infinity();
     offer(source, 0.0, 0.0);
     while (!queue_.empty()) {
-      const Index point = queue_.front().second;
+      const auto [queued, point, number] = queue_.front();
       std::pop_heap(queue_.begin(), queue_.end(), std::greater<Entry>());
       queue_.pop_back();
-      State& state = states_[met_.find(point)];
+      State& state = states_[number];
       if (state.settled) continue;
       state.settled = true;
       const double cost = state.cost, length = state.length;
@@ -74,8 +74,10 @@ class Search {
     run(source, reach, visit, [](Index, double) { return true; });
   }
 
+  bool costIsDistance() const { return graph_.cost_is_distance; }
+
  private:
-  using Entry = std::pair<double, Index>;  // cost, point
+  using Entry = std::tuple<double, Index, Index>;  // cost, point, its number
   struct State {
     double cost, length;
     bool settled;
@@ -90,7 +92,7 @@ class Search {
     State& state = states_[number];
     if (!(std::tie(cost, length) < std::tie(state.cost, state.length))) return;
     if (cost < state.cost) {
-      queue_.push_back({cost, point});
+      queue_.push_back({cost, point, number});
       std::push_heap(queue_.begin(), queue_.end(), std::greater<Entry>());
     }
     state.cost = cost;
@@ -162,70 +164,126 @@ void joinBlocks(const std::vector<std::vector<Index>>& blocks, const std::vector
   for (const std::vector<Index>& block : blocks) lists.items.insert(lists.items.end(), block.begin(), block.end());
 }
 
+// What is known of a listed pair. Open: a search from the first point will tell; open there: one from the second.
+enum class PairState : char { kNear, kApart, kOpen, kOpenThere };
+
+// The item of i in the list of j; -1 if j does not list it.
+Index findItem(const Lists& neighbors, Index j, Index i) {
+  const Index* const found = std::find(neighbors.begin(j), neighbors.end(j), i);
+  return found == neighbors.end(j) ? Index{-1} : static_cast<Index>(found - neighbors.items.data());
+}
+
+// Of every item. A pair that both ends list is searched from one end only, from that with more open pairs.
+std::vector<PairState> checkPairs(const GeodesicGraph& graph, const Points& positions, const Lists& neighbors) {
+  const Index n = neighbors.size();
+  std::vector<PairState> from_here(neighbors.items.size(), PairState::kNear);
+  std::vector<Index> num_open(n);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    QuickCheck check(graph);
+    for (Index i = begin; i < end; ++i) {
+      const Index *first = neighbors.begin(i), *last = neighbors.end(i);
+      const bool is_checked = graph.cost_is_distance;
+      if (is_checked && check.run(i, positions, first, last, kApartDetour)) continue;
+      for (Index e = neighbors.offsets[i]; e < neighbors.offsets[i + 1]; ++e) {
+        if (is_checked && check.isShown(e - neighbors.offsets[i])) continue;
+        from_here[e] = PairState::kOpen;
+        ++num_open[i];
+      }
+    }
+  });
+  std::vector<PairState> states = from_here;
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      for (Index e = neighbors.offsets[i]; num_open[i] > 0 && e < neighbors.offsets[i + 1]; ++e) {
+        if (from_here[e] != PairState::kOpen) continue;
+        const Index j = neighbors.items[e], back = findItem(neighbors, j, i);
+        if (back < 0) continue;
+        if (from_here[back] == PairState::kNear) {
+          states[e] = PairState::kNear;
+        } else if (std::make_pair(num_open[i], i) < std::make_pair(num_open[j], j)) {
+          states[e] = PairState::kOpenThere;
+        }
+      }
+    }
+  });
+  return states;
+}
+
+// Settles the open pairs of point i.
+class PairSearch {
+ public:
+  PairSearch(const GeodesicGraph& graph, const Points& positions, const Lists& neighbors)
+      : search_(graph, positions), positions_(positions), neighbors_(neighbors) {}
+
+  void run(Index i, std::vector<PairState>& states) {
+    wanted_.clear();
+    Vec3 middle = Vec3::Zero();
+    for (Index e = neighbors_.offsets[i]; e < neighbors_.offsets[i + 1]; ++e) {
+      if (states[e] != PairState::kOpen) continue;
+      wanted_.emplace_back(neighbors_.items[e], e);
+      middle += positions_[neighbors_.items[e]];
+    }
+    if (wanted_.empty()) return;
+    middle /= static_cast<double>(wanted_.size());
+    double radius = 0.0;  // around the middle, of those wanted
+    for (const auto& pair : wanted_) radius = std::max(radius, (positions_[pair.first] - middle).norm());
+    Index farthest = wanted_.back().second;  // of those that are open, which are listed nearest first
+    std::sort(wanted_.begin(), wanted_.end());
+    const auto findReach = [&] { return kApartDetour * (positions_[neighbors_.items[farthest]] - positions_[i]).norm(); };
+    double reach = findReach();
+    std::size_t missing = wanted_.size();
+    const auto visit = [&](Index point, double distance) {
+      const auto found = std::lower_bound(wanted_.begin(), wanted_.end(), std::make_pair(point, Index{0}));
+      if (found != wanted_.end() && found->first == point) {
+        const bool is_near = distance <= kApartDetour * (positions_[point] - positions_[i]).norm();
+        states[found->second] = is_near ? PairState::kNear : PairState::kApart;
+        if (--missing == 0) return false;
+        while (states[farthest] != PairState::kOpen) --farthest;
+        reach = findReach();
+      }
+      return distance <= reach;
+    };
+    // No way is shorter than in space.
+    const auto leadsThere = [&](Index point, double cost) {
+      const double room = std::max(0.0, reach - cost) + radius;
+      return !search_.costIsDistance() || (positions_[point] - middle).squaredNorm() <= room * room;
+    };
+    search_.run(i, reach, visit, leadsThere);
+    for (const auto& pair : wanted_)
+      if (states[pair.second] == PairState::kOpen) states[pair.second] = PairState::kApart;
+  }
+
+ private:
+  Search search_;
+  const Points& positions_;
+  const Lists& neighbors_;
+  std::vector<std::pair<Index, Index>> wanted_;  // point, item
+};
+
 Apart findApart(const GeodesicGraph& graph, const Points& positions, const SurfaceSides& sides, const Lists& neighbors) {
   const Index n = neighbors.size();
+  std::vector<PairState> states = checkPairs(graph, positions, neighbors);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    PairSearch search(graph, positions, neighbors);
+    for (Index i = begin; i < end; ++i) search.run(i, states);
+  });
   Apart apart;
   apart.ratio.assign(n, std::numeric_limits<float>::infinity());
   std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
   std::vector<Index> count(n);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
-    QuickCheck check(graph);
-    Search search(graph, positions);
-    std::vector<std::pair<Index, Index>> wanted;  // point, place in the list, of which nothing is known yet
-    std::vector<char> is_met, is_settled;         // of the list
     for (Index i = begin; i < end; ++i) {
-      const Index *first = neighbors.begin(i), *last = neighbors.end(i);
-      const bool is_checked = graph.cost_is_distance;
-      if (first == last || (is_checked && check.run(i, positions, first, last, kApartDetour))) continue;
-      wanted.clear();
-      is_met.assign(last - first, 0);
-      is_settled.assign(last - first, 0);
-      Vec3 middle = Vec3::Zero();
-      for (const Index* j = first; j != last; ++j) {
-        const Index place = static_cast<Index>(j - first);
-        if (is_checked && check.isShown(place)) {
-          is_met[place] = is_settled[place] = 1;
-        } else {
-          wanted.emplace_back(*j, place);
-          middle += positions[*j];
-        }
-      }
-      middle /= static_cast<double>(wanted.size());
-      double radius = 0.0;  // around the middle, of those wanted
-      for (const auto& [point, place] : wanted) radius = std::max(radius, (positions[point] - middle).norm());
-      std::sort(wanted.begin(), wanted.end());
-      // As far as the farthest of which nothing is known yet.
-      std::size_t left = is_settled.size();
-      while (is_settled[left - 1]) --left;
-      const auto findReach = [&] { return kApartDetour * (positions[first[left - 1]] - positions[i]).norm(); };
-      double reach = findReach();
-      const auto visit = [&](Index point, double distance) {
-        const auto found = std::lower_bound(wanted.begin(), wanted.end(), std::make_pair(point, Index{0}));
-        if (found != wanted.end() && found->first == point) {
-          is_settled[found->second] = 1;
-          is_met[found->second] = distance <= kApartDetour * (positions[point] - positions[i]).norm();
-          const std::size_t before = left;
-          while (left > 0 && is_settled[left - 1]) --left;
-          if (left == 0) return false;
-          if (left < before) reach = findReach();
-        }
-        return distance <= reach;
-      };
-      // No way is shorter than in space.
-      const auto leadsThere = [&](Index point, double cost) {
-        const double room = std::max(0.0, reach - cost) + radius;
-        return !is_checked || (positions[point] - middle).squaredNorm() <= room * room;
-      };
-      search.run(i, reach, visit, leadsThere);
-      for (const Index* j = first; j != last; ++j) {
-        if (is_met[j - first]) continue;
+      for (Index e = neighbors.offsets[i]; e < neighbors.offsets[i + 1]; ++e) {
+        const Index j = neighbors.items[e];
+        const PairState state = states[e] == PairState::kOpenThere ? states[findItem(neighbors, j, i)] : states[e];
+        if (state == PairState::kNear) continue;
         double ratio = 0.0;
         if (!graph.trust_radius.empty()) {
-          ratio = std::sqrt(measureSquaredLength(positions, sides, i, *j)) /
-                  std::max(graph.trust_radius[i], graph.trust_radius[*j]);
+          ratio = std::sqrt(measureSquaredLength(positions, sides, i, j)) /
+                  std::max(graph.trust_radius[i], graph.trust_radius[j]);
         }
         apart.ratio[i] = std::min(apart.ratio[i], static_cast<float>(ratio));
-        blocks[begin / kBlock].push_back(*j);
+        blocks[begin / kBlock].push_back(j);
         ++count[i];
       }
     }
