@@ -41,9 +41,12 @@ class NoiseProfile {
   double at(double value) const;
   void scale(double factor);
   bool isEmpty() const { return values_.empty(); }
+  /// Of values that take too few levels to tell steps of the sensor from flat parts: how many; else 0.
+  std::size_t numFewLevels() const { return num_few_levels_; }
 
  private:
   std::vector<double> values_, deviations_;  // ascending values, between which it is linear
+  std::size_t num_few_levels_ = 0;
 };
 
 }  // namespace deformable_surface::cloud

@@ -30,9 +30,10 @@ double findLeastGap(double deviation, double samples) {
   return deviation * std::max(kLeastStep, std::sqrt(kStepShare * kSurprise * std::sqrt(2.0 / samples)));
 }
 
-void fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<double>& deviation, SensorNoise& noise) {
+// False, and nothing done, if too few pixels have depths around them.
+bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<double>& deviation, SensorNoise& noise) {
   NoiseProfile profile = measureNoise(image);
-  if (profile.isEmpty()) return;
+  if (profile.isEmpty()) return false;
   noise.is_image = noise.is_seen = true;
   std::vector<double> deviations, spacings;
   for (const double w : image.inverse_depth) {
@@ -48,7 +49,8 @@ void fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
     else profile = NoiseProfile(deviation.value / (depth * depth));
     noise.deviation = deviation.value;
   }
-  if (!isNoticed(noise)) return;
+  if (deviation.is_auto) noise.num_levels = static_cast<Index>(profile.numFewLevels());
+  if (!isNoticed(noise)) return true;
 
   const double wanted = std::ceil(0.5 * (noise.deviation / (kNoticed * noise.spacing) - 1.0));
   Index radius = static_cast<Index>(std::clamp(wanted, 1.0, static_cast<double>(kMostRadius)));
@@ -69,6 +71,7 @@ void fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
         noise.surface[i] += kWay * (1.0 / after - 1.0 / before) * image.ray(u, v);
     }
   }
+  return true;
 }
 
 void fitScattered(const PointCloud& input, const CleanCloud& cloud, const OrAuto<double>& deviation, SensorNoise& noise) {
@@ -104,11 +107,8 @@ SensorNoise findSensorNoise(const PointCloud& input, const CleanCloud& cloud, co
   SensorNoise noise;
   if (!deviation.is_auto && deviation.value == 0.0) return noise;
   const std::optional<DepthImage> image = findDepthImage(input, cloud);
-  if (image) {
-    fitImage(*image, cloud, deviation, noise);
-  } else if (cloud.positions.size() > static_cast<std::size_t>(kFewestInWindow)) {
-    fitScattered(input, cloud, deviation, noise);
-  }
+  if (image && fitImage(*image, cloud, deviation, noise)) return noise;
+  if (cloud.positions.size() > static_cast<std::size_t>(kFewestInWindow)) fitScattered(input, cloud, deviation, noise);
   return noise;
 }
 

@@ -26,6 +26,10 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   if (noise.is_thick)
     s.warnings.push_back("the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
                          "and no gap is told (input.noise 0: the points are exact)");
+  if (noise.num_levels > 0)
+    s.warnings.push_back("the cloud's depths take only " + std::to_string(noise.num_levels) +
+                         " values: steps of the sensor look like gaps between flat parts, and are taken for gaps (input.noise: "
+                         "a third of a step, if they are steps)");
   if (noise.surface.empty()) return input.viewpoint;
   for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
   s.dense.positions = std::move(noise.surface);

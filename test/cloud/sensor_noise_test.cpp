@@ -86,6 +86,26 @@ TEST(SensorNoise, IsAtLeastWhatTheStepsOfDepthsMake) {
   }
 }
 
+TEST(SensorNoise, TellsThatTooFewStepsLookLikeParts) {
+  for (const double tilt : {0.0, 2.0, 20.0}) {
+    const CameraFrame frame = take(test::makeTowel(1.0, tilt), 0.0, 0.125, 0.0);
+    const CleanCloud cloud = clean(frame.cloud);
+    const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+    EXPECT_EQ(found.num_levels > 0, tilt == 2.0) << found.num_levels << " levels at " << tilt << " degrees";
+    EXPECT_EQ(findSensorNoise(frame.cloud, cloud, frame.camera.depthNoise(1.0)).num_levels, 0);
+  }
+}
+
+TEST(SensorNoise, IsFoundWhereMostPixelsAreMissing) {
+  for (const double missing : {0.7, 0.9}) {
+    const CameraFrame frame = take(test::makeTowel(1.0, 20.0), 0.1, 0.125, missing);
+    const CleanCloud cloud = clean(frame.cloud);
+    const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+    ASSERT_FALSE(found.surface.empty()) << missing;
+    EXPECT_LT(measureError(frame, cloud, found.surface), 0.6 * measureError(frame, cloud, cloud.positions)) << missing;
+  }
+}
+
 TEST(SensorNoise, OfLinesOfPointsIsNone) {
   PointCloud lines;
   for (int i = 0; i < 4000; ++i) lines.positions.emplace_back(0.001 * (i % 1000), 0.03 * (i / 1000), 0.0);

@@ -15,6 +15,7 @@ struct SensorNoise {
   double window = 0.0;     // spacings across the windows in which the surface was looked for; 0: points stay where they are
   double least_gap = 0.0;  // m: parts that are nearer to each other in that direction are not told apart
   Index unexplained = 0;   // points that fit no window that noise explains, and go to the nearest, if there is one
+  Index num_levels = 0;    // of depths that take too few to tell steps of the sensor from flat parts; else 0
   bool is_thick = false;   // points fill their neighbourhoods: there is no telling what is surface and what is noise
   Points surface;          // (n) where the points lie on the surface; empty: where they are
 };
