@@ -2,6 +2,7 @@
 // surface in the steps that its stability asks for; where a twin of that truth, disturbed by a thousandth of the spacing, goes
 // its own way, there is no one truth and the scene is counted apart. Steps as large as stability allows can do that by
 // themselves, so that such a truth and its twin are run once more in finer ones, which are then what counts.
+#include "../src/simulation/dynamics.h"
 #include "../test/support/random_scene.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
@@ -47,8 +48,8 @@ bool runTruth(SceneParams params, const cloud::PointCloud& cloud, int steps, int
   params.simplification.method = cloud::SimplificationMethod::kNone;
   if (params.integrator.type != IntegratorType::kStatic) params.integrator.type = IntegratorType::kVerlet;
   Simulation truth(params, cloud);
-  truth.setFineness(fineness);
-  truth.disturb(disturbance);
+  truth.dynamics().setFineness(fineness);
+  truth.dynamics().disturb(disturbance);
   for (int k = 1; k <= steps; ++k) {
     const simulation::StepOutcome outcome = truth.step();
     if (!outcome.ok || !outcome.notice.empty()) return false;

@@ -1,6 +1,7 @@
 // Part 14: other programs beside this one in the same run, each with its error: a hanging sheet with Bullet's deformable bodies,
 // and what peers_clouds.cpp compares. Only what is installed when the benchmark is configured takes part; nothing of it is linked
 // into the package.
+#include "../src/simulation/dynamics.h"
 #include "deformable_surface/base/parallel.h"
 #include "peers_clouds.h"
 #include "sections.h"
@@ -53,13 +54,13 @@ struct Run {
 // In so many times as many sub-steps as the stable step asks for.
 Run runOurs(const Forces& forces, Index fineness) {
   Simulation sheet(makeScene(forces, kFrame), makeHangingSheet(kSide));
-  sheet.setFineness(fineness);
+  sheet.dynamics().setFineness(fineness);
   const long steps = std::lround(kDuration / kFrame);
   Run run;
   const double before = processorSeconds();
   for (long k = 0; k < steps; ++k) {
     if (!sheet.step().ok) return run;
-    run.substeps += sheet.lastSubsteps();
+    run.substeps += sheet.dynamics().lastSubsteps();
   }
   run.seconds = (processorSeconds() - before) / kDuration;
   run.end = sheet.state().positions;

@@ -1,6 +1,7 @@
 // Part 15: what a wish for an accuracy costs and gives: the sheets for which times at a millimetre were printed elsewhere, run
 // with what accuracy.position_error chooses for them, beside what they are without a wish. A part of its own because here the
 // scene says what it wants, not how.
+#include "../src/simulation/dynamics.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 #include "sections.h"
@@ -53,7 +54,7 @@ void run(Simulation& simulation, int steps) {
 void addSheet(const Sheet& sheet, Report& report) {
   const int steps = countSteps(sheet.scene);
   Simulation truth(sheet.scene, sheet.cloud);
-  truth.setFineness(kFineness);
+  truth.dynamics().setFineness(kFineness);
   run(truth, steps);
   const Points exact = truth.surface(false).positions;
 

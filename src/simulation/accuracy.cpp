@@ -1,9 +1,9 @@
 #include "accuracy.h"
 
+#include "deformable_surface/base/timer.h"
 #include "deformable_surface/base/value.h"
-#include "deformable_surface/simulation/simulation.h"
 #include "accuracy_probe.h"
-#include "error_estimator.h"
+#include "estimated_dynamics.h"
 #include "integrator_choice.h"
 
 #include <algorithm>
@@ -161,13 +161,14 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   quiet.accuracy = AccuracyParams{};
   quiet.activity.sleep = Sleep::kNever;  // what is timed is a surface in motion
   quiet.output.resample = false;
-  Simulation simulation(quiet, buildTrial(quiet, full, points));
-  if (params.accuracy.estimate) simulation.estimateError();
+  EstimatedDynamics trial(quiet, buildTrial(quiet, full, points));
+  if (params.accuracy.estimate) trial.estimateError();
   const auto step = [&] {
-    return simulation.step().ok ? simulation.statistics().time_total : std::numeric_limits<double>::infinity();
+    const Timer timer;
+    return trial.step().ok ? timer.seconds() : std::numeric_limits<double>::infinity();
   };
   const double seconds = timeSteps(step, params.accuracy.step_budget);
-  taken = simulation.lastIntegrator();
+  taken = trial.dynamics().lastIntegrator();
   return seconds;
 }
 

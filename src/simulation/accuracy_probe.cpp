@@ -1,9 +1,9 @@
 #include "accuracy_probe.h"
 
-#include "deformable_surface/simulation/simulation.h"
-
 #include <algorithm>
 #include <cmath>
+
+#include "estimated_dynamics.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -27,17 +27,18 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
   quiet.accuracy = AccuracyParams{};
   quiet.output.resample = false;
   quiet.integrator.type = tried.integrator;
-  Simulation simulation(quiet, buildTrial(quiet, full, tried.points));
-  simulation.estimateError();
-  if (tried.membrane_share < 1.0) simulation.softenMembrane(tried.membrane_share);
+  EstimatedDynamics trial(quiet, buildTrial(quiet, full, tried.points));
+  trial.estimateError();
+  if (tried.membrane_share < 1.0) trial.softenMembrane(tried.membrane_share);
   const Index steps = std::max(Index{1}, static_cast<Index>(std::lround(params.duration / params.integrator.time_step)));
   const Index between = static_cast<Index>(static_cast<double>(tried.points) * steps / kMostKept) + 1;
   double apart = 0.0;
   Index implicit_steps = 0;
+  solve::SolveReport taken;  // of the last sound step
   for (Index k = 1; k <= steps; ++k) {
-    const StepOutcome outcome = simulation.step();
-    const Statistics now = simulation.statistics();
-    const Points& positions = simulation.state().positions;
+    const EstimatedDynamics::Outcome outcome = trial.step();
+    if (outcome.ok) taken = outcome.report;
+    const Points& positions = trial.dynamics().state().positions;
     if (k % between == 0 && beside) {
       const Points& stated = beside->looks[k / between - 1];
       for (std::size_t i = 0; i < stated.size(); ++i) apart = std::max(apart, (positions[i] - stated[i]).norm());
@@ -45,14 +46,14 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
       probe.looks.push_back(positions);
     }
     if (beside) probe.apart.push_back(apart);
-    const double error = outcome.ok ? now.error_estimate + apart : std::numeric_limits<double>::infinity();
-    if (error > probe.candidate.error) probe.time_error = now.error_time;
+    const double error = outcome.ok ? trial.error() + apart : std::numeric_limits<double>::infinity();
+    if (error > probe.candidate.error) probe.time_error = trial.timeError();
     probe.candidate.error = std::max(probe.candidate.error, error);
-    probe.candidate.may_buckle = now.may_buckle;
-    const double iteration = now.is_quasi_newton ? kQuasiNewtonWork : newtonWork(tried.points);
-    const double substeps = now.solver_iterations > 0 ? iteration * now.solver_iterations : now.substeps;
+    probe.candidate.may_buckle = trial.estimator()->mayBuckle();
+    const double iteration = taken.is_quasi_newton ? kQuasiNewtonWork : newtonWork(tried.points);
+    const double substeps = taken.iterations > 0 ? iteration * taken.iterations : taken.substeps;
     probe.candidate.work += static_cast<double>(tried.points) * substeps;
-    if (now.solver_iterations > 0) ++implicit_steps;
+    if (taken.iterations > 0) ++implicit_steps;
     probe.is_implicit = 2 * implicit_steps > k;
     probe.spent = probe.candidate.work;
     if (probe.candidate.error <= wish && probe.candidate.work <= most_work) continue;

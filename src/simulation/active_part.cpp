@@ -24,27 +24,20 @@ ActivePart::Made ActivePart::make(const model::DeformableModel& whole, const std
 }
 
 ActivePart::ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params,
-                       const Loads& loads)
-    : ActivePart(make(whole, moving), params, loads) {}
+                       const LoadSet& loads, double damping)
+    : ActivePart(make(whole, moving), params, loads, damping) {}
 
-ActivePart::ActivePart(Made made, const SceneParams& params, const Loads& loads)
-    : params_(params),
-      moving_(std::move(made.moving)),
+ActivePart::ActivePart(Made made, const SceneParams& params, const LoadSet& loads, double damping)
+    : moving_(std::move(made.moving)),
       model_(std::move(made.part.model)),
       points_(std::move(made.part.points)),
       new_index_(moving_.size(), -1),
       kind_(std::move(made.kind)),
-      gravity_(model_->masses(), loads.gravity.gravity),
-      pressure_(*model_, params.pressure),
-      drag_(*model_, params.viscous_drag),
-      anchors_({}),
-      forces_(model_->masses()),
-      contact_(model_->masses()),
-      friction_(contact_),
+      loads_(*model_, params),
       held_(points_.size(), 1),
       held_turns_(points_.size(), 1),
       fixed_(points_.size(), 0),
-      system_(*model_, loads_, held_, params.material.damping, &held_turns_),
+      system_(*model_, loads_.acting(), held_, damping, &held_turns_),
       march_(system_, *model_, params.integrator) {
   for (std::size_t k = 0; k < points_.size(); ++k) new_index_[points_[k]] = static_cast<Index>(k);
   state_.positions.resize(points_.size());
@@ -57,34 +50,8 @@ ActivePart::ActivePart(Made made, const SceneParams& params, const Loads& loads)
   setLoads(loads);
 }
 
-void ActivePart::setLoads(const Loads& loads) {
-  gravity_.gravity = loads.gravity.gravity;
-  anchors_ = loads.anchors;
-  anchors_.renumber(new_index_);
-  // Each point keeps its share of a force of which others sleep.
-  std::vector<NamedForces::Named> forces = loads.forces.all();
-  for (NamedForces::Named& force : forces) {
-    std::size_t kept = 0;
-    for (std::size_t k = 0; k < force.points.size(); ++k) {
-      if (new_index_[force.points[k]] < 0) continue;
-      force.points[kept] = new_index_[force.points[k]];
-      force.shares[kept++] = force.shares[k];
-    }
-    force.points.resize(kept);
-    force.shares.resize(kept);
-  }
-  forces_.restore(forces);
-  contact_.restore(loads.contact.all());
-  contact_.renumber(new_index_);
-  contact_.setRate(loads.contact_rate);
-  system_.setDamping(loads.damping);
-  loads_ = {&forces_};
-  if (!gravity_.gravity.isZero(0.0)) loads_.insert(loads_.begin(), &gravity_);
-  if (params_.pressure != 0.0) loads_.push_back(&pressure_);
-  if (params_.viscous_drag > 0.0) loads_.push_back(&drag_);
-  if (!params_.anchors.empty()) loads_.push_back(&anchors_);
-  if (!contact_.isEmpty()) loads_.push_back(&contact_);
-  if (!friction_.isEmpty()) loads_.push_back(&friction_);
+void ActivePart::setLoads(const LoadSet& loads) {
+  loads_.takePart(loads, new_index_);
   march_.loadsChanged();
 }
 

@@ -2,9 +2,8 @@
 // so that every loop of a step costs what is awake. What surrounds it is held where it sleeps.
 #pragma once
 
-#include "deformable_surface/simulation/contact_load.h"
-#include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/solve/time_march.h"
+#include "load_set.h"
 
 #include <memory>
 
@@ -14,21 +13,13 @@ namespace deformable_surface::simulation {
 /// which shares elements with it, so that the forces on the wall are whole: they say when it should have moved.
 class ActivePart {
  public:
-  /// What acts on the surface, in its own indices.
-  struct Loads {
-    const GravityLoad& gravity;
-    const AnchorLoad& anchors;
-    const NamedForces& forces;
-    const ContactLoad& contact;
-    double contact_rate;  // 1/s
-    double damping;       // 1/s
-  };
-
   /// moving (n): of the surface, at least one. params is kept by reference. Throws nothing; the model must know parts.
-  ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params, const Loads& loads);
+  /// loads: of the surface; damping: 1/s.
+  ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params,
+             const LoadSet& loads, double damping);
 
-  /// Loads or tools have changed.
-  void setLoads(const Loads& loads);
+  /// Loads or tools of the surface have changed.
+  void setLoads(const LoadSet& loads);
 
   /// Advances a copy of the moving points by a step from the surface's state; held, held_turns (n): as the surface has it.
   solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held,
@@ -52,7 +43,7 @@ class ActivePart {
   bool isMoving(Index k) const { return kind_[k] == Kind::kMoving || kind_[k] == Kind::kRim; }
 
   /// See ContactLoad.
-  double takeContactSeconds() const { return contact_.takeSeconds(); }
+  double takeContactSeconds() const { return loads_.contact.takeSeconds(); }
   solve::TimeMarch& march() { return march_; }
   const solve::TimeMarch& march() const { return march_; }
 
@@ -64,21 +55,13 @@ class ActivePart {
     std::vector<Kind> kind;
   };
   static Made make(const model::DeformableModel& whole, const std::vector<char>& moving);
-  ActivePart(Made made, const SceneParams& params, const Loads& loads);
+  ActivePart(Made made, const SceneParams& params, const LoadSet& loads, double damping);
 
-  const SceneParams& params_;
   std::vector<char> moving_;
   std::unique_ptr<model::DeformableModel> model_;
   std::vector<Index> points_, new_index_;
   std::vector<Kind> kind_;
-  GravityLoad gravity_;
-  PressureLoad pressure_;
-  DragLoad drag_;
-  AnchorLoad anchors_;
-  NamedForces forces_;
-  ContactLoad contact_;
-  FrictionLoad friction_;
-  std::vector<const solve::ExternalLoad*> loads_;
+  LoadSet loads_;
   std::vector<char> held_, held_turns_, fixed_;  // fixed: held by the surface itself
   solve::System system_;
   solve::TimeMarch march_;

@@ -1,5 +1,5 @@
 // Which parts of a surface are awake: tiles of neighbouring points, for how long each has been slow, and what falling asleep
-// costs. It takes no steps and knows no tools; Simulation::Impl::advance() says what follows from it.
+// costs. It takes no steps and knows no tools; Dynamics::advance() says what follows from it.
 #pragma once
 
 #include "deformable_surface/base/types.h"

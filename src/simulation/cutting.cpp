@@ -50,7 +50,7 @@ bool Cutting::beginStep(const std::vector<tool::ToolParams>& tools, double time,
 }
 
 bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions,
-                      DeformedSurface& surface) {
+                      CutFollower* follower) {
   found_.clear();
   if (model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
   bool has_parted = false;
@@ -64,7 +64,7 @@ bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, d
     if (!blade.isNear()) continue;
     cut(blade, positions, model_.stretchLinks());
     cut(blade, positions, model_.bendLinks());
-    has_parted = surface.sever(blade, before_, positions) || has_parted;
+    has_parted = (follower && follower->sever(blade, before_, positions)) || has_parted;
   }
   if (tear_strain_ > 0.0) tear(positions);
   const bool has_cut = !found_.empty();
@@ -74,7 +74,7 @@ bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, d
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
     model_.setCuts(found_);
   }
-  if (has_cut || has_parted) surface.followLinks(model_.stretchLinks());
+  if (follower && (has_cut || has_parted)) follower->followLinks(model_.stretchLinks());
   return has_cut;
 }
 

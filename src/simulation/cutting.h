@@ -3,11 +3,21 @@
 #pragma once
 
 #include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/tool/blade.h"
 #include "deformable_surface/tool/tool.h"
 
-#include "deformed_surface.h"
-
 namespace deformable_surface::simulation {
+
+/// What follows the simulation points and must know on which side of a cut it is.
+class CutFollower {
+ public:
+  virtual ~CutFollower() = default;
+  /// A knife went through the surface while the simulation points (m x 3) moved from before to after: what follows them no longer
+  /// follows those that the knife went between. Returns whether there is any.
+  virtual bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after) = 0;
+  /// The links (m) that are whole are others than before.
+  virtual void followLinks(const std::vector<std::pair<Index, Index>>& whole) = 0;
+};
 
 class Cutting {
  public:
@@ -17,9 +27,9 @@ class Cutting {
   /// Before a step from time (s): whether something can be cut in it; if so, the positions are kept.
   bool beginStep(const std::vector<tool::ToolParams>& tools, double time, const Points& positions);
   /// After it, if beginStep() said so: cuts the links that knives went through and those that are stretched too far, and tells
-  /// the surface on which side its points are. Returns whether any was cut.
+  /// the follower, if there is one. Returns whether any was cut.
   bool endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions,
-               DeformedSurface& surface);
+               CutFollower* follower);
 
   const std::vector<model::MassSpring::Link>& cuts() const { return model_.cuts(); }
   void setCuts(const std::vector<model::MassSpring::Link>& cuts) { model_.setCuts(cuts); }

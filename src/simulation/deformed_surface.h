@@ -5,16 +5,16 @@
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
-#include "deformable_surface/tool/blade.h"
 #include "deformable_surface/transfer/resample.h"
 
 #include <memory>
 
 #include "cut_transfer.h"
+#include "cutting.h"
 
 namespace deformable_surface::simulation {
 
-class DeformedSurface {
+class DeformedSurface : public CutFollower {
  public:
   /// All are kept by reference and stay what they are. solid: the model, if it is one, else null.
   DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params,
@@ -29,11 +29,8 @@ class DeformedSurface {
   std::shared_ptr<const transfer::Resampler> saveInserted() const;
   void restoreInserted(const std::shared_ptr<const transfer::Resampler>& saved);
 
-  /// A knife went through the surface while the simulation points (m x 3) moved from before to after: dense points no longer
-  /// follow those that it went between. Returns whether there are any.
-  bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after);
-  /// The links (m) that are whole are others than before.
-  void followLinks(const std::vector<std::pair<Index, Index>>& whole);
+  bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after) override;
+  void followLinks(const std::vector<std::pair<Index, Index>>& whole) override;
   /// What was severed, for a snapshot; null: nothing.
   std::shared_ptr<const CutTransfer::Memory> saveCut() const { return cut_ ? cut_->memory() : nullptr; }
   void restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved, const std::vector<std::pair<Index, Index>>& whole);

@@ -62,10 +62,10 @@ Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& u
 
 }  // namespace
 
-double findLargestDistance(const Points& a, const Points& b) {
-  double squared = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) squared = std::max(squared, (a[i] - b[i]).squaredNorm());
-  return std::sqrt(squared);
+template <class Visit>
+void ErrorEstimator::forEachCopy(const Visit& visit) {
+  for (Dynamics* copy : {shadow_.get(), twin_.get(), verlet_.get()})
+    if (copy) visit(*copy);
 }
 
 // The copies' surface, whose points are some of the level's, and how the others follow them.
@@ -106,15 +106,16 @@ RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const Re
   return surface;
 }
 
-ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& level, const model::DeformableModel& model)
-    : damping_(params.material.damping), step_(params.integrator.time_step) {
+ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params().integrator.time_step) {
+  const SceneParams& params = dynamics.params();
+  const RestSurface& level = dynamics.rest();
   const Index num_full = static_cast<Index>(level.dense.positions.size());
   SceneParams coarse = params;
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
-  const auto* solid = dynamic_cast<const model::ElasticSolid*>(&model);
-  const RestSurface surface = solid ? takeCoarserSolid(coarse, level, *solid) : takeCoarser(coarse, level);
+  const RestSurface surface =
+      dynamics.solid() ? takeCoarserSolid(coarse, level, *dynamics.solid()) : takeCoarser(coarse, level);
   is_calibrated_ = static_cast<Index>(level.points.size()) >= kFewestCalibrated &&
                    (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
@@ -126,16 +127,16 @@ ErrorEstimator::ErrorEstimator(const SceneParams& params, const RestSurface& lev
   const Index max_substeps = coarse.integrator.max_substeps;
   // A copy can be far stiffer than the simulation, where few points show a rough surface: auto then leaves Verlet.
   if (type != IntegratorType::kAuto) coarse.integrator.max_substeps = kAnyNumber;
-  twin_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
-  shadow_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
+  twin_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
+  shadow_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
   if (isDamping(type) || type == IntegratorType::kAuto) {
     // Auto leaves Verlet where it would need too many sub-steps.
     coarse.integrator.type = IntegratorType::kAuto;
     coarse.integrator.max_substeps = max_substeps;
-    verlet_ = std::make_unique<Simulation>(coarse, copyCoarser(coarse, surface));
+    verlet_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
   }
   if (!is_solid_ && params.mass_spring.bending == model::Bending::kCurvature)
-    dents_ = DentWatch(params.material, level.points, model.triangles(), level.area, num_full);
+    dents_ = DentWatch(params.material, level.points, dynamics.model().triangles(), level.area, num_full);
   reset();
 }
 
@@ -145,7 +146,6 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       has_hinged_pins_(other.has_hinged_pins_),
       is_calibrated_(other.is_calibrated_),
       unresolved_(other.unresolved_),
-      damping_(other.damping_),
       step_(other.step_),
       disturbance_(other.disturbance_),
       spacing_(other.spacing_),
@@ -153,15 +153,15 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       common_(other.common_),
       refine_(other.refine_),
       refine_solid_(other.refine_solid_),
-      shadow_(std::make_unique<Simulation>(other.shadow_->fork())),
-      twin_(std::make_unique<Simulation>(other.twin_->fork())),
-      verlet_(other.verlet_ ? std::make_unique<Simulation>(other.verlet_->fork()) : nullptr),
+      shadow_(other.shadow_->fork()),
+      twin_(other.twin_->fork()),
+      verlet_(other.verlet_ ? other.verlet_->fork() : nullptr),
       dents_(other.dents_),
       seen_(other.seen_),
       coarse_now_(other.coarse_now_) {}
 
 void ErrorEstimator::reset() {
-  forward([](Simulation& copy) { copy.reset(); });
+  forEachCopy([](Dynamics& copy) { copy.reset(); });
   twin_->disturb(disturbance_);
   dents_.reset();
   dents_.softenMembrane(shadow_->membraneShare());
@@ -169,18 +169,27 @@ void ErrorEstimator::reset() {
 }
 
 void ErrorEstimator::softenMembrane(double share) {
-  forward([&](Simulation& copy) { copy.softenMembrane(share); });
+  forEachCopy([&](Dynamics& copy) { copy.softenMembrane(share); });
   reset();
 }
 
 void ErrorEstimator::stiffenMembrane() {
-  forward([](Simulation& copy) { copy.stiffenMembrane(); });
+  forEachCopy([](Dynamics& copy) { copy.stiffenMembrane(); });
   dents_.softenMembrane(1.0);
 }
 
 std::shared_ptr<const ErrorEstimator::Memory> ErrorEstimator::memory() const {
-  return std::make_shared<const Memory>(Memory{seen_, dents_.growth(), shadow_->snapshot(), twin_->snapshot(),
-                                               verlet_ ? verlet_->snapshot() : Snapshot()});
+  auto memory = std::make_shared<Memory>();
+  memory->seen = seen_;
+  memory->dents = dents_.growth();
+  memory->shadow = shadow_->save();
+  memory->twin = twin_->save();
+  if (verlet_) memory->verlet = verlet_->save();
+  return memory;
+}
+
+std::size_t ErrorEstimator::Memory::bytes() const {
+  return dents.size() * sizeof(double) + shadow.bytes() + twin.bytes() + (verlet ? verlet->bytes() : 0);
 }
 
 void ErrorEstimator::setMemory(const Memory& saved) {
@@ -188,14 +197,31 @@ void ErrorEstimator::setMemory(const Memory& saved) {
   dents_.setGrowth(saved.dents);
   shadow_->restore(saved.shadow);
   twin_->restore(saved.twin);
-  if (verlet_) verlet_->restore(saved.verlet);
+  if (verlet_) verlet_->restore(*saved.verlet);
   dents_.softenMembrane(shadow_->membraneShare());
+}
+
+void ErrorEstimator::apply(const Command& command) {
+  if (const auto* given = std::get_if<command::SetState>(&command)) return setState(given->state);
+  forEachCopy([&](Dynamics& copy) { copy.apply(command); });
+}
+
+void ErrorEstimator::setInterrupt(const std::atomic<bool>* interrupt) {
+  forEachCopy([&](Dynamics& copy) { copy.setInterrupt(interrupt); });
+}
+
+void ErrorEstimator::adoptArrivals(const ContactLoad& contact) {
+  forEachCopy([&](Dynamics& copy) { copy.adoptArrivals(contact); });
+}
+
+void ErrorEstimator::pass() {
+  forEachCopy([](Dynamics& copy) { copy.passStep(); });
 }
 
 void ErrorEstimator::setState(const model::State& state) {
   if (seen_.is_lost) return;
   if (std::count(common_.begin(), common_.end(), Index{-1}) > 0) return lose();
-  forward([&](Simulation& copy) {
+  forEachCopy([&](Dynamics& copy) {
     model::State coarse;
     for (std::size_t i = 0; i < common_.size(); ++i) {
       coarse.positions.push_back(state.positions[common_[i]]);
@@ -203,7 +229,7 @@ void ErrorEstimator::setState(const model::State& state) {
       if (!state.plastic.empty()) coarse.plastic.push_back(state.plastic[common_[i]]);
     }
     coarse.dissipated = state.dissipated;
-    copy.setState(coarse);
+    copy.apply(Command(command::SetState{std::move(coarse)}));
   });
   twin_->disturb(disturbance_);
   dents_.reset();
@@ -220,12 +246,12 @@ void ErrorEstimator::followVerlet(IntegratorType type) {
   twin_->setIntegrator(IntegratorType::kAuto);
   twin_->setFineness(1);
   seen_.follows_verlet = isDamping(type);
-  for (Simulation* copy : {verlet_.get(), twin_.get()})
+  for (Dynamics* copy : {verlet_.get(), twin_.get()})
     seen_.follows_verlet = seen_.follows_verlet && step(*copy).ok && copy->lastIntegrator() == IntegratorType::kVerlet;
   if (seen_.follows_verlet) return;
   if (std::count(stepped_.begin(), stepped_.end(), twin_.get()) > 0) twin_->undoStep();
-  twin_left_ = twin_->snapshot();
-  twin_->restore(shadow_->snapshot());
+  twin_left_ = twin_->save();
+  twin_->restore(shadow_->save());
   twin_->disturb(disturbance_);
 }
 
@@ -236,8 +262,8 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   // Where Verlet's steps go wrong, auto rescues them.
   const bool is_verlet = type == IntegratorType::kVerlet;
   shadow_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
-  const StepOutcome shadow = step(*shadow_);
-  StepOutcome twin;
+  const Dynamics::Outcome shadow = step(*shadow_);
+  Dynamics::Outcome twin;
   seen_.is_halved = isDamping(type) && !seen_.follows_verlet;
   if (!seen_.follows_verlet) {
     twin_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
@@ -254,44 +280,43 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
 }
 
 // Steps watch for dents as they grow, equilibria for what is past them, and both for what forces press in.
-Buckling ErrorEstimator::judgeBuckling(const Points& positions, IntegratorType type,
-                                       const std::vector<NamedForces::Named>& forces) {
-  Buckling worst =
-      type == IntegratorType::kStatic ? dents_.judgeEquilibrium(positions) : dents_.followStep(positions, step_);
-  for (const NamedForces::Named& force : forces)
+Buckling ErrorEstimator::judgeBuckling(const Dynamics& level) {
+  const Points& positions = level.state().positions;
+  Buckling worst = level.lastIntegrator() == IntegratorType::kStatic ? dents_.judgeEquilibrium(positions)
+                                                                     : dents_.followStep(positions, step_);
+  for (const NamedForces::Named& force : level.loads().forces.all())
     if (force.started) worst = std::max(worst, dents_.judgeForce(force.points, force.params.force.norm(), force.params.radius));
   return worst;
 }
 
-StepOutcome ErrorEstimator::step(Simulation& copy) {
+Dynamics::Outcome ErrorEstimator::step(Dynamics& copy) {
   stepped_.push_back(&copy);
   return copy.step();
 }
 
-std::string ErrorEstimator::follow(const Points& positions, IntegratorType type, Index substeps,
-                                   const std::vector<NamedForces::Named>& forces, const std::atomic<bool>* interrupt) {
+std::string ErrorEstimator::follow(const Dynamics& level) {
   seen_before_ = seen_;
   dents_before_ = dents_.growth();
   stepped_.clear();
-  twin_left_ = Snapshot();
-  std::string said = followStep(positions, type, substeps, forces);
-  if (!(interrupt && *interrupt)) return said;
-  const bool has_left = twin_left_.bytes() > 0;
-  for (Simulation* copy : stepped_)
-    if (copy != twin_.get() || !has_left) copy->undoStep();
-  if (has_left) twin_->restore(twin_left_);
+  twin_left_.reset();
+  std::string said = followStep(level);
+  if (!(level.interrupt() && *level.interrupt())) return said;
+  for (Dynamics* copy : stepped_)
+    if (copy != twin_.get() || !twin_left_) copy->undoStep();
+  if (twin_left_) twin_->restore(*twin_left_);
   seen_ = seen_before_;
   dents_.setGrowth(dents_before_);
   throw Interrupted();
 }
 
-std::string ErrorEstimator::followStep(const Points& positions, IntegratorType type, Index substeps,
-                                       const std::vector<NamedForces::Named>& forces) {
-  const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(positions, type, forces);
+std::string ErrorEstimator::followStep(const Dynamics& level) {
+  const Points& positions = level.state().positions;
+  const IntegratorType type = level.lastIntegrator();
+  const Buckling buckling = seen_.has_dented ? Buckling::kLikely : judgeBuckling(level);
   seen_.may_buckle = seen_.may_buckle || buckling != Buckling::kUnlikely;
   if (seen_.is_lost) return "";
   const bool was_halved = seen_.is_halved;
-  if (!stepCopies(type, substeps)) {
+  if (!stepCopies(type, level.lastSubsteps())) {
     seen_.is_lost = true;
     return "the error cannot be estimated until the next reset: a coarser copy could take no sound step";
   }
@@ -314,7 +339,7 @@ std::string ErrorEstimator::followStep(const Points& positions, IntegratorType t
   }
 
   // An oscillating difference passes through zero, the error need not: the largest so far counts while damping lets it last.
-  const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * damping_ * step_);
+  const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * level.system().damping() * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
   hold(seen_.space, kSpaceFactor * (is_solid_ ? 1.0 : unresolved_) * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);

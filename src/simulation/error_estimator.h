@@ -1,32 +1,25 @@
-// The live error estimate: coarser copies of a simulation run beside it, and how far they are from it and from each other says
-// how far it may be from the full surface. A file of its own, because it drives simulations and is driven by one.
+// The live error estimate: coarser copies of a dynamics run beside it, and how far they are from it and from each other says how
+// far it may be from the full surface. Apart from the dynamics, which knows nothing of it.
 #pragma once
 
-#include "deformable_surface/model/elastic_solid/elastic_solid.h"
-#include "deformable_surface/simulation/loads.h"
-#include "deformable_surface/simulation/rest_surface.h"
-#include "deformable_surface/simulation/simulation.h"
-#include "deformable_surface/solve/integrator_params.h"
-#include "dent_watch.h"
-
-#include <atomic>
 #include <memory>
+#include <optional>
 #include <string>
+
+#include "dent_watch.h"
+#include "dynamics.h"
 
 namespace deformable_surface::simulation {
 
 /// The order of removal is recorded down to this many points, for the coarser copies: fewer carry no shape.
 constexpr Index kCoarsestPoints = 16;
 
-/// Of points from those of the same index, m.
-double findLargestDistance(const Points& a, const Points& b);
-
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
  public:
-  /// level: the simulation points whose error is estimated, with the dense points that they were chosen from and their order of
-  /// removal; model: that of the level. None is kept. Throws InputError if the copies cannot be built.
-  ErrorEstimator(const SceneParams& params, const RestSurface& level, const model::DeformableModel& model);
+  /// level: at rest, the dynamics whose error is estimated. Its rest surface has the dense points that its points were chosen
+  /// from, and their order of removal. It is not kept. Throws InputError if the copies cannot be built.
+  explicit ErrorEstimator(const Dynamics& level);
   /// With forks of the copies.
   ErrorEstimator(const ErrorEstimator& other);
 
@@ -37,17 +30,13 @@ class ErrorEstimator {
   std::shared_ptr<const Memory> memory() const;
   void setMemory(const Memory& saved);
 
-  /// The simulation has been given a state (of the level). The copies take it at the points that they have in common, the twin
-  /// disturbed, and what has been seen is forgotten: from now on the estimate is that of what this state becomes. An estimate
-  /// that is lost stays so.
-  void setState(const model::State& state);
-
-  /// Gives a command to every copy, as the simulation got it.
-  template <class Command>
-  void forward(const Command& command) {
-    for (Simulation* copy : {shadow_.get(), twin_.get(), verlet_.get()})
-      if (copy) command(*copy);
-  }
+  /// The same command for every copy. A state that was given to the level they take at the points that they have in common, the
+  /// twin disturbed, and what has been seen is forgotten: from now on the estimate is that of what this state becomes. A lost
+  /// estimate stays lost.
+  void apply(const Command& command);
+  void setInterrupt(const std::atomic<bool>* interrupt);
+  /// Tools arrive in the copies as they do in the level.
+  void adoptArrivals(const ContactLoad& contact);
 
   /// Only this share of the membrane's stiffness acts in the simulation, which is at rest, and in the copies: what that changes
   /// is no part of the estimate.
@@ -55,21 +44,16 @@ class ErrorEstimator {
   /// All of it acts again.
   void stiffenMembrane();
 
-  /// The simulation has slept through a step.
-  void pass() {
-    forward([](Simulation& copy) { copy.passStep(); });
-  }
-  /// Of the simulation, 1/s.
-  void setDamping(double damping) { damping_ = damping; }
+  /// The level has slept through a step.
+  void pass();
 
-  /// The simulation has left for a moment that the copies do not know: there is no estimate until the next reset.
+  /// The level has gone to a state that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
-  /// Follows a step that the simulation has taken: positions after it, the integrator (not auto), the sub-steps, and its forces.
-  /// Allocates nothing after the first. Returns a sentence when the estimate becomes impossible; else nothing. Throws Interrupted
-  /// if interrupt (null: never) is true at the end: it is then as if the step had not been followed.
-  std::string follow(const Points& positions, solve::IntegratorType type, Index substeps,
-                     const std::vector<NamedForces::Named>& forces, const std::atomic<bool>* interrupt);
+  /// Follows a step that the level has taken. Allocates nothing after the first. Returns a sentence when the estimate becomes
+  /// impossible; else nothing. Throws Interrupted if the level's interrupt is true at the end: it is then as if the step had not
+  /// been followed.
+  std::string follow(const Dynamics& level);
 
   /// Whether the next equilibrium, the first since the last reset or given state, should be searched for twice: copies of fewer
   /// points may know nothing of others. The second search begins searchDisturbance() (m) from where the first did.
@@ -95,6 +79,9 @@ class ErrorEstimator {
  private:
   RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& level);
   RestSurface takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid);
+  template <class Visit>
+  void forEachCopy(const Visit& visit);
+  void setState(const model::State& state);
 
   // What has been seen since the last reset.
   struct Seen {
@@ -110,15 +97,14 @@ class ErrorEstimator {
     bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
   };
 
-  std::string followStep(const Points& positions, solve::IntegratorType type, Index substeps,
-                         const std::vector<NamedForces::Named>& forces);
-  StepOutcome step(Simulation& copy);
+  std::string followStep(const Dynamics& level);
+  Dynamics::Outcome step(Dynamics& copy);
   void followVerlet(solve::IntegratorType type);
   bool stepCopies(solve::IntegratorType type, Index substeps);
   // What the twin takes the same steps as: what a method damps cannot tell of chaos.
-  const Simulation& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
+  const Dynamics& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
-  Buckling judgeBuckling(const Points& positions, solve::IntegratorType type, const std::vector<NamedForces::Named>& forces);
+  Buckling judgeBuckling(const Dynamics& level);
 
   // Constants.
   bool is_solid_ = false;
@@ -126,7 +112,7 @@ class ErrorEstimator {
   bool has_hinged_pins_ = false;       // see RestSurface
   bool is_calibrated_ = false;         // see isCalibrated()
   double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
-  double damping_ = 0.0, step_ = 0.0;  // 1/s, s
+  double step_ = 0.0;                  // s
   double disturbance_ = 0.0;           // m, of the twin
   double spacing_ = 0.0, level_spacing_ = 0.0;  // m, of the copies and of the simulation
   std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
@@ -135,15 +121,15 @@ class ErrorEstimator {
 
   // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
   // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.
-  std::unique_ptr<Simulation> shadow_, twin_, verlet_;
+  std::unique_ptr<Dynamics> shadow_, twin_, verlet_;
 
   DentWatch dents_;
   Seen seen_;
   // Before the step that is followed, and the copies that have begun to take it.
   Seen seen_before_;
   std::vector<double> dents_before_;
-  std::vector<Simulation*> stepped_;
-  Snapshot twin_left_;  // of the twin, if it goes on from the shadow in this step
+  std::vector<Dynamics*> stepped_;
+  std::optional<DynamicsState> twin_left_;  // of the twin, if it goes on from the shadow in this step
   // Scratch.
   Points coarse_now_, refined_;
 };
@@ -151,7 +137,10 @@ class ErrorEstimator {
 struct ErrorEstimator::Memory {
   Seen seen;
   std::vector<double> dents;
-  Snapshot shadow, twin, verlet;
+  DynamicsState shadow, twin;
+  std::optional<DynamicsState> verlet;
+
+  std::size_t bytes() const;
 };
 
 }  // namespace deformable_surface::simulation

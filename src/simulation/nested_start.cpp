@@ -1,7 +1,8 @@
 #include "nested_start.h"
 
 #include "deformable_surface/base/error.h"
-#include "deformable_surface/simulation/simulation.h"
+
+#include "dynamics.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -39,16 +40,16 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
       shape.points = surface.points;
       shape.normals = surface.normals;
       shape.pinned = surface.pinned;
-      Simulation simulation(coarse, std::move(surface));
-      simulation.setInterrupt(interrupt);
+      Dynamics dynamics(coarse, std::move(surface));
+      dynamics.setInterrupt(interrupt);
       if (!known_now.empty())
-        simulation.setState({follow(params, shape, known, known_now), Points(shape.points.size(), Vec3::Zero())});
-      const StepOutcome outcome = simulation.step();
+        dynamics.apply(command::SetState{{follow(params, shape, known, known_now), Points(shape.points.size(), Vec3::Zero())}});
+      const Dynamics::Outcome outcome = dynamics.step();
       if (!outcome.ok || !outcome.notice.empty()) return {};  // a notice: not converged, or a force that finds no point there
       known = std::move(shape);
-      known_now = simulation.state().positions;
+      known_now = dynamics.state().positions;
       // Where steps that cost little have found it they will from further away, too, sooner than the next surface is built.
-      if (simulation.statistics().is_quasi_newton) break;
+      if (outcome.report.is_quasi_newton) break;
     }
   } catch (const InputError&) {
     return {};  // so few points span no surface

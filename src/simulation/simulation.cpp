@@ -1,26 +1,134 @@
+// The simulation: commands and steps go to its dynamics; what follows from them for those who look at it is done here.
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "accuracy.h"
+#include "command_checks.h"
+#include "state_hash.h"
 
 namespace deformable_surface::simulation {
+namespace {
+
+template <class... Kinds>
+bool isOne(const Command& command) {
+  return (std::holds_alternative<Kinds>(command) || ...);
+}
+
+}  // namespace
+
+Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen)
+    : shared_input(std::make_shared<const cloud::PointCloud>(std::move(cloud))),
+      run(params, std::move(rest)),
+      surface(dynamics().rest(), input, dynamics().params(), dynamics().solid()),
+      notes(dynamics().rest().notes),
+      scene_hash(identify(dynamics().rest(), params)),
+      choice(std::move(chosen)) {
+  dynamics().setCutFollower(&surface);
+  if (!dynamics().growthNotice().empty()) notes.push_back(dynamics().growthNotice());
+  if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
+    dynamics().chooseIntegrator(choice.integrator);
+  try {
+    if (params.accuracy.estimate && !dynamics().particles()) run.estimateError();
+  } catch (const InputError& problem) {
+    notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
+  }
+  if (choice.membrane_share < 1.0) run.softenMembrane(choice.membrane_share);
+  surface.reset();
+}
+
+Changes Simulation::Impl::apply(const Command& command) {
+  check(command, dynamics());
+  Changes changes = run.apply(command);
+  if (!changes.done) return changes;
+  if (changes.moved || isOne<command::SetParams>(command)) surface.invalidate();
+  const bool is_tool = isOne<command::SetTool, command::MoveTool, command::RemoveTool>(command) && !dynamics().tools().empty();
+  leaveTrial(is_tool ? "a tool came" : isOne<command::SetState>(command) ? "a state was given" : "a command came");
+  return changes;
+}
+
+// What happens from now on has not been tried.
+void Simulation::Impl::leaveTrial(const std::string& how) {
+  if (!(dynamics().params().accuracy.position_error > 0.0)) return;
+  const std::string why = how + ", which was not tried";
+  const double share = dynamics().membraneShare();
+  if (share < 1.0) {
+    trial_notice = "the membrane, of which " + formatReal(share) + " of the stated stiffness acted, has all of it again: " + why;
+    run.stiffenMembrane();
+  }
+  if (!dynamics().hasChosenIntegrator()) return;
+  dynamics().setIntegrator(solve::IntegratorType::kAuto);
+  appendNotice(trial_notice, "integrator.type is auto again: " + why);
+}
+
+void Simulation::Impl::reset() {
+  run.reset();
+  const std::string& grown = dynamics().growthNotice();
+  if (!grown.empty() && std::find(notes.begin(), notes.end(), grown) == notes.end()) notes.push_back(grown);
+  softening = 0.0;
+  trial_notice.clear();
+  is_target_missed = false;
+  surface.reset();
+  statistics = Statistics{};
+  measured_revision.reset();
+}
+
+StepOutcome Simulation::Impl::step() {
+  const Timer timer;
+  const double dt = dynamics().params().integrator.time_step, now = dynamics().time();
+  StepOutcome outcome;
+  EstimatedDynamics::Outcome taken;
+  if (!run.beginStep()) {
+    taken = run.passStep();
+  } else {
+    if (now + 1e-6 * dt >= dynamics().params().duration) leaveTrial("its time has come to an end");
+    outcome.notice = std::exchange(trial_notice, {});
+    const std::shared_ptr<const CutTransfer::Memory> severed = surface.saveCut();
+    const auto giveBack = [&] { surface.restoreCut(severed, dynamics().model().stretchLinks()); };
+    try {
+      taken = run.takeStep();
+    } catch (...) {
+      giveBack();
+      throw;
+    }
+    if (!taken.ok) giveBack();
+  }
+  if (taken.ok && !taken.has_slept) finishStep(taken);
+  if (taken.ok) takeStatistics(taken, timer.seconds());
+  appendNotice(outcome.notice, taken.notice);
+  outcome.ok = taken.ok;
+  if (!taken.ok)
+    outcome.problem = "step " + std::to_string(dynamics().stepCount() + 1) + " at " + formatReal(now) + " s " + taken.failure +
+                      "; the state before it is kept";
+  return outcome;
+}
+
+void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
+  const std::uint64_t steps = dynamics().stepCount();
+  if (dynamics().membraneShare() < 1.0 || dynamics().hasChosenIntegrator())
+    if (steps <= choice.softening.size()) softening = choice.softening[steps - 1];
+  surface.invalidate();
+  surface.resample(dynamics().state());
+  if (!run.estimator()) return;
+  // Asked for, kept in the trial, but not kept now; said once.
+  const double target = dynamics().params().accuracy.position_error, error = run.estimator()->total() + softening;
+  if (!(target > 0.0 && choice.is_met && error > target && std::isfinite(error)) || is_target_missed) return;
+  appendNotice(taken.notice, "the estimated error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +
+                                 formatReal(target) + " m");
+  is_target_missed = true;
+}
 
 Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   AccuracyChoice choice;
   RestSurface rest = buildChosen(params, input, choice);
-  impl_ = Impl::make(params, std::move(input), std::move(rest));
-  impl_->choice = std::move(choice);
-  if (params.integrator.type == solve::IntegratorType::kAuto && impl_->choice.integrator != solve::IntegratorType::kAuto)
-    impl_->params.integrator.type = impl_->chosen_integrator = impl_->choice.integrator;
-  const bool has_estimate = params.accuracy.estimate && !impl_->particles;
-  try {
-    if (has_estimate) estimateError();
-  } catch (const InputError& problem) {
-    impl_->notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
-  }
-  if (impl_->choice.membrane_share < 1.0) softenMembrane(impl_->choice.membrane_share);
+  impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice));
 }
-Simulation::Simulation(const SceneParams& params, RestSurface rest)
-    : impl_(Impl::make(params, cloud::PointCloud(), std::move(rest))) {}
+Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;
 Simulation& Simulation::operator=(Simulation&&) noexcept = default;
@@ -29,66 +137,90 @@ StepOutcome Simulation::step() {
   if (impl_->is_viewer) return {false, "a viewer takes no steps", ""};
   return impl_->step();
 }
-void Simulation::undoStep() { impl_->undoStep(); }
-double Simulation::time() const { return impl_->time(); }
-std::uint64_t Simulation::stepCount() const { return impl_->steps; }
-const SceneParams& Simulation::params() const { return impl_->params; }
+void Simulation::setInterrupt(const std::atomic<bool>* interrupt) { impl_->run.setInterrupt(interrupt); }
+double Simulation::time() const { return dynamics().time(); }
+std::uint64_t Simulation::stepCount() const { return dynamics().stepCount(); }
+const SceneParams& Simulation::params() const { return dynamics().params(); }
 const cloud::PointCloud& Simulation::input() const { return impl_->input; }
 void Simulation::reset() { impl_->reset(); }
 
-void Simulation::setInterrupt(const std::atomic<bool>* interrupt) {
-  impl_->interrupt = interrupt;
-  impl_->march.setInterrupt(interrupt);
-  if (impl_->part) impl_->part->march().setInterrupt(interrupt);
-  if (impl_->estimator) impl_->estimator->forward([&](Simulation& copy) { copy.setInterrupt(interrupt); });
+Changes Simulation::apply(const Command& command) { return impl_->apply(command); }
+void Simulation::setState(const model::State& state) { apply(command::SetState{state}); }
+void Simulation::setForce(const ForceParams& force) { apply(command::SetForce{force}); }
+void Simulation::removeForce(const std::string& id) { apply(command::RemoveForce{id}); }
+void Simulation::setTool(const tool::ToolParams& tool) { apply(command::SetTool{tool}); }
+void Simulation::moveTool(const std::string& id, const std::vector<tool::WaypointParams>& path) {
+  apply(command::MoveTool{id, path});
 }
+bool Simulation::removeTool(const std::string& id) { return apply(command::RemoveTool{id}).done; }
+Index Simulation::pin(const geometry::Region& region, bool orientation) {
+  return apply(command::Pin{region, orientation}).points;
+}
+Index Simulation::pinAlong(const std::string& id, const geometry::Region& region,
+                           const std::vector<tool::WaypointParams>& path) {
+  return apply(command::PinAlong{id, region, path}).points;
+}
+void Simulation::movePin(const std::string& id, const std::vector<tool::WaypointParams>& path) {
+  apply(command::MovePin{id, path});
+}
+Index Simulation::unpin(const geometry::Region& region) { return apply(command::Unpin{region}).points; }
+void Simulation::setGravity(const Vec3& gravity) { apply(command::SetGravity{gravity}); }
+Index Simulation::setMaterial(const geometry::Region* region, const MaterialChangeParams& change) {
+  return apply(command::SetMaterial{region ? std::optional<geometry::Region>(*region) : std::nullopt, change}).points;
+}
+void Simulation::setDamping(double damping) { apply(command::SetDamping{damping}); }
+void Simulation::observe(const cloud::PointCloud& cloud) { observe(std::make_shared<const ObservedCloud>(cloud)); }
+void Simulation::observe(std::shared_ptr<const ObservedCloud> cloud) { apply(command::Observe{std::move(cloud)}); }
+void Simulation::setParams(const SceneParams& params) { apply(command::SetParams{params}); }
+std::vector<Index> Simulation::editParticles(const ParticleEdit& edit) { return apply(command::EditParticles{edit}).added; }
+std::string Simulation::fit(const model::GrowthParams& growth) { return apply(command::Fit{growth}).notice; }
 
-void Simulation::setFineness(Index fineness) {
-  impl_->fineness = fineness;
-  impl_->march.setFineness(fineness);
-  if (impl_->part) impl_->part->march().setFineness(fineness);
+std::vector<std::string> Simulation::forceIds() const {
+  std::vector<std::string> ids;
+  for (const NamedForces::Named& force : dynamics().loads().forces.all()) ids.push_back(force.params.id);
+  return ids;
 }
-void Simulation::setIntegrator(solve::IntegratorType type) {
-  if (impl_->params.integrator.type == type) return;
-  impl_->params.integrator.type = type;
-  impl_->wakeAll();
+const std::vector<tool::WaypointParams>* Simulation::findPinPath(const std::string& id) const {
+  const Grips::Grip* const pin = dynamics().grips().findPin(id);
+  return pin ? &pin->tool.path : nullptr;
 }
-solve::IntegratorType Simulation::lastIntegrator() const { return impl_->lastMarch().lastType(); }
-void Simulation::stiffenMembrane() { impl_->stiffenMembrane(""); }
-double Simulation::membraneShare() const { return impl_->membrane_share; }
-Index Simulation::lastSubsteps() const { return static_cast<Index>(impl_->statistics.substeps); }
+const std::vector<tool::ToolParams>& Simulation::tools() const { return dynamics().tools(); }
+std::vector<ToolReaction> Simulation::toolReactions() const { return dynamics().toolReactions(); }
+std::vector<Contact> Simulation::contacts() const { return dynamics().contacts(); }
+std::vector<PinReaction> Simulation::pinReactions() const { return dynamics().pinReactions(); }
+Index Simulation::numOwnMaterial() const { return dynamics().numOwnMaterial(); }
+double Simulation::membraneShare() const { return dynamics().membraneShare(); }
+solve::IntegratorType Simulation::lastIntegrator() const { return dynamics().lastIntegrator(); }
 
-std::uint64_t Simulation::revision() const { return impl_->revision; }
+Dynamics& Simulation::dynamics() { return impl_->dynamics(); }
+const Dynamics& Simulation::dynamics() const { return impl_->dynamics(); }
+std::uint64_t Simulation::revision() const { return dynamics().revision(); }
 std::uint64_t Simulation::surfaceRevision() const { return impl_->surface.revision(); }
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }
-
-Statistics Simulation::statistics() const {
-  impl_->measure();
-  return impl_->statistics;
-}
-
-std::uint64_t Simulation::stateHash() const { return impl_->hash(); }
-const model::State& Simulation::state() const { return impl_->state; }
-const model::DeformableModel& Simulation::model() const { return *impl_->model; }
-const model::OrientedParticles* Simulation::particles() const { return impl_->particles; }
-Index Simulation::numFirst() const { return static_cast<Index>(impl_->rest.points.size()); }
-bool Simulation::isAsleep() const { return impl_->activity.isAsleep(); }
-bool Simulation::isLeftAlone() const { return isAsleep() && impl_->forces.all().empty() && impl_->tools.empty(); }
-bool Simulation::hasSnapped() const { return impl_->hasSnapped(); }
-bool Simulation::isAwake(Index simulation_point) const { return impl_->activity.isMoving(simulation_point); }
-const std::vector<char>& Simulation::pinned() const { return impl_->pinned; }
+Statistics Simulation::statistics() const { return impl_->measure(); }
+std::uint64_t Simulation::stateHash() const { return hashState(state()); }
+const model::State& Simulation::state() const { return dynamics().state(); }
+const model::DeformableModel& Simulation::model() const { return dynamics().model(); }
+const model::OrientedParticles* Simulation::particles() const { return dynamics().particles(); }
+Index Simulation::numFirst() const { return static_cast<Index>(dynamics().rest().points.size()); }
+bool Simulation::isAsleep() const { return dynamics().activity().isAsleep(); }
+bool Simulation::isLeftAlone() const { return isAsleep() && dynamics().loads().forces.all().empty() && tools().empty(); }
+bool Simulation::hasSnapped() const { return dynamics().hasSnapped(); }
+bool Simulation::isAwake(Index simulation_point) const { return dynamics().activity().isMoving(simulation_point); }
+const std::vector<char>& Simulation::pinned() const { return dynamics().pinned(); }
 
 void Simulation::computeSimulationNormals(Points& normals) const {
-  impl_->model->computeAreaVectors(impl_->state, normals);
+  const Points& at_rest = dynamics().rest().normals;
+  model().computeAreaVectors(state(), normals);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const double area = normals[i].norm();
-    normals[i] = area > 0.0 ? Vec3(normals[i] / area) : impl_->rest.normals[std::min(i, impl_->rest.normals.size() - 1)];
+    normals[i] = area > 0.0 ? Vec3(normals[i] / area) : at_rest[std::min(i, at_rest.size() - 1)];
   }
 }
 
-std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return impl_->forces.active(impl_->state); }
+std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return dynamics().loads().forces.active(state()); }
 const AccuracyChoice& Simulation::accuracyChoice() const { return impl_->choice; }
 const std::vector<std::string>& Simulation::buildNotes() const { return impl_->notes; }
-const std::vector<std::string>& Simulation::buildWarnings() const { return impl_->rest.warnings; }
+const std::vector<std::string>& Simulation::buildWarnings() const { return dynamics().rest().warnings; }
 
 }  // namespace deformable_surface::simulation

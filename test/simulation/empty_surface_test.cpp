@@ -1,5 +1,6 @@
 // A surface of which every particle is gone is a state like others: whatever is asked of it or told to it works or is refused in
 // a sentence.
+#include "../../src/simulation/dynamics.h"
 #include "clouds.h"
 #include "deformable_surface/simulation/expectations.h"
 
@@ -137,7 +138,7 @@ TEST(EmptySurface, TakesEveryCommandOrRefusesItInASentence) {
   s.setGravity(Vec3(0.0, 0.0, -1.0));
   s.setDamping(2.0);
   s.setState(s.state());
-  s.disturb(0.01);
+  s.dynamics().disturb(0.01);
   EXPECT_EQ(s.numOwnMaterial(), 0);
   try {
     s.observe(patch());

@@ -1,5 +1,6 @@
 // The figures of the paper on meshfree elasticity with point cloud geodesics: parts of a body that are close in space move on
 // their own, and stick together where neighbours are the nearest in space.
+#include "../../src/simulation/dynamics.h"
 #include "support/figures.h"
 
 #include "deformable_surface/cloud/kd_tree.h"
@@ -179,7 +180,7 @@ simplification: {target_points: )") + c.points + "}");
     EXPECT_NEAR(findLargestMotion(s, Vec3(0.005, -1.0, -1.0), Vec3(1.0, 0.03, 1.0)), 0.1, 0.01) << c.file << ' ' << c.points;
     EXPECT_LT(findLargestMotion(s, Vec3(-1.0, -1.0, -1.0), Vec3(-0.005, 0.6, 1.0)), 0.01 * 0.1) << c.file << ' ' << c.points;
     // Points in line beside the gap span no triangles: they asked for fifteen times as many.
-    EXPECT_LT(s.lastSubsteps(), 200) << c.file << ' ' << c.points;
+    EXPECT_LT(s.dynamics().lastSubsteps(), 200) << c.file << ' ' << c.points;
   }
 }
 

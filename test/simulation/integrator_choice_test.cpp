@@ -1,5 +1,6 @@
 // A wish for an accuracy also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one
 // whose estimate stays below the wish, until what was tried has come to an end.
+#include "../../src/simulation/dynamics.h"
 #include "../../src/simulation/integrator_choice.h"
 #include "clouds.h"
 
@@ -118,7 +119,7 @@ TEST(IntegratorChoice, TakesMoreSubstepsThanAutoWouldWhereImplicitStepsMissTheWi
   EXPECT_NE(choice.sentence.find("max_substeps"), std::string::npos) << choice.sentence;
   run(s, countSteps(p));
   EXPECT_EQ(s.lastIntegrator(), IntegratorType::kVerlet);
-  EXPECT_GT(s.lastSubsteps(), p.integrator.max_substeps);
+  EXPECT_GT(s.dynamics().lastSubsteps(), p.integrator.max_substeps);
 }
 
 TEST(IntegratorChoice, TakesMoreSubstepsThanAutoWouldWhereTheyAreLessWorkThanImplicitSteps) {

@@ -1,5 +1,6 @@
 // A wish for an accuracy also chooses how stiff the membrane acts: what that changes is part of the estimate, is below the wish,
 // and ends where it is no longer known to be.
+#include "../../src/simulation/dynamics.h"
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -60,7 +61,7 @@ TEST(MembraneChoice, TakesASofterMembraneWhoseErrorStaysBelowTheWish) {
   EXPECT_LE(now.error_estimate, kWish);
   EXPECT_NEAR(now.error_estimate, now.error_space + now.error_transfer + now.error_time + now.error_softening, 1e-12);
   // Sub-steps are as the root of the stiffness, where that of the membrane decides; one more each by rounding up.
-  EXPECT_LE(s.lastSubsteps(), std::sqrt(choice.membrane_share) * stated.lastSubsteps() + 2.0);
+  EXPECT_LE(s.dynamics().lastSubsteps(), std::sqrt(choice.membrane_share) * stated.dynamics().lastSubsteps() + 2.0);
 }
 
 TEST(MembraneChoice, LeavesTheMembraneAsItIsWhereTheWishIsTooSmallForMore) {

@@ -1,4 +1,5 @@
 // Steps that are refused, whatever refuses them: everything is as before, and goes on as if they had never been tried.
+#include "../../src/simulation/dynamics.h"
 #include "../support/random_scene.h"
 #include "clouds.h"
 #include "deformable_surface/base/interrupt.h"
@@ -168,7 +169,7 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
         looks = counter.count();
       }
       ASSERT_TRUE(whole.ok) << whole.problem;
-      ASSERT_GT(looks, undisturbed.lastSubsteps());
+      ASSERT_GT(looks, undisturbed.dynamics().lastSubsteps());
       const Sight before = look(s);
       bool is_taken = false;  // what an earlier try has found out, as the pattern of a matrix, spares looks in the next
       for (const long at : {1L, 1 + static_cast<long>(draw() % looks), 1 + static_cast<long>(draw() % looks), looks}) {

@@ -14,7 +14,7 @@ struct Interrupted : std::exception {
 
 /// While it lives, the work of the thread that made it ends with Interrupted soon after the flag has become true: before the next
 /// loop of base/parallel.h, between two of its blocks, or where endIfInterrupted() is called. What the work has changed stays
-/// changed: who catches Interrupted gives it back, as a step does (Simulation::Impl::step()).
+/// changed: who catches Interrupted gives it back, as a step does (Dynamics::takeStep()).
 class InterruptScope {
  public:
   explicit InterruptScope(const std::atomic<bool>& flag);

@@ -81,6 +81,7 @@ class ContactLoad : public solve::ExternalLoad {
 
   /// r, 1/s. Set once the stable step at rest is known.
   void setRate(double rate) { rate_ = rate; }
+  double rate() const { return rate_; }
 
   void addForces(double time, const model::State& state, Points& forces) const override;
   double potential(double time, const model::State& state) const override;

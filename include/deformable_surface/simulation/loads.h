@@ -19,6 +19,7 @@ class GravityLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
+  bool isEmpty() const { return gravity.isZero(0.0); }
 
   Vec3 gravity;  // m/s^2
 
@@ -37,6 +38,7 @@ class PressureLoad : public solve::ExternalLoad {
   /// Exact by Simpson's rule: along a straight way the area is quadratic.
   double estimateWork(double from, double to, const State& before, const State& after) const override;
   void setPressure(double pressure) { pressure_ = pressure; }
+  bool isEmpty() const { return pressure_ == 0.0; }
 
  private:
   const model::DeformableModel& model_;
@@ -54,6 +56,7 @@ class DragLoad : public solve::ExternalLoad {
   void addRowBounds(double time, const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   double estimateWork(double, double, const State&, const State&) const override { return 0.0; }
   void setDrag(double viscous_drag) { drag_ = viscous_drag; }
+  bool isEmpty() const { return !(drag_ > 0.0); }
 
  private:
   const model::DeformableModel& model_;
@@ -73,6 +76,7 @@ class AnchorLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
+  bool isEmpty() const { return anchors_.empty(); }
   /// Points have got other indices: new_index (of those before), -1 = gone.
   void renumber(const std::vector<Index>& new_index);
   double storedEnergy(double time, const State& state) const override { return potential(time, state); }

@@ -7,8 +7,8 @@
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
-#include "deformable_surface/simulation/contact_load.h"
-#include "deformable_surface/simulation/particle_edit.h"
+#include "deformable_surface/simulation/commands.h"
+#include "deformable_surface/simulation/tool_reaction.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/simulation/statistics.h"
 
@@ -20,8 +20,7 @@
 
 namespace deformable_surface::simulation {
 
-class ObservedCloud;
-struct RestSurface;
+class Dynamics;
 
 /// The result of one step. Numbers that went wrong never throw: the state is then as it was before the step.
 struct StepOutcome {
@@ -63,8 +62,6 @@ class Simulation {
   /// Builds the surface. Throws InputError naming each problem: fewer than three distinct points, a pin that holds no point, a
   /// value or mode that is not accepted.
   Simulation(const SceneParams& params, cloud::PointCloud input);
-  /// The simulation points alone, without a cloud to publish: what probes and the error estimate run.
-  Simulation(const SceneParams& params, RestSurface rest);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;
@@ -105,7 +102,10 @@ class Simulation {
   /// of the speed of light), on a velocity of a pinned point, and on what cannot have flowed.
   void setState(const model::State& state);
 
-  // Commands; they take effect at the next step. Each throws InputError on values that are not finite or out of range.
+  // Commands; they take effect at the next step. Each throws InputError, and changes nothing, on values that are not finite or
+  // out of range.
+  /// Each of the functions below gives one of these values.
+  Changes apply(const Command& command);
   void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it
   void removeForce(const std::string& id);
   /// Of all forces there are, ascending; those that wait for their time too.
@@ -147,7 +147,7 @@ class Simulation {
   /// nothing, for clouds of fewer than three points.
   void observe(const cloud::PointCloud& cloud);
   /// The same of one that was made ready before, which is most of the work.
-  void observe(const ObservedCloud& cloud);
+  void observe(std::shared_ptr<const ObservedCloud> cloud);
   /// Takes the values that may change while a surface runs (run_time_params.h), from the next step on and through resets; points
   /// with a Young's modulus of their own keep it. Throws InputError, and changes nothing, for values that are not accepted and
   /// where any other value is not as in params().
@@ -159,28 +159,8 @@ class Simulation {
   /// it did as a sentence.
   std::string fit(const model::GrowthParams& growth);
 
-  // For probes and the error estimate.
-  /// Estimates the error from now on, which is at rest.
-  void estimateError();
-  /// Moves every free simulation point by up to size (m) along each axis, always in the same way: what a twin starts from.
-  void disturb(double size);
-  /// As if the last step had not been taken; no command may have come since.
-  void undoStep();
-  /// A step goes by in which nothing happens: time alone passes.
-  void passStep();
-  /// Only this share, in (0, 1], of the stated membrane stiffness acts from now on and after resets, which is at rest; bending
-  /// and masses are as stated. It ends, until the next reset, where it is no longer known to be good: see
-  /// docs/accuracy_control.md.
-  void softenMembrane(double share);
-  void stiffenMembrane();        // all of it acts, until the next reset
-  double membraneShare() const;  // that acts now
-  /// A step is taken in fineness times as many sub-steps.
-  void setFineness(Index fineness);
-  /// From the next step on, in place of that of the params.
-  void setIntegrator(solve::IntegratorType type);
-  /// Of the last step; the integrator that auto took.
-  Index lastSubsteps() const;
-  solve::IntegratorType lastIntegrator() const;
+  double membraneShare() const;                    // of the stated membrane stiffness, that acts now
+  solve::IntegratorType lastIntegrator() const;    // of the last step; the one that auto took
 
   /// Other numbers whenever anything that can be asked for may be another but the time and what a step costs; and whenever the
   /// positions may: what was made of them before is good as long as they stay.
@@ -215,6 +195,10 @@ class Simulation {
   const std::vector<std::string>& buildWarnings() const;
   /// What was chosen from params().accuracy, and why.
   const AccuracyChoice& accuracyChoice() const;
+
+  /// The mechanics below (src/simulation/dynamics.h): for tests and benchmarks.
+  Dynamics& dynamics();
+  const Dynamics& dynamics() const;
 
  private:
   struct Impl;

@@ -121,7 +121,7 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
     io::FilterReport filtered = io::filterCloud(filter, work.cloud);
     if (!filtered.refusal.empty()) throw InputError(filtered.refusal);
     if (work.kind == CloudWork::Kind::kObserve) {
-      result.observed = std::make_unique<simulation::ObservedCloud>(work.cloud);
+      result.observed = std::make_shared<const simulation::ObservedCloud>(work.cloud);
     } else {
       auto simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
       result.viewer = std::make_unique<simulation::Simulation>(simulation->viewer());

@@ -40,7 +40,7 @@ struct CloudResult {
   std::string frame, cloud_frame;
   std::string refusal;  // one sentence; empty: it was accepted, and of these there is what was asked for:
   std::unique_ptr<simulation::Simulation> simulation, viewer;
-  std::unique_ptr<simulation::ObservedCloud> observed;
+  std::shared_ptr<const simulation::ObservedCloud> observed;
   // Of a simulation whose cloud was filtered: what became of it, and the cloud before, in the surface's frame.
   std::vector<std::string> filter_notes;
   std::unique_ptr<cloud::PointCloud> unfiltered;

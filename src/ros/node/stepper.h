@@ -174,7 +174,7 @@ class Stepper {
   WaitingClouds clouds_;
   struct ReadyCloud {
     std::int64_t stamp;  // ns
-    std::unique_ptr<simulation::ObservedCloud> cloud;
+    std::shared_ptr<const simulation::ObservedCloud> cloud;
   };
   std::deque<ReadyCloud> ready_;  // to be tracked from the step at their stamp on
   struct Building {

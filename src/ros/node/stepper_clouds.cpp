@@ -138,7 +138,7 @@ void Stepper::observeReady() {
   const auto newest = std::find_if(ready_.rbegin(), ready_.rend(), isDue);
   if (newest == ready_.rend()) return;
   try {
-    simulation_->observe(*newest->cloud);
+    simulation_->observe(newest->cloud);
     ++counts_.clouds_tracked;
     counts_.clouds_late += !isPaused() && step > 0 && newest->stamp <= schedule_.begin(step - 1);
   } catch (const InputError& error) {

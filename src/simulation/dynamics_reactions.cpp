@@ -1,0 +1,61 @@
+// What the surface does to tools and pins, and whether it has snapped. Apart from the step, because nothing changes here.
+#include "dynamics.h"
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+
+std::vector<ToolReaction> Dynamics::toolReactions() const {
+  std::vector<ToolReaction> reactions(tools_.size());
+  for (std::size_t t = 0; t < reactions.size(); ++t) reactions[t].id = tools_[t].id;
+  loads_.contact.addReactions(time(), now_.points, reactions);
+  if (grips_.isEmpty()) return reactions;
+  system_.computeForcesOnAll(time(), now_.points, forces_on_all_);
+  grips_.addReactions(time(), now_.points, forces_on_all_, reactions);
+  return reactions;
+}
+
+std::vector<Contact> Dynamics::contacts() const {
+  std::vector<Contact> contacts;
+  const std::vector<tool::ToolParams>& tools = tools_;
+  for (Index t = 0; t < static_cast<Index>(tools.size()); ++t)
+    loads_.contact.appendContacts(time(), now_.points, tools[t].id, t, contacts);
+  return contacts;
+}
+
+std::vector<PinReaction> Dynamics::pinReactions() const {
+  const std::vector<PinParams>& pins = params_.pins;
+  std::vector<PinReaction> reactions(pins.size() + 1);
+  for (std::size_t p = 0; p < pins.size(); ++p) reactions[p].id = "pins[" + std::to_string(p) + "]";
+  reactions.back().id = kOtherPins;
+  const State& state = now_.points;
+  system_.computeForcesOnAll(time(), state, forces_on_all_);
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!now_.pinned[i]) continue;
+    const Index first = state.traits.empty() ? i : state.traits[i].id;  // its place at rest
+    const bool is_first = first < static_cast<Index>(rest_->points.size());
+    PinReaction& reaction = reactions[is_first ? findPin(first) : pins.size()];
+    reaction.force += forces_on_all_[i];
+    reaction.torque += state.positions[i].cross(forces_on_all_[i]);
+    reaction.points += now_.pinned[i] == kInPin;
+  }
+  if (reactions.back().points == 0) reactions.pop_back();
+  return reactions;
+}
+
+bool Dynamics::hasSnapped() const {
+  // Many times what falling asleep may leave of a motion.
+  constexpr double kStretched = 1e-3;
+  if (params_.model != ModelKind::kMassSpring || !activity_.isAsleep()) return false;
+  if (!loads_.gravity.isEmpty() || !loads_.pressure.isEmpty() || !loads_.track.isEmpty()) return false;
+  if (!params_.anchors.empty()) return false;
+  if (!loads_.forces.active(now_.points).empty()) return false;
+  for (Index i = 0; i < now_.points.size(); ++i)
+    if (held_[i] && now_.points.positions[i] != rest_->points[i]) return false;
+  std::vector<ToolReaction> reactions(tools_.size());
+  loads_.contact.addReactions(time(), now_.points, reactions);
+  if (std::any_of(reactions.begin(), reactions.end(), [](const ToolReaction& r) { return r.contacts > 0; })) return false;
+  return model_->maxStretch(now_.points) > kStretched;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,173 @@
+// What a step does where parts of the surface sleep: what wakes them, the step of what is awake, and what may fall asleep after
+// it.
+#include "dynamics.h"
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+
+using solve::IntegratorType;
+
+// An equilibrium couples everything. Of particles only what moves is in parts, not what they live through.
+bool Dynamics::canBeInParts() const {
+  if (params_.integrator.type == IntegratorType::kStatic) return false;
+  if (!particles_) return true;
+  const model::OrientedParticlesParams& p = params_.oriented_particles;
+  return !(p.yield_curvature > 0.0) && !(p.hold_below > 0.0);
+}
+
+bool Dynamics::maySleep() const {
+  if (params_.activity.sleep == Sleep::kNever) return false;
+  if (params_.activity.sleep == Sleep::kAuto && params_.integrator.type == IntegratorType::kExplicitEuler) return false;
+  if (!loads_.track.seen().empty()) return false;
+  if (params_.output.resample) return false;  // what is inserted can ask for more in the next step
+  if (!life_) return true;
+  const model::OrientedParticlesParams& particles = params_.oriented_particles;
+  if (particles.spin > 0.0) return false;  // axes turn where nothing else does
+  return !is_hot_ && !particles.stretching && particles.growing == model::Growing::kNone;
+}
+
+void Dynamics::wakeAll() {
+  ++revision_;
+  if (activity_.isWhole()) return activity_.wakeAll();
+  activity_.wakeAll();
+  part_.reset();
+  march_.resume();
+}
+
+void Dynamics::followLoads() {
+  Changes changes;
+  changes.loads = true;
+  follow(changes);
+}
+
+// An attraction that all points share, a grip that lets go at a force, and a pressure inside ask for all points.
+void Dynamics::setParts() {
+  const bool is_blown = params_.pressure != 0.0 && model_->isClosed();
+  const bool only_wholly = is_blown || std::any_of(tools_.begin(), tools_.end(), [](const tool::ToolParams& tool) {
+    return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
+  });
+  activity_.setOnlyWholly(only_wholly);
+  if (only_wholly && !activity_.isWhole() && !activity_.isAsleep()) wakeAll();
+}
+
+// Elements that come and go are those at these positions.
+void Dynamics::followPartners(const Points& positions) {
+  if (!activity_.isInParts() || !particles_) return;
+  State there;
+  there.positions = positions;
+  there.traits = now_.points.traits;
+  if (model_->followPartners(there)) now_.followed = positions;
+}
+
+void Dynamics::makePart() {
+  part_ = std::make_unique<ActivePart>(*model_, activity_.movingPoints(), params_, loads_, system_.damping());
+  part_->march().setMemory(part_march_);
+  part_->march().setFineness(fineness_);
+  part_->march().setInterrupt(interrupt_);
+}
+
+NamedForces::Update Dynamics::wakeForStep(double now, double dt) {
+  NamedForces::Update update = loads_.forces.update(now + 1e-6 * dt, now_.points, now_.pinned);
+  const bool was_whole = activity_.isWhole();
+  if (update.changed) {
+    activity_.wake(update.points);
+    ++revision_;
+  }
+  // Where they are in the step, and were at the end of the one before.
+  for (const Eigen::AlignedBox3d& box : tool_watch_.look(tools_, static_cast<double>(steps_ + 1) * dt, dt))
+    activity_.wakeIn(box);
+  if (!tool_watch_.changed().empty()) ++revision_;
+  grips_.findMovingPins(now, now + dt, moving_);
+  if (!moving_.empty()) {
+    activity_.wake(moving_);
+    ++revision_;
+  }
+  if (was_whole || !activity_.isWhole()) return update;
+  part_.reset();
+  march_.resume();
+  return update;
+}
+
+solve::TimeMarch::Outcome Dynamics::advanceWhole(double now) {
+  if (part_) march_.resume();
+  part_.reset();
+  return march_.step(now, now_.points);
+}
+
+// A step of what is awake. Where it reaches a wall within the step, the step is taken again with more of the surface.
+solve::TimeMarch::Outcome Dynamics::advance(double now) {
+  if (!activity_.isWhole() && !maySleep()) wakeAll();
+  if (activity_.isWhole()) return advanceWhole(now);
+  const double end = now + params_.integrator.time_step;
+  for (bool is_new = false;;) {
+    if (!part_ || part_->moving() != activity_.movingPoints()) {
+      if (part_) part_march_ = part_->march().memory();
+      part_march_.energy = {};
+      followPartners(now_.points.positions);
+      makePart();
+      is_new = true;
+    }
+    part_march_ = part_->march().memory();
+    solve::TimeMarch::Outcome taken = part_->step(now, now_.points, held_, held_turns_);
+    if (!taken.ok && interrupt_ && *interrupt_) return taken;
+    if (!taken.ok) break;
+    if (!now_.followed.empty() && part_->hasMoved(now_.followed, model_->maxPartMotion())) {
+      if (is_new) break;  // too far in one step
+      part_.reset();
+      continue;
+    }
+    const double at_wall = part_->findHits(end, activity_.acceleration(), activity_.speed(), activity_.spacing(), hits_);
+    if (hits_.empty()) {
+      activity_.leaveAtWall(at_wall);
+      part_->put(now_.points);
+      return taken;
+    }
+    activity_.widen(hits_);
+    part_.reset();
+    if (activity_.isWhole()) break;
+  }
+  activity_.wakeAll();
+  part_.reset();
+  march_.resume();
+  return march_.step(now, now_.points);
+}
+
+// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep. The step that wakes it is
+// the one that somebody waits for, so that what can be known before is found out now.
+void Dynamics::beginAsleep(double now) {
+  if (!activity_.isFresh() || !maySleep()) return;
+  followPartners(now_.points.positions);
+  if (!activity_.beginAsleep(system_, now, now_.points)) return;
+  march_.prepare(now, now_.points);
+  part_march_ = march_.memory();
+  for (const Eigen::AlignedBox3d& box : tool_watch_.changed()) activity_.wakeIn(box);
+  grips_.findMovingPins(now, now + params_.integrator.time_step, moving_);
+  activity_.wake(moving_);
+  ++revision_;
+}
+
+// After a step that was taken.
+void Dynamics::considerSleep(const solve::SolveReport& report) {
+  if (!maySleep()) return;
+  if (params_.integrator.type == IntegratorType::kStatic) {
+    // It has found everything where it was, and would again. What has just come may act from the next step on only.
+    const bool is_found = report.converged && report.iterations == 0;
+    if (is_found && grips_.isEmpty() && tool_watch_.changed().empty()) activity_.sleepWholly(now_.points);
+    return;
+  }
+  activity_.observe(now_.points);
+  const bool dissipates = system_.dissipates() || lastMarch().lastType() == IntegratorType::kImplicit;
+  if (!activity_.isLookDue() || !dissipates) return;
+  if (activity_.isWhole()) {
+    part_march_ = march_.memory();
+    followPartners(now_.points.positions);
+  }
+  if (part_) {
+    activity_.fallAsleep(part_->system(), time(), part_->state(), &part_->points(), now_.points);
+  } else {
+    activity_.fallAsleep(system_, time(), now_.points, nullptr, now_.points);
+  }
+}
+
+}  // namespace deformable_surface::simulation

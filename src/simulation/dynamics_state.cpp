@@ -1,0 +1,47 @@
+#include "dynamics_state.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+template <class T>
+std::size_t bytesOf(const std::vector<T>& items) {
+  return items.size() * sizeof(T);
+}
+template <class T>
+std::size_t bytesInside(const T&) {
+  return 0;
+}
+std::size_t bytesInside(const tool::ToolParams& tool) { return bytesOf(tool.path); }
+std::size_t bytesInside(const NamedForces::Named& force) { return bytesOf(force.points) + bytesOf(force.shares); }
+std::size_t bytesInside(const ContactLoad::Body& body) { return bytesInside(body.tool) + bytesOf(body.passed); }
+std::size_t bytesInside(const Grips::Grip& grip) { return bytesInside(grip.tool) + bytesOf(grip.points) + bytesOf(grip.places); }
+std::size_t bytesInside(const Activity::Memory& activity) { return bytesOf(activity.quiet) + bytesOf(activity.moves); }
+std::size_t bytesInside(const model::State& s) {
+  return bytesOf(s.positions) + bytesOf(s.velocities) + bytesOf(s.orientations) + bytesOf(s.spins) + bytesOf(s.traits) +
+         bytesOf(s.plastic);
+}
+template <class T>
+std::size_t bytesInside(const std::vector<T>& items) {
+  std::size_t sum = bytesOf(items);
+  for (const T& item : items) sum += bytesInside(item);
+  return sum;
+}
+template <class... Parts>
+std::size_t sumInside(const Parts&... parts) {
+  return (bytesInside(parts) + ...);
+}
+
+}  // namespace
+
+// The bindings name every member, so that none is forgotten: a new one does not compile before it is here.
+std::size_t DynamicsState::bytes() const {
+  const auto& [steps, forces, watched, activity, march, part_march, has_part] = waiting;
+  const auto& [points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed] = motion;
+  const auto& [integrator, grips, bodies, cuts, tracked] = holding;
+  const auto& [tools, values, gravity, damping, spacing, physics] = settings;
+  return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
+         sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
+         sumInside(integrator, grips, bodies, cuts, tracked) + sumInside(tools, values, gravity, damping, spacing, physics);
+}
+
+}  // namespace deformable_surface::simulation

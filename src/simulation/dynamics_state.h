@@ -1,0 +1,63 @@
+// Everything that a dynamics needs to go on from where it was, bit for bit, as one value: what a snapshot holds, and what a step
+// that is refused gives back.
+#pragma once
+
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/simulation/grips.h"
+#include "deformable_surface/simulation/region_material.h"
+#include "deformable_surface/simulation/run_time_params.h"
+#include "deformable_surface/solve/time_march.h"
+
+#include "activity.h"
+#include "load_set.h"
+#include "tool_watch.h"
+
+namespace deformable_surface::simulation {
+
+struct DynamicsState {
+  /// What time alone and tools in motion change, also of a surface that sleeps.
+  struct Waiting {
+    std::uint64_t steps = 0;
+    std::vector<NamedForces::Named> forces;
+    std::vector<ToolWatch::Seen> watched;
+    Activity::Memory activity;
+    solve::TimeMarch::Memory march, part_march;
+    bool has_part = false;
+  };
+  /// Where the points are, and who is held: what steps and commands change of a surface that is awake.
+  struct Motion {
+    model::State points;
+    std::vector<char> pinned, pinned_turns;     // (n) pinned: of PinMark
+    std::vector<model::ClampEdge> clamp_edges;  // of the pins, ascending
+    double membrane_share = 1.0;                // of the stated membrane stiffness, that acts
+    double contact_rate = 0.0;                  // 1/s; 0: not found yet
+    Points followed;  // m, where all were when the model was told by which elements it is taken in parts; or empty
+  };
+  /// What tools and pins hold and have done, and the method that takes the steps. As Motion.
+  struct Holding {
+    solve::IntegratorType integrator = solve::IntegratorType::kAuto;
+    std::vector<Grips::Grip> grips;
+    std::vector<ContactLoad::Body> bodies;
+    std::vector<model::MassSpring::Link> cuts;
+    std::vector<TrackLoad::Seen> tracked;
+  };
+  /// What commands alone change.
+  struct Settings {
+    std::vector<tool::ToolParams> tools;
+    std::vector<PointValues> values;  // (n) what points are made of that are not as everywhere; empty if the model is another
+    Vec3 gravity = Vec3::Zero();      // m/s^2
+    double damping = 0.0;             // 1/s
+    double spacing = 0.0;             // m, of particles, which a fit may have found; else 0
+    RunTimePhysics physics;           // of the scene
+  };
+
+  Waiting waiting;
+  Motion motion;
+  Holding holding;
+  Settings settings;
+
+  /// What it holds in memory, but for a few small lists.
+  std::size_t bytes() const;
+};
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,247 @@
+// A step of a dynamics, in its order, and what belongs to single parts of it. What acts in a step is set elsewhere
+// (dynamics.cpp), what sleeps through it too (dynamics_sleep.cpp).
+#include "dynamics.h"
+
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/timer.h"
+#include "deformable_surface/base/value.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace deformable_surface::simulation {
+double findLargestDistance(const Points& a, const Points& b) {
+  double squared = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) squared = std::max(squared, (a[i] - b[i]).squaredNorm());
+  return std::sqrt(squared);
+}
+
+// What may change before it is known that the step is good is kept, and given back whatever it was that refused it.
+bool Dynamics::beginStep() {
+  keepWaiting(before_.waiting);
+  const bool was_asleep = activity_.isAsleep();
+  woken_ = {};
+  if (was_asleep) woken_ = wakeForStep(time(), params_.integrator.time_step);
+  has_woken_ = was_asleep;
+  has_slept_ = activity_.isAsleep();
+  return !has_slept_;
+}
+
+Dynamics::Outcome Dynamics::step() { return beginStep() ? takeStep(Request()) : passStep(); }
+
+Dynamics::Outcome Dynamics::passStep() {
+  ++steps_;
+  last_substeps_ = 0;
+  Outcome outcome;
+  outcome.has_slept = true;
+  outcome.notice = std::move(woken_.notice);
+  woken_.notice.clear();
+  return outcome;
+}
+
+Dynamics::Outcome Dynamics::takeStep(const Request& request) {
+  const double dt = params_.integrator.time_step, now = time();
+  before_.motion = now_;
+  keepHolding(before_.holding);
+  Outcome outcome;
+  try {
+    std::optional<InterruptScope> scope;
+    if (interrupt_) scope.emplace(*interrupt_);
+    std::string news;
+    if (life_) news = live(now, dt);
+    if (!has_woken_) woken_ = wakeForStep(now, dt);
+    for (const std::string& notice : {woken_.notice, news}) appendNotice(outcome.notice, notice);
+    carryOut(request, scope, outcome);
+  } catch (const Interrupted& interrupted) {
+    refuse(interrupted.what(), outcome);
+  } catch (...) {
+    giveBack(before_, false);
+    throw;
+  }
+  if (!outcome.ok) giveBack(before_, false);
+  return outcome;
+}
+
+// As if the last step had not been taken.
+void Dynamics::undoStep() {
+  if (!has_slept_) return giveBack(before_, false);
+  steps_ = before_.waiting.steps;
+  loads_.forces.restore(before_.waiting.forces);
+  tool_watch_.setMemory(before_.waiting.watched);
+}
+
+// In this order: what holds and loads -> sub-steps (forces, integration) -> checks.
+void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& scope, Outcome& outcome) {
+  const double dt = params_.integrator.time_step, now = time();
+  const bool is_static = params_.integrator.type == solve::IntegratorType::kStatic;
+  State& points = now_.points;
+  ContactLoad& contact = loads_.contact;
+
+  // What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
+  clampHeld();
+  Grips::Update grip;
+  if (!grips_.isEmpty()) grip = updateGrips(now, dt);
+  if (woken_.changed || grip.changed) followLoads();
+  appendNotice(outcome.notice, grip.notice);
+  beginAsleep(now);
+  if (activity_.isAsleep()) {
+    woken_.notice = std::move(outcome.notice);
+    outcome = passStep();
+    return;
+  }
+
+  if (!contact.isEmpty()) {
+    const Timer contact_timer;
+    const bool has_changed = contact.beginStep(now, dt, points, held_);
+    appendNotice(outcome.notice, contact.news());
+    outcome.has_new_arrival = contact.hasNewArrival();
+    if (contact.hasNewDetour()) wakeAll();  // where it comes from nobody has looked for sleepers
+    if (has_changed) followLoads();
+    outcome.contact_seconds = contact_timer.seconds();
+  }
+
+  const bool may_be_cut = cutting_ && cutting_->beginStep(tools_, now, points.positions);
+
+  if (is_static) {
+    findLoose(now + dt);
+    if (loose_.areAll())
+      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose_.load()) +
+                        " N",
+                    outcome);
+    appendNotice(outcome.notice, holdLoose());
+  }
+  std::optional<State> start;  // of a second search
+  if (is_static && request.second_search > 0.0) start = points;
+  const bool is_elsewhere = beginElsewhere(request);
+  solve::TimeMarch::Outcome taken = advance(now);
+  if (is_elsewhere && !taken.ok) {
+    points.positions = rest_->points;
+    march_.restart();
+    taken = march_.step(now, points);
+  }
+  outcome.report = taken.report;
+  appendNotice(outcome.notice, taken.notice);
+  if (!taken.ok) return refuse(taken.failure, outcome);
+  const Timer search_timer;
+  if (start && taken.report.converged) outcome.second_distance = searchAgain(now, request.second_search, *start);
+  outcome.search_seconds = search_timer.seconds();
+  if (!contact.isEmpty()) {
+    const Timer contact_timer;
+    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, model_->triangles()));
+    outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
+  }
+  outcome.has_cut = may_be_cut && cutting_->endStep(tools_, now, dt, points.positions, cut_follower_);
+  const bool has_flowed = solid_ && solid_->flow(dt, points);
+  Changes changes;
+  // What was kept of the whole surface is worth nothing of one that is cut.
+  changes.parts = changes.motion = outcome.has_cut;
+  changes.everywhere = outcome.has_cut || has_flowed;
+  if (has_flowed) march_.forcesChanged();
+  follow(changes);
+  scope.reset();  // from here on only copies look, which take their own steps
+  ++steps_;
+  last_substeps_ = static_cast<Index>(taken.report.substeps);
+  if (!has_flowed) considerSleep(taken.report);
+  ++revision_;
+}
+
+void Dynamics::refuse(const std::string& why, Outcome& outcome) {
+  outcome.ok = false;
+  outcome.failure = why;
+}
+
+// Whether the middle of the surface lies among its pins: most such surfaces sag between them and do not swing down.
+bool Dynamics::isHeldAround() const {
+  const Points& rest = rest_->points;
+  Eigen::AlignedBox3d pins;
+  Vec3 middle = Vec3::Zero();
+  for (std::size_t i = 0; i < rest.size(); ++i) {
+    middle += rest[i] / static_cast<double>(rest.size());
+    if (now_.pinned[i]) pins.extend(rest[i]);
+  }
+  if (pins.isEmpty()) return false;
+  const Vec3 rounding = Vec3::Constant(1e-9 * pins.diagonal().norm());
+  return Eigen::AlignedBox3d(pins.min() - rounding, pins.max() + rounding).contains(middle);
+}
+
+// A first equilibrium is looked for from that of fewer points, but where steps that cost little find it from rest. Returns
+// whether the state was changed.
+bool Dynamics::beginElsewhere(const Request& request) {
+  if (!request.find_start || params_.integrator.type != solve::IntegratorType::kStatic || system_.isOriented() || steps_ > 0)
+    return false;
+  if (now_.pinned != rest_->pinned || grips_.hasPins() || now_.points.positions != rest_->points) return false;
+  if (isHeldAround() && system_.hasElasticityAlone(time() + params_.integrator.time_step, now_.points)) return false;
+  SceneParams scene = params_;
+  scene.gravity = loads_.gravity.gravity;
+  scene.forces.clear();
+  for (const NamedForces::Named& force : loads_.forces.all()) scene.forces.push_back(force.params);
+  Points start = request.find_start(scene);
+  if (start.empty()) return false;
+  now_.points.positions = std::move(start);
+  return true;
+}
+
+// The parts without an equilibrium. Bonds of particles come and go within a step: they count as one part.
+void Dynamics::findLoose(double time) {
+  const Index n = now_.points.size();
+  loose_.follow(n, system_.isOriented() ? nullptr : &model_->stretchLinks());
+  load_stiffness_.assign(n, 0.0);
+  load_damping_.assign(n, 0.0);
+  forces_on_all_.assign(n, Vec3::Zero());
+  for (const solve::ExternalLoad* load : loads_.acting()) {
+    if (load == &loads_.contact || load == &loads_.friction) continue;
+    load->addRowBounds(time, now_.points, load_stiffness_, load_damping_);
+    load->addForces(time, now_.points, forces_on_all_);
+  }
+  model_->confine(forces_on_all_);
+  loose_.find(held_, load_stiffness_, forces_on_all_, now_.points.positions, loads_.contact, time);
+}
+
+// Returns what a user should know of it, if that is news.
+std::string Dynamics::holdLoose() {
+  if (loose_.numPoints() > 0)
+    for (Index i = 0; i < now_.points.size(); ++i) {
+      if (!loose_.isLoose(i)) continue;
+      held_[i] = 1;
+      now_.points.velocities[i].setZero();
+    }
+  const bool is_news = loose_.numPoints() > 0 && loose_.numPoints() != loose_said_;
+  loose_said_ = loose_.numPoints();
+  return is_news ? loose_.describe() : "";
+}
+
+// The same step from disturbed positions, of which nothing is left: how far from the equilibrium it ends, m, infinity where it
+// finds none. An equilibrium near where the search began is not searched for again; nothing, if interrupted.
+std::optional<double> Dynamics::searchAgain(double now, double disturbance, model::State& start) const {
+  const Points& found = now_.points.positions;
+  if (findLargestDistance(found, start.positions) < std::sqrt(rest_->area / now_.points.size())) return 0.0;
+  disturb(disturbance, start.positions);
+  solve::TimeMarch second(system_, *model_, params_.integrator);
+  second.setInterrupt(interrupt_);
+  const solve::TimeMarch::Outcome taken = second.step(now, start);
+  if (interrupt_ && *interrupt_) return {};
+  if (!taken.ok || !taken.report.converged) return std::numeric_limits<double>::infinity();
+  return findLargestDistance(found, start.positions);
+}
+
+Grips::Update Dynamics::updateGrips(double now, double dt) {
+  if (grips_.readForces()) system_.computeForcesOnAll(now, now_.points, forces_on_all_);
+  const Grips::Update update = grips_.update(now, 1e-6 * dt, now_.points, now_.pinned, forces_on_all_);
+  grips_.carry(now, dt, now_.points, held_);
+  return update;
+}
+
+// Particles cool, go and are born; those that are too cold are held.
+std::string Dynamics::live(double now, double dt) {
+  const double interval = params_.oriented_particles.growth_interval;
+  const bool looks = std::floor((now + 1e-6 * dt) / interval) > std::floor((now - (1.0 - 1e-6) * dt) / interval);
+  const ParticleLife::Changes population = life_->update(now, dt, looks, tools_, now_.points);
+  // Heat changes the energy of bonds, and so does flow.
+  is_hot_ = population.are_hot || population.has_flowed;
+  if (is_hot_) march_.restart();
+  followPopulation(population);
+  return population.notice;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,52 @@
+#include "load_set.h"
+
+namespace deformable_surface::simulation {
+
+LoadSet::LoadSet(const model::DeformableModel& model, const SceneParams& params)
+    : gravity(model.masses(), params.gravity),
+      pressure(model, params.pressure),
+      drag(model, params.viscous_drag),
+      forces(model.masses()),
+      contact(model.masses()),
+      friction(contact),
+      track(model.masses(), params.input.track_gain) {}
+
+void LoadSet::choose() {
+  acting_.clear();
+  const auto add = [&](const auto& load) {
+    if (!load.isEmpty()) acting_.push_back(&load);
+  };
+  add(gravity);
+  acting_.push_back(&forces);  // windows of time open and close between steps
+  add(pressure);
+  add(drag);
+  add(anchors);
+  add(contact);
+  add(friction);
+  add(track);
+}
+
+void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index) {
+  gravity.gravity = whole.gravity.gravity;
+  anchors = whole.anchors;
+  anchors.renumber(new_index);
+  // Each point keeps its share of a force of which others are left out.
+  std::vector<NamedForces::Named> shared = whole.forces.all();
+  for (NamedForces::Named& force : shared) {
+    std::size_t kept = 0;
+    for (std::size_t k = 0; k < force.points.size(); ++k) {
+      if (new_index[force.points[k]] < 0) continue;
+      force.points[kept] = new_index[force.points[k]];
+      force.shares[kept++] = force.shares[k];
+    }
+    force.points.resize(kept);
+    force.shares.resize(kept);
+  }
+  forces.restore(shared);
+  contact.restore(whole.contact.all());
+  contact.renumber(new_index);
+  contact.setRate(whole.contact.rate());
+  choose();
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,42 @@
+// All loads that a surface can have, and which of them act. Apart from the dynamics, because the part of a surface that is awake
+// has the same loads on fewer points.
+#pragma once
+
+#include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/loads.h"
+#include "deformable_surface/simulation/track_load.h"
+
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+class LoadSet {
+ public:
+  /// model is kept by reference.
+  LoadSet(const model::DeformableModel& model, const SceneParams& params);
+  LoadSet(const LoadSet&) = delete;
+  LoadSet& operator=(const LoadSet&) = delete;
+
+  GravityLoad gravity;
+  PressureLoad pressure;
+  DragLoad drag;
+  AnchorLoad anchors{{}};
+  NamedForces forces;
+  ContactLoad contact;
+  FrictionLoad friction;
+  TrackLoad track;
+
+  /// The loads that can act, which a solver evaluates, in a fixed order.
+  const std::vector<const solve::ExternalLoad*>& acting() const { return acting_; }
+  /// To be called after a load has become empty, or no longer is.
+  void choose();
+
+  /// Takes the loads of a larger surface: new_index (of its points) is the point of this one, or -1. Observed clouds are left
+  /// out, since they keep all of a surface awake.
+  void takePart(const LoadSet& whole, const std::vector<Index>& new_index);
+
+ private:
+  std::vector<const solve::ExternalLoad*> acting_;
+};
+
+}  // namespace deformable_surface::simulation

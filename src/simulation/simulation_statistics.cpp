@@ -1,0 +1,111 @@
+// What is measured of a simulation, and the surface that is made of its state. Apart from the step, because both are made only
+// when somebody asks.
+#include "simulation_impl.h"
+
+#include <algorithm>
+#include <cmath>
+
+#include "state_hash.h"
+#include "tool_reach.h"
+
+namespace deformable_surface::simulation {
+
+// The quantities of the state, computed when asked for.
+const Statistics& Simulation::Impl::measure() {
+  statistics.simulation_time = dynamics().time();
+  statistics.step = dynamics().stepCount();
+  if (measured_revision != dynamics().revision()) measureState();
+  measured_revision = dynamics().revision();
+  listSkipped();
+  return statistics;
+}
+
+void Simulation::Impl::measureState() {
+  const Dynamics& now = dynamics();
+  const model::State& state = now.state();
+  const model::DeformableModel& model = now.model();
+  statistics.points = static_cast<std::uint32_t>(input.positions.size());
+  statistics.simulation_points = static_cast<std::uint32_t>(state.size());
+  statistics.springs = static_cast<std::uint32_t>(model.stretchLinks().size() + model.bendLinks().size());
+  statistics.awake = 0;
+  for (Index i = 0; i < state.size(); ++i) statistics.awake += !now.held()[i] && now.activity().isMoving(i);
+  statistics.kinetic_energy = now.system().kineticEnergy(state);
+  statistics.elastic_energy = model.elasticEnergy(state);
+  statistics.potential_energy = now.system().loadPotential(now.time(), state);
+  statistics.max_stretch = model.maxStretch(state);
+  double squared_speed = 0.0;
+  for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
+  statistics.max_speed = std::sqrt(squared_speed);
+  statistics.has_snapped = now.hasSnapped();
+  statistics.track_residual = now.loads().track.residual(state);
+  statistics.track_points = static_cast<std::uint32_t>(now.loads().track.seen().size());
+  statistics.state_hash = hashState(state);
+  readEstimate(statistics);
+}
+
+// A viewer has no estimate of its own: its statistics came with the sight.
+void Simulation::Impl::readEstimate(Statistics& into) const {
+  const ErrorEstimator* const estimator = run.estimator();
+  if (!estimator) return;
+  into.error_time = run.timeError();
+  into.error_space = estimator->space();
+  into.error_transfer = estimator->transfer();
+  into.error_softening = softening;
+  into.error_calibrated = estimator->isCalibrated();
+  into.may_buckle = estimator->mayBuckle();
+  into.error_estimate = estimator->total() + softening + dynamics().activity().lost();
+}
+
+void Simulation::Impl::listSkipped() {
+  const Dynamics& now = dynamics();
+  std::vector<std::string>& skipped = statistics.skipped;
+  const auto list = [&](bool is_skipped, const char* stage) {
+    if (is_skipped) skipped.push_back(stage);
+  };
+  skipped.clear();
+  list(now.activity().isAsleep(), "step");
+  list(!now.activity().isAsleep() && !now.activity().isWhole(), "sleeping");
+  list(!run.estimator() && !is_estimated_elsewhere, "error_estimate");
+  list(!surface.isMade(), "transfer");
+  list(!surface.hasNormals(), "normals");
+  list(surface.isMade() && surface.hasRested(), "resting_tiles");
+  list(now.loads().gravity.isEmpty(), "gravity");
+  list(now.loads().pressure.isEmpty(), "pressure");
+  list(now.loads().drag.isEmpty(), "drag");
+  list(now.params().anchors.empty(), "anchors");
+  const std::vector<ContactLoad::Body>& bodies = now.loads().contact.all();
+  list(std::none_of(bodies.begin(), bodies.end(),
+                    [&](const ContactLoad::Body& body) {
+                      return !body.passed.empty() || isInReach(body.tool, now.time(), now.state().positions);
+                    }),
+       "contact");
+}
+
+// What a step did and took.
+void Simulation::Impl::takeStatistics(const EstimatedDynamics::Outcome& taken, double seconds) {
+  const solve::SolveReport& report = taken.report;
+  statistics.substeps = static_cast<std::uint32_t>(report.substeps);
+  statistics.solver_iterations = static_cast<std::uint32_t>(report.iterations);
+  if (!taken.has_slept) statistics.is_quasi_newton = report.is_quasi_newton;
+  statistics.solver_residual = report.residual;
+  statistics.time_forces = report.time_forces;
+  statistics.time_contact = taken.contact_seconds;
+  statistics.time_estimate = taken.estimate_seconds;
+  statistics.time_total = seconds;
+  statistics.time_solve = taken.has_slept ? 0.0 : seconds - report.time_forces - taken.estimate_seconds;
+  statistics.real_time_factor = dynamics().params().integrator.time_step / seconds;
+  statistics.time_transfer = statistics.time_normals = 0.0;
+}
+
+const Surface& Simulation::Impl::makeSurface(bool with_normals) {
+  const model::State& state = dynamics().state();
+  const bool wants_normals = with_normals && dynamics().params().output.normals;
+  if (surface.isMade() && (surface.hasNormals() || !wants_normals)) return surface.make(state, with_normals);
+  const Timer timer;
+  const Surface& made = surface.make(state, with_normals);
+  // The operator makes both in one pass; the time counts as that of what was asked for.
+  (wants_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
+  return made;
+}
+
+}  // namespace deformable_surface::simulation
