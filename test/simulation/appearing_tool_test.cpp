@@ -1,5 +1,6 @@
 // A tool that appears where the surface already is: it comes from the nearest free place, and the surface lives.
 #include "clouds.h"
+#include "deformable_surface/simulation/contact_load.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>

@@ -1,5 +1,6 @@
 // Solid tools that are thinner than their way in a step, or faster than contact can follow, do not go through a sheet.
 #include "clouds.h"
+#include "deformable_surface/simulation/contact_load.h"
 #include "support/meshes.h"
 
 #include <gtest/gtest.h>
