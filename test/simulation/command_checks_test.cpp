@@ -1,0 +1,62 @@
+#include "../../src/simulation/command_checks.h"
+
+#include "../../src/simulation/dynamics.h"
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::Command;
+namespace command = simulation::command;
+
+const double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+// Each with a part of the sentence that refuses it.
+std::vector<std::pair<Command, std::string>> badCommands(const simulation::Dynamics& sheet) {
+  tool::ToolParams unread;
+  unread.id = "mesh";
+  unread.shape.kind = geometry::Solid::Kind::kMesh;
+  unread.path.resize(1);
+  model::State torn = sheet.state();
+  torn.positions.pop_back();
+  simulation::SceneParams other = sheet.params();
+  other.integrator.time_step *= 0.5;
+  simulation::MaterialChangeParams negative;
+  negative.young_modulus = -1.0;
+  return {{command::SetForce{{"pull", Vec3(kNaN, 0.0, 0.0)}}, "force 'pull' "},
+          {command::SetTool{unread}, "tool 'mesh' "},
+          {command::MoveTool{"none", {{}}}, "there is none"},
+          {command::MovePin{"none", {}}, "pin 'none' "},
+          {command::SetGravity{Vec3(0.0, kNaN, 0.0)}, "gravity: "},
+          {command::SetMaterial{{}, negative}, "young_modulus"},
+          {command::SetDamping{-1.0}, "damping"},
+          {command::SetParams{other}, "cannot change while a surface runs"},
+          {command::SetState{torn}, "positions"},
+          {command::EditParticles{}, "no particles"},
+          {command::Fit{}, "no particles"}};
+}
+
+TEST(CommandChecks, RefuseWhatCannotBeDoneAndChangeNothing) {
+  const simulation::SceneParams params = hangingSheet();
+  const simulation::Dynamics sheet(params, simulation::buildRestSurface(params, sheetCloud(15)));
+  const std::uint64_t revision = sheet.revision();
+  for (const auto& [given, said] : badCommands(sheet)) {
+    SCOPED_TRACE(given.index());
+    try {
+      simulation::check(given, sheet);
+      ADD_FAILURE() << "accepted";
+    } catch (const InputError& problem) {
+      EXPECT_NE(std::string(problem.what()).find(said), std::string::npos) << problem.what();
+    }
+  }
+  EXPECT_EQ(sheet.revision(), revision);
+  simulation::check(command::Unpin{}, sheet);
+  simulation::check(command::RemoveTool{"none"}, sheet);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
