@@ -1,5 +1,5 @@
-// How a dynamics is made, begun anew, set, saved and restored: what its parts are told when tools, materials or clamps change.
-// Apart from the step, which only uses what is set here.
+// How a dynamics is made, begun anew and set: what its parts are told when tools, materials or the method change. Apart from the
+// step, which only uses what is set here.
 #include "dynamics.h"
 
 #include "deformable_surface/base/error.h"
@@ -115,36 +115,6 @@ void Dynamics::placeAnchors() {
   loads_.anchors.renumber(index_of_id);
 }
 
-// The first of the scene's pins that holds a point at rest or, where it rides on one, a neighbour of it; as many as there are:
-// none.
-std::size_t Dynamics::findPin(Index point) const {
-  const std::vector<PinParams>& pins = params_.pins;
-  const auto find = [&](Index i) -> std::size_t {
-    const auto holds = [&](const PinParams& pin) { return pin.region.contains(rest_->points[i]); };
-    return std::find_if(pins.begin(), pins.end(), holds) - pins.begin();
-  };
-  std::size_t pin = find(point);
-  if (pin < pins.size() || rest_->pinned[point] != kRidesOnPin) return pin;
-  const Lists& ring = rest_->rings.ring;
-  for (const Index* j = ring.begin(point); j != ring.end(point) && pin == pins.size(); ++j)
-    if (rest_->pinned[*j] == kInPin) pin = find(*j);
-  return pin;
-}
-
-// Those that go along a path. A point of two pins goes with the first.
-void Dynamics::placePins() {
-  const std::vector<PinParams>& pins = params_.pins;
-  grips_.clearPins();
-  std::vector<std::vector<Index>> points(pins.size());
-  for (Index i = 0; i < now_.points.size(); ++i) {
-    const std::size_t p = findPin(i);
-    if (p < points.size()) points[p].push_back(i);
-  }
-  for (std::size_t p = 0; p < pins.size(); ++p)
-    if (!pins[p].path.empty() && !points[p].empty())
-      grips_.addPin("pins[" + std::to_string(p) + "]", pins[p].path, 0.0, std::move(points[p]), now_.points);
-}
-
 void Dynamics::requireTools(const std::vector<tool::ToolParams>& tools) const {
   for (const tool::ToolParams& tool : tools)
     if (tool.shape.kind == geometry::Solid::Kind::kMesh && !tool.shape.mesh)
@@ -214,60 +184,6 @@ void Dynamics::findContactRateAgain() {
   loads_.choose();
 }
 
-// Where a region that has just been pinned ends; inside (m): its points. Returns the points that ride on it.
-std::vector<Index> Dynamics::findClamps(const std::vector<char>& inside, const Contains& contains) {
-  if (!canClamp(params_)) return {};
-  const std::vector<char> clamping = markClamping(rest_->points, rest_->rings.ring, inside, findSpacing(*rest_));
-  const ClampEdges found = findClampEdges(
-      {rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, model_->triangles()}, clamping, contains);
-  std::vector<Index> riding;
-  for (const Index i : found.riding) {
-    if (now_.pinned[i]) continue;
-    now_.pinned[i] = kRidesOnPin;
-    now_.points.velocities[i].setZero();
-    riding.push_back(i);
-  }
-  std::vector<model::ClampEdge>& edges = now_.clamp_edges;
-  for (const model::ClampEdge& edge : found.edges) {
-    const auto at = std::lower_bound(edges.begin(), edges.end(), edge.point,
-                                     [](const model::ClampEdge& e, Index point) { return e.point < point; });
-    if (at != edges.end() && at->point == edge.point)
-      *at = edge;
-    else
-      edges.insert(at, edge);
-  }
-  return riding;
-}
-
-// After points have been let go: what rode on them goes with them.
-void Dynamics::endClamps() {
-  if (!canClamp(params_)) return;
-  const Lists& ring = rest_->rings.ring;
-  std::vector<char>& pinned = now_.pinned;
-  std::vector<model::ClampEdge>& edges = now_.clamp_edges;
-  const auto isInPin = [&](Index j) { return pinned[j] == kInPin; };
-  for (Index i = 0; i < now_.points.size(); ++i)
-    if (pinned[i] == kRidesOnPin && std::none_of(ring.begin(i), ring.end(i), isInPin)) pinned[i] = kNotPinned;
-  edges.erase(std::remove_if(edges.begin(), edges.end(), [&](const model::ClampEdge& edge) { return !pinned[edge.point]; }),
-              edges.end());
-}
-
-// Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
-void Dynamics::clampHeld() {
-  held_ = now_.pinned;
-  held_turns_ = now_.pinned_turns;
-  if (model_->setHeld(now_.pinned, now_.clamp_edges)) march_.restart();
-  const double cold = params_.oriented_particles.hold_below;
-  if (!life_ || !(cold > 0.0)) return;
-  State& points = now_.points;
-  for (Index i = 0; i < points.size(); ++i) {
-    if (points.traits[i].temperature >= cold) continue;
-    held_[i] = held_turns_[i] = 1;
-    points.velocities[i].setZero();
-    points.spins[i].setZero();
-  }
-}
-
 void Dynamics::setInterrupt(const std::atomic<bool>* interrupt) {
   interrupt_ = interrupt;
   march_.setInterrupt(interrupt);
@@ -307,95 +223,6 @@ void Dynamics::followMaterial() {
 
 Index Dynamics::numOwnMaterial() const {
   return static_cast<Index>(std::count_if(values_.begin(), values_.end(), [](const PointValues& v) { return v.areOwn(); }));
-}
-
-// ---- memory ----
-
-void Dynamics::keepWaiting(DynamicsState::Waiting& waiting) const {
-  waiting.steps = steps_;
-  waiting.forces = loads_.forces.all();
-  waiting.watched = tool_watch_.memory();
-  waiting.activity = activity_.memory();
-  waiting.march = march_.memory();
-  waiting.part_march = part_ ? part_->march().memory() : part_march_;
-  waiting.has_part = part_ && !activity_.isAsleep();
-}
-
-void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
-  holding.integrator = params_.integrator.type;
-  holding.grips = grips_.all();
-  holding.bodies = loads_.contact.all();
-  if (cutting_) holding.cuts = cutting_->cuts();
-  holding.tracked = loads_.track.seen();
-}
-
-DynamicsState Dynamics::save() const {
-  DynamicsState saved;
-  keepWaiting(saved.waiting);
-  saved.motion = now_;
-  keepHolding(saved.holding);
-  saved.settings.tools = tools_;
-  saved.settings.values = values_;
-  saved.settings.gravity = loads_.gravity.gravity;
-  saved.settings.damping = system_.damping();
-  saved.settings.spacing = particles_ ? particles_->lattice().spacing : 0.0;
-  saved.settings.physics = findPhysics(params_);
-  return saved;
-}
-
-void Dynamics::restore(const DynamicsState& saved, bool to_look) {
-  const DynamicsState::Settings& settings = saved.settings;
-  if (particles_ && particles_->lattice().spacing != settings.spacing) particles_->setSpacing(settings.spacing);
-  tools_ = settings.tools;
-  values_ = settings.values;
-  setPhysics(settings.physics, params_);
-  loads_.gravity.gravity = settings.gravity;
-  loads_.pressure.setPressure(params_.pressure);
-  loads_.drag.setDrag(params_.viscous_drag);
-  system_.setDamping(settings.damping);
-  giveContactTools();
-  giveBack(saved, to_look);
-}
-
-// Of a step that is refused; of a snapshot, after its settings.
-void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
-  const auto& [waiting, motion, holding, settings] = saved;
-  if (cutting_) cutting_->setCuts(holding.cuts);
-  now_ = motion;
-  model_->adopt(now_.points);
-  placeAnchors();
-  clampHeld();
-  now_.points = motion.points;  // cold particles may have been moving
-  steps_ = waiting.steps;
-  params_.integrator.type = holding.integrator;
-  applyMaterial();
-  loads_.contact.setRate(now_.contact_rate);
-  loads_.forces.restore(waiting.forces);
-  loads_.track.restore(holding.tracked);
-  grips_.restore(holding.grips);
-  loads_.contact.restore(holding.bodies);
-  loads_.choose();
-  setParts();
-  part_.reset();
-  march_.setMemory(waiting.march);
-  part_march_ = waiting.part_march;
-  activity_.setMemory(waiting.activity, now_.points);
-  now_.followed.clear();
-  if (!motion.followed.empty() && activity_.isInParts()) followPartners(motion.followed);
-  if (waiting.has_part && !to_look) makePart();
-  tool_watch_.setMemory(waiting.watched);
-  ++revision_;
-}
-
-std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
-  std::unique_ptr<model::DeformableModel> model = model_->clone();
-  if (!model) throw InputError("model: found one that cannot be copied; accepted: one of this package");
-  std::unique_ptr<Dynamics> fork(new Dynamics(params_, Made{rest_, std::move(model)}));
-  fork->chosen_ = chosen_;
-  fork->shares_ = shares_;
-  fork->growth_notice_ = growth_notice_;
-  fork->restore(save(), to_look);
-  return fork;
 }
 
 }  // namespace deformable_surface::simulation

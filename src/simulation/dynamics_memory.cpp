@@ -1,0 +1,95 @@
+// What a dynamics keeps for a step that is refused, gives to a snapshot and takes from one, and how it forks.
+#include "dynamics.h"
+
+#include "deformable_surface/base/error.h"
+
+namespace deformable_surface::simulation {
+
+void Dynamics::keepWaiting(DynamicsState::Waiting& waiting) const {
+  waiting.steps = steps_;
+  waiting.forces = loads_.forces.all();
+  waiting.watched = tool_watch_.memory();
+  waiting.activity = activity_.memory();
+  waiting.march = march_.memory();
+  waiting.part_march = part_ ? part_->march().memory() : part_march_;
+  waiting.has_part = part_ && !activity_.isAsleep();
+}
+
+void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
+  holding.integrator = params_.integrator.type;
+  holding.grips = grips_.all();
+  holding.bodies = loads_.contact.all();
+  if (cutting_) holding.cuts = cutting_->cuts();
+  holding.tracked = loads_.track.seen();
+}
+
+DynamicsState Dynamics::save() const {
+  DynamicsState saved;
+  keepWaiting(saved.waiting);
+  saved.motion = now_;
+  keepHolding(saved.holding);
+  saved.settings.tools = tools_;
+  saved.settings.values = values_;
+  saved.settings.gravity = loads_.gravity.gravity;
+  saved.settings.damping = system_.damping();
+  saved.settings.spacing = particles_ ? particles_->lattice().spacing : 0.0;
+  saved.settings.physics = findPhysics(params_);
+  return saved;
+}
+
+void Dynamics::restore(const DynamicsState& saved, bool to_look) {
+  const DynamicsState::Settings& settings = saved.settings;
+  if (particles_ && particles_->lattice().spacing != settings.spacing) particles_->setSpacing(settings.spacing);
+  tools_ = settings.tools;
+  values_ = settings.values;
+  setPhysics(settings.physics, params_);
+  loads_.gravity.gravity = settings.gravity;
+  loads_.pressure.setPressure(params_.pressure);
+  loads_.drag.setDrag(params_.viscous_drag);
+  system_.setDamping(settings.damping);
+  giveContactTools();
+  giveBack(saved, to_look);
+}
+
+// Of a step that is refused; of a snapshot, after its settings.
+void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
+  const auto& [waiting, motion, holding, settings] = saved;
+  if (cutting_) cutting_->setCuts(holding.cuts);
+  now_ = motion;
+  model_->adopt(now_.points);
+  placeAnchors();
+  clampHeld();
+  now_.points = motion.points;  // cold particles may have been moving
+  steps_ = waiting.steps;
+  params_.integrator.type = holding.integrator;
+  applyMaterial();
+  loads_.contact.setRate(now_.contact_rate);
+  loads_.forces.restore(waiting.forces);
+  loads_.track.restore(holding.tracked);
+  grips_.restore(holding.grips);
+  loads_.contact.restore(holding.bodies);
+  loads_.choose();
+  setParts();
+  part_.reset();
+  march_.setMemory(waiting.march);
+  part_march_ = waiting.part_march;
+  activity_.setMemory(waiting.activity, now_.points);
+  now_.followed.clear();
+  if (!motion.followed.empty() && activity_.isInParts()) followPartners(motion.followed);
+  if (waiting.has_part && !to_look) makePart();
+  tool_watch_.setMemory(waiting.watched);
+  ++revision_;
+}
+
+std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
+  std::unique_ptr<model::DeformableModel> model = model_->clone();
+  if (!model) throw InputError("model: found one that cannot be copied; accepted: one of this package");
+  std::unique_ptr<Dynamics> fork(new Dynamics(params_, Made{rest_, std::move(model)}));
+  fork->chosen_ = chosen_;
+  fork->shares_ = shares_;
+  fork->growth_notice_ = growth_notice_;
+  fork->restore(save(), to_look);
+  return fork;
+}
+
+}  // namespace deformable_surface::simulation
