@@ -5,6 +5,7 @@
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/io/shapes.h"
+#include "physics/references.h"
 #include "swinging_sheet.h"
 
 #include <cstdlib>
@@ -27,7 +28,7 @@ PinParams pinBox(const Vec3& min, const Vec3& max) {
 }
 
 AccuracyScene makeSwing(const std::string& name, double membrane_stiffness, Index points) {
-  AccuracyScene scene{name, makeSwingingScene(solve::IntegratorType::kAuto, 0.01), makeSwingingSheet(points), 0.4, {}};
+  AccuracyScene scene{name, makeSwingingScene(solve::IntegratorType::kAuto, 0.01), makeSwingingSheet(points), 0.4, {}, {}};
   scene.params.simplification.method = cloud::SimplificationMethod::kDelaunay;
   scene.params.material.young_modulus = membrane_stiffness / scene.params.material.thickness;
   scene.levels = halve(scene.cloud.size());
@@ -36,7 +37,7 @@ AccuracyScene makeSwing(const std::string& name, double membrane_stiffness, Inde
 
 // A sheet of rubber between two held edges, sagging under its weight.
 AccuracyScene makeSag(Index points) {
-  AccuracyScene scene{"static_sag", {}, {}, 0.0, {}};
+  AccuracyScene scene{"static_sag", {}, {}, 0.0, {}, {}};
   simulation::CloudParams shape;
   shape.shape = simulation::CloudParams::Shape::kSheet;
   shape.points = points;
@@ -72,7 +73,7 @@ cloud::PointCloud readScan(Index points) {
 
 // A scanned animal of soft rubber that stands on its lowest centimetre and is poked from the side.
 AccuracyScene makePoke(Index points) {
-  AccuracyScene scene{"poked_scan", {}, readScan(points), 0.3, {}};
+  AccuracyScene scene{"poked_scan", {}, readScan(points), 0.3, {}, {}};
   if (scene.cloud.positions.empty()) return scene;
   Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;
   for (const Vec3& p : scene.cloud.positions) {
@@ -97,7 +98,7 @@ AccuracyScene makePoke(Index points) {
 
 // A sheet that falls on a ball and drapes over it.
 AccuracyScene makeDrape(Index points) {
-  AccuracyScene scene{"drape", {}, makeSwingingSheet(points), 0.4, {}};
+  AccuracyScene scene{"drape", {}, makeSwingingSheet(points), 0.4, {}, {}};
   scene.params.material.young_modulus = 1e6;
   scene.params.material.density = 200.0;
   scene.params.material.damping = 2.0;
@@ -110,9 +111,62 @@ AccuracyScene makeDrape(Index points) {
   return scene;
 }
 
+// A plate of scattered points that bends so little that theories of small deflections hold. Poisson's ratio 0: a beam is one.
+constexpr double kWeak = 0.01;  // m/s^2, of gravity
+
+AccuracyScene makePlate(const std::string& name, simulation::CloudParams::Shape shape, const Vec2& size, double duration) {
+  AccuracyScene scene{name, {}, {}, duration, {}, {}};
+  simulation::CloudParams cloud;
+  cloud.shape = shape;
+  cloud.points = 10000;
+  cloud.size = size;
+  cloud.jitter = 0.3;
+  scene.cloud = io::makeShape(cloud);
+  scene.params.material.young_modulus = 1e8;
+  scene.params.material.poisson_ratio = 0.0;
+  scene.params.material.thickness = 0.02;
+  scene.params.material.density = 250.0;
+  if (duration == 0.0) scene.params.integrator.type = solve::IntegratorType::kStatic;
+  scene.levels = {1600, 800, 400, 200, 100};
+  return scene;
+}
+
+// A beam of 1 m, clamped at a place that has nothing to do with its points, under a thousandth of its weight: at rest, or let go
+// at time zero.
+AccuracyScene makeCantilever(const std::string& name, double duration) {
+  const double clamp = 0.2037, length = 1.0;
+  AccuracyScene scene =
+      makePlate(name, simulation::CloudParams::Shape::kStrip, Vec2(clamp + length, 0.25), duration);
+  scene.params.gravity = -kWeak * Vec3::UnitZ();
+  scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(clamp, 1.0, 1.0))};
+  const double areal_density = scene.params.material.arealDensity(), rigidity = scene.params.material.bendingRigidity();
+  scene.exact = [=](const Vec3& rest) {
+    const double share = std::max(0.0, (rest.x() - clamp) / length), time_scale = std::sqrt(areal_density / rigidity);
+    return Vec3(rest - kWeak * areal_density / rigidity *
+                           physics::sagCantilever(share, duration > 0.0 ? duration / time_scale : physics::kAtRest) *
+                           Vec3::UnitZ());
+  };
+  return scene;
+}
+
+// A square plate of 1 m, clamped all around, under a thousandth of its weight.
+AccuracyScene makeClampedPlate() {
+  AccuracyScene scene = makePlate("clamped_plate", simulation::CloudParams::Shape::kSheet, Vec2(1.4, 1.4), 0.0);
+  scene.params.gravity = -kWeak * Vec3::UnitZ();
+  const double far = 1.0, half = 0.5;
+  const Vec3 low(-far, -far, -far), high(far, far, far);
+  scene.params.pins = {pinBox(low, Vec3(-half, far, far)), pinBox(Vec3(half, -far, -far), high),
+                       pinBox(low, Vec3(far, -half, far)), pinBox(Vec3(-far, half, -far), high)};
+  const double load = kWeak * scene.params.material.arealDensity() / scene.params.material.bendingRigidity();
+  scene.exact = [load, sag = physics::ClampedPlate()](const Vec3& rest) {
+    return Vec3(rest - load * sag(rest.x() + 0.5, rest.y() + 0.5) * Vec3::UnitZ());
+  };
+  return scene;
+}
+
 // Soft rubber without damping; size along x, y, z, m. Its middle plane is z = 0, and it begins at x = 0.
 AccuracyScene makeSolid(const std::string& name, const Vec3& size, Index points) {
-  AccuracyScene scene{name, {}, {}, 0.4, {}};
+  AccuracyScene scene{name, {}, {}, 0.4, {}, {}};
   simulation::CloudParams shape;
   shape.shape = simulation::CloudParams::Shape::kBar;
   shape.points = points;
@@ -170,6 +224,9 @@ std::vector<AccuracyScene> makeAccuracyScenes(bool large) {
   const Index points = large ? 1254 : 400;
   std::vector<AccuracyScene> scenes{makeSwing("swing_soft", 1e3, points), makeSwing("swing_stiff", 1e5, points),
                                     makeSwing("swing_rigid", 1e7, points / 4), makeDrape(points), makeSag(points)};
+  scenes.push_back(makeCantilever("cantilever", 0.0));
+  scenes.push_back(makeCantilever("cantilever_swing", 0.2));
+  scenes.push_back(makeClampedPlate());
   const Index body = large ? 5000 : 1200;
   scenes.push_back(makeSolidBar("solid_bar", Vec3(0.0, 0.0, -9.81), body));
   scenes.push_back(makeSolidBar("solid_stretch", Vec3(9.81, 0.0, 0.0), body));

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/simulation/simulation.h"
 
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -13,7 +14,9 @@ struct AccuracyScene {
   simulation::SceneParams params;  // the default choices of the product but for what the scene needs
   cloud::PointCloud cloud;
   double duration;                 // s; 0 = the equilibrium
-  std::vector<Index> levels;       // numbers of simulation points, the full cloud first
+  std::vector<Index> levels;       // numbers of simulation points, falling; without a closed form the full cloud first
+  /// The closed form: where a point goes from its place at rest, m. Empty: the full cloud in fine steps is the truth.
+  std::function<Vec3(const Vec3& rest)> exact;
 };
 
 /// large: the sizes of docs/benchmark.md; else about a third of them. The scan is left out where its file is not there.

@@ -1,115 +1,21 @@
 // Part "accuracy": run time against error. Every method with every setting on every scene; the errors of time, of simplification
 // and of the transfer are measured apart from each other, and together.
-#include "accuracy_scenes.h"
+#include "accuracy_runs.h"
 
 #include "deformable_surface/base/parallel.h"
-#include "deformable_surface/base/timer.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "sections.h"
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 namespace deformable_surface::benchmark {
 namespace {
 
 using simulation::SceneParams;
-using simulation::Simulation;
 using solve::IntegratorType;
 
-constexpr double kInfinity = std::numeric_limits<double>::infinity();
 constexpr double kUnstable = 1.0;     // m, rms: larger than any scene
-constexpr double kTooLong = 60.0;     // s of processor time: a run is cut, and says so
-constexpr double kTight = 1e-10;      // tolerance of the reference of statics
-
-struct Setting {
-  std::string method;
-  IntegratorType type;
-  double time_step;                   // s
-  double tolerance = 1e-6;
-  Index max_iterations = 100;
-};
-
-// Where a run ended, in the order of the cloud.
-struct Run {
-  Points simulated, dense;            // m
-  double cpu = 0.0, wall = 0.0;       // s
-  Index substeps = 0;                 // of the last step
-  std::string state = "sound";
-};
-
-struct Error {
-  double rms = kInfinity, largest = kInfinity;
-};
-
-Error measureError(const Points& a, const Points& b) {
-  Error error{rmsDistance(a, b), 0.0};
-  for (std::size_t i = 0; i < a.size(); ++i) error.largest = std::max(error.largest, (a[i] - b[i]).norm());
-  return error;
-}
-
-Run run(const AccuracyScene& scene, Index level, const Setting& setting) {
-  SceneParams params = atLevel(scene, level);
-  params.integrator.type = setting.type;
-  params.integrator.time_step = setting.time_step;
-  params.integrator.tolerance = setting.tolerance;
-  params.integrator.max_iterations = setting.max_iterations;
-  Simulation simulation(params, scene.cloud);
-  const int steps = scene.duration > 0.0 ? static_cast<int>(std::lround(scene.duration / setting.time_step)) : 1;
-  Run result;
-  const double cpu = processorSeconds();
-  const Timer timer;
-  for (int i = 0; i < steps; ++i) {
-    const simulation::StepOutcome outcome = simulation.step();
-    if (!outcome.ok) {
-      result.state = "refused at " + show(simulation.time()) + " s";
-      break;
-    }
-    if (outcome.notice.find("the solver stopped") != std::string::npos) result.state = "not converged";
-    if (processorSeconds() - cpu > kTooLong) {
-      result.state = "cut at " + show(simulation.time()) + " s";
-      break;
-    }
-  }
-  result.cpu = processorSeconds() - cpu;
-  result.wall = timer.seconds();
-  result.substeps = static_cast<Index>(simulation.statistics().substeps);
-  result.simulated = simulation.state().positions;
-  result.dense = simulation.surface(false).positions;
-  return result;
-}
-
-Points extrapolate(const Points& coarse, const Points& fine) {
-  Points result(fine.size());
-  for (std::size_t i = 0; i < fine.size(); ++i) result[i] = (4.0 * fine[i] - coarse[i]) / 3.0;
-  return result;
-}
-
-// What one number of simulation points converges to as the time step goes to zero.
-struct Reference {
-  Points simulated, dense;
-  double uncertainty = 0.0;           // m, rms
-  double substep = 0.0;               // s, that velocity Verlet takes by itself
-};
-
-Reference findReference(const AccuracyScene& scene, Index level) {
-  Reference reference;
-  if (scene.duration == 0.0) {
-    const Run tight = run(scene, level, {"static", IntegratorType::kStatic, 0.01, kTight, 1000});
-    const Run looser = run(scene, level, {"static", IntegratorType::kStatic, 0.01, 1e2 * kTight, 1000});
-    return {tight.simulated, tight.dense, rmsDistance(tight.dense, looser.dense), 0.0};
-  }
-  // One step of the whole duration tells into how many stability cuts it.
-  const Run probe = run(scene, level, {"verlet", IntegratorType::kVerlet, scene.duration});
-  reference.substep = scene.duration / probe.substeps;
-  Run runs[3];
-  for (int i = 0; i < 3; ++i) runs[i] = run(scene, level, {"verlet", IntegratorType::kVerlet, reference.substep / (2 << i)});
-  reference.simulated = extrapolate(runs[1].simulated, runs[2].simulated);
-  reference.dense = extrapolate(runs[1].dense, runs[2].dense);
-  reference.uncertainty = rmsDistance(reference.dense, extrapolate(runs[0].dense, runs[1].dense));
-  return reference;
-}
 
 std::vector<Setting> chooseSettings(const AccuracyScene& scene, double substep) {
   std::vector<Setting> settings;
@@ -162,9 +68,9 @@ void markFront(std::vector<Row>& rows) {
 
 void runAccuracySection(const Options& options, Report& report) {
   report.begin("accuracy", "Run time against error, one thread; errors in metres, rms / largest over the cloud",
-               {"scene", "method", "points", "time_step_ms", "substeps", "tolerance", "max_iterations", "cpu_s", "wall_s",
-                "time_rms", "time_max", "space_rms", "space_max", "transfer_rms", "transfer_max", "total_rms", "total_max",
-                "front", "state"});
+               {"scene", "method", "points", "time_step_ms", "substeps", "tolerance", "max_iterations", "setup_s", "cpu_s",
+                "wall_s", "time_rms", "time_max", "space_rms", "space_max", "transfer_rms", "transfer_max", "total_rms",
+                "total_max", "front", "state"});
   setNumThreads(1);
   std::vector<std::string> notes;
   for (const AccuracyScene& scene : makeAccuracyScenes(options.large)) {
@@ -176,8 +82,13 @@ void runAccuracySection(const Options& options, Report& report) {
       const simulation::RestSurface rest = simulation::buildRestSurface(atLevel(scene, level), scene.cloud);
       if (level == scene.levels.front()) {
         truth = reference;
-        notes.push_back(scene.name + ": the truth, all " + std::to_string(rest.points.size()) +
-                        " points simulated, is uncertain by " + show(truth.uncertainty) + " m rms");
+        truth.dense = findTruth(scene, reference);
+        if (scene.exact) {
+          notes.push_back(scene.name + ": the truth is a closed form");
+        } else {
+          notes.push_back(scene.name + ": the truth, all " + std::to_string(rest.points.size()) +
+                          " points simulated, is uncertain by " + show(truth.uncertainty) + " m rms");
+        }
       }
       // The truth at the simulation points, and what the transfer makes of it.
       Points there(rest.points.size()), carried;
@@ -212,9 +123,9 @@ void runAccuracySection(const Options& options, Report& report) {
     for (const Row& row : rows)
       report.add({row.scene, row.method, std::to_string(row.points), showMilliseconds(row.setting.time_step),
                   std::to_string(row.run.substeps), show(row.setting.tolerance), std::to_string(row.setting.max_iterations),
-                  show(row.run.cpu), show(row.run.wall), show(row.time.rms), show(row.time.largest), show(row.space.rms),
-                  show(row.space.largest), show(row.transfer.rms), show(row.transfer.largest), show(row.total.rms),
-                  show(row.total.largest), row.on_front ? "yes" : "no", row.run.state});
+                  show(row.run.setup), show(row.run.cpu), show(row.run.wall), show(row.time.rms), show(row.time.largest),
+                  show(row.space.rms), show(row.space.largest), show(row.transfer.rms), show(row.transfer.largest),
+                  show(row.total.rms), show(row.total.largest), row.on_front ? "yes" : "no", row.run.state});
   }
   setNumThreads(0);
   report.end();

@@ -36,6 +36,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"geodesics", runGeodesicsSection, true},
                            {"camera", runCameraSection, true},
                            {"accuracy", runAccuracySection, true},
+                           {"simplification", runSimplificationSection, true},
                            {"statics", runStaticsSection, true},
                            {"physics", runPhysicsSection, true},
                            {"calibration", runCalibrationSection, true},
@@ -103,8 +104,8 @@ int run(int argc, char** argv) {
       return fail(
           "found '" + argument +
           "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --camera, --accuracy, "
-          "--scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, --output FOLDER, "
-          "--commit TEXT");
+          "--simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, "
+          "--output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)

@@ -38,7 +38,8 @@ void runPhysicsSection(const Options& options, Report& report) {
   std::vector<physics::Problem> problems;
   for (const auto& list : {physics::listMotions, physics::listHanging, physics::listMembranes, physics::listStrips,
                            physics::listVibrations, physics::listShells, physics::listMeasured, physics::listSolids})
-    for (const physics::Problem& problem : list()) problems.push_back(problem);
+    for (const physics::Problem& problem : list())
+      if (problem.name.compare(0, options.scene.size(), options.scene) == 0) problems.push_back(problem);
 
   std::vector<std::vector<std::string>> series;
   report.begin("physics", "7. Physics: errors against closed forms and published tables",

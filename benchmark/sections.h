@@ -9,7 +9,7 @@ struct Options {
   bool large = false;   // clouds of a million points, and rows that take long
   double budget = 0.2;  // s of repetitions per row
   std::string folder = ".";         // where CSV files go
-  std::string scene;                // accuracy, camera: those whose names begin so; empty = all
+  std::string scene;                // accuracy, simplification, camera, physics: those whose names begin so; empty = all
   Index first_scene = 4000;         // calibration: seeds of the scenes, by default those that the method was not tuned on
   Index num_scenes = 240;
 };
@@ -23,6 +23,7 @@ void runAllocationsSection(const Options& options, Report& report);
 void runMemorySection(const Options& options, Report& report);
 void runFactorizationSection(const Options& options, Report& report);
 void runAccuracySection(const Options& options, Report& report);
+void runSimplificationSection(const Options& options, Report& report);
 void runStaticsSection(const Options& options, Report& report);
 void runStabilitySection(const Options& options, Report& report);
 void runPhysicsSection(const Options& options, Report& report);

@@ -1,5 +1,7 @@
 #include "references.h"
 
+#include <Eigen/Cholesky>
+
 #include <cmath>
 #include <vector>
 
@@ -9,6 +11,32 @@ namespace {
 constexpr int kSteps = 2000;      // of the fourth-order integration: errors below the digits that are compared
 constexpr int kBisections = 80;   // more than the bits of a double
 constexpr int kTerms = 60;        // of Hencky's series, whose terms fall like powers of a third
+
+// Of each side: (1 - xi^2)^2 xi^(2 i), xi from -1 to 1.
+constexpr int kShapes = 6;
+constexpr int kDegree = 4 + 2 * (kShapes - 1);
+using Polynomial = Eigen::Matrix<double, kDegree + 1, 1>;
+
+Polynomial shapeAcross(int i) {
+  Polynomial shape = Polynomial::Zero();
+  shape[2 * i] = 1.0;
+  shape[2 * i + 2] = -2.0;
+  shape[2 * i + 4] = 1.0;
+  return shape;
+}
+
+Polynomial differentiate(const Polynomial& p) {
+  Polynomial slope = Polynomial::Zero();
+  for (int k = 1; k <= kDegree; ++k) slope[k - 1] = k * p[k];
+  return slope;
+}
+
+double integrateProduct(const Polynomial& p, const Polynomial& q) {
+  double sum = 0.0;
+  for (int k = 0; k <= kDegree; ++k)
+    for (int l = k % 2; l <= kDegree; l += 2) sum += 2.0 * p[k] * q[l] / (k + l + 1.0);
+  return sum;
+}
 
 }  // namespace
 
@@ -98,6 +126,59 @@ double ElasticCable::solveTension(double span) const {
     (x(length, middle) < span ? low : high) = middle;
   }
   return std::sqrt(low * high);
+}
+
+double sagCantilever(double s, double time) {
+  double w = s * s * (6.0 - 4.0 * s + s * s) / 24.0;
+  if (time == kAtRest) return w;
+  // Roots of cos b cosh b = -1; of the ninth the amplitude is a millionth of the first's.
+  for (const double b : {1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14.1371683910, 17.2787595321, 20.4203522510,
+                         23.5619449018}) {
+    const double sigma = (std::sinh(b) - std::sin(b)) / (std::cosh(b) + std::cos(b));
+    const double mode = std::cosh(b * s) - std::cos(b * s) - sigma * (std::sinh(b * s) - std::sin(b * s));
+    w -= 2.0 * sigma / std::pow(b, 5) * mode * std::cos(b * b * time);
+  }
+  return w;
+}
+
+ClampedPlate::ClampedPlate() {
+  // Over xi: int phi phi, int phi'' phi, int phi'' phi'', int phi.
+  Eigen::MatrixXd mass(kShapes, kShapes), mixed(kShapes, kShapes), bending(kShapes, kShapes);
+  Eigen::VectorXd load(kShapes);
+  Polynomial one = Polynomial::Zero();
+  one[0] = 1.0;
+  for (int i = 0; i < kShapes; ++i) {
+    const Polynomial p = shapeAcross(i), second = differentiate(differentiate(p));
+    load[i] = integrateProduct(p, one);
+    for (int k = 0; k < kShapes; ++k) {
+      const Polynomial q = shapeAcross(k);
+      mass(i, k) = integrateProduct(p, q);
+      mixed(i, k) = integrateProduct(second, q);
+      bending(i, k) = integrateProduct(second, differentiate(differentiate(q)));
+    }
+  }
+  // xi = 2 x - 1: second derivatives by x are four times as large, so the load is a sixteenth.
+  Eigen::MatrixXd stiffness(kShapes * kShapes, kShapes * kShapes);
+  Eigen::VectorXd right(kShapes * kShapes);
+  for (int i = 0; i < kShapes; ++i)
+    for (int j = 0; j < kShapes; ++j) {
+      right[i * kShapes + j] = load[i] * load[j] / 16.0;
+      for (int k = 0; k < kShapes; ++k)
+        for (int l = 0; l < kShapes; ++l)
+          stiffness(i * kShapes + j, k * kShapes + l) =
+              bending(i, k) * mass(j, l) + 2.0 * mixed(i, k) * mixed(j, l) + mass(i, k) * bending(j, l);
+    }
+  const Eigen::VectorXd solution = stiffness.ldlt().solve(right);
+  amplitudes_ = Eigen::Map<const Eigen::Matrix<double, kShapes, kShapes>>(solution.data());
+}
+
+double ClampedPlate::operator()(double x, double y) const {
+  const double xi = 2.0 * x - 1.0, eta = 2.0 * y - 1.0;
+  if (!(std::abs(xi) < 1.0 && std::abs(eta) < 1.0)) return 0.0;
+  double sum = 0.0;
+  for (int i = 0; i < kShapes; ++i)
+    for (int j = 0; j < kShapes; ++j) sum += amplitudes_(i, j) * std::pow(xi, 2 * i) * std::pow(eta, 2 * j);
+  return sum * std::pow((1.0 - xi * xi) * (1.0 - eta * eta), 2);
 }
 
 }  // namespace deformable_surface::physics

@@ -1,8 +1,12 @@
 // The exact answers that need more than a formula: the elastica under its weight and an end force, Hencky's membrane, the hanging
-// elastic cable.
+// elastic cable, a beam that is let go, the clamped plate.
 #pragma once
 
 #include "deformable_surface/base/types.h"
+
+#include <Eigen/Core>
+
+#include <limits>
 
 namespace deformable_surface::physics {
 
@@ -27,6 +31,24 @@ struct ElasticCable {
   double z(double s, double tension) const;  // below the supports
   /// The horizontal tension for the span between the supports.
   double solveTension(double span) const;
+};
+
+constexpr double kAtRest = std::numeric_limits<double>::infinity();
+
+/// The deflection of a cantilever of length, rigidity and mass per length 1 under the load 1 that acts from time zero on; s: from
+/// the clamp. w = s^2 (6 - 4 s + s^2) / 24 - sum a_n phi_n(s) cos(b_n^2 time), with the modes phi_n of Euler and Bernoulli. At
+/// kAtRest the first part alone.
+double sagCantilever(double s, double time);
+
+/// The deflection of the clamped square plate of side, rigidity and load 1, by Ritz's method with polynomials: least
+/// 1/2 int (w_xx + w_yy)^2 - int w.
+class ClampedPlate {
+ public:
+  ClampedPlate();
+  double operator()(double x, double y) const;  // from a corner; 0 outside
+
+ private:
+  Eigen::MatrixXd amplitudes_;
 };
 
 }  // namespace deformable_surface::physics

@@ -1,4 +1,5 @@
-// A shell of double curvature: the hemisphere with a hole, pulled apart along one axis and pushed together along the other.
+// Curved shells under point loads: the hemisphere with a hole, pulled apart along one axis and pushed together along the other,
+// and the cylinder with open ends that is pulled apart at its middle.
 #include "experiment.h"
 
 #include <algorithm>
@@ -102,6 +103,86 @@ Answer pinchHemisphere(const Row& row, const Variant& variant, double spacing) {
   return answer;
 }
 
+// [sze2004, 3.5]: E = 10.5e6, nu = 0.3125, R = 4.953, L = 10.35, h = 0.094; outward forces of 40000 at both ends of a diameter in
+// the middle. How far these points move, and inwards those beside them in the middle and at the ends, at shares of the force.
+struct PulledRow {
+  double share, outward, inward, inward_at_end;
+};
+constexpr PulledRow kPulled[] = {{0.1, 1.707, 2.217, 2.293}, {1.0, 2.768, 4.551, 3.269}};
+
+// Circles, the loaded and the compared points on them.
+Sampled sampleCylinder(double radius, double length, double spacing, Sampling sampling) {
+  const int half = std::max(1, static_cast<int>(std::lround(0.5 * length / spacing)));
+  const int quarter = std::max(2, static_cast<int>(std::lround(0.5 * kPi * radius / spacing)));
+  std::mt19937 generator(1);
+  const auto draw = [&] { return 0.25 * (static_cast<double>(generator()) / 2147483648.0 - 1.0); };
+  Sampled sampled;
+  for (int c = -half; c <= half; ++c)
+    for (int k = 0; k < 4 * quarter; ++k) {
+      double x = 0.5 * length * c / half, angle = 0.5 * kPi * k / quarter;
+      const double along = draw(), around = draw();
+      const bool is_named = k % quarter == 0 && (c == 0 || std::abs(c) == half);
+      if (sampling != Sampling::kRegular && !is_named) {
+        if (std::abs(c) < half) x += along * 0.5 * length / half;
+        angle += around * 0.5 * kPi / quarter;
+      }
+      sampled.points.emplace_back(x, radius * std::cos(angle), radius * std::sin(angle));
+    }
+  return sampled;
+}
+
+// By forces, load by load from what the last two foretell. Springs that are too weak to count keep it in its place.
+Answer pullCylinder(const PulledRow& row, const Variant& variant, double spacing) {
+  constexpr double kRadius = 4.953, kLength = 10.35, kPull = 40000.0, kStep = 0.025, kWeak = 1.0;
+  simulation::SceneParams scene = makeStaticScene();
+  scene.integrator.tolerance = 1e-6;
+  scene.material.young_modulus = 10.5e6;
+  scene.material.poisson_ratio = 0.3125;
+  scene.material.thickness = 0.094;
+  for (const double side : {-1.0, 1.0})
+    for (const double end : {-1.0, 1.0}) {
+      simulation::AnchorParams anchor;
+      anchor.point = anchor.target = Vec3(0.5 * end * kLength, side * kRadius, 0.0);
+      anchor.stiffness = kWeak;
+      scene.anchors.push_back(anchor);
+    }
+  Experiment shell(scene, sampleCylinder(kRadius, kLength, spacing, variant.sampling), variant);
+  const Points& rest = shell.rest();
+  const auto find = [&](double x, double y, double z) {
+    const Vec3 place(x, y, z);
+    return static_cast<Index>(std::min_element(rest.begin(), rest.end(), [&](const Vec3& a, const Vec3& b) {
+                                return (a - place).squaredNorm() < (b - place).squaredNorm();
+                              }) - rest.begin());
+  };
+  const Index pulled[2] = {find(0.0, 0.0, kRadius), find(0.0, 0.0, -kRadius)};
+  Points before = rest, places = rest;
+  for (int step = 1; step <= std::lround(row.share / kStep); ++step) {
+    const Vec3 load(0.0, 0.0, kPull * kStep * step);
+    for (int side = 0; side < 2; ++side) shell.push(pulled[side], side == 0 ? load : Vec3(-load));
+    const Points now = shell.now();
+    if (step > 1) {
+      for (std::size_t i = 0; i < now.size(); ++i) places[i] = 2.0 * now[i] - before[i];
+      shell.place(places);
+    }
+    before = now;
+    shell.settle();
+  }
+  const Points now = shell.now();
+  const auto shrink = [&](double x) {
+    const Index a = find(x, kRadius, 0.0), b = find(x, -kRadius, 0.0);
+    return kRadius - 0.5 * (now[a].y() - now[b].y());
+  };
+  const Vec3 found(0.5 * (now[pulled[0]].z() - now[pulled[1]].z()) - kRadius, shrink(0.0),
+                   0.5 * (shrink(0.5 * kLength) + shrink(-0.5 * kLength)));
+  const Vec3 published(row.outward, row.inward, row.inward_at_end);
+  Answer answer;
+  answer.points = static_cast<Index>(rest.size());
+  answer.value = found[0];
+  answer.reference = row.outward;
+  answer.error = (found - published).norm() / published.norm();
+  return answer;
+}
+
 }  // namespace
 
 std::vector<Problem> listShells() {
@@ -124,6 +205,19 @@ std::vector<Problem> listShells() {
           {model::Membrane::kTriangles, model::Bending::kCurvature, sampling, sampling != Sampling::kRegular});
     p.sizes = c.sizes;
     p.run = [row = c.row](const Variant& variant, double spacing) { return pinchHemisphere(row, variant, spacing); };
+    list.push_back(p);
+  }
+  for (const PulledRow& row : kPulled) {
+    Problem p;
+    p.name = row.share < 1.0 ? "pulled open cylinder, tenth of the load" : "pulled open cylinder, full load";
+    p.value = "outward displacement, m";
+    p.scale = "displacement (the loaded points and those beside them)";
+    p.source = "Sze, Liu, Lo 2004, 3.5";
+    for (const Sampling sampling : {Sampling::kRegular, Sampling::kJittered})
+      p.variants.push_back(
+          {model::Membrane::kTriangles, model::Bending::kCurvature, sampling, sampling != Sampling::kRegular});
+    p.sizes = {1.0, 0.7, 0.5, 0.35};
+    p.run = [row](const Variant& variant, double spacing) { return pullCylinder(row, variant, spacing); };
     list.push_back(p);
   }
   return list;

@@ -39,6 +39,22 @@ TEST(References, AStiffCableHangsAsACatenary) {
   EXPECT_NEAR(cable.z(0.6, cable.solveTension(1.0)), 0.29234380, 1e-6);
 }
 
+TEST(References, ACantileverStartsAtRestAndSwingsAboutItsSag) {
+  EXPECT_DOUBLE_EQ(sagCantilever(1.0, kAtRest), 1.0 / 8.0);
+  for (const double s : {0.25, 0.5, 1.0}) EXPECT_NEAR(sagCantilever(s, 0.0), 0.0, 1e-7);
+  // Half a period of the first mode, which is nearly all of the end's motion.
+  const double half_period = std::acos(-1.0) / (1.8751040687 * 1.8751040687);
+  EXPECT_NEAR(sagCantilever(1.0, half_period), 2.0 / 8.0, 0.01);
+}
+
+TEST(References, TheClampedPlateAgreesWithItsTable) {
+  // [timoshenko1959, table 35] and, to more digits, Taylor and Govindjee 2004: 0.00126532.
+  const ClampedPlate sag;
+  EXPECT_NEAR(sag(0.5, 0.5), 0.00126532, 1e-8);
+  EXPECT_DOUBLE_EQ(sag(0.3, 0.8), sag(0.8, 0.7));
+  EXPECT_EQ(sag(1.1, 0.5), 0.0);
+}
+
 TEST(OrderOfConvergence, IsTheSlopeAndItsSpreadTheScatter) {
   const auto make = [](double size, double error) {
     Answer a;
