@@ -19,6 +19,7 @@ ROOMS = {
     "cloud": [r"(base|geometry)/.*"],
     "model": [r"(base|linear|geometry|cloud)/.*"],
     "solve": [r"(base|linear)/.*", r"model/deformable_model\.h"],
+    "contact": [r"base/.*"],
     "tool": [r"(base|geometry|cloud)/.*"],
     "transfer": [r"(base|geometry|cloud)/.*"],
     "simulation": [r"(base|linear|geometry|cloud|model|solve|tool|transfer)/.*"],

@@ -1,0 +1,83 @@
+// Contact of a surface with itself: what pushes near parts apart, and what keeps them from passing through each other.
+//
+// Triangles have a thickness. Parts nearer than that are pushed apart by springs; a limit on the way of each point in a step
+// makes sure that no two parts cross, however fast they come. After [Chen 2025] (bounds in place of root finding), with
+// half-spaces in place of their balls: a ball locks points that have come as near as they may.
+#pragma once
+
+#include "deformable_surface/contact/pair_list.h"
+
+#include <vector>
+
+namespace deformable_surface::contact {
+
+struct SelfContactParams {
+  double thickness = 0.0;  // m: layers rest so far apart
+  double rate = 0.0;       // 1/s: a spring's stiffness is the least mass of its pair times the square of it
+  double damping = 0.05;   // of the springs, as a share of critical
+};
+
+/// What a pair exerts now.
+struct SelfContactForce {
+  Pair pair;
+  Closest closest;
+  double force;  // N, of the spring, on the first primitive along the gap
+};
+
+/// Serves one surface; scratch makes it no matter of several threads at once. Results depend on positions and velocities alone,
+/// not on what was asked before.
+class SelfContact {
+ public:
+  /// rest: (n) m; masses: (n) kg. Pairs that cross or touch at rest never act.
+  SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses, const SelfContactParams& params);
+
+  /// Adds the springs' forces, N.
+  void addForces(const Points& positions, Points& forces);
+  /// Adds those of the springs' damping, N.
+  void addDampingForces(const Points& positions, const Points& velocities, Points& forces);
+  /// Potential of the springs, J.
+  double potential(const Points& positions);
+  /// Adds upper bounds of the row sums of the derivatives of all forces with respect to position (N/m) and velocity (N s/m).
+  void addRowBounds(const Points& positions, std::vector<double>& stiffness, std::vector<double>& damping);
+
+  /// Shortens straight ways from `before` to `after` such that no two parts cross on them, at any time in between, if all points
+  /// go at constant speed. Only what brings two parts nearer is taken off; points that stay, stay. Returns those that were
+  /// stopped short, ascending, until the next call.
+  const std::vector<Index>& limit(const Points& before, Points& after);
+
+  /// Of all pairs nearer than their thickness.
+  std::vector<SelfContactForce> listForces(const Points& positions);
+  /// m, of the nearest pair; infinite if none is nearer than the thickness.
+  double leastDistance(const Points& positions);
+  Index numSearches() const { return list_.numSearches(); }
+
+ private:
+  struct Near {
+    const Pair* pair;
+    Closest closest;
+    double distance;
+  };
+  // Across the gap of a pair: how far each of its points may go towards the other primitive.
+  struct Plane {
+    std::array<Index, 4> vertices;
+    std::array<Vec3, 4> towards;  // unit
+    std::array<double, 4> room;   // m
+  };
+
+  const std::vector<Near>& measure(const Points& positions, double reach);
+  double stiffness(const Pair& pair) const;
+  Plane makePlane(const Near& near, const Points& before) const;
+
+  PairList list_;
+  const std::vector<double> masses_;
+  const SelfContactParams params_;
+  Points measured_at_;
+  double measured_reach_ = 0.0;
+  std::vector<Near> near_;
+  Points ways_;  // m, less what all share
+  std::vector<Plane> planes_;
+  std::vector<char> is_cut_;
+  std::vector<Index> cut_;
+};
+
+}  // namespace deformable_surface::contact

@@ -1,0 +1,136 @@
+#include "deformable_surface/contact/pair_list.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace deformable_surface::contact {
+namespace {
+
+// Of the median edge: the cheapest for a sheet that falls or folds; below the distance at rest of parts that are not neighbours.
+constexpr double kUsualRadius = 0.7;
+// Of a radius that a search is asked for beyond the usual one: it holds for a while.
+constexpr double kSpare = 1.5;
+// Of their distance at rest: so much nearer parts push each other apart.
+constexpr double kOfRest = 0.9;
+constexpr Index kBlock = 64;  // vertices or edges a task
+
+template <std::size_t N>
+Box boundOf(const Points& positions, const std::array<Index, N>& vertices) {
+  Box box;
+  for (const Index v : vertices) box.add(positions[v]);
+  return box;
+}
+
+template <std::size_t N>
+std::vector<Box> boundAll(const Points& positions, const std::vector<std::array<Index, N>>& items) {
+  std::vector<Box> boxes;
+  boxes.reserve(items.size());
+  for (const std::array<Index, N>& vertices : items) boxes.push_back(boundOf(positions, vertices));
+  return boxes;
+}
+
+std::vector<std::array<Index, 2>> listEdges(Index n, const std::vector<Triangle>& triangles) {
+  std::vector<std::array<Index, 2>> edges;
+  for (const Triangle& t : triangles) {
+    for (int k = 0; k < 3; ++k) {
+      if (t[k] < 0 || t[k] >= n)
+        throw InputError("contact: found a triangle with vertex " + std::to_string(t[k]) + "; accepted: 0 to " +
+                         std::to_string(n - 1));
+      edges.push_back({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    }
+  }
+  std::sort(edges.begin(), edges.end());
+  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+  return edges;
+}
+
+}  // namespace
+
+PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double thickness)
+    : rest_(std::move(rest)),
+      triangles_(triangles),
+      thickness_(thickness),
+      edges_(listEdges(static_cast<Index>(rest_.size()), triangles_)),
+      triangle_boxes_(boundAll(rest_, triangles_)),
+      edge_boxes_(boundAll(rest_, edges_)),
+      triangle_tree_(triangle_boxes_),
+      edge_tree_(edge_boxes_) {
+  if (!(thickness > 0.0)) throw InputError("contact: the thickness is " + std::to_string(thickness) + " m; accepted: above 0");
+  std::vector<double> lengths;
+  for (const auto& [a, b] : edges_) lengths.push_back((rest_[a] - rest_[b]).norm());
+  usual_radius_ = lengths.empty() ? 0.0 : std::max(kUsualRadius * findMedian(std::move(lengths)), 2.0 * thickness);
+}
+
+void PairList::measureWays(const Points& positions) {
+  Vec3 mean = Vec3::Zero();
+  for (std::size_t i = 0; i < positions.size(); ++i) mean += positions[i] - reference_[i];
+  mean /= static_cast<double>(positions.size());
+  largest_way_ = 0.0;
+  for (std::size_t i = 0; i < positions.size(); ++i) {
+    way_[i] = (positions[i] - reference_[i] - mean).norm();
+    largest_way_ = std::max(largest_way_, way_[i]);
+  }
+}
+
+void PairList::update(const Points& positions, double reach) {
+  if (edges_.empty()) return;
+  if (!reference_.empty()) {
+    measureWays(positions);
+    if (reach + 2.0 * largest_way_ <= radius_) return;
+  }
+  search(positions, std::max(usual_radius_, kSpare * reach));
+}
+
+void PairList::offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const {
+  const double squared = findClosest(pair, positions).squaredDistance();
+  if (!(squared < radius * radius)) return;
+  pair.thickness = std::min(thickness_, kOfRest * std::sqrt(findClosest(pair, rest_).squaredDistance()));
+  if (pair.thickness > 0.0) found.emplace_back(pair, std::sqrt(squared));
+}
+
+void PairList::search(const Points& positions, double radius) {
+  ++num_searches_;
+  const Index n = static_cast<Index>(positions.size()), num_edges = static_cast<Index>(edges_.size());
+  for (std::size_t t = 0; t < triangles_.size(); ++t) triangle_boxes_[t] = boundOf(positions, triangles_[t]);
+  for (Index e = 0; e < num_edges; ++e) edge_boxes_[e] = boundOf(positions, edges_[e]);
+  triangle_tree_.refit(triangle_boxes_);
+  edge_tree_.refit(edge_boxes_);
+  std::vector<std::vector<std::pair<Pair, double>>> blocks((n + kBlock - 1) / kBlock + (num_edges + kBlock - 1) / kBlock);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    for (Index v = begin; v < end; ++v) {
+      triangle_tree_.visitMeeting(Box{positions[v], positions[v]}.grown(radius), [&](Index t) {
+        const auto& [a, b, c] = triangles_[t];
+        if (v != a && v != b && v != c) offer(positions, radius, {{v, a, b, c}, false, 0.0}, blocks[begin / kBlock]);
+      });
+    }
+  });
+  parallelFor(num_edges, kBlock, [&](Index begin, Index end) {
+    auto& block = blocks[(n + kBlock - 1) / kBlock + begin / kBlock];
+    for (Index e = begin; e < end; ++e) {
+      const auto& [a, b] = edges_[e];
+      edge_tree_.visitMeeting(edge_boxes_[e].grown(radius), [&](Index f) {
+        const auto& [c, d] = edges_[f];
+        if (f > e && a != c && a != d && b != c && b != d) offer(positions, radius, {{a, b, c, d}, true, 0.0}, block);
+      });
+    }
+  });
+  pairs_.clear();
+  distance_.clear();
+  for (const auto& block : blocks) {
+    for (const auto& [pair, distance] : block) {
+      pairs_.push_back(pair);
+      distance_.push_back(distance);
+    }
+  }
+  reference_ = positions;
+  radius_ = radius;
+  way_.assign(n, 0.0);
+  largest_way_ = 0.0;
+}
+
+}  // namespace deformable_surface::contact

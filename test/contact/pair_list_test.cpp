@@ -1,0 +1,113 @@
+// Which pairs of a surface's parts are listed as near.
+#include "deformable_surface/contact/pair_list.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <set>
+
+#include "folded_sheets.h"
+
+namespace deformable_surface::contact {
+namespace {
+
+using Found = std::vector<std::array<Index, 5>>;  // vertices, and 1 for edges
+
+Found listNear(PairList& list, const Points& positions, double reach) {
+  list.update(positions, reach);
+  Found found;
+  list.visitNear(reach, [&](const Pair& pair) {
+    if (findClosest(pair, positions).gap.norm() < reach)
+      found.push_back({pair.vertices[0], pair.vertices[1], pair.vertices[2], pair.vertices[3], pair.is_edges});
+  });
+  return found;
+}
+
+// By looking at all.
+std::set<std::array<Index, 5>> findAll(const test::Sheets& sheets, const Points& positions, double reach) {
+  std::set<std::array<Index, 5>> found;
+  std::set<std::array<Index, 2>> edges;
+  const auto offer = [&](Pair pair) {
+    std::set<Index> distinct(pair.vertices.begin(), pair.vertices.end());
+    if (distinct.size() == 4 && findClosest(pair, positions).gap.norm() < reach)
+      found.insert({pair.vertices[0], pair.vertices[1], pair.vertices[2], pair.vertices[3], pair.is_edges});
+  };
+  for (const Triangle& t : sheets.triangles) {
+    for (int k = 0; k < 3; ++k) edges.insert({std::min(t[k], t[(k + 1) % 3]), std::max(t[k], t[(k + 1) % 3])});
+    for (Index v = 0; v < static_cast<Index>(positions.size()); ++v) offer({{v, t[0], t[1], t[2]}, false, 0.0});
+  }
+  for (auto one = edges.begin(); one != edges.end(); ++one)
+    for (auto other = std::next(one); other != edges.end(); ++other)
+      offer({{(*one)[0], (*one)[1], (*other)[0], (*other)[1]}, true, 0.0});
+  return found;
+}
+
+TEST(PairList, HasAllThatAreNearWhileTheyMove) {
+  const test::Sheets sheets = test::makeSheets(2, 6, 0.004, 0.0005);
+  PairList list(sheets.points, sheets.triangles, 0.002);
+  Points positions = sheets.points;
+  std::mt19937 generator(7);
+  Points way;
+  for (std::size_t i = 0; i < positions.size(); ++i) way.push_back(0.0002 * test::randomVector(generator));
+  for (int step = 0; step < 40; ++step) {
+    for (std::size_t i = 0; i < positions.size(); ++i)
+      positions[i] += Vec3(0.01, 0.0, -0.02) + way[i] + (i >= 36 ? Vec3(0.0, 0.0, -0.0001) : Vec3(0.0, 0.0, 0.0));
+    const double reach = step % 7 == 0 ? 0.012 : 0.003;
+    const Found found = listNear(list, positions, reach);
+    EXPECT_EQ(std::set(found.begin(), found.end()), findAll(sheets, positions, reach)) << step;
+  }
+  // It was not made anew each time, though all moved far together.
+  EXPECT_LT(list.numSearches(), 20);
+}
+
+TEST(PairList, IsInTheSameOrderWheneverItWasMade) {
+  const test::Sheets sheets = test::makeSheets(3, 8, 0.003, 0.0005);
+  Points positions = sheets.points;
+  PairList lasting(sheets.points, sheets.triangles, 0.002);
+  listNear(lasting, positions, 0.002);
+  std::mt19937 generator(2);
+  for (Vec3& p : positions) p += 0.0003 * test::randomVector(generator);
+  const Found found = listNear(lasting, positions, 0.002);
+  EXPECT_EQ(lasting.numSearches(), 1);
+  for (const int threads : {1, 2, 5}) {
+    setNumThreads(threads);
+    PairList fresh(sheets.points, sheets.triangles, 0.002);
+    EXPECT_EQ(listNear(fresh, positions, 0.002), found) << threads;
+  }
+  setNumThreads(0);
+}
+
+TEST(PairList, TakesPartsThatAreNearAtRestForThinnerAndLeavesOutWhatCrosses) {
+  test::Sheets sheets = test::makeSheets(2, 5, 0.001, 0.0);
+  PairList list(sheets.points, sheets.triangles, 0.003);
+  list.update(sheets.points, 0.003);
+  Index num = 0;
+  list.visitNear(0.003, [&](const Pair& pair) {
+    const double distance = findClosest(pair, sheets.points).gap.norm();
+    EXPECT_LE(pair.thickness, 0.9 * distance + 1e-15);
+    num += pair.thickness < 0.001;
+  });
+  EXPECT_GT(num, 25);
+
+  test::Sheets crossing = test::makeSheets(2, 5, 0.0, 0.0);  // in one plane
+  PairList none(crossing.points, crossing.triangles, 0.003);
+  none.update(crossing.points, 0.003);
+  none.visitNear(0.003, [&](const Pair& pair) { EXPECT_GT(findClosest(pair, crossing.points).gap.norm(), 0.0); });
+}
+
+TEST(PairList, OfNothingIsEmpty) {
+  PairList list({}, {}, 0.001);
+  list.update({}, 0.001);
+  list.visitNear(0.001, [](const Pair&) { ADD_FAILURE(); });
+}
+
+TEST(PairList, RefusesWhatIsNoSurface) {
+  EXPECT_THROW(PairList({Vec3::Zero()}, {{0, 1, 2}}, 0.001), InputError);
+  EXPECT_THROW(PairList({Vec3::Zero()}, {}, 0.0), InputError);
+}
+
+}  // namespace
+}  // namespace deformable_surface::contact

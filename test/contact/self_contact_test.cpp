@@ -1,0 +1,163 @@
+// What pushes parts of a surface apart, and what keeps them from crossing.
+#include "deformable_surface/contact/self_contact.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "../support/crossings.h"
+#include "folded_sheets.h"
+
+namespace deformable_surface::contact {
+namespace {
+
+const SelfContactParams kParams{0.002, 400.0, 0.05};
+
+SelfContact makeContact(const test::Sheets& sheets, const Points& rest, const SelfContactParams& params = kParams) {
+  std::vector<double> masses;
+  for (std::size_t i = 0; i < rest.size(); ++i) masses.push_back(1e-4 * (1.0 + 0.3 * (i % 3)));
+  return SelfContact(rest, sheets.triangles, masses, params);
+}
+
+// The sheets farther apart: their rest, so that nothing is too near there.
+Points spread(Points points, int per_sheet) {
+  for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += 0.05 * (i / per_sheet);
+  return points;
+}
+
+TEST(SelfContact, PushesWithTheGradientOfItsPotential) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0013, 0.0004);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+  Points forces(sheets.points.size(), Vec3::Zero());
+  contact.addForces(sheets.points, forces);
+  Vec3 sum = Vec3::Zero(), torque = Vec3::Zero();
+  double largest = 0.0;
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    sum += forces[i];
+    torque += sheets.points[i].cross(forces[i]);
+    largest = std::max(largest, forces[i].norm());
+  }
+  EXPECT_GT(largest, 1e-3);
+  EXPECT_LT(sum.norm(), 1e-12 * largest * forces.size());
+  EXPECT_LT(torque.norm(), 1e-12 * largest * forces.size());
+  const double h = 1e-8;
+  for (std::size_t i = 0; i < forces.size(); i += 3)
+    for (int k = 0; k < 3; ++k) {
+      Points plus = sheets.points, minus = sheets.points;
+      plus[i][k] += h;
+      minus[i][k] -= h;
+      const double slope = (contact.potential(plus) - contact.potential(minus)) / (2.0 * h);
+      EXPECT_NEAR(forces[i][k], -slope, 1e-4 * largest) << i << ' ' << k;
+    }
+}
+
+TEST(SelfContact, DampingTakesEnergyAndNoMomentum) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0013, 0.0004);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+  std::mt19937 generator(4);
+  Points velocities, forces(sheets.points.size(), Vec3::Zero());
+  for (std::size_t i = 0; i < forces.size(); ++i) velocities.push_back(test::randomVector(generator));
+  contact.addDampingForces(sheets.points, velocities, forces);
+  double power = 0.0;
+  Vec3 sum = Vec3::Zero();
+  for (std::size_t i = 0; i < forces.size(); ++i) {
+    power += forces[i].dot(velocities[i]);
+    sum += forces[i];
+  }
+  EXPECT_LT(power, -1e-6);
+  EXPECT_LT(sum.norm(), 1e-12);
+}
+
+TEST(SelfContact, StiffnessStaysBelowItsBounds) {
+  const test::Sheets sheets = test::makeSheets(2, 4, 0.0013, 0.0004);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 16));
+  std::vector<double> stiffness(sheets.points.size()), damping(sheets.points.size());
+  contact.addRowBounds(sheets.points, stiffness, damping);
+  const double h = 1e-8;
+  const auto forcesAt = [&](const Points& x) {
+    Points forces(x.size(), Vec3::Zero());
+    contact.addForces(x, forces);
+    return forces;
+  };
+  for (std::size_t i = 0; i < stiffness.size(); ++i) {
+    double largest = 0.0;  // of the diagonal block along an axis
+    for (int k = 0; k < 3; ++k) {
+      Points plus = sheets.points, minus = sheets.points;
+      plus[i][k] += h;
+      minus[i][k] -= h;
+      largest = std::max(largest, (forcesAt(minus)[i] - forcesAt(plus)[i])[k] / (2.0 * h));
+    }
+    EXPECT_LE(largest, stiffness[i] * (1.0 + 1e-4) + 1e-6) << i;
+  }
+}
+
+// Points that fly at random, far beyond the gaps.
+TEST(SelfContact, NothingCrossesOnLimitedWays) {
+  std::mt19937 generator(6);
+  Index num_crossing_before = 0;
+  for (unsigned seed = 1; seed <= 6; ++seed) {
+    const test::Sheets sheets = test::makeSheets(3, 6, 0.0025, 0.0006, seed);
+    SelfContact contact = makeContact(sheets, spread(sheets.points, 36));
+    Points positions = sheets.points;
+    ASSERT_TRUE(test::findCrossings(positions, sheets.triangles).empty());
+    for (int step = 0; step < 30; ++step) {
+      Points after = positions;
+      for (std::size_t i = 0; i < after.size(); ++i)
+        if (i % 7 != 0) after[i] += Vec3(0.0, 0.0, 0.003 * (1.0 - i / 36)) + 0.002 * test::randomVector(generator);
+      const Points wanted = after;
+      num_crossing_before += !test::findCrossings(after, sheets.triangles).empty();
+      const std::vector<Index> cut = contact.limit(positions, after);
+      for (std::size_t i = 0; i < after.size(); ++i) {
+        if (!std::binary_search(cut.begin(), cut.end(), static_cast<Index>(i))) EXPECT_EQ(after[i], wanted[i]);
+        if (i % 7 == 0) EXPECT_EQ(after[i], positions[i]);
+        EXPECT_LE((after[i] - positions[i]).norm(), (wanted[i] - positions[i]).norm() * (1.0 + 1e-12));
+      }
+      for (int k = 1; k <= 10; ++k) {
+        Points between;
+        for (std::size_t i = 0; i < after.size(); ++i) between.push_back(positions[i] + 0.1 * k * (after[i] - positions[i]));
+        ASSERT_TRUE(test::findCrossings(between, sheets.triangles).empty()) << seed << ' ' << step << ' ' << k;
+      }
+      positions = after;
+    }
+  }
+  EXPECT_GT(num_crossing_before, 100);
+}
+
+TEST(SelfContact, LimitsOnlyWhatComesNearer) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0012, 0.0);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+  const auto countCut = [&](const Vec3& of_upper, const Vec3& of_all) {
+    Points after = sheets.points;
+    for (std::size_t i = 0; i < after.size(); ++i) after[i] += of_all + (i >= 25 ? of_upper : Vec3(0.0, 0.0, 0.0));
+    return contact.limit(sheets.points, after).size();
+  };
+  EXPECT_EQ(countCut(Vec3::Zero(), Vec3(0.3, -0.2, 1.0)), 0u);             // together
+  EXPECT_EQ(countCut(Vec3(0.0, 0.0, 0.02), Vec3::Zero()), 0u);             // apart
+  EXPECT_EQ(countCut(Vec3(0.0004, 0.0, 0.0), Vec3(1e-9, 0.0, 0.0)), 0u);   // along each other
+  EXPECT_GT(countCut(Vec3(0.0, 0.0, -0.002), Vec3(1e-9, 0.0, 0.0)), 20u);  // on to each other
+}
+
+TEST(SelfContact, DoesNotDependOnWhatWasAskedBefore) {
+  const test::Sheets sheets = test::makeSheets(3, 6, 0.0018, 0.0004);
+  const Points rest = spread(sheets.points, 36);
+  SelfContact used = makeContact(sheets, rest), fresh = makeContact(sheets, rest);
+  Points moved = sheets.points;
+  std::mt19937 generator(9);
+  for (Vec3& p : moved) p += 0.001 * test::randomVector(generator);
+  Points scratch = moved;
+  used.limit(sheets.points, scratch);
+  used.leastDistance(moved);
+  Points of_used(moved.size(), Vec3::Zero()), of_fresh = of_used, after = moved, after_fresh = moved;
+  for (Vec3& p : after) p.z() *= 0.2;
+  for (Vec3& p : after_fresh) p.z() *= 0.2;
+  used.addForces(moved, of_used);
+  fresh.addForces(moved, of_fresh);
+  EXPECT_EQ(of_used, of_fresh);
+  used.limit(moved, after);
+  fresh.limit(moved, after_fresh);
+  EXPECT_EQ(after, after_fresh);
+}
+
+}  // namespace
+}  // namespace deformable_surface::contact
