@@ -80,7 +80,7 @@ double fitExponent(const std::vector<double>& sizes, const std::vector<double>& 
 std::uint64_t hashBytes(const void* data, std::size_t size, std::uint64_t start) {
   const unsigned char* const bytes = static_cast<const unsigned char*>(data);
   std::uint64_t h = start;
-  for (std::size_t i = 0; i < size; ++i) h = (h ^ bytes[i]) * 1099511628211ull;
+  for (std::size_t i = 0; i < size; ++i) h = mixHash(h, bytes[i]);
   return h;
 }
 

@@ -2,6 +2,7 @@
 // whether a change of speed changed a result.
 #pragma once
 
+#include "deformable_surface/base/hash.h"
 #include "deformable_surface/base/types.h"
 
 #include <functional>
@@ -34,7 +35,7 @@ Quartiles findQuartiles(std::vector<double> values);
 double fitExponent(const std::vector<double>& sizes, const std::vector<double>& values);
 
 /// FNV-1a over the bytes of trivially copyable values without padding.
-std::uint64_t hashBytes(const void* data, std::size_t size, std::uint64_t start = 14695981039346656037ull);
+std::uint64_t hashBytes(const void* data, std::size_t size, std::uint64_t start = kHashBegin);
 template <class T>
 std::uint64_t hashValues(const std::vector<T>& values) {
   return hashBytes(values.data(), values.size() * sizeof(T));

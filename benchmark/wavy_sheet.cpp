@@ -15,7 +15,6 @@
 namespace deformable_surface::benchmark {
 namespace {
 
-const double kPi = std::acos(-1.0);
 constexpr double kAmplitude = 0.05;  // m: slopes up to about a third, as on scans of folded cloth
 const double kWaveNumber = 2.0 * kPi;
 constexpr double kJitter = 0.3;   // irregular, and yet no two points coincide

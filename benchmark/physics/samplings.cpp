@@ -13,7 +13,6 @@
 namespace deformable_surface::physics {
 namespace {
 
-const double kPi = std::acos(-1.0);
 constexpr double kJitter = 0.25;     // of the spacing, in each direction
 constexpr double kScanDensity = 3.0; // scan points along the spacing of the simulated ones: a scan simplified to a ninth
 

@@ -10,7 +10,6 @@
 namespace deformable_surface::physics {
 namespace {
 
-const double kPi = std::acos(-1.0);
 constexpr double kRadius = 10.0, kHole = 18.0;  // the hole's angle about the pole, degrees
 
 // [sze2004, hemispherical shell with a hole]: E = 6.825e7, nu = 0.3, R = 10, h = 0.04; radial forces outward at both ends of

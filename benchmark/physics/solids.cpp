@@ -9,7 +9,6 @@
 namespace deformable_surface::physics {
 namespace {
 
-const double kPi = std::acos(-1.0);
 constexpr double kJitter = 0.2;  // of the spacing
 constexpr double kYoung = 1e5, kPoisson = 0.3, kDensity = 1000.0;
 

@@ -9,7 +9,6 @@
 namespace deformable_surface::physics {
 namespace {
 
-const double kPi = std::acos(-1.0);
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kTiny = 1e-9;     // m
 

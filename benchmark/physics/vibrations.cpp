@@ -6,7 +6,6 @@
 namespace deformable_surface::physics {
 namespace {
 
-const double kPi = std::acos(-1.0);
 constexpr double kGravity = 9.81;    // m/s^2
 constexpr double kAmplitude = 1e-4;  // of the length: large deflections change a frequency by the square of it
 constexpr double kStepsPerPeriod = 100.0;

@@ -12,8 +12,6 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 // A corner turns by more than half a right angle; a rounded outline, sampled with as few as eight points, does not.
 constexpr double kCornerTurn = kPi / 4.0;
 

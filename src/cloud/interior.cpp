@@ -15,7 +15,6 @@ constexpr double kClearlyOff = 1.0;  // spacings from the surface at which the d
 constexpr double kNone = 0.25;       // from the nearer of zero and one: a winding number in between is neither
 constexpr Index kBlock = 64;         // places a task
 constexpr double kMostPlaces = 2e6;  // to be asked one by one: of a million surface points that is minutes
-const double kPi = std::acos(-1.0);
 
 }  // namespace
 

@@ -119,7 +119,7 @@ void sortRing(const Points& positions, const Vec3& normal, Index i, bool open, I
   std::sort(by_angle.begin(), by_angle.end());
   std::size_t start = 0;
   if (open) {
-    double widest = by_angle.front().first - by_angle.back().first + 2.0 * 3.14159265358979323846;
+    double widest = by_angle.front().first - by_angle.back().first + 2.0 * kPi;
     for (std::size_t r = 1; r < by_angle.size(); ++r) {
       const double gap = by_angle[r].first - by_angle[r - 1].first;
       if (gap > widest) {

@@ -214,7 +214,7 @@ ScatteredNoise measureNoise(const Points& positions) {
   Level before;
   for (const Index count : kNoiseWindows) {
     const Level level = measureLevel(positions, tree, count);
-    const double spacing = level.radius * std::sqrt(M_PI / count);  // of a lattice of which so many points lie in a disk
+    const double spacing = level.radius * std::sqrt(kPi / count);  // of a lattice of which so many points lie in a disk
     if (!(level.radius > 0.0) || count > static_cast<Index>(positions.size())) break;
     if (count == 64) noise.is_thick = level.deviation >= kThickest * level.radius && level.kurtosis >= kBall;
     noise.spacing = spacing;

@@ -135,7 +135,7 @@ void DelaunayStarBuilder::openRing(const std::vector<Vec2>& points, double max_g
     if (m > 1 && spansTriangle(a, b, max_gap_cosine)) continue;
     star_.cell_size[r] = 0;
     double gap = std::atan2(cross(a, b), a.dot(b));
-    if (gap <= 0.0) gap += 2.0 * 3.14159265358979323846;
+    if (gap <= 0.0) gap += 2.0 * kPi;
     if (gap > widest) {
       widest = gap;
       start = r + 1 < m ? r + 1 : 0;

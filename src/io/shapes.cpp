@@ -11,8 +11,6 @@ namespace deformable_surface::io {
 
 namespace {
 
-const double kPi = std::acos(-1.0);
-
 /// Uniform numbers in [-1, 1). The standard fixes the engine but not its distributions, so the arithmetic is our own.
 class Jitter {
  public:

@@ -24,12 +24,9 @@ bool isWorthMerging(Index width, double zeros, double size) {
   return width <= 4 || zeros <= (width <= 16 ? 0.3 : 0.1) * size;
 }
 
-using Double4 = double __attribute__((vector_size(4 * sizeof(double))));
-
 // tile (4 V x 3) = sum over p of a(:, p) b(:, p)^T, of a the first 4 V rows and of b the first 3.
 template <int V>
-inline __attribute__((always_inline)) void multiplyTile(Index depth, const double* a, const double* b, Index stride,
-                                                        double* tile) {
+DEFORMABLE_SURFACE_INLINE void multiplyTile(Index depth, const double* a, const double* b, Index stride, double* tile) {
   Double4 sum[3][V] = {};
   for (Index p = 0; p < depth; ++p, a += stride, b += stride)
     for (int v = 0; v < V; ++v) {

@@ -8,8 +8,6 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 // Lengths of the waves that are looked at, in spacings: copies of a quarter of the points show what is longer than eight of the
 // simulation points, and the full cloud nothing shorter than four of its own. Of folds that the points show in part, the twin
 // sees the longer ones.

@@ -2,6 +2,8 @@
 // (command_checks.h).
 #include "dynamics.h"
 
+#include "deformable_surface/base/random.h"
+
 #include <algorithm>
 
 namespace deformable_surface::simulation {
@@ -276,10 +278,10 @@ void Dynamics::disturb(double size) {
 
 // By up to size along each axis, but for pinned points.
 void Dynamics::disturb(double size, Points& positions) const {
-  std::uint32_t seed = 12345u;
+  std::uint32_t seed = kRandomSeed;
   for (std::size_t i = 0; i < positions.size(); ++i)
     for (int axis = 0; axis < 3; ++axis) {
-      seed = seed * 1664525u + 1013904223u;
+      nextRandom(seed);
       if (!now_.pinned[i]) positions[i][axis] += size * (static_cast<double>(seed >> 8) / (1u << 23) - 1.0);
     }
 }

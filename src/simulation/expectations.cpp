@@ -13,8 +13,6 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kHalfTurn = 3.141592653589793;  // rad
-
 std::optional<double> findStatistic(const std::string& name, const Statistics& statistics) {
   std::optional<double> found;
   visitFields(statistics, [&](const std::string& field, const auto& value) {
@@ -61,8 +59,8 @@ double measurePrincipalAngle(const model::OrientedParticles& particles, const mo
     const bool takes_larger = is_signed || std::abs(k.larger) < std::abs(k.smaller);
     const double difference = is_signed ? k.larger - k.smaller : std::abs(std::abs(k.larger) - std::abs(k.smaller));
     if (!(difference * spacing > kDifferent)) continue;
-    const double off = state.traits[i].turn - k.angle - (takes_larger ? 0.0 : 0.5 * kHalfTurn);
-    sum += std::abs(std::remainder(off, kHalfTurn));
+    const double off = state.traits[i].turn - k.angle - (takes_larger ? 0.0 : 0.5 * kPi);
+    sum += std::abs(std::remainder(off, kPi));
     count += 1.0;
   }
   return sum / count;

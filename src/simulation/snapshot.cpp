@@ -1,13 +1,15 @@
 // What a simulation hands out of itself: snapshots, sights for viewers, and forks that go their own way.
 #include "simulation_impl.h"
 
+#include "deformable_surface/base/hash.h"
+
 #include "deformable_surface/base/error.h"
 
 #include "state_hash.h"
 
 namespace deformable_surface::simulation {
 
-// Of what stays the same from step to step: the points at rest, and the scene but for what no step reads. FNV-1a.
+// Of what stays the same from step to step: the points at rest, and the scene but for what no step reads.
 std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const SceneParams& params) {
   SceneParams scene = params;
   scene.cloud = CloudParams();
@@ -16,7 +18,7 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
   scene.save_directory.clear();
   scene.expect.clear();
   std::uint64_t h = kHashBegin;
-  for (unsigned char c : toYaml(printParams(scene))) h = (h ^ c) * 1099511628211ull;
+  for (unsigned char c : toYaml(printParams(scene))) h = mixHash(h, c);
   h = hashPoints(rest.points, h);
   return hashPoints(rest.dense.positions, h);
 }

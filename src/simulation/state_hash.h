@@ -2,6 +2,7 @@
 // need it too.
 #pragma once
 
+#include "deformable_surface/base/hash.h"
 #include "deformable_surface/model/deformable_model.h"
 
 #include <cstdint>
@@ -9,13 +10,11 @@
 
 namespace deformable_surface::simulation {
 
-// FNV-1a over 64-bit words.
-constexpr std::uint64_t kHashBegin = 14695981039346656037ull;
 inline std::uint64_t hashWords(const double* words, int count, std::uint64_t h) {
   for (int k = 0; k < count; ++k) {
     std::uint64_t bits;
     std::memcpy(&bits, words + k, sizeof bits);
-    h = (h ^ bits) * 1099511628211ull;
+    h = mixHash(h, bits);
   }
   return h;
 }

@@ -16,7 +16,6 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr double kInfinity = std::numeric_limits<double>::infinity();
-constexpr double kPi = 3.14159265358979323846;
 
 // Spacings at the edge of a small clamp and at a point load, over that far away: found by trials (docs/accuracy.md).
 constexpr double kAtClamps = 0.7, kAtLoads = 0.4;

@@ -11,8 +11,6 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr double kPi = 3.141592653589793;
-
 // An even unit sphere; share: of it, from the top.
 SurfaceDipoles makeSphereDipoles(Index n, double share = 1.0) {
   const test::Surface sphere = test::makeSphere(n, 1.0);

@@ -13,8 +13,6 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 struct Shape {
   Points positions, normals;
   std::vector<char> is_boundary;

@@ -1,5 +1,7 @@
 #include "../../src/cloud/spanning_forest.h"
 
+#include "deformable_surface/base/random.h"
+
 #include <gtest/gtest.h>
 
 #include <cstdint>
@@ -24,7 +26,7 @@ std::vector<std::vector<Link>> makeLinks(std::uint32_t num_weights) {
   std::uint32_t random = 1;
   for (Index i = 0; i < kPoints; ++i) {
     for (Index k = 0; k < kLinks; ++k) {
-      random = random * 1664525u + 1013904223u;
+      nextRandom(random);
       const Index half = kPoints / 2, j = static_cast<Index>((random >> 8) % half) + (i < half ? 0 : half);
       if (i == j) continue;
       const double weight = static_cast<double>((random >> 4) % num_weights);

@@ -8,8 +8,6 @@
 
 namespace deformable_surface::cloud {
 
-constexpr double kPi = 3.14159265358979323846;
-
 struct TestSurface {
   Points positions, normals;
 

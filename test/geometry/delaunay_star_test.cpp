@@ -13,8 +13,6 @@
 namespace deformable_surface::geometry {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 double cross(const Vec2& a, const Vec2& b) { return a.x() * b.y() - a.y() * b.x(); }
 
 std::vector<Vec2> makeRandomNeighbors(int n, const Vec2& center, std::mt19937& random) {

@@ -10,7 +10,6 @@
 
 namespace deformable_surface::model {
 
-using cloud::kPi;
 using cloud::TestSurface;
 
 /// Hexagonal sheet in z = 0, facing +z, about the origin: all particles within radius.

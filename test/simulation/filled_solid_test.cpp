@@ -17,7 +17,6 @@ using simulation::RestSurface;
 using simulation::SceneParams;
 using simulation::Simulation;
 
-constexpr double kPi = 3.141592653589793;
 using Shape = simulation::CloudParams::Shape;
 
 SceneParams makeBallScene(Index points = 1200) {

@@ -1,4 +1,5 @@
-// The words every room shares: the index type and the arrays of points. The base room is the namespace deformable_surface itself.
+// The words every room shares: the index type, the arrays of points and pi. The rooms base and linear are the namespace
+// deformable_surface itself.
 #pragma once
 
 #include <Eigen/Geometry>
@@ -17,6 +18,8 @@
 namespace deformable_surface {
 
 using Index = std::int32_t;
+
+constexpr double kPi = 3.14159265358979323846;
 
 using Vec2 = Eigen::Vector2d;
 using Vec3 = Eigen::Vector3d;

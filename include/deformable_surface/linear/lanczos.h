@@ -2,6 +2,8 @@
 // because matrices and matrix-free models both ask for it.
 #pragma once
 
+#include "deformable_surface/base/random.h"
+
 #include <Eigen/Eigenvalues>
 
 #include <cmath>
@@ -17,10 +19,10 @@ class Lanczos {
   double boundLargest(const Eigen::VectorXd& allowed, const Apply& apply) {
     const Eigen::Index n = allowed.size();
     // A start that has a part of every mode and is always the same.
-    std::uint32_t seed = 12345u;
+    std::uint32_t seed = kRandomSeed;
     v_.resize(n);
     for (Eigen::Index i = 0; i < n; ++i) {
-      seed = seed * 1664525u + 1013904223u;
+      nextRandom(seed);
       v_[i] = allowed[i] > 0.0 ? 0.5 + static_cast<double>(seed >> 8) / (1u << 24) : 0.0;
       if ((seed >> 5) & 1u) v_[i] = -v_[i];
     }

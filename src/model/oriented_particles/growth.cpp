@@ -13,8 +13,6 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr double kPi = 3.14159265358979323846;
-
 // The gap between successive neighbours of a hexagonal arrangement.
 constexpr double kEvenGap = kPi / 3.0;
 

@@ -66,7 +66,7 @@ geometry_msgs::Point toPoint(const Vec3& p) {
 
 /// Corner k of n on the unit circle in the x-y plane.
 Vec3 onCircle(int k, int n) {
-  const double angle = 2.0 * M_PI * (k % n) / n;
+  const double angle = 2.0 * kPi * (k % n) / n;
   return {std::cos(angle), std::sin(angle), 0.0};
 }
 

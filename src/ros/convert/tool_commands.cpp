@@ -206,7 +206,7 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
     course.velocity = requireFinite("twist.linear", toVec3(command.twist.linear));
     course.spin = requireFinite("twist.angular", toVec3(command.twist.angular));
     // A quarter of a turn between two waypoints, at most two steps apart: the shorter way round is then the one that is meant.
-    const double fastest = 0.5 * M_PI / std::max(kLongestMove, 2.0 * step);
+    const double fastest = 0.5 * kPi / std::max(kLongestMove, 2.0 * step);
     if (!(course.spin.norm() <= fastest)) {
       throw InputError("twist.angular: found " + formatReal(course.spin.norm()) + "; accepted: up to " + formatReal(fastest) +
                        " (rad/s)");

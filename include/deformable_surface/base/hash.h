@@ -1,0 +1,13 @@
+// A hash of values, the same on every machine.
+#pragma once
+
+#include <cstdint>
+
+namespace deformable_surface {
+
+/// FNV-1a: the hash of nothing, and that of one value more. The value is a byte, or a whole word where speed counts more than
+/// agreement with other programs.
+constexpr std::uint64_t kHashBegin = 14695981039346656037ull;
+constexpr std::uint64_t mixHash(std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 1099511628211ull; }
+
+}  // namespace deformable_surface
