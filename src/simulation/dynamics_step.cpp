@@ -10,6 +10,8 @@
 #include <cmath>
 #include <limits>
 
+#include "step_messages.h"
+
 namespace deformable_surface::simulation {
 double findLargestDistance(const Points& a, const Points& b) {
   double squared = 0.0;
@@ -121,8 +123,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     taken = march_.step(now, points);
   }
   outcome.report = taken.report;
-  appendNotice(outcome.notice, taken.notice);
-  if (!taken.ok) return refuse(taken.failure, outcome);
+  appendNotice(outcome.notice, describeStep(taken, params_.integrator));
+  if (!taken.ok) return refuse(describeFailure(taken.failure), outcome);
   const Timer search_timer;
   if (start && taken.report.converged) outcome.second_distance = searchAgain(now, request.second_search, *start);
   outcome.search_seconds = search_timer.seconds();

@@ -1,9 +1,8 @@
 // What a simulation hands out of itself: snapshots, sights for viewers, and forks that go their own way.
 #include "simulation_impl.h"
 
-#include "deformable_surface/base/hash.h"
-
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/hash.h"
 
 #include "state_hash.h"
 

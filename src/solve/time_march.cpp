@@ -1,6 +1,5 @@
 #include "deformable_surface/solve/time_march.h"
 
-#include "deformable_surface/base/notice.h"
 #include "deformable_surface/base/params.h"
 
 #include <algorithm>
@@ -29,7 +28,6 @@ constexpr Index kResonant = 1000;        // steps before outer steps are tried a
 constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
 constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
 constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
-constexpr double kFar = 0.01;            // of the largest force: what is left unbalanced is no matter of more iterations
 constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
 bool isExplicit(IntegratorType type) {
@@ -92,23 +90,19 @@ void TimeMarch::forcesChanged() {
   memory_.estimate_needed = true;
 }
 
-// The integrator for this step; auto takes verlet while its sub-steps fit, else implicit. Returns what a user should know of it.
-std::string TimeMarch::chooseIntegrator() {
+// The integrator for this step; auto takes verlet while its sub-steps fit, else implicit.
+void TimeMarch::chooseIntegrator(Outcome& outcome) {
   IntegratorType wanted = params_.type;
-  std::string notice;
   if (wanted == IntegratorType::kAuto && !system_.hasStiffness()) {
     wanted = IntegratorType::kVerlet;  // there is no implicit method
   } else if (wanted == IntegratorType::kAuto) {
     const Index substeps = countSubsteps(params_.time_step, memory_.max_substep);
-    wanted = substeps <= params_.max_substeps ? IntegratorType::kVerlet : IntegratorType::kImplicit;
-    if (wanted != memory_.type && wanted == IntegratorType::kImplicit)
-      notice = "integrator.type auto: verlet needs " + std::to_string(substeps) + " sub-steps per step, more than max_substeps " +
-               std::to_string(params_.max_substeps) + "; implicit is used, which damps";
-    else if (wanted != memory_.type && memory_.type == IntegratorType::kImplicit)
-      notice = "integrator.type auto: sub-steps fit again; verlet is used";
+    const bool fits = substeps <= params_.max_substeps;
+    wanted = fits ? IntegratorType::kVerlet : IntegratorType::kImplicit;
+    outcome.has_changed_type = wanted != memory_.type && (!fits || memory_.type == IntegratorType::kImplicit);
+    outcome.verlet_substeps = substeps;
   }
-  memory_.type = wanted;
-  return notice;
+  outcome.type = memory_.type = wanted;
 }
 
 void TimeMarch::computeForcesOnAll(double time, const State& state, Points& forces) const {
@@ -258,34 +252,27 @@ bool TimeMarch::isInSpace(const State& state) const {
                      [](const Vec3& x) { return (x.array().abs() <= kMaxLength).all(); });
 }
 
-// What was wrong with the step, as the end of "a step ...".
-std::string TimeMarch::describeFailure(const SolveReport& report, const State& state) const {
-  if (substeps_needed_ > 0)
-    return "needs " + std::to_string(substeps_needed_) + " sub-steps, more than the " + std::to_string(kHopeless) +
-           " that can be waited for" + (system_.isOriented() ? "" : " (the implicit method needs none)");
-  if (!report.finite) return "gave values that are not finite";
-  if (!isInSpace(state)) return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
-  return "gained energy that nothing had put in (from " + formatReal(guard_.energyBefore()) + " to " +
-         formatReal(guard_.energyAfter()) + " J; with the steps before it " + formatReal(guard_.excess()) + " J too much)";
-}
-
-// Of a search that ended before the forces were balanced.
-std::string TimeMarch::describeUnbalance(const SolveReport& report) const {
-  const bool is_static = memory_.type == IntegratorType::kStatic;
-  const std::string smaller = "a smaller time_step or ";
-  const std::string advice =
-      !(report.unbalanced < kFar)
-          ? "far from balance, as where forces are more than a surface bears: smaller ones, " +
-                (is_static ? "more integrator.max_iterations or " : smaller) + "a reset help"
-      : report.is_out_of_iterations
-          ? "more integrator.max_iterations or a larger integrator.tolerance end this"
-          : "no iteration came nearer, as where a surface folds: " + (is_static ? "" : smaller) +
-                "a larger integrator.tolerance " + (is_static ? "helps" : "help");
-  const std::string most = "integrator.max_iterations, " + std::to_string(params_.max_iterations);
-  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (" +
-         (is_static ? "at most " + most : "two searches, each of at most " + most) + ") with " +
-         formatShort(report.unbalanced) + " of the largest force unbalanced in place of integrator.tolerance, " +
-         formatShort(params_.tolerance) + "; " + advice;
+StepFailure TimeMarch::findFailure(const SolveReport& report, const State& state) const {
+  using Kind = StepFailure::Kind;
+  StepFailure failure;
+  if (isInterrupted()) {
+    failure.kind = Kind::kInterrupted;
+  } else if (substeps_needed_ > 0) {
+    failure.kind = Kind::kTooManySubsteps;
+    failure.substeps = substeps_needed_;
+    failure.most_substeps = kHopeless;
+    failure.has_implicit = !system_.isOriented();
+  } else if (!report.finite) {
+    failure.kind = Kind::kNotFinite;
+  } else if (!isInSpace(state)) {
+    failure.kind = Kind::kLeftSpace;
+  } else {
+    failure.kind = Kind::kGainedEnergy;
+    failure.energy_before = guard_.energyBefore();
+    failure.energy_after = guard_.energyAfter();
+    failure.excess = guard_.excess();
+  }
+  return failure;
 }
 
 TimeMarch::Outcome TimeMarch::step(double time, State& state) {
@@ -299,7 +286,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     lengthenSubsteps();
   }
   max_substep_before_ = memory_.max_substep;
-  outcome.notice = chooseIntegrator();
+  chooseIntegrator(outcome);
 
   // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
@@ -325,18 +312,16 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   }
 
   // A step that went wrong is taken again with finer sub-steps or parts, and by auto implicitly in the end.
-  std::string retries;
   const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
   // Where sub-steps became too many the step was implicit already, and would be again.
   bool was_implicit = is_too_stiff_;
   for (double share = 0.5;
        !sound && !was_implicit && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare;
        share *= 0.5) {
-    const std::string failure = describeFailure(report, state);
+    outcome.retried = findFailure(report, state);
     goBack(time, state);
     report = advance(time, share, state);
     sound = isSound(time, report, state);
-    retries = "a step " + failure + ", and was taken again with " + std::to_string(report.substeps) + " sub-steps";
     was_implicit = is_too_stiff_;
   }
   const bool may_change =
@@ -345,28 +330,27 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
        parts *= 2) {
     // What the implicit method carries away is carried away: it does not overshoot.
     if (was_implicit && !isInSpace(state)) break;
-    retries = "a step " + describeFailure(report, state) + ", and was taken with the implicit method, which damps";
+    outcome.retried = findFailure(report, state);
+    outcome.is_retried_implicitly = true;
     goBack(time, state);
     report = advanceImplicitly(time, parts, state);
     sound = isSound(time, report, state);
     was_implicit = true;
   }
-  appendNotice(outcome.notice, retries);
   if (isInterrupted()) {
     outcome.ok = false;
-    outcome.failure = "was interrupted";
+    outcome.failure = findFailure(report, state);
     state = before_;
     setMemory(at_begin);
     return outcome;
   }
   if (!sound) {
     outcome.ok = false;
-    outcome.failure = describeFailure(report, state);
+    outcome.failure = findFailure(report, state);
     goBack(time, state);
     return outcome;
   }
   guard_.commit();
-  if (!report.converged) appendNotice(outcome.notice, describeUnbalance(report));
   return outcome;
 }
 

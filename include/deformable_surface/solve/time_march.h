@@ -9,9 +9,19 @@
 #include <atomic>
 #include <limits>
 #include <map>
-#include <string>
 
 namespace deformable_surface::solve {
+
+/// Why what was tried is no step. Numbers alone: whoever shows it makes the sentence.
+struct StepFailure {
+  enum class Kind { kNone, kInterrupted, kTooManySubsteps, kNotFinite, kLeftSpace, kGainedEnergy };
+  Kind kind = Kind::kNone;
+  // Of kTooManySubsteps: how many it needs, how many are taken at most, and whether the implicit method could take it.
+  Index substeps = 0, most_substeps = 0;
+  bool has_implicit = false;
+  // Of kGainedEnergy, J: before and after the step, and what it and those before it gained too much.
+  double energy_before = 0.0, energy_after = 0.0, excess = 0.0;
+};
 
 /// A step that gives values that are not finite, leaves all bounds or makes energy out of nothing is taken again with finer
 /// sub-steps, then, by `auto`, with the implicit method. If nothing helps the state stays as it was.
@@ -53,9 +63,14 @@ class TimeMarch {
 
   struct Outcome {
     bool ok = true;
-    std::string failure;  // what was wrong, as the end of "step 3 ..."
-    std::string notice;   // what a user should know though all is well; else empty
+    StepFailure failure;  // of no kind if ok
     SolveReport report;
+    // What a user should know though all is well.
+    IntegratorType type = IntegratorType::kAuto;  // how the step was tried first; not kAuto
+    bool has_changed_type = false;                // `auto` has changed between verlet and implicit
+    Index verlet_substeps = 0;                    // that verlet needs, where it is left for the implicit method
+    StepFailure retried;                          // why the step was taken once more, the last time; of no kind: it was not
+    bool is_retried_implicitly = false;           // that time; else with finer sub-steps or parts
   };
   /// Advances the state from time (s) by params.time_step.
   Outcome step(double time, State& state);
@@ -76,7 +91,7 @@ class TimeMarch {
   double findStableStep(double time, const State& state) { return stable_step_.estimate(time, state, system_); }
 
  private:
-  std::string chooseIntegrator();
+  void chooseIntegrator(Outcome& outcome);
   Integrator& integrator(IntegratorType type);
   void refreshStableStep(double time, const State& state);
   void lengthenSubsteps();
@@ -90,8 +105,7 @@ class TimeMarch {
   bool isInSpace(const State& state) const;
   EnergyGuard::Allowance allowance() const;
   bool isInterrupted() const { return interrupt_ && *interrupt_; }
-  std::string describeUnbalance(const SolveReport& report) const;
-  std::string describeFailure(const SolveReport& report, const State& state) const;
+  StepFailure findFailure(const SolveReport& report, const State& state) const;
 
   const System& system_;
   const model::DeformableModel& model_;

@@ -1,0 +1,77 @@
+#include "step_messages.h"
+
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/params.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+using solve::IntegratorParams;
+using solve::IntegratorType;
+using Failure = solve::StepFailure::Kind;
+using Outcome = solve::TimeMarch::Outcome;
+
+constexpr double kFar = 0.01;  // of the largest force: what is left unbalanced is no matter of more iterations
+
+std::string describeChange(const Outcome& outcome, const IntegratorParams& params) {
+  if (!outcome.has_changed_type) return "";
+  if (outcome.type == IntegratorType::kVerlet) return "integrator.type auto: sub-steps fit again; verlet is used";
+  return "integrator.type auto: verlet needs " + std::to_string(outcome.verlet_substeps) +
+         " sub-steps per step, more than max_substeps " + std::to_string(params.max_substeps) + "; implicit is used, which damps";
+}
+
+std::string describeRetry(const Outcome& outcome) {
+  if (outcome.retried.kind == Failure::kNone) return "";
+  return "a step " + describeFailure(outcome.retried) + ", and was taken " +
+         (outcome.is_retried_implicitly ? "with the implicit method, which damps"
+                                        : "again with " + std::to_string(outcome.report.substeps) + " sub-steps");
+}
+
+std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static) {
+  const std::string smaller = "a smaller time_step or ";
+  if (!(report.unbalanced < kFar))
+    return "far from balance, as where forces are more than a surface bears: smaller ones, " +
+           (is_static ? "more integrator.max_iterations or " : smaller) + "a reset help";
+  if (report.is_out_of_iterations) return "more integrator.max_iterations or a larger integrator.tolerance end this";
+  return "no iteration came nearer, as where a surface folds: " + (is_static ? "" : smaller) + "a larger integrator.tolerance " +
+         (is_static ? "helps" : "help");
+}
+
+// Of a search that ended before the forces were balanced.
+std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& params) {
+  const solve::SolveReport& report = outcome.report;
+  if (!outcome.ok || report.converged) return "";
+  const bool is_static = outcome.type == IntegratorType::kStatic;
+  const std::string most = "integrator.max_iterations, " + std::to_string(params.max_iterations);
+  return "the solver stopped after " + std::to_string(report.iterations) + " iterations (" +
+         (is_static ? "at most " + most : "two searches, each of at most " + most) + ") with " + formatShort(report.unbalanced) +
+         " of the largest force unbalanced in place of integrator.tolerance, " + formatShort(params.tolerance) + "; " +
+         adviseOnUnbalance(report, is_static);
+}
+
+}  // namespace
+
+std::string describeFailure(const solve::StepFailure& failure) {
+  switch (failure.kind) {
+    case Failure::kNone: break;
+    case Failure::kInterrupted: return "was interrupted";
+    case Failure::kTooManySubsteps:
+      return "needs " + std::to_string(failure.substeps) + " sub-steps, more than the " + std::to_string(failure.most_substeps) +
+             " that can be waited for" + (failure.has_implicit ? " (the implicit method needs none)" : "");
+    case Failure::kNotFinite: return "gave values that are not finite";
+    case Failure::kLeftSpace: return "moved a point farther than " + formatReal(kMaxLength) + " m from the origin";
+    case Failure::kGainedEnergy:
+      return "gained energy that nothing had put in (from " + formatReal(failure.energy_before) + " to " +
+             formatReal(failure.energy_after) + " J; with the steps before it " + formatReal(failure.excess) + " J too much)";
+  }
+  return "";
+}
+
+std::string describeStep(const Outcome& outcome, const IntegratorParams& params) {
+  std::string notice = describeChange(outcome, params);
+  appendNotice(notice, describeRetry(outcome));
+  appendNotice(notice, describeUnbalance(outcome, params));
+  return notice;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,99 @@
+// What users read of a step, of each kind once.
+#include "../../src/simulation/step_messages.h"
+
+#include <gtest/gtest.h>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using solve::IntegratorParams;
+using solve::IntegratorType;
+using solve::StepFailure;
+using Outcome = solve::TimeMarch::Outcome;
+
+StepFailure makeFailure(StepFailure::Kind kind) {
+  StepFailure failure;
+  failure.kind = kind;
+  failure.substeps = 2000000;
+  failure.most_substeps = 1000000;
+  failure.has_implicit = true;
+  failure.energy_before = 1.0;
+  failure.energy_after = 2.5;
+  failure.excess = 1.25;
+  return failure;
+}
+
+TEST(StepMessages, AFailureIsTheEndOfASentence) {
+  EXPECT_EQ(describeFailure(StepFailure()), "");
+  EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kInterrupted)), "was interrupted");
+  EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kNotFinite)), "gave values that are not finite");
+  EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kGainedEnergy)),
+            "gained energy that nothing had put in (from 1.0 to 2.5 J; with the steps before it 1.25 J too much)");
+  EXPECT_EQ(describeFailure(makeFailure(StepFailure::Kind::kLeftSpace)).find("moved a point farther than "), 0u);
+  StepFailure failure = makeFailure(StepFailure::Kind::kTooManySubsteps);
+  EXPECT_EQ(describeFailure(failure),
+            "needs 2000000 sub-steps, more than the 1000000 that can be waited for (the implicit method needs none)");
+  failure.has_implicit = false;
+  EXPECT_EQ(describeFailure(failure), "needs 2000000 sub-steps, more than the 1000000 that can be waited for");
+}
+
+TEST(StepMessages, OfAStepLikeTheLastThereIsNothingToSay) {
+  Outcome outcome;
+  outcome.type = IntegratorType::kVerlet;
+  EXPECT_EQ(describeStep(outcome, IntegratorParams()), "");
+}
+
+TEST(StepMessages, AChangeOfTheIntegratorIsSaidBothWays) {
+  IntegratorParams params;
+  params.max_substeps = 50;
+  Outcome outcome;
+  outcome.has_changed_type = true;
+  outcome.type = IntegratorType::kImplicit;
+  outcome.verlet_substeps = 70;
+  EXPECT_EQ(describeStep(outcome, params),
+            "integrator.type auto: verlet needs 70 sub-steps per step, more than max_substeps 50; implicit is used, which damps");
+  outcome.type = IntegratorType::kVerlet;
+  EXPECT_EQ(describeStep(outcome, params), "integrator.type auto: sub-steps fit again; verlet is used");
+}
+
+TEST(StepMessages, AStepThatWasTakenAgainIsSaidWithItsReason) {
+  Outcome outcome;
+  outcome.type = IntegratorType::kVerlet;
+  outcome.retried.kind = StepFailure::Kind::kNotFinite;
+  outcome.report.substeps = 12;
+  EXPECT_EQ(describeStep(outcome, IntegratorParams()),
+            "a step gave values that are not finite, and was taken again with 12 sub-steps");
+  outcome.is_retried_implicitly = true;
+  EXPECT_EQ(describeStep(outcome, IntegratorParams()),
+            "a step gave values that are not finite, and was taken with the implicit method, which damps");
+}
+
+TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
+  IntegratorParams params;
+  Outcome outcome;
+  outcome.type = IntegratorType::kStatic;
+  outcome.report.converged = false;
+  outcome.report.iterations = 7;
+  const auto adviceOf = [&] {
+    const std::string notice = describeStep(outcome, params);
+    EXPECT_EQ(notice.find("the solver stopped after 7 iterations ("), 0u) << notice;
+    return notice.substr(notice.find(';') + 2);
+  };
+  outcome.report.unbalanced = 0.5;
+  EXPECT_EQ(adviceOf(),
+            "far from balance, as where forces are more than a surface bears: smaller ones, more integrator.max_iterations or a "
+            "reset help");
+  outcome.report.unbalanced = 0.001;
+  EXPECT_EQ(adviceOf(), "no iteration came nearer, as where a surface folds: a larger integrator.tolerance helps");
+  outcome.report.is_out_of_iterations = true;
+  EXPECT_EQ(adviceOf(), "more integrator.max_iterations or a larger integrator.tolerance end this");
+  outcome.report.is_out_of_iterations = false;
+  outcome.type = IntegratorType::kImplicit;
+  EXPECT_EQ(adviceOf(),
+            "no iteration came nearer, as where a surface folds: a smaller time_step or a larger integrator.tolerance help");
+  outcome.ok = false;  // the failure says enough
+  EXPECT_EQ(describeStep(outcome, params), "");
+}
+
+}  // namespace
+}  // namespace deformable_surface::simulation
