@@ -1,5 +1,5 @@
-// Strips that bend: under their own weight, by a force and by a moment at the end, flat or rolled to an arc; the elastica is exact
-// for all. And the weight under which one that stands upright buckles.
+// Strips that bend: under their own weight, by a force or a moment at the end, flat or rolled to an arc; the elastica is exact for
+// all. And the weight under which one that stands upright buckles.
 #include "experiment.h"
 #include "references.h"
 
