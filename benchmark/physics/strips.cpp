@@ -1,5 +1,5 @@
-// Strips that bend: under their own weight, by a force or a moment at the end, flat or rolled to an arc; the elastica is exact for
-// all. And the weight under which one that stands upright buckles.
+// Strips that bend: under their own weight, by a force and by a moment at the end, flat or rolled to an arc (the elastica is
+// exact for all); and the weight under which one that stands upright buckles.
 #include "experiment.h"
 #include "references.h"
 
@@ -9,6 +9,7 @@
 namespace deformable_surface::physics {
 namespace {
 
+const double kPi = std::acos(-1.0);
 constexpr double kGravity = 9.81;  // m/s^2
 constexpr double kTiny = 1e-9;     // m
 

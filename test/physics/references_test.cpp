@@ -41,7 +41,7 @@ TEST(References, AStiffCableHangsAsACatenary) {
 
 TEST(References, ACantileverStartsAtRestAndSwingsAboutItsSag) {
   EXPECT_DOUBLE_EQ(sagCantilever(1.0, kAtRest), 1.0 / 8.0);
-  for (const double s : {0.25, 0.5, 1.0}) EXPECT_NEAR(sagCantilever(s, 0.0), 0.0, 1e-7);
+  for (const double s : {0.25, 0.5, 1.0}) EXPECT_NEAR(sagCantilever(s, 0.0), 0.0, 1e-6);
   // Half a period of the first mode, which is nearly all of the end's motion.
   const double half_period = std::acos(-1.0) / (1.8751040687 * 1.8751040687);
   EXPECT_NEAR(sagCantilever(1.0, half_period), 2.0 / 8.0, 0.01);
@@ -51,7 +51,7 @@ TEST(References, TheClampedPlateAgreesWithItsTable) {
   // [timoshenko1959, table 35] and, to more digits, Taylor and Govindjee 2004: 0.00126532.
   const ClampedPlate sag;
   EXPECT_NEAR(sag(0.5, 0.5), 0.00126532, 1e-8);
-  EXPECT_DOUBLE_EQ(sag(0.3, 0.8), sag(0.8, 0.7));
+  EXPECT_NEAR(sag(0.3, 0.8), sag(0.8, 0.7), 1e-12);
   EXPECT_EQ(sag(1.1, 0.5), 0.0);
 }
 
