@@ -33,7 +33,7 @@ def until_shutdown(callback):
         try:
             callback(*arguments)
         except rospy.ROSException:
-            if not rospy.is_shutdown():
+            if not rospy.core.is_shutdown_requested():  # topics are closed before is_shutdown() says so
                 raise
     return call
 
