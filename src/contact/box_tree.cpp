@@ -8,7 +8,7 @@ namespace deformable_surface::contact {
 BoxTree::BoxTree(const std::vector<Box>& boxes) {
   std::vector<std::pair<Vec3, Index>> middles;
   for (std::size_t i = 0; i < boxes.size(); ++i)
-    middles.emplace_back(0.5 * (boxes[i].low + boxes[i].high), static_cast<Index>(i));
+    middles.emplace_back(boxes[i].center(), static_cast<Index>(i));
   if (boxes.empty()) return;
   nodes_.reserve(2 * boxes.size() - 1);
   build(middles, 0, static_cast<Index>(middles.size()));
@@ -20,9 +20,9 @@ void BoxTree::build(std::vector<std::pair<Vec3, Index>>& middles, Index begin, I
   nodes_.push_back({{}, 0, end - begin == 1 ? middles[begin].second : Index{-1}});
   if (end - begin > 1) {
     Box all;
-    for (Index i = begin; i < end; ++i) all.add(middles[i].first);
+    for (Index i = begin; i < end; ++i) all.extend(middles[i].first);
     int axis = 0;
-    (all.high - all.low).maxCoeff(&axis);
+    all.sizes().maxCoeff(&axis);
     const Index half = begin + (end - begin) / 2;
     std::nth_element(middles.begin() + begin, middles.begin() + half, middles.begin() + end,
                      [axis](const std::pair<Vec3, Index>& one, const std::pair<Vec3, Index>& other) {
@@ -42,7 +42,7 @@ void BoxTree::refit(const std::vector<Box>& boxes) {
     } else {
       const Index first = node + 1, second = nodes_[first].behind;
       at.box = nodes_[first].box;
-      at.box.add(nodes_[second].box);
+      at.box.extend(nodes_[second].box);
     }
   }
 }

@@ -19,10 +19,12 @@ constexpr double kSpare = 1.5;
 constexpr double kOfRest = 0.9;
 constexpr Index kBlock = 64;  // vertices or edges a task
 
+Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
+
 template <std::size_t N>
 Box boundOf(const Points& positions, const std::array<Index, N>& vertices) {
   Box box;
-  for (const Index v : vertices) box.add(positions[v]);
+  for (const Index v : vertices) box.extend(positions[v]);
   return box;
 }
 
@@ -103,7 +105,7 @@ void PairList::search(const Points& positions, double radius) {
   std::vector<std::vector<std::pair<Pair, double>>> blocks((n + kBlock - 1) / kBlock + (num_edges + kBlock - 1) / kBlock);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index v = begin; v < end; ++v) {
-      triangle_tree_.visitMeeting(Box{positions[v], positions[v]}.grown(radius), [&](Index t) {
+      triangle_tree_.visitMeeting(grow(Box(positions[v]), radius), [&](Index t) {
         const auto& [a, b, c] = triangles_[t];
         if (v != a && v != b && v != c) offer(positions, radius, {{v, a, b, c}, false, 0.0}, blocks[begin / kBlock]);
       });
@@ -113,7 +115,7 @@ void PairList::search(const Points& positions, double radius) {
     auto& block = blocks[(n + kBlock - 1) / kBlock + begin / kBlock];
     for (Index e = begin; e < end; ++e) {
       const auto& [a, b] = edges_[e];
-      edge_tree_.visitMeeting(edge_boxes_[e].grown(radius), [&](Index f) {
+      edge_tree_.visitMeeting(grow(edge_boxes_[e], radius), [&](Index f) {
         const auto& [c, d] = edges_[f];
         if (f > e && a != c && a != d && b != c && b != d) offer(positions, radius, {{a, b, c, d}, true, 0.0}, block);
       });

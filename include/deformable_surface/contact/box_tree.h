@@ -3,27 +3,12 @@
 
 #include "deformable_surface/base/types.h"
 
-#include <limits>
+#include <utility>
 #include <vector>
 
 namespace deformable_surface::contact {
 
-struct Box {
-  Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity()), high = -low;  // m; nothing
-
-  void add(const Vec3& point) {
-    low = low.cwiseMin(point);
-    high = high.cwiseMax(point);
-  }
-  void add(const Box& other) {
-    low = low.cwiseMin(other.low);
-    high = high.cwiseMax(other.high);
-  }
-  Box grown(double by) const { return {low - Vec3::Constant(by), high + Vec3::Constant(by)}; }
-  bool meets(const Box& other) const {
-    return (low.array() <= other.high.array()).all() && (other.low.array() <= high.array()).all();
-  }
-};
+using Box = Eigen::AlignedBox3d;  // m
 
 class BoxTree {
  public:
@@ -37,7 +22,7 @@ class BoxTree {
   template <class Visit>
   void visitMeeting(const Box& box, const Visit& visit) const {
     for (Index node = 0; node < static_cast<Index>(nodes_.size());) {
-      if (!nodes_[node].box.meets(box)) {
+      if (!nodes_[node].box.intersects(box)) {
         node = nodes_[node].behind;
       } else {
         if (nodes_[node].item >= 0) visit(nodes_[node].item);

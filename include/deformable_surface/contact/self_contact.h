@@ -17,15 +17,15 @@ struct SelfContactParams {
   double damping = 0.05;   // of the springs, as a share of critical
 };
 
-/// What a pair exerts now.
+/// The spring force of one pair.
 struct SelfContactForce {
   Pair pair;
   Closest closest;
   double force;  // N, of the spring, on the first primitive along the gap
 };
 
-/// Serves one surface; scratch makes it no matter of several threads at once. Results depend on positions and velocities alone,
-/// not on what was asked before.
+/// Contact of one surface. Not thread-safe: all functions use the same scratch memory. Results depend on positions and velocities
+/// alone, not on earlier calls.
 class SelfContact {
  public:
   /// rest: (n) m; masses: (n) kg. Pairs that cross or touch at rest never act.
