@@ -13,8 +13,8 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using solve::IntegratorType;
 
-constexpr double kTooLong = 60.0;     // s of processor time: a run is cut, and says so
-constexpr double kTight = 1e-10;      // tolerance of the reference of statics
+constexpr double kTooLong = 60.0;  // s of processor time: a run is cut, and says so
+constexpr double kTight = 1e-10;   // tolerance of the reference of statics
 
 }  // namespace
 

@@ -10,17 +10,17 @@ namespace deformable_surface::benchmark {
 struct Setting {
   std::string method;
   solve::IntegratorType type;
-  double time_step;                   // s
+  double time_step;  // s
   double tolerance = 1e-6;
   Index max_iterations = 100;
 };
 
 /// Where a run ended, in the order of the cloud.
 struct Run {
-  Points simulated, dense;            // m
-  double setup = 0.0;                 // s of processor time, from the cloud to the first step
-  double cpu = 0.0, wall = 0.0;       // s
-  Index substeps = 0;                 // of the last step
+  Points simulated, dense;       // m
+  double setup = 0.0;            // s of processor time, from the cloud to the first step
+  double cpu = 0.0, wall = 0.0;  // s
+  Index substeps = 0;            // of the last step
   std::string state = "sound";
 };
 
@@ -36,8 +36,8 @@ Run run(const AccuracyScene& scene, Index level, const Setting& setting);
 /// What one number of simulation points converges to as the time step goes to zero.
 struct Reference {
   Points simulated, dense;
-  double uncertainty = 0.0;           // m, rms
-  double substep = 0.0;               // s, that velocity Verlet takes by itself
+  double uncertainty = 0.0;  // m, rms
+  double substep = 0.0;      // s, that velocity Verlet takes by itself
 };
 
 Reference findReference(const AccuracyScene& scene, Index level);

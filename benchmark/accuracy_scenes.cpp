@@ -135,8 +135,7 @@ AccuracyScene makePlate(const std::string& name, simulation::CloudParams::Shape 
 // at time zero.
 AccuracyScene makeCantilever(const std::string& name, double duration) {
   const double clamp = 0.2037, length = 1.0;
-  AccuracyScene scene =
-      makePlate(name, simulation::CloudParams::Shape::kStrip, Vec2(clamp + length, 0.25), duration);
+  AccuracyScene scene = makePlate(name, simulation::CloudParams::Shape::kStrip, Vec2(clamp + length, 0.25), duration);
   scene.params.gravity = -kWeak * Vec3::UnitZ();
   scene.params.pins = {pinBox(Vec3(-1.0, -1.0, -1.0), Vec3(clamp, 1.0, 1.0))};
   const double areal_density = scene.params.material.arealDensity(), rigidity = scene.params.material.bendingRigidity();

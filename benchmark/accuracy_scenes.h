@@ -13,8 +13,8 @@ struct AccuracyScene {
   std::string name;
   simulation::SceneParams params;  // the default choices of the product but for what the scene needs
   cloud::PointCloud cloud;
-  double duration;                 // s; 0 = the equilibrium
-  std::vector<Index> levels;       // numbers of simulation points, falling; without a closed form the full cloud first
+  double duration;            // s; 0 = the equilibrium
+  std::vector<Index> levels;  // numbers of simulation points, falling; without a closed form the full cloud first
   /// The closed form: where a point goes from its place at rest, m. Empty: the full cloud in fine steps is the truth.
   std::function<Vec3(const Vec3& rest)> exact;
 };

@@ -15,7 +15,7 @@ namespace {
 using simulation::SceneParams;
 using solve::IntegratorType;
 
-constexpr double kUnstable = 1.0;     // m, rms: larger than any scene
+constexpr double kUnstable = 1.0;  // m, rms: larger than any scene
 
 std::vector<Setting> chooseSettings(const AccuracyScene& scene, double substep) {
   std::vector<Setting> settings;
@@ -60,17 +60,17 @@ struct Row {
 void markFront(std::vector<Row>& rows) {
   for (Row& row : rows)
     row.on_front = row.run.state == "sound" && std::none_of(rows.begin(), rows.end(), [&](const Row& other) {
-      return other.run.state == "sound" && other.run.cpu < row.run.cpu && other.total.rms < row.total.rms;
-    });
+                     return other.run.state == "sound" && other.run.cpu < row.run.cpu && other.total.rms < row.total.rms;
+                   });
 }
 
 }  // namespace
 
 void runAccuracySection(const Options& options, Report& report) {
   report.begin("accuracy", "Run time against error, one thread; errors in metres, rms / largest over the cloud",
-               {"scene", "method", "points", "time_step_ms", "substeps", "tolerance", "max_iterations", "setup_s", "cpu_s",
-                "wall_s", "time_rms", "time_max", "space_rms", "space_max", "transfer_rms", "transfer_max", "total_rms",
-                "total_max", "front", "state"});
+               {"scene",        "method",       "points",    "time_step_ms", "substeps", "tolerance", "max_iterations",
+                "setup_s",      "cpu_s",        "wall_s",    "time_rms",     "time_max", "space_rms", "space_max",
+                "transfer_rms", "transfer_max", "total_rms", "total_max",    "front",    "state"});
   setNumThreads(1);
   std::vector<std::string> notes;
   for (const AccuracyScene& scene : makeAccuracyScenes(options.large)) {
@@ -121,11 +121,26 @@ void runAccuracySection(const Options& options, Report& report) {
     }
     markFront(rows);
     for (const Row& row : rows)
-      report.add({row.scene, row.method, std::to_string(row.points), showMilliseconds(row.setting.time_step),
-                  std::to_string(row.run.substeps), show(row.setting.tolerance), std::to_string(row.setting.max_iterations),
-                  show(row.run.setup), show(row.run.cpu), show(row.run.wall), show(row.time.rms), show(row.time.largest),
-                  show(row.space.rms), show(row.space.largest), show(row.transfer.rms), show(row.transfer.largest),
-                  show(row.total.rms), show(row.total.largest), row.on_front ? "yes" : "no", row.run.state});
+      report.add({row.scene,
+                  row.method,
+                  std::to_string(row.points),
+                  showMilliseconds(row.setting.time_step),
+                  std::to_string(row.run.substeps),
+                  show(row.setting.tolerance),
+                  std::to_string(row.setting.max_iterations),
+                  show(row.run.setup),
+                  show(row.run.cpu),
+                  show(row.run.wall),
+                  show(row.time.rms),
+                  show(row.time.largest),
+                  show(row.space.rms),
+                  show(row.space.largest),
+                  show(row.transfer.rms),
+                  show(row.transfer.largest),
+                  show(row.total.rms),
+                  show(row.total.largest),
+                  row.on_front ? "yes" : "no",
+                  row.run.state});
   }
   setNumThreads(0);
   report.end();

@@ -19,7 +19,7 @@ constexpr int kTimed = 3;           // steps, whose sum counts: in each of them 
 constexpr double kPush = 0.5;       // m/s^2, normal to the sheet
 constexpr double kHoop = 0.1;       // m, inner side of a square of pins that no wave leaves: a hundredth of the sheet moves in it
 constexpr double kHoopWidth = 0.013;  // m, four spacings: wider than elements
-constexpr int kHoopWarmUp = 15;     // steps, after which all of it moves and nothing is made anew
+constexpr int kHoopWarmUp = 15;       // steps, after which all of it moves and nothing is made anew
 
 // A square metre without weight, so soft that a disturbance comes about three spacings far in a step, in several sub-steps.
 simulation::SceneParams makeScene() {

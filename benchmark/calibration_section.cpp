@@ -31,8 +31,8 @@ constexpr Index kFineness = 4;         // of the truth, where the error is that 
 constexpr Index kSample = 8;           // of so many scenes one has its truth run again in finer steps
 constexpr double kIsTruth = 0.1;       // of the error: what the truth may move by in twice as many sub-steps
 
-const char* const kColumns[] = {"seed", "scene", "points", "simulated", "look", "true_error", "estimate", "space", "transfer",
-                                "time", "displacement", "twin_growth", "sound", "truth_moved", "may_buckle"};
+const char* const kColumns[] = {"seed",     "scene", "points",       "simulated",   "look",  "true_error",  "estimate",  "space",
+                                "transfer", "time",  "displacement", "twin_growth", "sound", "truth_moved", "may_buckle"};
 
 double findLargestDistance(const Points& a, const Points& b) {
   double largest = 0.0;
@@ -161,8 +161,11 @@ struct Tally {
 
   void report(const std::string& name, Report& report) const {
     if (scenes == 0) return;
-    std::vector<std::string> cells{name, std::to_string(scenes), showPercent(covered_at_end / double(scenes)),
-                                   showPercent(looks_covered / double(looks)), showPercent(covered_always / double(scenes)),
+    std::vector<std::string> cells{name,
+                                   std::to_string(scenes),
+                                   showPercent(covered_at_end / double(scenes)),
+                                   showPercent(looks_covered / double(looks)),
+                                   showPercent(covered_always / double(scenes)),
                                    show(findQuantile(ratio_at_end, 0.5))};
     for (double share : {0.05, 0.25, 0.5, 0.75, 0.95}) cells.push_back(show(findQuantile(ratios, share)));
     report.add(cells);

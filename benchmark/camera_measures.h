@@ -18,10 +18,10 @@ struct Neighborhoods {
 /// A cloud that was set up, and what that took.
 struct SetUp {
   simulation::RestSurface rest;
-  double cpu = 0.0;                     // s
-  std::vector<Index> pieces;            // points of each that the lists connect, of at least kPiecePoints, largest first
-  Index parts = 0;                      // of the simulation points, that links connect
-  Index corners = 0;                    // of the boundary
+  double cpu = 0.0;           // s
+  std::vector<Index> pieces;  // points of each that the lists connect, of at least kPiecePoints, largest first
+  Index parts = 0;            // of the simulation points, that links connect
+  Index corners = 0;          // of the boundary
   Index numSimulated() const { return static_cast<Index>(rest.points.size()); }
 };
 constexpr Index kPiecePoints = 100;
@@ -31,11 +31,11 @@ SetUp setUp(const cloud::PointCloud& cloud, const Neighborhoods& how);
 
 /// Entries of lists, by the truth of the pixels; of pixels that fly none.
 struct PairCounts {
-  Index across = 0;   // a gap of the true surface
-  Index refused = 0;  // true neighbours among the candidates that are not in the lists
+  Index across = 0;      // a gap of the true surface
+  Index refused = 0;     // true neighbours among the candidates that are not in the lists
   Index candidates = 0;  // true neighbours among them
-  Index missed = 0;   // true neighbours among the eight pixels that are truly nearest that are not in the lists
-  Index nearest = 0;  // true neighbours among those eight
+  Index missed = 0;      // true neighbours among the eight pixels that are truly nearest that are not in the lists
+  Index nearest = 0;     // true neighbours among those eight
 };
 /// candidates: lists from which those of `made` were chosen.
 PairCounts countPairs(const test::CameraFrame& frame, const SetUp& made, const Lists& candidates);

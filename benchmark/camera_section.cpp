@@ -69,13 +69,12 @@ void measureScene(const test::CameraScene& scene, double noise, bool is_plain, R
     const std::vector<std::string> name{scene.name, is_plain ? "white" : "smooth, flying", show(scene.distance), show(noise),
                                         rule.name};
     std::vector<std::string> row = name;
-    row.insert(row.end(),
-               {show(1e3 * frame.camera.depthNoise(scene.distance)), std::to_string(made.rest.dense.positions.size()),
-                std::to_string(pairs.across), across_before > 0.0 ? show(100.0 * pairs.across / across_before) : "-",
-                show(100.0 * pairs.refused / pairs.candidates), show(100.0 * pairs.missed / pairs.nearest),
-                std::to_string(true_pieces.size()), std::to_string(made.pieces.size()), showSizes(true_pieces),
-                showSizes(made.pieces), std::to_string(made.parts), show(findNormalError(frame, made)),
-                std::to_string(made.corners), std::to_string(made.numSimulated()), show(made.cpu), error});
+    row.insert(row.end(), {show(1e3 * frame.camera.depthNoise(scene.distance)), std::to_string(made.rest.dense.positions.size()),
+                           std::to_string(pairs.across), across_before > 0.0 ? show(100.0 * pairs.across / across_before) : "-",
+                           show(100.0 * pairs.refused / pairs.candidates), show(100.0 * pairs.missed / pairs.nearest),
+                           std::to_string(true_pieces.size()), std::to_string(made.pieces.size()), showSizes(true_pieces),
+                           showSizes(made.pieces), std::to_string(made.parts), show(findNormalError(frame, made)),
+                           std::to_string(made.corners), std::to_string(made.numSimulated()), show(made.cpu), error});
     report.add(row);
     collect(name, made, sayings);
   }
@@ -106,9 +105,9 @@ void runCameraSection(const Options& options, Report& report) {
   const std::vector<double> noises = options.large ? std::vector<double>{0.0, 0.05, 0.1, 0.2} : std::vector<double>{0.1};
   Sayings sayings;
   report.begin("camera", "Frames of a depth camera against their truth, " + std::to_string(kTargetPoints) + " points asked for",
-               {"scene", "noise", "m", "px", "rule", "sigma_mm", "points", "across", "across_%", "lost_%", "missed_%",
-                "true_pieces", "pieces", "true_sizes", "sizes", "parts", "normals_deg", "corners", "simulated", "cpu_s",
-                "motion_%"});
+               {"scene",  "noise",    "m",           "px",       "rule",        "sigma_mm", "points",
+                "across", "across_%", "lost_%",      "missed_%", "true_pieces", "pieces",   "true_sizes",
+                "sizes",  "parts",    "normals_deg", "corners",  "simulated",   "cpu_s",    "motion_%"});
   for (const bool is_plain : {true, false})
     for (const double distance : distances)
       for (const double noise : noises)

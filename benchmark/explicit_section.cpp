@@ -66,12 +66,12 @@ Points findPositions(const Sheet& sheet, const Material& material, long steps) {
 }  // namespace
 
 void runExplicitSection(const Options& options, Report& report) {
-  report.begin("explicit",
-               "4b. Verlet on equilateral sheets (1 m, pinned on one edge, 0.2 kg/m^2, no damping), steps of " +
-                   showMilliseconds(kTimeStep) + " ms, one thread",
-               {"points", "E h, N/m", "model", "substep_ms", "wall_s_per_simulated_s", "cpu_s_per_simulated_s", "spread_%",
-                "rms_error_m", "error_uncertain_by_m", "pass_us", "ns_per_point", "ns_per_link", "runs", "hash",
-                "printed elsewhere"});
+  report.begin(
+      "explicit",
+      "4b. Verlet on equilateral sheets (1 m, pinned on one edge, 0.2 kg/m^2, no damping), steps of " +
+          showMilliseconds(kTimeStep) + " ms, one thread",
+      {"points", "E h, N/m", "model", "substep_ms", "wall_s_per_simulated_s", "cpu_s_per_simulated_s", "spread_%", "rms_error_m",
+       "error_uncertain_by_m", "pass_us", "ns_per_point", "ns_per_link", "runs", "hash", "printed elsewhere"});
   setNumThreads(1);
   for (const Sheet& sheet : kSheets) {
     if (sheet.large && !options.large) continue;
@@ -107,8 +107,9 @@ void runExplicitSection(const Options& options, Report& report) {
       "error: rms of the positions at " + show(kDuration) +
       " s against Richardson's extrapolation of runs with a half and a quarter of the sub-step; uncertain by less than the "
       "distance of the finer run from it");
-  report.note("the pass is that of the model at the end of the run; per link: of the "
-              "edges between neighbours, whatever the model makes of them");
+  report.note(
+      "the pass is that of the model at the end of the run; per link: of the "
+      "edges between neighbours, whatever the model makes of them");
   if (!options.large) report.note("--large adds the stiff sheet of 1254 points");
 }
 

@@ -62,7 +62,9 @@ void runFactorizationSection(const Options& options, Report& report) {
     Shape shape;
     Index points;
   };
-  std::vector<Row> rows{{"sheet", Shape::kSheet, 324}, {"sphere", Shape::kSphere, 327}, {"sheet", Shape::kSheet, 784},
+  std::vector<Row> rows{{"sheet", Shape::kSheet, 324},
+                        {"sphere", Shape::kSphere, 327},
+                        {"sheet", Shape::kSheet, 784},
                         {"sphere", Shape::kSphere, 800}};
   if (options.large) {
     rows.push_back({"sheet", Shape::kSheet, 3025});
@@ -93,8 +95,7 @@ void runFactorizationSection(const Options& options, Report& report) {
     report.add({row.name, std::to_string(n), show(2.0 * matrix.pattern().items.size() / n - 1.0),
                 std::to_string(ours.factorSize()), showMilliseconds(analyze.cpu), showMilliseconds(factorize.cpu),
                 showMilliseconds(eigen_factorize.cpu), show(eigen_factorize.cpu / factorize.cpu), showMilliseconds(solve.cpu),
-                showMilliseconds(eigen_solve.cpu),
-                ok ? show(findResidual(x)) : "NOT DEFINITE", show(findResidual(x_eigen)),
+                showMilliseconds(eigen_solve.cpu), ok ? show(findResidual(x)) : "NOT DEFINITE", show(findResidual(x_eigen)),
                 showHash(hashBytes(x.data(), x.size() * sizeof(double)))});
   }
   report.end();

@@ -15,9 +15,9 @@
 namespace deformable_surface::benchmark {
 namespace {
 
-constexpr double kRadius = 3.0;     // spacings: pairs of bars and bodies
-constexpr Index kListed = 32;       // neighbours: sheets, as in a set-up
-constexpr unsigned kNumSeeds = 2;   // jittered clouds per row
+constexpr double kRadius = 3.0;    // spacings: pairs of bars and bodies
+constexpr Index kListed = 32;      // neighbours: sheets, as in a set-up
+constexpr unsigned kNumSeeds = 2;  // jittered clouds per row
 
 struct Form {
   const char* name;
@@ -57,16 +57,18 @@ test::Gapped makeBody(double gap, double jitter, unsigned seed) { return test::m
 struct Kind {
   const char* name;
   test::Gapped (*make)(double gap, double jitter, unsigned seed);
-  bool is_wide;      // gaps beside the spacing, else below it
+  bool is_wide;  // gaps beside the spacing, else below it
   bool with_normals, oriented;
 };
-const Kind kKinds[] = {
-    {"bars", makeBars<1>, true, false, false},         {"bars with normals", makeBars<1>, true, true, false},
-    {"bars, a tenth missing", makeBarsWithHoles, true, false, false},
-    {"thick bars", makeBars<3>, true, false, false},   {"two sheets", makeSheets<2>, false, true, false},
-    {"two sheets, a tenth missing", makeSheetsWithHoles, false, true, false},
-    {"four sheets", makeSheets<4>, false, true, false}, {"thin body", makeBody, false, true, true},
-    {"fold", test::makeFold, false, true, false}};
+const Kind kKinds[] = {{"bars", makeBars<1>, true, false, false},
+                       {"bars with normals", makeBars<1>, true, true, false},
+                       {"bars, a tenth missing", makeBarsWithHoles, true, false, false},
+                       {"thick bars", makeBars<3>, true, false, false},
+                       {"two sheets", makeSheets<2>, false, true, false},
+                       {"two sheets, a tenth missing", makeSheetsWithHoles, false, true, false},
+                       {"four sheets", makeSheets<4>, false, true, false},
+                       {"thin body", makeBody, false, true, true},
+                       {"fold", test::makeFold, false, true, false}};
 
 void sweepGaps(Report& report) {
   report.begin("geodesics_gaps", "Coupling left within a part (should be 1) and across the gap (should be 0)",
@@ -92,8 +94,7 @@ void sweepGaps(Report& report) {
               } else if (kind.with_normals) {
                 sides = {cloud::estimateNormals(cloud.positions, listed), false};
               }
-              const cloud::GeodesicGraph graph =
-                  cloud::buildGeodesicGraph(cloud.positions, sides, links, form.geodesicness);
+              const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(cloud.positions, sides, links, form.geodesicness);
               const test::Coupling one =
                   test::measureCoupling(cloud, links, cloud::geodesicWeights(graph, cloud.positions, links));
               mean.within += one.within / num_seeds;

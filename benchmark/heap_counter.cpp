@@ -19,8 +19,7 @@ void* countBlock(void* block) {
   const std::int64_t size = static_cast<std::int64_t>(malloc_usable_size(block));
   const std::int64_t live = live_bytes.fetch_add(size, std::memory_order_relaxed) + size;
   std::int64_t peak = peak_bytes.load(std::memory_order_relaxed);
-  while (live > peak && !peak_bytes.compare_exchange_weak(peak, live, std::memory_order_relaxed)) {
-  }
+  while (live > peak && !peak_bytes.compare_exchange_weak(peak, live, std::memory_order_relaxed)) {}
   return block;
 }
 

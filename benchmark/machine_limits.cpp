@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kMemoryBytes = 512e6;  // far more than any cache holds
 constexpr double kNearBytes = 256e3;    // a part of a core's own cache
-constexpr Index kBlock = 8192;  // elements: many blocks per thread, each far longer than its start costs
+constexpr Index kBlock = 8192;          // elements: many blocks per thread, each far longer than its start costs
 
 // Twelve chains: as many as hide how long an operation takes, and as fit in registers. Returns something of all of them.
 DEFORMABLE_SURFACE_WIDE double runChains(long rounds) {

@@ -117,8 +117,8 @@ Index countPairs(const OrientedParticles& particles, const State& s) {
 void runParticlesSection(const Options& options, Report& report) {
   setNumThreads(1);
   report.begin("particles", "9. Oriented particles: a force pass with all four potentials on one core",
-               {"particles", "order", "weighting", "pairs", "wall_ms", "spread_%", "cpu_ms", "ns_per_pair",
-                "rebuild_cpu_ms", "bytes_per_particle", "force_error"});
+               {"particles", "order", "weighting", "pairs", "wall_ms", "spread_%", "cpu_ms", "ns_per_pair", "rebuild_cpu_ms",
+                "bytes_per_particle", "force_error"});
   std::vector<Index> sizes{1000, 4000, 16000, 64000};
   if (options.large) sizes.insert(sizes.end(), {250000, 1000000});
   std::vector<double> counts, passes;
@@ -154,8 +154,7 @@ void runParticlesSection(const Options& options, Report& report) {
     report.add({std::to_string(row.n), row.is_shuffled ? "random" : "rows",
                 row.weighting == model::ParticleWeighting::kIsotropic ? "isotropic" : "anisotropic", std::to_string(pairs),
                 showMilliseconds(pass.wall), showPercent(pass.spread), showMilliseconds(pass.cpu), show(1e9 * pass.cpu / pairs),
-                showMilliseconds(rebuild.cpu),
-                show(static_cast<double>(particles.bytes()) / row.n), show(error)});
+                showMilliseconds(rebuild.cpu), show(static_cast<double>(particles.bytes()) / row.n), show(error)});
   }
   report.end();
   report.note("a pair is one within the cutoff, counted once; the pass computes it from both of its ends; ns_per_pair by cpu");

@@ -12,9 +12,9 @@
 #include <nanoflann.hpp>
 #endif
 #ifdef DEFORMABLE_SURFACE_WITH_PCL
-#include <flann/flann.hpp>
 #include <pcl/features/normal_3d.h>
 #include <pcl/search/kdtree.h>
+#include <flann/flann.hpp>
 #endif
 
 namespace deformable_surface::benchmark {

@@ -28,9 +28,9 @@ using simulation::SceneParams;
 using simulation::Simulation;
 
 constexpr Index kSide = 64;
-constexpr double kMass = 0.2;         // kg
-constexpr double kDuration = 0.5;     // s: it swings through its lowest place
-constexpr double kFrame = 1.0 / 60.0; // s
+constexpr double kMass = 0.2;          // kg
+constexpr double kDuration = 0.5;      // s: it swings through its lowest place
+constexpr double kFrame = 1.0 / 60.0;  // s
 
 struct Forces {
   model::Membrane membrane;

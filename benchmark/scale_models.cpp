@@ -25,13 +25,12 @@ struct Model {
   model::Membrane membrane = model::Membrane::kTriangles;
   model::Bending bending = model::Bending::kNone;
 };
-const Model kModels[] = {
-    {"springs", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice, model::Membrane::kSprings},
-    {"triangles", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice},
-    {"triangles and curvature", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice, model::Membrane::kTriangles,
-     model::Bending::kCurvature},
-    {"oriented particles", simulation::ModelKind::kOrientedParticles, CloudParams::Shape::kLattice},
-    {"elastic solid", simulation::ModelKind::kElasticSolid, CloudParams::Shape::kBar}};
+const Model kModels[] = {{"springs", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice, model::Membrane::kSprings},
+                         {"triangles", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice},
+                         {"triangles and curvature", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice,
+                          model::Membrane::kTriangles, model::Bending::kCurvature},
+                         {"oriented particles", simulation::ModelKind::kOrientedParticles, CloudParams::Shape::kLattice},
+                         {"elastic solid", simulation::ModelKind::kElasticSolid, CloudParams::Shape::kBar}};
 
 SceneParams makeScene(const Model& model, Index n) {
   SceneParams scene;

@@ -22,8 +22,8 @@ namespace deformable_surface::benchmark {
 namespace {
 
 constexpr Index kSimulationPoints = 2000;
-constexpr const char* kScans[] = {"open3d_bunny/bunnyData.pcd", "pcl_scans/rops_cloud.pcd", "ros_package_scans/plane_noisy.pcd",
-                                  "pcl_scans/cturtle.pcd", "pcl_data_kinect/person.pcd", "pcl_scans/five_people.pcd"};
+constexpr const char* kScans[] = {"open3d_bunny/bunnyData.pcd", "pcl_scans/rops_cloud.pcd",   "ros_package_scans/plane_noisy.pcd",
+                                  "pcl_scans/cturtle.pcd",      "pcl_data_kinect/person.pcd", "pcl_scans/five_people.pcd"};
 
 std::string findFolder() {
   const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
@@ -114,8 +114,7 @@ void measureScans(const Options&, Report& report) {
     }
   }
   report.end();
-  if (num_absent > 0)
-    report.note(std::to_string(num_absent) + " are not there; " + kScansAreRead);
+  if (num_absent > 0) report.note(std::to_string(num_absent) + " are not there; " + kScansAreRead);
   report.note("bytes: of the heap per finite point, after set-up and at its peak, the input apart");
 }
 

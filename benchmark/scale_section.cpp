@@ -36,10 +36,11 @@ class Scaling {
   Scaling(const Options& options, Report& report) : options_(options), report_(report) {}
 
   std::vector<CountedStage> run(const std::vector<Index>& sizes) {
-    report_.begin("scale_setup", "13a. Set-up of a wavy sheet for " + std::to_string(kSimulationPoints) +
-                                     " simulation points (a fifth of smaller clouds)",
-                  {"stage", "points", "threads", "wall_ms", "cpu_ms", "cores", "cpu_ns_per_point", "kept_bytes_per_point",
-                   "peak_bytes_per_point", "runs", "error", "error_is"});
+    report_.begin(
+        "scale_setup",
+        "13a. Set-up of a wavy sheet for " + std::to_string(kSimulationPoints) + " simulation points (a fifth of smaller clouds)",
+        {"stage", "points", "threads", "wall_ms", "cpu_ms", "cores", "cpu_ns_per_point", "kept_bytes_per_point",
+         "peak_bytes_per_point", "runs", "error", "error_is"});
     for (const Index n : sizes) measureSize(n);
     report_.end();
     report_.note("kept and peak: of the heap, beside what was there before the stage, in its first run");
@@ -58,7 +59,8 @@ class Scaling {
       p.cloud = sheet;
       p.target = target;
       for (const Stage& stage : listStages())
-        addRow(stage.name, sheet.size(), [&] { stage.run(p); }, [&] { return stage.error(p); }, stage.error_name);
+        addRow(
+            stage.name, sheet.size(), [&] { stage.run(p); }, [&] { return stage.error(p); }, stage.error_name);
     }
     simulation::SceneParams scene;
     scene.simplification.target_points = target;

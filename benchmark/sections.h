@@ -6,11 +6,11 @@
 namespace deformable_surface::benchmark {
 
 struct Options {
-  bool large = false;   // clouds of a million points, and rows that take long
-  double budget = 0.2;  // s of repetitions per row
-  std::string folder = ".";         // where CSV files go
-  std::string scene;                // accuracy, simplification, camera, physics: those whose names begin so; empty = all
-  Index first_scene = 4000;         // calibration: seeds of the scenes, by default those that the method was not tuned on
+  bool large = false;        // clouds of a million points, and rows that take long
+  double budget = 0.2;       // s of repetitions per row
+  std::string folder = ".";  // where CSV files go
+  std::string scene;         // accuracy, simplification, camera, physics: those whose names begin so; empty = all
+  Index first_scene = 4000;  // calibration: seeds of the scenes, by default those that the method was not tuned on
   Index num_scenes = 240;
 };
 

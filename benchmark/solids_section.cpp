@@ -26,7 +26,7 @@ constexpr int kPasses = 300;
 struct Setting {
   const char* method;
   IntegratorType type;
-  int steps;         // of the whole motion
+  int steps;  // of the whole motion
   double tolerance;
 };
 
@@ -34,7 +34,7 @@ struct Row {
   Setting setting;
   int threads;
   double wall = std::numeric_limits<double>::infinity(), cpu = wall, error = 0.0;  // s, s, m
-  double iterations = 0.0;                                                          // a step
+  double iterations = 0.0;                                                         // a step
 };
 
 const AccuracyScene& findBar(const std::vector<AccuracyScene>& scenes) {
@@ -146,10 +146,10 @@ PassRow makePassRow(const std::string& name, const Points& points) {
 }
 
 void reportPasses(Report& report) {
-  report.begin("solid_passes",
-               "Forces of elastic solids at strains of some hundredths, one thread; the least of " + std::to_string(kPasses) +
-                   " passes",
-               {"cloud", "points", "neighbours", "ns_per_point", "ns_per_neighbour"});
+  report.begin(
+      "solid_passes",
+      "Forces of elastic solids at strains of some hundredths, one thread; the least of " + std::to_string(kPasses) + " passes",
+      {"cloud", "points", "neighbours", "ns_per_point", "ns_per_neighbour"});
   setNumThreads(1);
   std::vector<PassRow> rows;
   rows.push_back(makePassRow("cube, jitter 0.2", makeCube(17, 0.2)));

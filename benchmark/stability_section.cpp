@@ -22,12 +22,10 @@ struct Method {
   IntegratorType type;
   unsigned seeds;
 };
-constexpr Method kMethods[] = {{"auto", IntegratorType::kAuto, kSeeds},
-                               {"implicit", IntegratorType::kImplicit, kOtherSeeds},
-                               {"verlet", IntegratorType::kVerlet, kOtherSeeds},
-                               {"symplectic_euler", IntegratorType::kSymplecticEuler, kOtherSeeds},
-                               {"static", IntegratorType::kStatic, kOtherSeeds},
-                               {"explicit_euler", IntegratorType::kExplicitEuler, kOtherSeeds}};
+constexpr Method kMethods[] = {
+    {"auto", IntegratorType::kAuto, kSeeds},          {"implicit", IntegratorType::kImplicit, kOtherSeeds},
+    {"verlet", IntegratorType::kVerlet, kOtherSeeds}, {"symplectic_euler", IntegratorType::kSymplecticEuler, kOtherSeeds},
+    {"static", IntegratorType::kStatic, kOtherSeeds}, {"explicit_euler", IntegratorType::kExplicitEuler, kOtherSeeds}};
 
 StabilityVerdict judge(const std::string& family, unsigned seed, IntegratorType type) {
   try {

@@ -19,7 +19,7 @@ using solve::IntegratorType;
 constexpr double kTolerance = 1e-6;  // unbalanced force over the largest load and internal force, as of the static solver
 constexpr double kPatience = 12.0;   // times what the static solver takes: for one damping, more than is asked of the best
 
-constexpr int kRuns = 3;              // of the static solver, of which the fastest counts
+constexpr int kRuns = 3;  // of the static solver, of which the fastest counts
 constexpr double kDampings[] = {1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 64, 128};  // 1/s
 
 // With everything at rest under gravity: the largest force on a free point, and the largest internal force on any, N.

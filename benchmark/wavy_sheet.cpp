@@ -197,8 +197,8 @@ std::vector<Stage> listStages() {
        [](const Preparation& p) { return hashBytes(&p.area, sizeof p.area); }},
       {"model", "relative error of mass",
        [](Preparation& p) {
-         p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, p.area, false,
-                                                       model::MaterialParams{}, model::MassSpringParams{});
+         p.model = std::make_unique<model::MassSpring>(p.points, p.point_normals, p.rings, p.area, false, model::MaterialParams{},
+                                                       model::MassSpringParams{});
        },
        [](const Preparation& p) {
          return std::abs(sumOf(p.model->masses()) / (model::MaterialParams{}.arealDensity() * findWavyArea()) - 1.0);

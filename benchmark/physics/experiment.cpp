@@ -9,8 +9,8 @@
 namespace deformable_surface::physics {
 namespace {
 
-constexpr int kStaticSteps = 10;      // each as many iterations as the scene allows, before an equilibrium counts as not found
-constexpr double kOnEdge = 1e-6;      // m: what counts as on an edge
+constexpr int kStaticSteps = 10;  // each as many iterations as the scene allows, before an equilibrium counts as not found
+constexpr double kOnEdge = 1e-6;  // m: what counts as on an edge
 
 simulation::SceneParams prepare(simulation::SceneParams scene, const Sampled& cloud, const Variant& variant,
                                 const Mat3& rotation) {
@@ -179,8 +179,7 @@ double measureFrequency(Experiment& experiment, const std::function<Vec3(const V
     experiment.step();
     const Points now = experiment.now();
     double sum = 0.0;
-    for (std::size_t i = 0; i < now.size(); ++i)
-      sum += experiment.masses()[i] * kick(experiment.rest()[i]).dot(now[i] - mean[i]);
+    for (std::size_t i = 0; i < now.size(); ++i) sum += experiment.masses()[i] * kick(experiment.rest()[i]).dot(now[i] - mean[i]);
     record.push_back(sum);
   }
   // The damped frequency: scanned, then by golden section about the best.

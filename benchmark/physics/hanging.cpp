@@ -8,9 +8,9 @@
 namespace deformable_surface::physics {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
+constexpr double kGravity = 9.81;              // m/s^2
 constexpr double kLength = 1.0, kWidth = 0.2;  // m
-constexpr double kTiny = 1e-9;     // m
+constexpr double kTiny = 1e-9;                 // m
 
 // Rubber of 1 mm. Poisson's ratio 0 where the discretisation has one: then what is held sideways does not matter and the closed
 // forms of the cable hold for the sheet.

@@ -18,7 +18,8 @@ struct Fabric {
   double width, length;  // m, at rest: at the clamp and between the clamps
 };
 // From samples.csv of the data, first repeat.
-constexpr Fabric kFabrics[] = {{"Acrylic_Yarn_Seed_X", 0.06675, 0.1075}, {"Acrylic_Yarn_Garter_X", 0.03516, 0.0917},
+constexpr Fabric kFabrics[] = {{"Acrylic_Yarn_Seed_X", 0.06675, 0.1075},
+                               {"Acrylic_Yarn_Garter_X", 0.03516, 0.0917},
                                {"Acrylic_Yarn_Stockinette_Y", 0.09587, 0.0455}};
 
 struct Strain {

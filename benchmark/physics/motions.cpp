@@ -6,8 +6,8 @@
 namespace deformable_surface::physics {
 namespace {
 
-constexpr double kGravity = 9.81;  // m/s^2
-constexpr double kDuration = 0.48; // s, a multiple of all time steps
+constexpr double kGravity = 9.81;   // m/s^2
+constexpr double kDuration = 0.48;  // s, a multiple of all time steps
 
 simulation::SceneParams makeFreeScene(solve::IntegratorType integrator, double step) {
   simulation::SceneParams scene;
@@ -108,8 +108,8 @@ std::vector<Problem> listMotions() {
     p.run = [type = integrator](const Variant& variant, double step) { return fall(type, variant, step); };
     list.push_back(p);
   }
-  const std::pair<const char*, Kept> conserved[] = {{"momentum", Kept::kMomentum}, {"angular momentum", Kept::kAngularMomentum},
-                                                    {"energy", Kept::kEnergy}};
+  const std::pair<const char*, Kept> conserved[] = {
+      {"momentum", Kept::kMomentum}, {"angular momentum", Kept::kAngularMomentum}, {"energy", Kept::kEnergy}};
   for (const auto& [name, kept] : conserved) {
     Problem p = makeProblem(std::string(name) + " of a tumbling sheet", kept == Kept::kEnergy ? "J" : "SI", "conserved");
     if (kept != Kept::kEnergy) p.variants = listSamplings(model::Membrane::kTriangles, model::Bending::kCurvature);

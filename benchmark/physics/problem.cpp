@@ -15,24 +15,18 @@ std::string nameMembrane(const Variant& variant) {
 
 std::string nameBending(const Variant& variant) {
   switch (variant.bending) {
-    case model::Bending::kSprings:
-      return "springs";
-    case model::Bending::kCurvature:
-      return "curvature";
-    case model::Bending::kNone:
-      break;
+    case model::Bending::kSprings: return "springs";
+    case model::Bending::kCurvature: return "curvature";
+    case model::Bending::kNone: break;
   }
   return "none";
 }
 
 std::string nameSampling(const Variant& variant) {
   switch (variant.sampling) {
-    case Sampling::kRegular:
-      return "regular";
-    case Sampling::kJittered:
-      return "jittered";
-    case Sampling::kScanned:
-      break;
+    case Sampling::kRegular: return "regular";
+    case Sampling::kJittered: return "jittered";
+    case Sampling::kScanned: break;
   }
   return "scanned";
 }

@@ -2,8 +2,8 @@
 // Tests ask the coarse ones, the benchmark all of them.
 #pragma once
 
-#include "deformable_surface/model/mass_spring/mass_spring_params.h"
 #include "deformable_surface/base/types.h"
+#include "deformable_surface/model/mass_spring/mass_spring_params.h"
 
 #include <functional>
 #include <string>
@@ -34,19 +34,19 @@ std::vector<Variant> listMost(model::Bending bending);
 std::vector<Variant> listAll(model::Bending bending);
 
 struct Answer {
-  Index points = 0;      // simulation points
-  double size = 0.0;     // the spacing in m, or the time step in s
+  Index points = 0;                     // simulation points
+  double size = 0.0;                    // the spacing in m, or the time step in s
   double value = 0.0, reference = 0.0;  // in the problem's unit
-  double error = 0.0;    // as a share of the scale that the problem names
-  double seconds = 0.0;  // wall time of set-up and solution
-  std::string failure;   // why there is no value; else empty
+  double error = 0.0;                   // as a share of the scale that the problem names
+  double seconds = 0.0;                 // wall time of set-up and solution
+  std::string failure;                  // why there is no value; else empty
 };
 
 struct Problem {
   std::string name;
-  std::string value;   // what is compared, with its unit
-  std::string scale;   // what the error is a share of
-  std::string source;  // of the reference
+  std::string value;       // what is compared, with its unit
+  std::string scale;       // what the error is a share of
+  std::string source;      // of the reference
   bool in_time = false;    // refined in time, not in space
   bool is_solid = false;   // it has neither membrane nor bending
   bool other_law = false;  // the reference obeys another law than the model: no refinement makes the error fall

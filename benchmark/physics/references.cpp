@@ -8,9 +8,9 @@
 namespace deformable_surface::physics {
 namespace {
 
-constexpr int kSteps = 2000;      // of the fourth-order integration: errors below the digits that are compared
-constexpr int kBisections = 80;   // more than the bits of a double
-constexpr int kTerms = 60;        // of Hencky's series, whose terms fall like powers of a third
+constexpr int kSteps = 2000;     // of the fourth-order integration: errors below the digits that are compared
+constexpr int kBisections = 80;  // more than the bits of a double
+constexpr int kTerms = 60;       // of Hencky's series, whose terms fall like powers of a third
 
 // Of each side: (1 - xi^2)^2 xi^(2 i), xi from -1 to 1.
 constexpr int kShapes = 6;
@@ -132,8 +132,8 @@ double sagCantilever(double s, double time) {
   double w = s * s * (6.0 - 4.0 * s + s * s) / 24.0;
   if (time == kAtRest) return w;
   // Roots of cos b cosh b = -1; of the ninth the amplitude is a millionth of the first's.
-  for (const double b : {1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14.1371683910, 17.2787595321, 20.4203522510,
-                         23.5619449018}) {
+  for (const double b :
+       {1.8751040687, 4.6940911330, 7.8547574382, 10.9955407349, 14.1371683910, 17.2787595321, 20.4203522510, 23.5619449018}) {
     const double sigma = (std::sinh(b) - std::sin(b)) / (std::cosh(b) + std::cos(b));
     const double mode = std::cosh(b * s) - std::cos(b * s) - sigma * (std::sinh(b * s) - std::sin(b * s));
     w -= 2.0 * sigma / std::pow(b, 5) * mode * std::cos(b * b * time);

@@ -13,8 +13,8 @@
 namespace deformable_surface::physics {
 namespace {
 
-constexpr double kJitter = 0.25;     // of the spacing, in each direction
-constexpr double kScanDensity = 3.0; // scan points along the spacing of the simulated ones: a scan simplified to a ninth
+constexpr double kJitter = 0.25;      // of the spacing, in each direction
+constexpr double kScanDensity = 3.0;  // scan points along the spacing of the simulated ones: a scan simplified to a ninth
 
 // The part of the scanned plane that is covered evenly, m: its lower left corner, from the mean of the points, and its sides.
 const Vec2 kScanCorner(-0.30, -0.12);

@@ -37,8 +37,8 @@ Sampled sampleHemisphere(double spacing, Sampling sampling) {
         if (c > 0 && c < circles) latitude += north * top / circles;
         longitude += east * 2.0 * kPi / n;
       }
-      sampled.points.push_back(kRadius * Vec3(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude),
-                                              std::sin(latitude)));
+      sampled.points.push_back(
+          kRadius * Vec3(std::cos(latitude) * std::cos(longitude), std::cos(latitude) * std::sin(longitude), std::sin(latitude)));
     }
   }
   return sampled;
@@ -49,10 +49,10 @@ Sampled sampleHemisphere(double spacing, Sampling sampling) {
 // ones. Load by load, as the published table has it: each begins from what the last two foretell, by which the shell stays
 // symmetric. In longer steps it finds equilibria of less energy that are not.
 Answer pinchHemisphere(const Row& row, const Variant& variant, double spacing) {
-  constexpr double kStep = 0.05;       // of kLoad
-  constexpr double kEnough = 1e-3;     // of the load: how well the inward points are pressed with it
-  constexpr int kTries = 8;            // distances before a load counts as not found
-  constexpr double kFirst = 0.05;      // of the radius: the displacement that is tried first
+  constexpr double kStep = 0.05;    // of kLoad
+  constexpr double kEnough = 1e-3;  // of the load: how well the inward points are pressed with it
+  constexpr int kTries = 8;         // distances before a load counts as not found
+  constexpr double kFirst = 0.05;   // of the radius: the displacement that is tried first
   simulation::SceneParams scene = makeStaticScene();
   scene.integrator.tolerance = 1e-6;
   scene.material.young_modulus = 6.825e7;
@@ -61,9 +61,11 @@ Answer pinchHemisphere(const Row& row, const Variant& variant, double spacing) {
   Experiment shell(scene, sampleHemisphere(spacing, variant.sampling), variant);
   const Points& rest = shell.rest();
   const auto find = [&](double x, double y) {
-    return static_cast<Index>(std::min_element(rest.begin(), rest.end(), [&](const Vec3& a, const Vec3& b) {
-                                return (a - Vec3(x, y, 0.0)).squaredNorm() < (b - Vec3(x, y, 0.0)).squaredNorm();
-                              }) - rest.begin());
+    return static_cast<Index>(std::min_element(rest.begin(), rest.end(),
+                                               [&](const Vec3& a, const Vec3& b) {
+                                                 return (a - Vec3(x, y, 0.0)).squaredNorm() < (b - Vec3(x, y, 0.0)).squaredNorm();
+                                               }) -
+                              rest.begin());
   };
   const Index pulled[2] = {find(kRadius, 0.0), find(-kRadius, 0.0)}, pressed[2] = {find(0.0, kRadius), find(0.0, -kRadius)};
   shell.hold([&](const Vec3& p) { return p == rest[pressed[0]] || p == rest[pressed[1]]; });
@@ -149,9 +151,10 @@ Answer pullCylinder(const PulledRow& row, const Variant& variant, double spacing
   const Points& rest = shell.rest();
   const auto find = [&](double x, double y, double z) {
     const Vec3 place(x, y, z);
-    return static_cast<Index>(std::min_element(rest.begin(), rest.end(), [&](const Vec3& a, const Vec3& b) {
-                                return (a - place).squaredNorm() < (b - place).squaredNorm();
-                              }) - rest.begin());
+    return static_cast<Index>(
+        std::min_element(rest.begin(), rest.end(),
+                         [&](const Vec3& a, const Vec3& b) { return (a - place).squaredNorm() < (b - place).squaredNorm(); }) -
+        rest.begin());
   };
   const Index pulled[2] = {find(0.0, 0.0, kRadius), find(0.0, 0.0, -kRadius)};
   Points before = rest, places = rest;
@@ -200,8 +203,7 @@ std::vector<Problem> listShells() {
     p.scale = "displacement (both loaded points)";
     p.source = "Sze, Liu, Lo 2004, hemispherical shell with a hole";
     for (const Sampling sampling : {Sampling::kRegular, Sampling::kJittered})
-      p.variants.push_back(
-          {model::Membrane::kTriangles, model::Bending::kCurvature, sampling, sampling != Sampling::kRegular});
+      p.variants.push_back({model::Membrane::kTriangles, model::Bending::kCurvature, sampling, sampling != Sampling::kRegular});
     p.sizes = c.sizes;
     p.run = [row = c.row](const Variant& variant, double spacing) { return pinchHemisphere(row, variant, spacing); };
     list.push_back(p);

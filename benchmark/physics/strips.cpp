@@ -108,8 +108,8 @@ Answer bendByMoment(double share_of_circle, const Variant& variant, double spaci
 // acts on, the last tenth, is not compared.
 Answer bendArc(const Variant& variant, double spacing) {
   const double length = 12.0, width = 3.0, radius = 0.5 * length, turn = 0.2;
-  constexpr double kBand = 0.1;       // of the length
-  constexpr int kTurns = 4;           // the direction of the couple converges quadratically
+  constexpr double kBand = 0.1;  // of the length
+  constexpr int kTurns = 4;      // the direction of the couple converges quadratically
   const auto place = [&](double arc, double y, double curvature) {
     return Vec3(std::sin(arc * curvature) / curvature, y, (1.0 - std::cos(arc * curvature)) / curvature);
   };

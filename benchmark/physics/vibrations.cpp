@@ -9,7 +9,7 @@ namespace {
 constexpr double kGravity = 9.81;    // m/s^2
 constexpr double kAmplitude = 1e-4;  // of the length: large deflections change a frequency by the square of it
 constexpr double kStepsPerPeriod = 100.0;
-constexpr double kPeriods = 4.0;     // recorded
+constexpr double kPeriods = 4.0;  // recorded
 
 simulation::SceneParams makeDynamicScene() {
   simulation::SceneParams scene;
@@ -103,8 +103,7 @@ Answer swingMembrane(const Variant& variant, double spacing) {
       anchor.target = (1.0 + strain) * p;
       // Half the distance between the neighbours on the edge belongs to a point; in a corner a quarter on each side.
       for (int c = 0; c < 2; ++c)
-        if (isEdge(p, c))
-          anchor.target[c] += std::copysign(tension * (isEdge(p, 1 - c) ? 0.5 : 1.0) * spacing / holder, p[c]);
+        if (isEdge(p, c)) anchor.target[c] += std::copysign(tension * (isEdge(p, 1 - c) ? 0.5 : 1.0) * spacing / holder, p[c]);
       scene.anchors.push_back(anchor);
     }
   Experiment membrane(scene, sampled, variant);

@@ -17,7 +17,7 @@ struct Part {
   const char* name;
   void (*run)(const RosOptions&, RosTable&);
 };
-constexpr Part kParts[] = {{"latency", measureLatency}, {"clouds", measureClouds}, {"manager", measureManager},
+constexpr Part kParts[] = {{"latency", measureLatency},   {"clouds", measureClouds}, {"manager", measureManager},
                            {"wrenches", measureWrenches}, {"floods", measureFloods}, {"rest", measureRest}};
 
 int fail(const std::string& problem) {

@@ -62,7 +62,8 @@ void measureManager(const RosOptions& options, RosTable& table) {
       handle.subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { statistics = *m; });
   waitFor("the nodelet to listen", [&] { return cloud.getNumSubscribers() > 0; });
   cloud.publish(makeSquare(1000000));
-  waitFor("clouds of a million points", [&] { return frames > 3; }, 600.0);
+  waitFor(
+      "clouds of a million points", [&] { return frames > 3; }, 600.0);
   frames = 0;
   const std::uint64_t first = statistics.step;
   const ros::WallTime begin = ros::WallTime::now();

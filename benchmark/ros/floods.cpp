@@ -39,8 +39,8 @@ class Flood {
   std::thread thread_;
 };
 
-void measure(const std::string& what, Surface& surface, double before, const RosOptions& options,
-             const std::string& counted, RosTable& table) {
+void measure(const std::string& what, Surface& surface, double before, const RosOptions& options, const std::string& counted,
+             RosTable& table) {
   const double memory_before = readMemory(surface.id());
   // What publish() was called with may have been dropped on its way.
   const double first = surface.diagnostic(counted);

@@ -69,7 +69,8 @@ void measureLatency(const RosOptions&, RosTable& table) {
     waitFor("a cloud at rest", [&] { return !is_moved; });
   }
   std::sort(seconds.begin(), seconds.end());
-  table.add("command to the first ~deformed that shows it", showMilliseconds(seconds[seconds.size() / 2]) + " ms; 95 % below " +
+  table.add("command to the first ~deformed that shows it",
+            showMilliseconds(seconds[seconds.size() / 2]) + " ms; 95 % below " +
                 showMilliseconds(seconds[seconds.size() * 95 / 100]) + ", all below " + showMilliseconds(seconds.back()),
             "below " + showMilliseconds(kStep + 0.005) + " ms",
             "10000 points, 400 simulated, step 10 ms, a frame per step, " + std::to_string(kRepetitions) + " forces");

@@ -47,9 +47,11 @@ void measureWrenches(const RosOptions& options, RosTable& table) {
   for (std::size_t k = 1; k < came.size(); ++k) apart.push_back((came[k] - came[k - 1]).toSec());
   std::sort(apart.begin(), apart.end());
   if (apart.empty()) throw std::runtime_error("no wrenches came");
-  table.add("wrenches of a ball that presses", show(static_cast<double>(came.size()) / seconds) + " /s at " + show(steps) +
-                " steps/s; 99 % of them at most " + showMilliseconds(apart[apart.size() * 99 / 100]) + " ms apart",
-            "500 /s", "300 simulated points, step 1 ms, a cloud of 10,000 points beside it at " +
+  table.add("wrenches of a ball that presses",
+            show(static_cast<double>(came.size()) / seconds) + " /s at " + show(steps) + " steps/s; 99 % of them at most " +
+                showMilliseconds(apart[apart.size() * 99 / 100]) + " ms apart",
+            "500 /s",
+            "300 simulated points, step 1 ms, a cloud of 10,000 points beside it at " +
                 show(static_cast<double>(frames) / seconds) + " /s");
 }
 

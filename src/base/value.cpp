@@ -31,8 +31,7 @@ std::size_t measurePrintable(const std::string& text, std::size_t begin) {
   // What could be written shorter, surrogates, what lies beyond Unicode, and the second block of control characters.
   const unsigned second = byteAt(begin + 1);
   const bool is_wrong = (first == 0xc2 && second < 0xa0) || (first == 0xe0 && second < 0xa0) ||
-                        (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) ||
-                        (first == 0xf4 && second > 0x8f);
+                        (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
   return is_wrong ? 0 : length;
 }
 

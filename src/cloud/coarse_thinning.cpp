@@ -163,7 +163,7 @@ class WayCheck {
   }
 
   const ThinnedCloud& cloud_;
-  PointMap place_;                   // among those found
+  PointMap place_;                    // among those found
   std::vector<double> bound_, most_;  // m, of those found: what leads there, and what is no detour
   std::size_t num_missing_ = 0;       // whose bound is above
 };

@@ -9,9 +9,9 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kFewestPixels = 100;
-constexpr Index kSampled = 2000;     // pixels that the camera is fitted to
-constexpr double kOffRay = 0.1;      // of a pixel: what a point may lie off its ray
-constexpr double kStraying = 0.02;   // of the pixels may lie farther off: some drivers move single points
+constexpr Index kSampled = 2000;    // pixels that the camera is fitted to
+constexpr double kOffRay = 0.1;     // of a pixel: what a point may lie off its ray
+constexpr double kStraying = 0.02;  // of the pixels may lie farther off: some drivers move single points
 
 struct Sighting {
   Vec3 pixel;      // (u, v, 1), scaled
@@ -48,8 +48,8 @@ std::optional<DepthImage> findDepthImage(const PointCloud& input, const CleanClo
   const std::size_t stride = std::max<std::size_t>(1, seen.size() / kSampled);
   std::vector<Sighting> sightings;
   for (std::size_t s = 0; s < seen.size(); s += stride)
-    sightings.push_back({scale * Vec3(seen[s] % width, seen[s] / width, 1.0),
-                         (input.positions[seen[s]] - input.eye()).normalized()});
+    sightings.push_back(
+        {scale * Vec3(seen[s] % width, seen[s] / width, 1.0), (input.positions[seen[s]] - input.eye()).normalized()});
   DepthImage image{width, height, input.eye(), fitView(sightings) * scale, {}};
 
   // Depths count along the axis, with which all rays view (u, v, 1) have the same product.

@@ -10,9 +10,9 @@ namespace deformable_surface::cloud {
 
 struct DepthImage {
   Index width = 0, height = 0;
-  Vec3 eye = Vec3::Zero();                // m
-  Mat3 view = Mat3::Identity();           // eye + depth view (u, v, 1) is the point of column u, row v; m
-  std::vector<double> inverse_depth;      // (height x width) 1/m, along the optical axis; 0: a hole
+  Vec3 eye = Vec3::Zero();            // m
+  Mat3 view = Mat3::Identity();       // eye + depth view (u, v, 1) is the point of column u, row v; m
+  std::vector<double> inverse_depth;  // (height x width) 1/m, along the optical axis; 0: a hole
 
   Vec3 ray(Index u, Index v) const { return view * Vec3(u, v, 1.0); }
   /// Of neighbouring pixels at depth 1, m.

@@ -12,13 +12,13 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kRowsPerTask = 8, kPlanesPerTask = 8192;
-constexpr Index kNoiseRadius = 3;        // of the windows that noise is measured in
-constexpr Index kSampledRows = 120;      // and at most so many rows of them, as many columns
-constexpr double kFewestPixels = 6.0;    // of a window: twice the unknowns of a plane
-constexpr double kLeastFilled = 0.3;     // of a window: a little more than a quarter, which is left in the corner of an image
-constexpr double kLeastSpread = 0.05;    // of the determinant of a full window's spread: what stands in a line has no plane
-constexpr Index kBeside = 2;              // pixels that a window may be away from one that fits none
-constexpr double kMostVariance = 3.0;    // of a window over that of small ones: more is shape
+constexpr Index kNoiseRadius = 3;      // of the windows that noise is measured in
+constexpr Index kSampledRows = 120;    // and at most so many rows of them, as many columns
+constexpr double kFewestPixels = 6.0;  // of a window: twice the unknowns of a plane
+constexpr double kLeastFilled = 0.3;   // of a window: a little more than a quarter, which is left in the corner of an image
+constexpr double kLeastSpread = 0.05;  // of the determinant of a full window's spread: what stands in a line has no plane
+constexpr Index kBeside = 2;           // pixels that a window may be away from one that fits none
+constexpr double kMostVariance = 3.0;  // of a window over that of small ones: more is shape
 
 // Sums over pixels; u and v count from the middle of the image.
 struct Sums {
@@ -88,8 +88,8 @@ class SummedImage {
 
 struct Plane {
   double at_zero = 0.0, along_u = 0.0, along_v = 0.0;  // of u = v = 0
-  double deviation = 0.0;   // of the noise there; 0: the window shows no plane, or noise does not explain it
-  double variance = 0.0;    // of what it leaves
+  double deviation = 0.0;  // of the noise there; 0: the window shows no plane, or noise does not explain it
+  double variance = 0.0;   // of what it leaves
   double freedom = 0.0;
 
   double at(Index u, Index v) const { return at_zero + along_u * u + along_v * v; }
@@ -140,8 +140,7 @@ struct Offset {
 std::vector<Offset> listOffsets(Index radius) {
   std::vector<Offset> offsets;
   for (Index v = -radius; v <= radius; ++v)
-    for (Index u = -radius; u <= radius; ++u)
-      offsets.push_back({static_cast<double>(u * u + v * v) / (radius * radius), u, v});
+    for (Index u = -radius; u <= radius; ++u) offsets.push_back({static_cast<double>(u * u + v * v) / (radius * radius), u, v});
   std::stable_sort(offsets.begin(), offsets.end(), [](const Offset& a, const Offset& b) { return a.cost < b.cost; });
   return offsets;
 }

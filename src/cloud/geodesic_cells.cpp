@@ -187,9 +187,7 @@ Lists findChosenNear(const GeodesicCells& cells, const std::vector<Index>& owner
   const Index n = static_cast<Index>(positions.size());
   const Lists& neighbors = cells.neighbors;
   const auto measure = [&](Index a, Index b) { return (cells.chosen[b] - cells.chosen[a]).norm(); };
-  const auto lists = [&](Index a, Index b) {
-    return std::find(neighbors.begin(a), neighbors.end(a), b) != neighbors.end(a);
-  };
+  const auto lists = [&](Index a, Index b) { return std::find(neighbors.begin(a), neighbors.end(a), b) != neighbors.end(a); };
   const auto isNear = [&](Index a, Index b) {
     if (a == b || lists(a, b)) return true;
     const double longest = kKeptWay * measure(a, b);

@@ -164,8 +164,8 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
         if (state == PairState::kNear) continue;
         double ratio = 0.0;
         if (!graph.trust_radius.empty()) {
-          ratio = std::sqrt(measureSquaredLength(positions, sides, i, j)) /
-                  std::max(graph.trust_radius[i], graph.trust_radius[j]);
+          ratio =
+              std::sqrt(measureSquaredLength(positions, sides, i, j)) / std::max(graph.trust_radius[i], graph.trust_radius[j]);
         }
         apart.ratio[i] = std::min(apart.ratio[i], static_cast<float>(ratio));
         blocks[begin / kBlock].push_back(j);

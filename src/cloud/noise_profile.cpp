@@ -11,16 +11,16 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr int kUnknowns = 6;          // of a quadratic
-constexpr int kFreedom = 4;           // samples beyond that, at least
-constexpr std::size_t kFewest = 40;   // windows of a part of the profile
+constexpr int kUnknowns = 6;         // of a quadratic
+constexpr int kFreedom = 4;          // samples beyond that, at least
+constexpr std::size_t kFewest = 40;  // windows of a part of the profile
 constexpr std::size_t kMostParts = 6;
 // Values that take so few levels, but not next to none, are quantised. Two levels may be two flat parts.
 constexpr std::size_t kFewestLevels = 8, kRepeats = 4;
 // Of what steps leave of a window, a twelfth of their square: that many windows have about that, and not just edges of parts or a
 // plane whose rows are level.
 constexpr double kLeastStepped = 0.2, kMostStepped = 1.5, kSteppedShare = 0.01;
-constexpr double kSameLevel = 2e-6;   // relative: what single precision makes of one
+constexpr double kSameLevel = 2e-6;  // relative: what single precision makes of one
 
 // Between neighbouring levels. sorted: values, ascending.
 std::vector<double> findSteps(const std::vector<double>& sorted) {
@@ -63,9 +63,8 @@ NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {
     const double variance = measureLeftover(windows[w]).variance;
     if (variance >= 0.0) fits.push_back({windows[w][0].value, variance, w});
   }
-  std::sort(fits.begin(), fits.end(), [](const Fit& a, const Fit& b) {
-    return a.value != b.value ? a.value < b.value : a.window < b.window;
-  });
+  std::sort(fits.begin(), fits.end(),
+            [](const Fit& a, const Fit& b) { return a.value != b.value ? a.value < b.value : a.window < b.window; });
   if (fits.empty()) return;
   std::vector<double> all;
   for (const Fit& fit : fits) all.push_back(fit.value);

@@ -18,7 +18,7 @@ struct Sample {
 struct Leftover {
   // Of as many degrees of freedom, in the square of the values' unit; negative: too few samples, or they lie on a curve.
   double variance = -1.0;
-  double kurtosis = 0.0;   // 3 of normal noise, 1 of two layers
+  double kurtosis = 0.0;  // 3 of normal noise, 1 of two layers
 };
 Leftover measureLeftover(const std::vector<Sample>& window);
 

@@ -100,8 +100,9 @@ void joinSides(const Lists& neighbors, const Points& normals, const std::vector<
     for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) visit(makeLink(normals, given_sides, i, *j));
   };
   const auto joinRest = [&] {
-    visitSpanningForest<Link>(neighbors.size(), forLinks, [&](Index i) { return sets.find(i); },
-                              [&](const Link& link) { sets.join(link.i, link.j, link.are_opposite); });
+    visitSpanningForest<Link>(
+        neighbors.size(), forLinks, [&](Index i) { return sets.find(i); },
+        [&](const Link& link) { sets.join(link.i, link.j, link.are_opposite); });
   };
   if (joinFlat(neighbors, normals, given_sides, sets, are_all)) {
     if (are_all) return;

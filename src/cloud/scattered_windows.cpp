@@ -17,16 +17,16 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr Index kSampled = 2000;        // windows that noise is measured in
-constexpr Index kNoiseWindow = 32;       // points of the windows of a camera's noise
+constexpr Index kSampled = 2000;    // windows that noise is measured in
+constexpr Index kNoiseWindow = 32;  // points of the windows of a camera's noise
 constexpr Index kNoiseWindows[] = {16, 32, 64, 128, 256};
 // Of what windows leave, twice the points over half of them: noise leaves as much, a surface that they bend over four times as
 // much, one that they are lost in (a hair, a crumpled ball) 1.4 times. Over the window's radius it must be small, too.
 constexpr double kPlateau = 1.2, kThinnest = 0.25;
-constexpr double kLayers = 2.2;         // kurtosis below that of any noise
+constexpr double kLayers = 2.2;                  // kurtosis below that of any noise
 constexpr double kThickest = 0.31, kBall = 2.3;  // of the radius, in windows of 64 points, and kurtosis
-constexpr double kClean = 0.1;          // spacings: as little in the two smallest windows is not worth a look at larger ones
-constexpr double kRegular = 1.5;        // ninth over first decile of the distances of directions that pixels have
+constexpr double kClean = 0.1;    // spacings: as little in the two smallest windows is not worth a look at larger ones
+constexpr double kRegular = 1.5;  // ninth over first decile of the distances of directions that pixels have
 
 // A plane through some points, least squares; the normal is unit.
 struct Plane {
@@ -200,8 +200,7 @@ NoiseProfile measureSeenNoise(const Points& directions, const KdTree& tree, cons
     const Vec3& axis = directions[window.front()];
     const Vec3 e1 = axis.unitOrthogonal(), e2 = axis.cross(e1);
     windows.emplace_back();
-    for (const Index j : window)
-      windows.back().push_back({Vec2(directions[j].dot(e1), directions[j].dot(e2)), values[j]});
+    for (const Index j : window) windows.back().push_back({Vec2(directions[j].dot(e1), directions[j].dot(e2)), values[j]});
   }
   return NoiseProfile(windows);
 }

@@ -12,9 +12,9 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr Index kMostRadius = 8;             // pixels
+constexpr Index kMostRadius = 8;  // pixels
 constexpr Index kFewestInWindow = 16, kMostInWindow = 128;
-constexpr double kMostUnexplained = 0.015;   // of the points: with more the surface is curved within its windows
+constexpr double kMostUnexplained = 0.015;  // of the points: with more the surface is curved within its windows
 constexpr double kMostShape = 0.05;
 // Of the way to the surface: two points seen in the same direction stay apart.
 constexpr double kWay = 0.999;
@@ -45,8 +45,10 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
   noise.spacing = findMedian(std::move(spacings));
   if (!deviation.is_auto) {
     const double depth = noise.spacing / image.pixel();
-    if (noise.deviation > 0.0) profile.scale(deviation.value / noise.deviation);
-    else profile = NoiseProfile(deviation.value / (depth * depth));
+    if (noise.deviation > 0.0)
+      profile.scale(deviation.value / noise.deviation);
+    else
+      profile = NoiseProfile(deviation.value / (depth * depth));
     noise.deviation = deviation.value;
   }
   if (deviation.is_auto) noise.num_levels = static_cast<Index>(profile.numFewLevels());

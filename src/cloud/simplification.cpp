@@ -89,9 +89,9 @@ struct Scratch {
   std::vector<Neighbor> found;
   std::vector<Vec2> projected;
   geometry::DelaunayStarBuilder builder;
-  std::vector<Index> place;    // (n) where a point stands among those found; stale where another stands there
-  std::vector<double> bound;   // lengths of ways to those found
-  std::vector<char> reached;   // whether they are no detour
+  std::vector<Index> place;   // (n) where a point stands among those found; stale where another stands there
+  std::vector<double> bound;  // lengths of ways to those found
+  std::vector<char> reached;  // whether they are no detour
 };
 
 // Lists that are to replace those of some points.
@@ -345,10 +345,10 @@ class Thinning {
   const Index k_;
   const bool over_surface_;
   const std::vector<char>& left_out_;  // (num_parts) go first, and wholly
-  std::vector<Sample> samples_;     // (n)
-  KdTree tree_;                     // of the alive points
-  Lists lists_;                     // nearest neighbours of the same part; some dead
-  std::vector<char> alive_;         // (n)
+  std::vector<Sample> samples_;        // (n)
+  KdTree tree_;                        // of the alive points
+  Lists lists_;                        // nearest neighbours of the same part; some dead
+  std::vector<char> alive_;            // (n)
   Index num_alive_;
   Index num_parts_;
   std::vector<Index> part_;         // (n)

@@ -17,8 +17,8 @@ namespace deformable_surface::cloud {
 /// ends are joined by then. The result does not depend on the number of threads.
 template <class Link, class ForLinks, class FindRoot, class Join>
 void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& findRoot, const Join& join) {
-  constexpr Index kBlock = 1024;   // points per task: about a millisecond of work
-  constexpr Index kSampled = 16;   // one of so many points tells how the links are distributed
+  constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
+  constexpr Index kSampled = 16;  // one of so many points tells how the links are distributed
   std::vector<Index> root(n);
   std::vector<std::vector<Link>> parts((n + kBlock - 1) / kBlock);
   std::vector<Link> sample;
@@ -30,7 +30,9 @@ void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& find
     const auto isLeft = [&](const Link& link) { return (!last || *last < link) && root[link.i] != root[link.j]; };
     sample.clear();
     for (Index i = 0; i < n; i += kSampled)
-      forLinks(i, [&](const Link& link) { if (isLeft(link)) sample.push_back(link); });
+      forLinks(i, [&](const Link& link) {
+        if (isLeft(link)) sample.push_back(link);
+      });
     const std::size_t wanted = portion / kSampled;
     const bool are_all = sample.size() <= wanted;
     if (!are_all) std::nth_element(sample.begin(), sample.begin() + wanted, sample.end());
@@ -39,7 +41,9 @@ void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& find
       std::vector<Link>& part = parts[begin / kBlock];
       part.clear();
       for (Index i = begin; i < end; ++i)
-        forLinks(i, [&](const Link& link) { if (isTaken(link)) part.push_back(link); });
+        forLinks(i, [&](const Link& link) {
+          if (isTaken(link)) part.push_back(link);
+        });
     });
     std::vector<Link> links;
     for (const std::vector<Link>& part : parts) links.insert(links.end(), part.begin(), part.end());

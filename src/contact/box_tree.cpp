@@ -7,8 +7,7 @@ namespace deformable_surface::contact {
 
 BoxTree::BoxTree(const std::vector<Box>& boxes) {
   std::vector<std::pair<Vec3, Index>> middles;
-  for (std::size_t i = 0; i < boxes.size(); ++i)
-    middles.emplace_back(boxes[i].center(), static_cast<Index>(i));
+  for (std::size_t i = 0; i < boxes.size(); ++i) middles.emplace_back(boxes[i].center(), static_cast<Index>(i));
   if (boxes.empty()) return;
   nodes_.reserve(2 * boxes.size() - 1);
   build(middles, 0, static_cast<Index>(middles.size()));

@@ -12,10 +12,10 @@
 namespace deformable_surface::geometry {
 namespace {
 
-constexpr Index kLeaf = 4;                 // triangles: fewer cost more boxes than they save
-constexpr int kMaxDepth = 64;              // of the tree, which is halved on every level
-constexpr double kFlat = 1e-10;            // height over longest edge of a triangle whose normal would be rounding
-constexpr double kOnSurface = 1e-12;       // of the extent: rounding of the nearest point
+constexpr Index kLeaf = 4;            // triangles: fewer cost more boxes than they save
+constexpr int kMaxDepth = 64;         // of the tree, which is halved on every level
+constexpr double kFlat = 1e-10;       // height over longest edge of a triangle whose normal would be rounding
+constexpr double kOnSurface = 1e-12;  // of the extent: rounding of the nearest point
 
 double squaredDistanceToBox(const Vec3& low, const Vec3& high, const Vec3& p) {
   return (low - p).cwiseMax(p - high).cwiseMax(0.0).squaredNorm();

@@ -190,8 +190,7 @@ FilterReport filterCloud(const InputFilterParams& params, PointCloud& cloud) {
     filtering.remove([&](std::size_t k, Index i) { return goes(k, i) ? filter : RemovedBy::kNone; });
     endIfInterrupted();
   };
-  if (!params.crop.empty())
-    removeIf(RemovedBy::kCrop, [&](std::size_t, Index i) { return isCropped(cloud.positions[i]); });
+  if (!params.crop.empty()) removeIf(RemovedBy::kCrop, [&](std::size_t, Index i) { return isCropped(cloud.positions[i]); });
   removeIf(RemovedBy::kRange, [&, eye = cloud.eye()](std::size_t, Index i) {
     const double distance = (cloud.positions[i] - eye).norm();
     return distance < params.range.min || distance > params.range.max;
@@ -204,9 +203,9 @@ FilterReport filterCloud(const InputFilterParams& params, PointCloud& cloud) {
     const std::vector<char> flying = cloud::findFlyingPixels(cloud, params.flying_pixels);
     removeIf(RemovedBy::kFlyingPixels, [&](std::size_t, Index i) { return flying[i]; });
   }
-  std::string plane_note;
+  std::string plane_notice;
   if (params.plane.distance > 0.0) {
-    plane_note = removePlane(params.plane, filtering);
+    plane_notice = removePlane(params.plane, filtering);
     endIfInterrupted();
   }
   if (params.outliers.method != simulation::OutlierParams::Method::kNone) {
@@ -218,11 +217,11 @@ FilterReport filterCloud(const InputFilterParams& params, PointCloud& cloud) {
   std::array<Index, kNames.size()> counts{};
   for (const RemovedBy filter : report.removed_by) ++counts[static_cast<std::size_t>(filter)];
   const std::string removed = describeRemoved(counts);
-  report.notes.push_back("input.filter: taken away: " + removed + "; before: " + described + "; after: " + describe(filtering));
-  if (!plane_note.empty()) report.notes.push_back(plane_note);
+  report.notices.push_back("input.filter: taken away: " + removed + "; before: " + described + "; after: " + describe(filtering));
+  if (!plane_notice.empty()) report.notices.push_back(plane_notice);
   const std::size_t after = filtering.alive().size();
   if (after < kFewestPoints && after < before) {
-    report.refusal = "input.filter: found " + std::to_string(before) + " points, of which " + std::to_string(after) +
+    report.problem = "input.filter: found " + std::to_string(before) + " points, of which " + std::to_string(after) +
                      " stay (taken away: " + removed + "); accepted: filters that leave at least " +
                      std::to_string(kFewestPoints);
   }

@@ -3,10 +3,10 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 
-#include <assimp/Importer.hpp>
 #include <assimp/config.h>
 #include <assimp/postprocess.h>
 #include <assimp/scene.h>
+#include <assimp/Importer.hpp>
 
 namespace deformable_surface::io {
 
@@ -18,8 +18,7 @@ geometry::Solid readMeshFile(const std::string& file, const Vec3& scale, const F
   importer.SetPropertyInteger(AI_CONFIG_PP_SBP_REMOVE, aiPrimitiveType_POINT | aiPrimitiveType_LINE);
   const aiScene* const scene =
       importer.ReadFile(path, aiProcess_Triangulate | aiProcess_SortByPType | aiProcess_PreTransformVertices);
-  if (!scene)
-    throw InputError("mesh " + quote(file) + ": " + importer.GetErrorString() + "; accepted: a mesh that can be read");
+  if (!scene) throw InputError("mesh " + quote(file) + ": " + importer.GetErrorString() + "; accepted: a mesh that can be read");
   Points vertices, triangles;
   for (unsigned m = 0; m < scene->mNumMeshes; ++m) {
     const aiMesh& mesh = *scene->mMeshes[m];

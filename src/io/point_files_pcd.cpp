@@ -45,22 +45,14 @@ bool storeAs(double value, std::uint8_t* place) {
 /// False if the type cannot hold the value.
 bool storeScalar(ScalarType type, double value, std::uint8_t* place) {
   switch (type) {
-    case ScalarType::kInt8:
-      return storeAs<std::int8_t>(value, place);
-    case ScalarType::kUint8:
-      return storeAs<std::uint8_t>(value, place);
-    case ScalarType::kInt16:
-      return storeAs<std::int16_t>(value, place);
-    case ScalarType::kUint16:
-      return storeAs<std::uint16_t>(value, place);
-    case ScalarType::kInt32:
-      return storeAs<std::int32_t>(value, place);
-    case ScalarType::kUint32:
-      return storeAs<std::uint32_t>(value, place);
-    case ScalarType::kFloat32:
-      return storeAs<float>(value, place);
-    case ScalarType::kFloat64:
-      return storeAs<double>(value, place);
+    case ScalarType::kInt8: return storeAs<std::int8_t>(value, place);
+    case ScalarType::kUint8: return storeAs<std::uint8_t>(value, place);
+    case ScalarType::kInt16: return storeAs<std::int16_t>(value, place);
+    case ScalarType::kUint16: return storeAs<std::uint16_t>(value, place);
+    case ScalarType::kInt32: return storeAs<std::int32_t>(value, place);
+    case ScalarType::kUint32: return storeAs<std::uint32_t>(value, place);
+    case ScalarType::kFloat32: return storeAs<float>(value, place);
+    case ScalarType::kFloat64: return storeAs<double>(value, place);
   }
   return false;
 }

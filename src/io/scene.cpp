@@ -23,7 +23,7 @@ constexpr std::size_t kMaxDepth = 32;
 constexpr std::size_t kMaxBytes = std::size_t{16} << 20;
 
 /// Where and why building stopped; yaml-cpp's own errors are another type.
-struct Refusal {
+struct Problem {
   YAML::Mark mark;
   std::string sentence;
 };
@@ -44,7 +44,7 @@ class ValueBuilder : public YAML::EventHandler {
   void OnDocumentEnd() override {}
   void OnNull(const YAML::Mark& mark, YAML::anchor_t) override { add(mark, {}, nullptr); }
   void OnAlias(const YAML::Mark& mark, YAML::anchor_t) override {
-    throw Refusal{mark, "found an alias (*name); accepted: the value written out"};
+    throw Problem{mark, "found an alias (*name); accepted: the value written out"};
   }
   void OnScalar(const YAML::Mark& mark, const std::string& tag, YAML::anchor_t, const std::string& text) override {
     // yaml-cpp marks plain scalars by "?" and quoted ones by "!".
@@ -66,20 +66,20 @@ class ValueBuilder : public YAML::EventHandler {
     std::sort(keys.begin(), keys.end());
     const auto twice = std::adjacent_find(keys.begin(), keys.end());
     if (twice != keys.end()) {
-      throw Refusal{stack_.back().mark, "found the key " + quote(*twice) + " twice in the map that begins here; accepted: once"};
+      throw Problem{stack_.back().mark, "found the key " + quote(*twice) + " twice in the map that begins here; accepted: once"};
     }
     close();
   }
 
   static void checkTag(const YAML::Mark& mark, const std::string& tag) {
     if (tag.empty() || tag == "?" || tag == "!") return;
-    throw Refusal{mark, "found the tag " + quote(tag) + "; accepted: values without tags"};
+    throw Problem{mark, "found the tag " + quote(tag) + "; accepted: values without tags"};
   }
 
   void open(const YAML::Mark& mark, Value value) {
     if (!stack_.empty() && stack_.back().value.isMap() && !stack_.back().has_key) refuseKey(mark);
     if (stack_.size() == kMaxDepth) {
-      throw Refusal{mark, "found more than " + std::to_string(kMaxDepth) + " levels of nesting; accepted: fewer"};
+      throw Problem{mark, "found more than " + std::to_string(kMaxDepth) + " levels of nesting; accepted: fewer"};
     }
     stack_.push_back({std::move(value), mark, false, ""});
   }
@@ -112,7 +112,7 @@ class ValueBuilder : public YAML::EventHandler {
   }
 
   [[noreturn]] static void refuseKey(const YAML::Mark& mark) {
-    throw Refusal{mark, "found a key that is not a word; accepted: words as keys"};
+    throw Problem{mark, "found a key that is not a word; accepted: words as keys"};
   }
 
   Value root_;
@@ -134,8 +134,8 @@ Value parseAny(const std::string& text, const std::string& name) {
     ValueBuilder rest;
     if (parser.HandleNextDocument(rest)) throw InputError(name + ": found several YAML documents; accepted: one");
     return builder.takeRoot();
-  } catch (const Refusal& refusal) {
-    refuse(name, refusal.mark, refusal.sentence);
+  } catch (const Problem& problem) {
+    refuse(name, problem.mark, problem.sentence);
   } catch (const YAML::Exception& error) {
     refuse(name, error.mark, "not YAML: " + error.msg);
   }

@@ -215,9 +215,8 @@ Points makeSphere(const simulation::CloudParams& params, Jitter& jitter) {
 Points makeCap(const simulation::CloudParams& params, Jitter& jitter) {
   // Of the area, a strip of half a spacing is the share of the rim; the rest ends where the innermost points are a spacing away.
   const double rim_height = -std::cos(params.angle), rim_length = 2.0 * kPi * std::sin(params.angle);
-  const double spacing = findSpacing(params.points, 1e-9, 2.0 * kPi, [&](double h) {
-    return 2.0 * kPi * (1.0 + rim_height) / (h * h) + 0.5 * rim_length / h;
-  });
+  const double spacing = findSpacing(params.points, 1e-9, 2.0 * kPi,
+                                     [&](double h) { return 2.0 * kPi * (1.0 + rim_height) / (h * h) + 0.5 * rim_length / h; });
   const Index rim = std::max(Index{3}, static_cast<Index>(std::lround(rim_length / spacing)));
   const double inner_angle = std::max(0.5 * params.angle, params.angle - 0.5 * spacing);
   Points points = makeSpiral(std::max(Index{1}, params.points - rim), -1.0, -std::cos(inner_angle), jitter);
@@ -239,33 +238,15 @@ cloud::PointCloud makeShape(const simulation::CloudParams& params) {
   switch (params.shape) {
     case Shape::kNone:
       throw InputError("cloud.shape: found none; accepted: sheet, strip, lattice, chain, sine, sphere, cap, two_bars, bar");
-    case Shape::kSheet:
-      cloud.positions = makeSheet(params, -0.5 * params.size.x(), jitter);
-      break;
-    case Shape::kStrip:
-      cloud.positions = makeSheet(params, 0.0, jitter);
-      break;
-    case Shape::kLattice:
-      cloud.positions = makeLattice(params, jitter);
-      break;
-    case Shape::kChain:
-      cloud.positions = makeChain(params, jitter);
-      break;
-    case Shape::kSine:
-      cloud.positions = makeSine(params, jitter);
-      break;
-    case Shape::kCap:
-      cloud.positions = makeCap(params, jitter);
-      break;
-    case Shape::kSphere:
-      cloud.positions = makeSphere(params, jitter);
-      break;
-    case Shape::kBar:
-      cloud.positions = makeBar(params, jitter);
-      break;
-    case Shape::kTwoBars:
-      cloud.positions = makeTwoBars(params, jitter);
-      break;
+    case Shape::kSheet: cloud.positions = makeSheet(params, -0.5 * params.size.x(), jitter); break;
+    case Shape::kStrip: cloud.positions = makeSheet(params, 0.0, jitter); break;
+    case Shape::kLattice: cloud.positions = makeLattice(params, jitter); break;
+    case Shape::kChain: cloud.positions = makeChain(params, jitter); break;
+    case Shape::kSine: cloud.positions = makeSine(params, jitter); break;
+    case Shape::kCap: cloud.positions = makeCap(params, jitter); break;
+    case Shape::kSphere: cloud.positions = makeSphere(params, jitter); break;
+    case Shape::kBar: cloud.positions = makeBar(params, jitter); break;
+    case Shape::kTwoBars: cloud.positions = makeTwoBars(params, jitter); break;
   }
   cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
   return cloud;

@@ -20,9 +20,7 @@ constexpr Index kLook = 64;      // columns, or products of panels, between two 
 constexpr Index kPadding = 3;    // numbers that a tile reads beyond the last row of a panel
 
 // Zeros that a panel may hold to become wider: any in the narrowest, as these cost more in handling than in arithmetic.
-bool isWorthMerging(Index width, double zeros, double size) {
-  return width <= 4 || zeros <= (width <= 16 ? 0.3 : 0.1) * size;
-}
+bool isWorthMerging(Index width, double zeros, double size) { return width <= 4 || zeros <= (width <= 16 ? 0.3 : 0.1) * size; }
 
 // tile (4 V x 3) = sum over p of a(:, p) b(:, p)^T, of a the first 4 V rows and of b the first 3.
 template <int V>

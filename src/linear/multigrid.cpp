@@ -8,10 +8,10 @@
 namespace deformable_surface {
 namespace {
 
-constexpr Index kBlock = 512;        // points a task
-constexpr Index kFewest = 200;       // points that are solved for: a factor of them costs less than a sweep of thousands
-constexpr double kDamping = 0.7;     // of a sweep: eigenvalues over the diagonal reach two
-constexpr double kOvershoot = 1.6;   // of what the next level says: constants on aggregates are stiffer than what they stand for
+constexpr Index kBlock = 512;       // points a task
+constexpr Index kFewest = 200;      // points that are solved for: a factor of them costs less than a sweep of thousands
+constexpr double kDamping = 0.7;    // of a sweep: eigenvalues over the diagonal reach two
+constexpr double kOvershoot = 1.6;  // of what the next level says: constants on aggregates are stiffer than what they stand for
 
 struct Rows {
   const Index *offsets, *columns;

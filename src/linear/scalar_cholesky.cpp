@@ -225,12 +225,10 @@ void ScalarCholesky::solve(const std::vector<double>& b, std::vector<double>& x)
 
 void ScalarCholesky::solveWith(const ScalarCholesky& of_last, std::vector<double>& rows) {
   const Index n = static_cast<Index>(from_.size());
-  for (Index k = 0; k < n; ++k)
-    std::copy_n(at(rows.data(), from_[k]), 4, at(work_.data(), k));
+  for (Index k = 0; k < n; ++k) std::copy_n(at(rows.data(), from_[k]), 4, at(work_.data(), k));
   substituteTwo({n, starts_.data(), factor_rows_.data(), is_paired_.data()}, factor_.data(), inverse_.data(),
                 of_last.factor_.data(), of_last.inverse_.data(), work_.data());
-  for (Index k = 0; k < n; ++k)
-    std::copy_n(at(work_.data(), k), 4, at(rows.data(), from_[k]));
+  for (Index k = 0; k < n; ++k) std::copy_n(at(work_.data(), k), 4, at(rows.data(), from_[k]));
 }
 
 }  // namespace deformable_surface

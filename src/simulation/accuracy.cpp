@@ -1,8 +1,8 @@
 #include "accuracy.h"
 
+#include "accuracy_probe.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/base/value.h"
-#include "accuracy_probe.h"
 #include "estimated_dynamics.h"
 #include "integrator_choice.h"
 

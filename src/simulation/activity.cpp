@@ -8,14 +8,14 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kCaution = 3.0;      // of estimates of a way by its largest speed and force; measured in docs/activity.md
-constexpr double kTolerance = 1e-4;   // of the spacing: far below what the spacing itself leaves wrong
-constexpr Index kTilePoints = 16;     // four by four: little more than a poke moves, and few enough lists
-constexpr int kLooks = 8;             // in a quiet time: a look costs two evaluations of the forces
-constexpr double kWorth = 0.25;       // of what moves: fewer leave only together with others, since making a part anew costs
-constexpr double kWhole = 0.7;        // of all points: if more move, all do, since a part has its walls beside
-constexpr double kRounding = 8.0;     // of the force that is rounding in one sum: forces are sums of sums
-constexpr int kMargin = 1;      // rings of tiles around what moves
+constexpr double kCaution = 3.0;     // of estimates of a way by its largest speed and force; measured in docs/activity.md
+constexpr double kTolerance = 1e-4;  // of the spacing: far below what the spacing itself leaves wrong
+constexpr Index kTilePoints = 16;    // four by four: little more than a poke moves, and few enough lists
+constexpr int kLooks = 8;            // in a quiet time: a look costs two evaluations of the forces
+constexpr double kWorth = 0.25;      // of what moves: fewer leave only together with others, since making a part anew costs
+constexpr double kWhole = 0.7;       // of all points: if more move, all do, since a part has its walls beside
+constexpr double kRounding = 8.0;    // of the force that is rounding in one sum: forces are sums of sums
+constexpr int kMargin = 1;           // rings of tiles around what moves
 constexpr int kMostMargin = 3;  // of those that a front is to find awake: more cost more than to make a part less often saves
 
 // Halves along the longest axis until few enough are left. Ties by index.

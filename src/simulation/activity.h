@@ -38,7 +38,7 @@ class Activity {
 
   double speed() const { return tolerance_ / quiet_time_; }  // m/s
   double acceleration() const;                               // m/s^2
-  double tolerance() const { return tolerance_; }                                         // m
+  double tolerance() const { return tolerance_; }            // m
 
   /// Everything moves, and what lies in balance may be looked for at once.
   void reset();
@@ -104,7 +104,7 @@ class Activity {
   // Constants.
   double tolerance_, quiet_time_, spacing_;
   std::int32_t quiet_steps_, look_steps_;
-  Lists tiles_;                 // their points, ascending; empty if there is but one tile
+  Lists tiles_;                       // their points, ascending; empty if there is but one tile
   std::vector<Index> first_tile_of_;  // (n) at first; empty if there was but one
 
   std::vector<Index> tile_of_;  // (n); empty if there is but one
@@ -115,8 +115,8 @@ class Activity {
   std::vector<char> moving_points_;
   std::vector<Eigen::AlignedBox3d> boxes_;  // (tiles) of those that sleep
   // Scratch.
-  std::vector<char> needed_, leaves_;       // (tiles)
-  std::vector<char> marked_;                // (n)
+  std::vector<char> needed_, leaves_;        // (tiles)
+  std::vector<char> marked_;                 // (n)
   std::vector<Index> ring_, needed_points_;  // tiles that are needed since the last ring, and their points
   State still_;
   Points forces_, forces_there_, torques_, way_;

@@ -24,8 +24,9 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
   s.is_thick = noise.is_thick;
   if (noise.is_thick)
-    s.warnings.push_back("the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
-                         "and no gap is told (input.noise 0: the points are exact)");
+    s.warnings.push_back(
+        "the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
+        "and no gap is told (input.noise 0: the points are exact)");
   if (noise.num_levels > 0)
     s.warnings.push_back("the cloud's depths take only " + std::to_string(noise.num_levels) +
                          " values: steps of the sensor look like gaps between flat parts, and are taken for gaps (input.noise: "

@@ -119,7 +119,8 @@ void noteHinges(const SceneParams& params, const Points& dense, const std::vecto
     bool clamps = false;
     for (std::size_t i = 0; i < dense.size(); ++i) clamps |= clamping[i] && params.pins[p].region.contains(dense[i]);
     if (!clamps)
-      s.notes.push_back("pins[" + std::to_string(p) + "] is a hinge: it holds one row of points or less, about which the surface "
+      s.notes.push_back("pins[" + std::to_string(p) +
+                        "] is a hinge: it holds one row of points or less, about which the surface "
                         "turns; a pin of two rows clamps");
   }
 }

@@ -19,7 +19,7 @@ struct ClampedSurface {
 using Contains = std::function<bool(const Vec3&)>;
 
 struct ClampEdges {
-  std::vector<Index> riding;             // ascending: points outside that ride with the patch, as they are too near to its edge
+  std::vector<Index> riding;            // ascending: points outside that ride with the patch, as they are too near to its edge
   std::vector<model::ClampEdge> edges;  // ascending
 };
 

@@ -228,9 +228,8 @@ void FrictionLoad::forEachRub(double motion_time, double time, const Points& pos
   for (const ContactLoad::Body& body : contact_.bodies_) {
     if (!rubs(body.tool)) continue;
     const tool::Motion motion = tool::findMotion(body.tool.path, motion_time);
-    contact_.forEachTouch(body, time, positions, [&](const ContactLoad::Touch& touch) {
-      visit(touch, Law(contact_, body.tool, touch), motion);
-    });
+    contact_.forEachTouch(body, time, positions,
+                          [&](const ContactLoad::Touch& touch) { visit(touch, Law(contact_, body.tool, touch), motion); });
   }
 }
 

@@ -39,9 +39,9 @@ class CutTransfer {
   const RestSurface& rest_;
   const transfer::TransferParams params_;
   transfer::Transfer transfer_;
-  Memory severed_;              // (dense)
+  Memory severed_;                                // (dense)
   mutable std::shared_ptr<const Memory> memory_;  // the same; null: not asked for yet
-  std::vector<char> is_refit_;  // (dense) its row is another than at rest
+  std::vector<char> is_refit_;                    // (dense) its row is another than at rest
   // Scratch.
   Points dense_before_, dense_after_;
   Memory parted_;  // (dense) by the last knife

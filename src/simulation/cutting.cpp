@@ -21,9 +21,8 @@ double findPassage(const tool::ToolParams& tool, double time, double step, doubl
   const double smallest = geometry::findSmallestExtent(tool.shape);
   if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;
   const tool::Pose first = tool::interpolate(tool.path, time), last = tool::interpolate(tool.path, time + step);
-  const bool has_corner = std::any_of(tool.path.begin(), tool.path.end(), [&](const tool::WaypointParams& w) {
-    return w.time > time && w.time < time + step;
-  });
+  const bool has_corner = std::any_of(tool.path.begin(), tool.path.end(),
+                                      [&](const tool::WaypointParams& w) { return w.time > time && w.time < time + step; });
   const Vec3 way = first.orientation.conjugate() * (last.position - first.position);
   if (has_corner || first.orientation.coeffs() != last.orientation.coeffs() || !(way.norm() > slip)) return smallest;
   double least = std::numeric_limits<double>::infinity();

@@ -160,7 +160,9 @@ void DeformedSurface::moveTiles(const Points& positions, bool with_normals) {
   if (!is_plain_ && rows_.size() == 0) groupRows();
   const transfer::Transfer& transfer = currentTransfer();
   const Index made = transfer.update(positions, frame_, is_plain_ ? surface_.positions : dense_now_,
-                                     !with_normals ? nullptr : is_plain_ ? &surface_.normals : &dense_normals_now_,
+                                     !with_normals ? nullptr
+                                     : is_plain_   ? &surface_.normals
+                                                   : &dense_normals_now_,
                                      [this, with_normals](Index begin, Index end) { fillRows(begin, end, with_normals); });
   has_rested_ = made < transfer.numTiles();
 }
@@ -257,8 +259,7 @@ void DeformedSurface::takeParticles(const model::State& state, bool with_normals
   if (!with_normals) return;
   dense_normals_now_.assign(dense_now_.size(), Eigen::Vector3f::UnitZ());
   for (std::size_t id = 0; id < dense_now_.size(); ++id)
-    if (point_of_id_[id] != kGone)
-      dense_normals_now_[id] = (state.orientations[point_of_id_[id]] * Vec3::UnitZ()).cast<float>();
+    if (point_of_id_[id] != kGone) dense_normals_now_[id] = (state.orientations[point_of_id_[id]] * Vec3::UnitZ()).cast<float>();
 }
 
 void DeformedSurface::moveSolid(const model::State& state, bool with_normals) {
@@ -295,9 +296,9 @@ void DeformedSurface::moveInserted(const Points& positions, bool with_normals) {
   if (inserted_transfer_.numDense() != static_cast<Index>(resampler_->insertedRest().size())) {
     const bool is_euclidean = params_.neighbors.areEuclidean();
     const Lists followed = is_euclidean ? Lists{} : findFollowed();
-    inserted_transfer_ = transfer::Transfer(resampler_->insertedRest(), resampler_->insertedNormals(), rest_.points,
-                                            std::vector<char>(rest_.points.size(), 1), params_.transfer,
-                                            is_euclidean ? nullptr : &followed);
+    inserted_transfer_ =
+        transfer::Transfer(resampler_->insertedRest(), resampler_->insertedNormals(), rest_.points,
+                           std::vector<char>(rest_.points.size(), 1), params_.transfer, is_euclidean ? nullptr : &followed);
   }
   if (with_normals) {
     inserted_transfer_.apply(positions, inserted_now_, inserted_normals_now_);

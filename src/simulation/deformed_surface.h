@@ -71,7 +71,7 @@ class DeformedSurface : public CutFollower {
   std::vector<Index> first_input_;  // (dense) the first input point that each is
   const bool has_particles_;
   const model::ElasticSolid* const solid_;
-  const bool is_direct_;            // every dense point is a point of the model, where it is: none has to follow others
+  const bool is_direct_;  // every dense point is a point of the model, where it is: none has to follow others
 
   // Points inserted where the surface is stretched.
   std::unique_ptr<transfer::Resampler> resampler_;
@@ -80,16 +80,16 @@ class DeformedSurface : public CutFollower {
   Points inserted_now_, all_now_;
   std::vector<Eigen::Vector3f> inserted_normals_now_;
 
-  std::unique_ptr<CutTransfer> cut_;  // null: nothing is cut
+  std::unique_ptr<CutTransfer> cut_;            // null: nothing is cut
   std::vector<std::pair<Index, Index>> whole_;  // the links that it was told of last
-  bool is_following_ = false;  // it is being told of others, or was interrupted there
+  bool is_following_ = false;                   // it is being told of others, or was interrupted there
 
   // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
-  std::vector<Index> ids_;            // of the state that the rest below belongs to
-  std::vector<Index> point_of_id_;    // its point now; -1: gone
-  std::vector<char> is_gone_;         // (dense) its particle is gone
+  std::vector<Index> ids_;                         // of the state that the rest below belongs to
+  std::vector<Index> point_of_id_;                 // its point now; -1: gone
+  std::vector<char> is_gone_;                      // (dense) its particle is gone
   std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
-  Points first_positions_;            // (m x 3) of the particles of the beginning
+  Points first_positions_;                         // (m x 3) of the particles of the beginning
 
   // Of a surface that is made in tiles: of each its rows of the input, ascending. Without holes and coincident points (is_plain_)
   // these are the points themselves, and there is no list.

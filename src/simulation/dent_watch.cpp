@@ -114,8 +114,7 @@ DentWatch::Local DentWatch::measure(const Triangle& t, const Points& positions) 
   const Eigen::Matrix<double, 3, 2> gradient = edges * t.inverse;
   const Mat2 strain = 0.5 * (gradient.transpose() * gradient - Mat2::Identity());
   const Mat2 bent = gradient.transpose() * (turns * t.inverse);
-  return {stretching_ / (1.0 - poisson_ * poisson_) *
-              ((1.0 - poisson_) * strain + poisson_ * strain.trace() * Mat2::Identity()),
+  return {stretching_ / (1.0 - poisson_ * poisson_) * ((1.0 - poisson_) * strain + poisson_ * strain.trace() * Mat2::Identity()),
           0.5 * (bent + bent.transpose())};
 }
 
@@ -179,8 +178,8 @@ Buckling DentWatch::followStep(const Points& positions, double step) {
   for (std::size_t i = 0; i < n; ++i) {
     const Local local = measure(triangles_[i], positions);
     const bool is_tense = local.force.determinant() >= 0.0 && local.force.trace() >= 0.0;
-    const bool has_grown = has_short_dents_ ? grow(local, is_tense, least_, i) > kGrown
-                                            : grow(local, is_tense, least_fold_, i) > kGrownFold;
+    const bool has_grown =
+        has_short_dents_ ? grow(local, is_tense, least_, i) > kGrown : grow(local, is_tense, least_fold_, i) > kGrownFold;
     const bool may_have = !has_short_dents_ && grow(local, is_tense, least_, n + i) > kMayHaveGrown;
     if (has_grown) worst = Buckling::kLikely;
     if (worst == Buckling::kUnlikely && (may_have || findTurn(triangles_[i]) > kSharp)) worst = Buckling::kPossible;

@@ -73,8 +73,8 @@ class DentWatch {
   bool has_short_dents_ = false;
   double stretching_ = 0.0, stated_stretching_ = 0.0, rigidity_ = 0.0, poisson_ = 0.0, mass_ = 0.0, damping_ = 0.0;
   double least_ = 0.0, least_fold_ = 0.0, largest_ = 0.0;  // k^2, 1/m^2: of what copies show, of what points show, of the cloud
-  double spacing_ = 0.0, full_spacing_ = 0.0;  // m, of the simulation points and of the full cloud
-  std::vector<double> curvature_;              // 1/m, the mean curvature's size at the points at rest
+  double spacing_ = 0.0, full_spacing_ = 0.0;              // m, of the simulation points and of the full cloud
+  std::vector<double> curvature_;                          // 1/m, the mean curvature's size at the points at rest
   // What has been seen.
   std::vector<double> growth_;
   // Scratch.

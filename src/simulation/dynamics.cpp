@@ -22,7 +22,6 @@ Index nearestPoint(const Points& points, const Vec3& to) {
 
 double findSpacing(const RestSurface& rest) { return std::sqrt(rest.area / static_cast<double>(rest.points.size())); }
 
-
 }  // namespace
 
 Dynamics::Dynamics(const SceneParams& params, Made made)

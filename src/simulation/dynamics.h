@@ -59,12 +59,12 @@ class Dynamics {
   };
   struct Outcome {
     bool ok = true;
-    std::string failure;  // what was wrong, as the end of "step 3 ..."
-    std::string notice;   // what a user should know though all is well; else empty
+    std::string failure;     // what was wrong, as the end of "step 3 ..."
+    std::string notice;      // what a user should know though all is well; else empty
     bool has_slept = false;  // through the step
     bool has_cut = false;
-    bool has_new_arrival = false;  // see ContactLoad
-    std::optional<double> second_distance;  // m, how far the end of the second search is from that of the first
+    bool has_new_arrival = false;                        // see ContactLoad
+    std::optional<double> second_distance;               // m, how far the end of the second search is from that of the first
     double contact_seconds = 0.0, search_seconds = 0.0;  // s of wall time
     solve::SolveReport report;
   };
@@ -244,9 +244,9 @@ class Dynamics {
 
   // What resets and snapshots leave as it is.
   struct Chosen {
-    double membrane_share = 1.0;  // from each reset on
+    double membrane_share = 1.0;                                      // from each reset on
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // another: in the place of auto, from each reset on
-    model::MaterialParams made;   // what the model was made with
+    model::MaterialParams made;                                       // what the model was made with
   } chosen_;
   std::vector<model::PointMaterial> shares_;  // values_ as the model has them; empty: as it was made
   Index fineness_ = 1;
@@ -255,18 +255,18 @@ class Dynamics {
 
   std::uint64_t revision_ = 0;
   std::string growth_notice_;
-  bool is_hot_ = false;          // some particles are above the ambient temperature
+  bool is_hot_ = false;  // some particles are above the ambient temperature
   Index last_substeps_ = 0;
-  LooseParts loose_;             // of static steps
-  Index loose_said_ = 0;         // points of loose parts, as said last since the last reset
-  DynamicsState before_;         // the step that is taken, or was taken last; without settings, and if it slept, without motion
-  bool has_slept_ = false;       // through that step
-  NamedForces::Update woken_;    // by the step that is taken
-  bool has_woken_ = false;       // in its first half
+  LooseParts loose_;           // of static steps
+  Index loose_said_ = 0;       // points of loose parts, as said last since the last reset
+  DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion
+  bool has_slept_ = false;     // through that step
+  NamedForces::Update woken_;  // by the step that is taken
+  bool has_woken_ = false;     // in its first half
   // Scratch.
-  std::vector<Index> hits_, moving_;  // moving: points on pins that move in the step
+  std::vector<Index> hits_, moving_;                   // moving: points on pins that move in the step
   std::vector<double> load_stiffness_, load_damping_;  // N/m, N s/m
-  mutable Points forces_on_all_;      // N
+  mutable Points forces_on_all_;                       // N
 };
 
 }  // namespace deformable_surface::simulation

@@ -45,8 +45,8 @@ void Dynamics::followLoads() {
 void Dynamics::setParts() {
   const bool is_blown = params_.pressure != 0.0 && model_->isClosed();
   const bool only_wholly = is_blown || std::any_of(tools_.begin(), tools_.end(), [](const tool::ToolParams& tool) {
-    return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
-  });
+                             return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
+                           });
   activity_.setOnlyWholly(only_wholly);
   if (only_wholly && !activity_.isWhole() && !activity_.isAsleep()) wakeAll();
 }
@@ -75,8 +75,7 @@ NamedForces::Update Dynamics::wakeForStep(double now, double dt) {
     ++revision_;
   }
   // Where they are in the step, and were at the end of the one before.
-  for (const Eigen::AlignedBox3d& box : tool_watch_.look(tools_, static_cast<double>(steps_ + 1) * dt, dt))
-    activity_.wakeIn(box);
+  for (const Eigen::AlignedBox3d& box : tool_watch_.look(tools_, static_cast<double>(steps_ + 1) * dt, dt)) activity_.wakeIn(box);
   if (!tool_watch_.changed().empty()) ++revision_;
   grips_.findMovingPins(now, now + dt, moving_);
   if (!moving_.empty()) {

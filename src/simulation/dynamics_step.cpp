@@ -108,9 +108,9 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (is_static) {
     findLoose(now + dt);
     if (loose_.areAll())
-      return refuse("has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose_.load()) +
-                        " N",
-                    outcome);
+      return refuse(
+          "has no equilibrium: nothing holds the surface against loads that sum up to " + formatShort(loose_.load()) + " N",
+          outcome);
     appendNotice(outcome.notice, holdLoose());
   }
   std::optional<State> start;  // of a second search

@@ -114,10 +114,9 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
-  const RestSurface surface =
-      dynamics.solid() ? takeCoarserSolid(coarse, level, *dynamics.solid()) : takeCoarser(coarse, level);
-  is_calibrated_ = static_cast<Index>(level.points.size()) >= kFewestCalibrated &&
-                   (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
+  const RestSurface surface = dynamics.solid() ? takeCoarserSolid(coarse, level, *dynamics.solid()) : takeCoarser(coarse, level);
+  is_calibrated_ =
+      static_cast<Index>(level.points.size()) >= kFewestCalibrated && (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
   disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));

@@ -89,12 +89,12 @@ class ErrorEstimator {
     double twin_distance = 0.0;                      // m
     std::uint64_t steps = 0;
     std::uint64_t substeps = 0, shadow_substeps = 0, twin_substeps = 0;  // in steps that all took as they meant to
-    bool follows_verlet = false;                     // verlet_ has taken every step
-    bool is_halved = false;                          // the method damps, and its twin takes halved steps for want of that
+    bool follows_verlet = false;                                         // verlet_ has taken every step
+    bool is_halved = false;  // the method damps, and its twin takes halved steps for want of that
     bool is_lost = false, is_chaotic = false, has_dented = false;
-    bool may_buckle = false;                         // chaotic, dented or with others, or nearly so, at any time
-    bool is_unbalanced = false;                      // the last equilibrium is none
-    bool has_searched = false, has_others = false;   // twice for the first equilibrium; and found more than one
+    bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
+    bool is_unbalanced = false;                     // the last equilibrium is none
+    bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
   };
 
   std::string followStep(const Dynamics& level);
@@ -108,16 +108,16 @@ class ErrorEstimator {
 
   // Constants.
   bool is_solid_ = false;
-  bool is_simplified_ = false;         // the level has fewer points than the surface
-  bool has_hinged_pins_ = false;       // see RestSurface
-  bool is_calibrated_ = false;         // see isCalibrated()
-  double unresolved_ = 1.0;            // share of the surface's points that are no simulation points
-  double step_ = 0.0;                  // s
-  double disturbance_ = 0.0;           // m, of the twin
+  bool is_simplified_ = false;                  // the level has fewer points than the surface
+  bool has_hinged_pins_ = false;                // see RestSurface
+  bool is_calibrated_ = false;                  // see isCalibrated()
+  double unresolved_ = 1.0;                     // share of the surface's points that are no simulation points
+  double step_ = 0.0;                           // s
+  double disturbance_ = 0.0;                    // m, of the twin
   double spacing_ = 0.0, level_spacing_ = 0.0;  // m, of the copies and of the simulation
-  std::vector<Index> common_;          // (m) the level's point that each point of the copies is; -1: none
-  transfer::Transfer refine_;          // from the copies' points to the level's
-  transfer::SolidTransfer refine_solid_;  // in its place, of a solid
+  std::vector<Index> common_;                   // (m) the level's point that each point of the copies is; -1: none
+  transfer::Transfer refine_;                   // from the copies' points to the level's
+  transfer::SolidTransfer refine_solid_;        // in its place, of a solid
 
   // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
   // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.

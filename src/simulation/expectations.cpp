@@ -37,8 +37,8 @@ double computeVolumeRatio(const Simulation& simulation) {
 // Mean angle, rad, between x axes and the principal direction that they should turn to, as the normals of the neighbours tell it.
 // Of the particles that have neighbours all around and whose curvatures differ.
 double measurePrincipalAngle(const model::OrientedParticles& particles, const model::State& state) {
-  constexpr double kReach = 1.5;    // spacings: the first neighbours
-  constexpr Index kAllAround = 5;   // neighbours: at an edge there are fewer
+  constexpr double kReach = 1.5;       // spacings: the first neighbours
+  constexpr Index kAllAround = 5;      // neighbours: at an edge there are fewer
   constexpr double kDifferent = 0.01;  // of a turn of one radian from neighbour to neighbour
   const double spacing = particles.lattice().spacing;
   const bool is_signed = particles.params().principal == model::PrincipalDirection::kSigned;
@@ -163,8 +163,9 @@ void requirePoints(const std::string& name, Index points) {
 
 // What oriented particles make: kind of surface, distances to the nearest other particle, who came and went.
 std::optional<double> findParticleQuantity(const std::string& name, const Simulation& simulation) {
-  static const char* const kNames[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "spacing_mean",
-                                       "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean"};
+  static const char* const kNames[] = {"components",   "boundary_loops",      "euler_characteristic", "isolated",
+                                       "spacing_mean", "spacing_cv",          "spacing_max",          "born",
+                                       "gone",         "principal_angle_mean"};
   if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
   const model::OrientedParticles* particles = simulation.particles();
   if (!particles && (name == "components" || name == "isolated")) {

@@ -41,8 +41,7 @@ void Grips::addPin(const std::string& id, const std::vector<tool::WaypointParams
   grip.tool.id = id;
   grip.tool.path = path;
   const tool::Pose pose = tool::interpolate(path, time);
-  for (const Index i : points)
-    grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
+  for (const Index i : points) grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
   grip.points = std::move(points);
   grips_.push_back(std::move(grip));
 }

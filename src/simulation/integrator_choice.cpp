@@ -12,7 +12,7 @@ using Candidate = AccuracyChoice::Candidate;
 using solve::IntegratorType;
 
 constexpr double kWorthwhile = 0.9;     // of the work: what another integrator must save
-constexpr double kLeastIterations = 1;   // of an implicit step: what moves slowly takes little more
+constexpr double kLeastIterations = 1;  // of an implicit step: what moves slowly takes little more
 constexpr double kMostWork = 1e8;       // points times sub-steps of a trial in the place of a failed one: ten seconds of one core
 
 constexpr double kComparedSteps = 200;  // a trial of two budgets' steps: a second at a budget of two milliseconds

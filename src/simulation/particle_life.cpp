@@ -19,15 +19,15 @@ using model::State;
 using tool::Mode;
 using tool::ToolParams;
 
-constexpr Index kSweeps = 20;               // between two passes of growth: near equilibrium is enough
-constexpr Index kSmoothings = 4;            // of rest curvatures where samples are noisy: as far as samples are apart
+constexpr Index kSweeps = 20;     // between two passes of growth: near equilibrium is enough
+constexpr Index kSmoothings = 4;  // of rest curvatures where samples are noisy: as far as samples are apart
 // Of the spacing: what the rules leave is looser than a lattice, and would contract when let go.
 constexpr double kDensity = 0.95;
-constexpr Index kLastIterations = 40;       // the same when growth has ended
-constexpr double kLastTolerance = 1e-4;     // of its first force
+constexpr Index kLastIterations = 40;    // the same when growth has ended
+constexpr double kLastTolerance = 1e-4;  // of its first force
 
-constexpr Index kMostDebris = 4;            // pieces of newborns alone: a few may have been cut off by tools
-constexpr Index kLook = 1024;               // particles between two looks at an interrupt
+constexpr Index kMostDebris = 4;  // pieces of newborns alone: a few may have been cut off by tools
+constexpr Index kLook = 1024;     // particles between two looks at an interrupt
 
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {

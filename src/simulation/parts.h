@@ -59,7 +59,7 @@ class LooseParts {
   Points sums_;                           // N, by part
   Index count_ = 0, points_ = 0;
   double load_ = 0.0;
-  Vec3 place_ = Vec3::Zero();             // m, of the first loose point
+  Vec3 place_ = Vec3::Zero();  // m, of the first loose point
 };
 
 }  // namespace deformable_surface::simulation

@@ -15,13 +15,13 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kPinPoints = 3;      // that hold a pinned region: fewer would let it turn
+constexpr Index kPinPoints = 3;  // that hold a pinned region: fewer would let it turn
 
 // Spacings of the points from which on a pinned band is of several rows, and up to which it is of one.
 constexpr double kBandOfRows = 0.8, kBandOfOneRow = 0.5;
 
 constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
-constexpr Index kGapShare = 1000;    // fewer points at gaps than this part of all are holes of the sampling
+constexpr Index kGapShare = 1000;     // fewer points at gaps than this part of all are holes of the sampling
 
 }  // namespace
 
@@ -128,7 +128,8 @@ void findHingedPins(const SceneParams& params, const Points& dense, RestSurface&
     s.has_hinged_pins = true;
     s.warnings.push_back("pins[" + std::to_string(p) + "] holds a band " + formatShort(full) +
                          " m wide, which clamps the cloud but is narrower than the spacing of the simulation points, " +
-                         formatShort(spacing) + " m, and a hinge to them, by which no error can be estimated: a wider pin or "
+                         formatShort(spacing) +
+                         " m, and a hinge to them, by which no error can be estimated: a wider pin or "
                          "more simulation points clamp these, too");
   }
 }

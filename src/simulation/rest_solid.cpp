@@ -17,15 +17,15 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kAutoPoints = 5000;   // simulation points that auto keeps: a soft bar of them moves in real time on one core
-constexpr double kFlat = 0.02;        // of the spacing: rms distance from a plane below which a cloud lies in it
-constexpr Index kLocal = 12;          // neighbours that show whether a point lies in a body or on a surface
+constexpr Index kAutoPoints = 5000;  // simulation points that auto keeps: a soft bar of them moves in real time on one core
+constexpr double kFlat = 0.02;       // of the spacing: rms distance from a plane below which a cloud lies in it
+constexpr Index kLocal = 12;         // neighbours that show whether a point lies in a body or on a surface
 constexpr double kThin = 0.25;  // their spread across over that along: a curved surface has less, the face of a body about a half
-constexpr double kLoneSide = 0.25;    // how far the neighbours' middle lies off a point on the outside, over their distance
+constexpr double kLoneSide = 0.25;  // how far the neighbours' middle lies off a point on the outside, over their distance
 
 struct Spread {
-  Vec3 middle, normal;        // the normal of the plane that fits best, with its largest part positive
-  double across, along;       // rms, m: across it, and along its second direction
+  Vec3 middle, normal;   // the normal of the plane that fits best, with its largest part positive
+  double across, along;  // rms, m: across it, and along its second direction
 };
 
 template <class At>
@@ -157,8 +157,8 @@ Index findSolidTarget(const cloud::SimplificationParams& how, Index of) {
 
 void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
                  model::Outline outline, RestSurface& s) {
-  auto solid = std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material,
-                                                     params.elastic_solid, outline);
+  auto solid =
+      std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material, params.elastic_solid, outline);
   if (solid->numDeficient() > 0)
     s.notes.push_back(
         count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
@@ -172,8 +172,8 @@ void finishSolid(const SceneParams& params, const Lists& neighbors, const std::v
   // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
   const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
   s.area = m * spacing * spacing;
-  s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) + " m^3: " +
-                    count(static_cast<Index>(s.dense.positions.size()), "points, ") + count(m, "simulation points, ") +
+  s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) +
+                    " m^3: " + count(static_cast<Index>(s.dense.positions.size()), "points, ") + count(m, "simulation points, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 

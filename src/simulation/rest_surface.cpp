@@ -35,7 +35,7 @@ constexpr Index kPointsPerLoad = 10;
 // Of simulation points, at least, for one corner that is kept, if there are more corners than of any clean outline of few points.
 constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
 constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the number asked for: one of so many may be missing
-constexpr int kMaxPrunings = 5;      // passes that drop points which belong to no surface; each can uncover a few more
+constexpr int kMaxPrunings = 5;  // passes that drop points which belong to no surface; each can uncover a few more
 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
 
@@ -90,8 +90,8 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
   if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
   s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
-  const cloud::OrientationRule rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary,
-                                                           s.dense.normals, viewpoint, normals);
+  const cloud::OrientationRule rule =
+      cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals);
   // A given normal is taken as it is where it agrees with the side.
   if (!s.dense.normals.empty())
     for (Index i = 0; i < n; ++i)
@@ -163,8 +163,7 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
   const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
   if (last < n) {
     Index expected = target;
-    if (by_threshold)
-      expected = expectPoints(how.threshold.value, estimateArea(s, params.neighbors.k, boundary.is_boundary));
+    if (by_threshold) expected = expectPoints(how.threshold.value, estimateArea(s, params.neighbors.k, boundary.is_boundary));
     const bool is_tried = params.accuracy.position_error > 0.0 || params.accuracy.step_budget > 0.0;
     const Index fewest = std::min(n, is_tried ? std::min(expected, kFewestTried) : expected);
     std::vector<Index> kept = protected_points;
@@ -177,8 +176,9 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
                               boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? 0 : target, wanted);
     if (s.order.num_left_out > 0)
       s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
-                        count(s.order.num_left_out_points, "points, are too small for so few simulation points, and ride along "
-                                                           "with the nearest ones"));
+                        count(s.order.num_left_out_points,
+                              "points, are too small for so few simulation points, and ride along "
+                              "with the nearest ones"));
   }
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
 }
@@ -209,7 +209,7 @@ std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
 // Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
 // ride along. Returns how many.
 Index connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
-             RestSurface& s) {
+              RestSurface& s) {
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
     take(dense, kept, s);
@@ -261,7 +261,7 @@ double findLatticeSpacing(Index k, const RestSurface& s) {
 
 // What will make particles move or come apart from the beginning.
 void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
-  constexpr double kFar = 1.3;         // of the spacing, either way: bonds of that length are broken or crushed
+  constexpr double kFar = 1.3;  // of the spacing, either way: bonds of that length are broken or crushed
   // Of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
   constexpr double kSoftest = 0.02;
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
@@ -391,8 +391,9 @@ void finishSurface(const SceneParams& params, std::vector<Index> kept, const std
   }
   if ((asked - static_cast<Index>(s.points.size())) * kCountTolerance > asked)
     s.notes.push_back(count(asked, "simulation points were chosen, of which ") +
-                      count(static_cast<Index>(s.points.size()), "are left: the others belong to no surface, or to no part "
-                                                                 "that is kept"));
+                      count(static_cast<Index>(s.points.size()),
+                            "are left: the others belong to no surface, or to no part "
+                            "that is kept"));
   if (dropped > 0)
     s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
   // The area of the full surface; where every point is simulated it is that of the rings.
@@ -409,8 +410,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   const bool is_body = params.model == ModelKind::kElasticSolid && !params.elastic_solid.fill;
   const bool is_curve =
       params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
-  const std::optional<Vec3> viewpoint =
-      is_body || is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
+  const std::optional<Vec3> viewpoint = is_body || is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
   if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s), s);
   if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, s), s);
   if (params.model == ModelKind::kElasticSolid) {
@@ -446,7 +446,8 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
     buildParticles(params, s);
   } else {
     const double known = s.area;
-    finishSurface(params, std::move(kept), [&] { return choose ? known : measureArea(); }, s);
+    finishSurface(
+        params, std::move(kept), [&] { return choose ? known : measureArea(); }, s);
     requireRegions(params, s);
   }
   const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
@@ -468,7 +469,8 @@ RestSurface buildTrial(const SceneParams& params, const RestSurface& full, Index
   s.dense_neighbors = full.dense_neighbors;
   s.order = full.order;
   s.closed = full.closed;
-  finishSurface(params, full.order.keepCount(points), [&] { return full.area; }, s);
+  finishSurface(
+      params, full.order.keepCount(points), [&] { return full.area; }, s);
   return s;
 }
 

@@ -11,18 +11,18 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr Index kMaxSweeps = 400;         // uneven scans are even after about half as many
-constexpr double kStill = 1e-3;           // spacings in one sweep: below it sliding has ended
+constexpr Index kMaxSweeps = 400;  // uneven scans are even after about half as many
+constexpr double kStill = 1e-3;    // spacings in one sweep: below it sliding has ended
 // Spacings that a first sweep would move: rounding of a lattice is far below, any scan far above.
 constexpr double kAtRest = 1e-6;
-constexpr double kLongestSlide = 0.1;     // spacings in one sweep: no particle passes another
-constexpr double kRelaxed = 0.25;         // of the way to where springs of the lattice would end; 1 is the limit of stability
-constexpr Index kAround = 3;              // dense points that say where the surface is: the least that span it
-constexpr Index kLookedAt = 8;            // nearest ones among which those are that face the same way
-constexpr double kFlat = 1e-6;            // rad from neighbour to neighbour: what rounding leaves of a plane's curvature is below
-constexpr Index kMaxIterations = 40;      // hundreds of steps of the last relaxation: what scans still move by then is slow
-constexpr double kNear = 1.0;             // spacings (rms) from where sliding ended: scans take about half, what crumples several
-constexpr double kTolerance = 1e-4;       // of its first force
+constexpr double kLongestSlide = 0.1;  // spacings in one sweep: no particle passes another
+constexpr double kRelaxed = 0.25;      // of the way to where springs of the lattice would end; 1 is the limit of stability
+constexpr Index kAround = 3;           // dense points that say where the surface is: the least that span it
+constexpr Index kLookedAt = 8;         // nearest ones among which those are that face the same way
+constexpr double kFlat = 1e-6;         // rad from neighbour to neighbour: what rounding leaves of a plane's curvature is below
+constexpr Index kMaxIterations = 40;   // hundreds of steps of the last relaxation: what scans still move by then is slow
+constexpr double kNear = 1.0;          // spacings (rms) from where sliding ended: scans take about half, what crumples several
+constexpr double kTolerance = 1e-4;    // of its first force
 
 // The surface of the dense points near a particle, which faces a way: the mean of the nearest planes, by the inverse of their
 // distances, so that each dense point lies on it.

@@ -156,8 +156,7 @@ bool Simulation::removeTool(const std::string& id) { return apply(command::Remov
 Index Simulation::pin(const geometry::Region& region, bool orientation) {
   return apply(command::Pin{region, orientation}).points;
 }
-Index Simulation::pinAlong(const std::string& id, const geometry::Region& region,
-                           const std::vector<tool::WaypointParams>& path) {
+Index Simulation::pinAlong(const std::string& id, const geometry::Region& region, const std::vector<tool::WaypointParams>& path) {
   return apply(command::PinAlong{id, region, path}).points;
 }
 void Simulation::movePin(const std::string& id, const std::vector<tool::WaypointParams>& path) {

@@ -16,7 +16,7 @@ namespace deformable_surface::simulation {
 
 /// What belongs to a simulation beside its dynamics.
 struct Looks {
-  double softening = 0.0;   // m
+  double softening = 0.0;                                // m
   std::shared_ptr<const CutTransfer::Memory> severed;    // null: nothing
   std::shared_ptr<const transfer::Resampler> resampler;  // null if points are not inserted
   Statistics statistics;

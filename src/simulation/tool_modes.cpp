@@ -43,8 +43,9 @@ std::vector<ToolProblem> findToolProblems(ModelKind model, const tool::ToolParam
   refuseUnused("strength", tool.strength, use.strength);
   refuseUnused("reach", tool.reach, use.reach);
   if (model == ModelKind::kMassSpring && tool.mode == Mode::kCut && tool.shape.kind == geometry::Solid::Kind::kPlane)
-    problems.push_back({"shape", "found plane for mode cut, which has no other side to come out at; accepted: sphere, box, "
-                                 "cylinder, cone, mesh"});
+    problems.push_back({"shape",
+                        "found plane for mode cut, which has no other side to come out at; accepted: sphere, box, "
+                        "cylinder, cone, mesh"});
   return problems;
 }
 

@@ -11,9 +11,9 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kNeighbors = 10;     // that show a plane in the noise of a depth camera
-constexpr double kAside = 1.0;       // of the distance to the farthest of these neighbours: beyond it nothing was seen
-constexpr double kLeastCosine = 0.5; // sixty degrees: a wall that the cloud shows beside the surface is not it
+constexpr Index kNeighbors = 10;      // that show a plane in the noise of a depth camera
+constexpr double kAside = 1.0;        // of the distance to the farthest of these neighbours: beyond it nothing was seen
+constexpr double kLeastCosine = 0.5;  // sixty degrees: a wall that the cloud shows beside the surface is not it
 
 Points findDistinct(const cloud::PointCloud& cloud) {
   cloud::CleanCloud clean = cloud::clean(cloud);

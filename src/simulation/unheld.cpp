@@ -158,8 +158,8 @@ void noteUnheld(const SceneParams& params, RestSurface& s) {
   if (params.input.unheld == Unheld::kFreeze)
     s.notes.push_back(which + "input.unheld freeze keeps them where they are");
   else
-    s.warnings.push_back(
-        which + "they move freely; input.unheld freezes or drops such parts, input.keep_parts leaves small ones out");
+    s.warnings.push_back(which +
+                         "they move freely; input.unheld freezes or drops such parts, input.keep_parts leaves small ones out");
 }
 
 }  // namespace deformable_surface::simulation

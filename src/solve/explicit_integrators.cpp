@@ -192,10 +192,9 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     // Half kicks and drift. The velocity at the end is predicted with the acceleration of the beginning.
     const bool ends = has_slow && (s + 1) % cut.inner == 0;
     if (ends && !slow_acts) addSlow();
-    (s == 0 ? kickAndDrift : kickTwiceAndDrift)(3 * n, half_decay, kick_.data(), drift_.data(),
-                                                (slow_acts ? forces_with_slow_ : forces_).data()->data(),
-                                                (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted,
-                                                state.positions.data()->data());
+    (s == 0 ? kickAndDrift : kickTwiceAndDrift)(
+        3 * n, half_decay, kick_.data(), drift_.data(), (slow_acts ? forces_with_slow_ : forces_).data()->data(),
+        (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted, state.positions.data()->data());
     for (const auto& [i, carrying] : carried_) {
       state.positions[i] += dt * carrying;
       predicted_.velocities[i] = carrying;

@@ -48,8 +48,8 @@ class VelocityVerlet : public Integrator {
   Points forces_, forces_with_slow_;                   // loads included
   State predicted_;
   std::vector<std::pair<Index, Vec3>> carried_;  // held points in motion and their velocities, m/s
-  std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
-  std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping
+  std::vector<double> kick_, drift_;             // (3 n) dt / 2 over mass, and dt; zero on held points
+  std::vector<double> mass_;                     // (3 n) kg, zero on held points; empty without damping
 };
 
 }  // namespace deformable_surface::solve

@@ -11,12 +11,12 @@ namespace {
 
 // Of the forces, the most a stage may leave without an iteration: the momentum brought along hides more.
 constexpr double kUntouched = 1e-6;
-constexpr double kGrowth = 10.0;       // of the pseudo time step after a full Newton step
-constexpr double kShrink = 0.1;        // after a step that had to be cut or failed
-constexpr double kFirstStep = 1.0;     // of the caller's step
-constexpr double kLongestStep = 1e8;   // of the caller's step: the weight is then rounding beside any stiffness
-constexpr double kShortestStep = 1e-6; // of the caller's step: shorter ones do not lead anywhere
-constexpr Index kTrial = 4;            // iterations of a trial: the first stretches what turns, the next take most of it back
+constexpr double kGrowth = 10.0;        // of the pseudo time step after a full Newton step
+constexpr double kShrink = 0.1;         // after a step that had to be cut or failed
+constexpr double kFirstStep = 1.0;      // of the caller's step
+constexpr double kLongestStep = 1e8;    // of the caller's step: the weight is then rounding beside any stiffness
+constexpr double kShortestStep = 1e-6;  // of the caller's step: shorter ones do not lead anywhere
+constexpr Index kTrial = 4;             // iterations of a trial: the first stretches what turns, the next take most of it back
 
 void missBalance(double scale, bool is_out_of_iterations, SolveReport& report) {
   report.converged = false;

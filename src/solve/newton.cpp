@@ -6,16 +6,16 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kArmijo = 1e-4;       // share of the predicted decrease that must be reached
-constexpr int kMaxHalvings = 30;       // beyond it the direction is rounding
-constexpr int kPatience = 2;           // projected matrices in a row after which the state is taken to be near a saddle
-constexpr double kFirstShift = 1e-4;   // of the highest frequency squared: small beside it, large beside what buckles
-constexpr double kRaise = 10.0;        // of a shift that was not enough
-constexpr double kLower = 0.25;        // of one that was: the least one that does leads fastest out of a saddle
+constexpr double kArmijo = 1e-4;      // share of the predicted decrease that must be reached
+constexpr int kMaxHalvings = 30;      // beyond it the direction is rounding
+constexpr int kPatience = 2;          // projected matrices in a row after which the state is taken to be near a saddle
+constexpr double kFirstShift = 1e-4;  // of the highest frequency squared: small beside it, large beside what buckles
+constexpr double kRaise = 10.0;       // of a shift that was not enough
+constexpr double kLower = 0.25;       // of one that was: the least one that does leads fastest out of a saddle
 // Of the gradient, left by a direction by products: the next iteration has to find the rest anyway.
 constexpr double kLoosest = 0.05;
-constexpr double kForcing = 0.9;       // of the square of what the gradient has fallen by, left by the next direction
-constexpr double kOversolved = 0.3;    // of what ends the search: a direction that leaves no more is good for nothing else
+constexpr double kForcing = 0.9;          // of the square of what the gradient has fallen by, left by the next direction
+constexpr double kOversolved = 0.3;       // of what ends the search: a direction that leaves no more is good for nothing else
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
 }  // namespace
@@ -65,8 +65,7 @@ double NewtonDescent::merit(const Problem& problem, State& state) {
   }
   if (!has_remainder_) return sum;
   computeRemainder(problem, state, remainder_there_);
-  for (Index i = 0; i < state.size(); ++i)
-    sum -= 0.5 * (remainder_[i] + remainder_there_[i]).dot(state.positions[i] - start_[i]);
+  for (Index i = 0; i < state.size(); ++i) sum -= 0.5 * (remainder_[i] + remainder_there_[i]).dot(state.positions[i] - start_[i]);
   return sum;
 }
 

@@ -16,12 +16,12 @@ class NewtonDescent {
  public:
   struct Problem {
     const System& system;
-    double time;                          // s, at which loads are evaluated
-    double step;                          // s; 0 = statics
-    const Points& before;                 // (n x 3) m
-    const Points& target;                 // y, (n x 3) m
-    const std::vector<double>& weight;    // w, (n) N/m
-    double enough = 0.0;                  // N, the unbalanced force that ends the search: directions need be no better
+    double time;                        // s, at which loads are evaluated
+    double step;                        // s; 0 = statics
+    const Points& before;               // (n x 3) m
+    const Points& target;               // y, (n x 3) m
+    const std::vector<double>& weight;  // w, (n) N/m
+    double enough = 0.0;                // N, the unbalanced force that ends the search: directions need be no better
   };
 
   /// Before the first iteration of a solution: forgets what the iterations before have found out. interrupt: see Integrator.
@@ -73,17 +73,17 @@ class NewtonDescent {
   double potential_ = 0.0;           // J, at
   Points potential_at_;
   Points gradient_, conservative_, forces_, remainder_, remainder_there_, start_, rank_one_;
-  bool has_remainder_ = false;  // any of L is not zero
+  bool has_remainder_ = false;                       // any of L is not zero
   Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;
   BlockCholesky factor_;
   ProductSolver products_;
-  Points found_;                  // by it
+  Points found_;                                 // by it
   double residual_ = 0.0, last_residual_ = 0.0;  // N, of the last evaluate(), and of the one that the last direction was of
-  bool is_factor_good_ = false;   // it is that of an exact matrix, and the whole of its last direction was taken
-  bool is_indefinite_ = false;    // in this solution the exact products were not positive
-  int projected_in_a_row_ = 0;  // tentative steps without the exact matrix
-  double shift_ = 0.0;          // 1/s^2; 0 = none was needed yet
+  bool is_factor_good_ = false;                  // it is that of an exact matrix, and the whole of its last direction was taken
+  bool is_indefinite_ = false;                   // in this solution the exact products were not positive
+  int projected_in_a_row_ = 0;                   // tentative steps without the exact matrix
+  double shift_ = 0.0;                           // 1/s^2; 0 = none was needed yet
   const std::atomic<bool>* interrupt_ = nullptr;
 };
 

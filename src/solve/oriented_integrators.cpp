@@ -87,9 +87,9 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   // The constants of [Guenole 2020], table 1.
   constexpr double kMixing = 0.25, kMixingFalls = 0.99, kGrowth = 1.1, kShrink = 0.5;
   constexpr int kDelay = 20;
-  constexpr double kLargest = 0.4, kFirst = 0.04;      // of the stable step
-  constexpr Index kStepsPerIteration = 100;            // relaxation steps that count as one iteration: they are that much cheaper
-  constexpr double kRounding = 64.0;                   // times the force that rounding of the positions makes
+  constexpr double kLargest = 0.4, kFirst = 0.04;  // of the stable step
+  constexpr Index kStepsPerIteration = 100;        // relaxation steps that count as one iteration: they are that much cheaper
+  constexpr double kRounding = 64.0;               // times the force that rounding of the positions makes
 
   SolveReport report;
   report.substeps = 1;

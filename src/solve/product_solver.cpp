@@ -6,8 +6,8 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr int kMostProducts = 1000;       // far more than any matrix needs that the preconditioner knows anything of
-constexpr double kLeast = 1e-8;  // of the first residual: what rounding may leave, and the next direction finds what is less
+constexpr int kMostProducts = 1000;  // far more than any matrix needs that the preconditioner knows anything of
+constexpr double kLeast = 1e-8;      // of the first residual: what rounding may leave, and the next direction finds what is less
 // Of the largest stiffness of a point, where neither weight nor stiffness resists a motion.
 constexpr double kRegularization = 1e-9;
 

@@ -28,8 +28,8 @@ class ProductSolver {
   void setSprings(const System& system);
   void multiply(const System& system, const Points& v, Points& product);
 
-  std::vector<double> weight_;    // (n) N/m, and what keeps the matrix regular
-  BlockSparse loads_;             // their stiffness
+  std::vector<double> weight_;  // (n) N/m, and what keeps the matrix regular
+  BlockSparse loads_;           // their stiffness
   bool has_load_stiffness_ = false;
   Multigrid springs_;
   std::vector<double> known_weight_;  // (n) with which springs_ were made

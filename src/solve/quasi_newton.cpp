@@ -9,10 +9,10 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr Index kMemory = 12;       // pairs: with 20 three iterations of 27 fewer, with 4 one more, and each pair costs time
-constexpr Index kMost = 120;        // iterations: more cost as much as Newton's method
-constexpr Index kTrial = 30;        // iterations, in each so many of which the largest force
-constexpr double kFall = 0.2;       // has to fall to this share of itself: where all is well it does so in ten
+constexpr Index kMemory = 12;  // pairs: with 20 three iterations of 27 fewer, with 4 one more, and each pair costs time
+constexpr Index kMost = 120;   // iterations: more cost as much as Newton's method
+constexpr Index kTrial = 30;   // iterations, in each so many of which the largest force
+constexpr double kFall = 0.2;  // has to fall to this share of itself: where all is well it does so in ten
 // From so many points on an iteration of Newton's method costs as much as hundreds of these, and the largest force rises for
 // longer before it falls: the first trial is then none.
 constexpr Index kMany = 4096;
@@ -21,11 +21,11 @@ constexpr Index kFirstRefresh = 6;  // iterations after which the preconditioner
 constexpr double kGoodFall = 0.1;   // of the largest force in these, with which it need not be
 // System::findCouplings()'s: far from the equilibrium, and where it is near and tension is much what it will be.
 constexpr double kFarSupport = 1.0, kNearSupport = 0.3;
-constexpr int kMostTrials = 12;     // of lengths: beyond it the direction is rounding
+constexpr int kMostTrials = 12;  // of lengths: beyond it the direction is rounding
 // Wolfe's conditions: the share of the first slope that may be left, before and after the least energy.
 constexpr double kLeft = 0.9, kBeyond = 0.8;
 constexpr double kMostStretch = 64.0;  // of a length that was too short
-constexpr double kCut = 0.1;        // of one that led to no numbers, and the nearest to a known end that a guess may come
+constexpr double kCut = 0.1;           // of one that led to no numbers, and the nearest to a known end that a guess may come
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
   return {points.data()->data(), 3 * static_cast<Eigen::Index>(points.size())};

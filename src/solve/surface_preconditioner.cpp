@@ -10,9 +10,8 @@ constexpr double kRegularization = 1e-9;  // of the largest diagonal: of a surfa
 }  // namespace
 
 bool SurfacePreconditioner::Part::hasPairsOf(const std::vector<System::Coupling>& others) const {
-  return std::equal(pairs.begin(), pairs.end(), others.begin(), others.end(), [](const auto& pair, const auto& spring) {
-    return pair.first == spring.i && pair.second == spring.j;
-  });
+  return std::equal(pairs.begin(), pairs.end(), others.begin(), others.end(),
+                    [](const auto& pair, const auto& spring) { return pair.first == spring.i && pair.second == spring.j; });
 }
 
 // Held points become identity rows. What is known already is taken: the factor as it is, or the analysis or all of the other's.

@@ -23,8 +23,8 @@ class SurfacePreconditioner {
   struct Part {
     std::vector<System::Coupling> springs;
     ScalarCholesky factor;
-    std::vector<std::pair<Index, Index>> pairs;        // that the factor was analysed for
-    std::vector<double> diagonal, values;              // the numbers that it is of
+    std::vector<std::pair<Index, Index>> pairs;          // that the factor was analysed for
+    std::vector<double> diagonal, values;                // the numbers that it is of
     std::vector<double> diagonal_before, values_before;  // scratch
     bool is_positive = false;
     bool hasPairsOf(const std::vector<System::Coupling>& others) const;

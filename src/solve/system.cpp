@@ -184,9 +184,7 @@ double System::rankOneStiffness(const State& state, Points& v) const {
   return coefficient;
 }
 
-double System::largestForce(double time, const State& state) const {
-  return computeForcesAndLargest(time, state, forces_);
-}
+double System::largestForce(double time, const State& state) const { return computeForcesAndLargest(time, state, forces_); }
 
 double System::computeForcesAndLargest(double time, const State& state, Points& forces) const {
   endIfInterrupted();

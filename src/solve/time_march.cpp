@@ -16,19 +16,19 @@ constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last ret
 constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
 // Of the energy in motion and stretch: what the account may be off for bold steps to go on.
 constexpr double kCalm = 0.01;
-constexpr double kCalmSlow = 0.001;      // the same for outer steps, whose resonances then heat the surface by no more
-constexpr double kRest = 1e-6;           // of the same in motion: such a surface settles, and outer steps hold it off its balance
+constexpr double kCalmSlow = 0.001;  // the same for outer steps, whose resonances then heat the surface by no more
+constexpr double kRest = 1e-6;       // of the same in motion: such a surface settles, and outer steps hold it off its balance
 // Steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %.
 constexpr Index kCautious = 100;
 // Per step, of what outer steps put in and damping took out: such a balance settles in ten steps.
 constexpr double kForget = 0.1;
 // Of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007.
 constexpr double kHeated = 0.1;
-constexpr Index kResonant = 1000;        // steps before outer steps are tried again
-constexpr Index kMostInner = 8;          // bold sub-steps in which slow forces act once: the others cost the most by then
-constexpr double kSlowShare = 0.5;       // of what other forces may take: the energy then oscillates little more
-constexpr Index kPortion = 32;           // sub-steps between two looks at the stable step: the look then costs a few per cent
-constexpr Index kHopeless = 1000000;     // sub-steps in a step: minutes for small surfaces; the step is refused instead
+constexpr Index kResonant = 1000;     // steps before outer steps are tried again
+constexpr Index kMostInner = 8;       // bold sub-steps in which slow forces act once: the others cost the most by then
+constexpr double kSlowShare = 0.5;    // of what other forces may take: the energy then oscillates little more
+constexpr Index kPortion = 32;        // sub-steps between two looks at the stable step: the look then costs a few per cent
+constexpr Index kHopeless = 1000000;  // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
 bool isExplicit(IntegratorType type) {
   return type == IntegratorType::kVerlet || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
@@ -170,9 +170,8 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   if (memory_.type != IntegratorType::kVerlet) {
     portion_start_ = state;
     const SolveReport report = integrator(memory_.type).advance(system_, time, part, share * memory_.max_substep, state);
-    work_ += memory_.type == IntegratorType::kStatic
-                 ? system_.estimateStaticWork(time, time + part, portion_start_, state)
-                 : system_.estimateWork(time, time + part, portion_start_, state);
+    work_ += memory_.type == IntegratorType::kStatic ? system_.estimateStaticWork(time, time + part, portion_start_, state)
+                                                     : system_.estimateWork(time, time + part, portion_start_, state);
     return report;
   }
   SolveReport total;

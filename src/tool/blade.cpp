@@ -16,7 +16,7 @@ constexpr double kMostLooks = 1e15;  // in a step: as many as times within it ca
 // taken as one: a tool that waits and then jumps would be looked at for ever where it waits.
 constexpr BladeSweep::Look kMany = 10000;
 constexpr double kStill = 0.1;
-constexpr double kGrazed = 1.01;     // of half the way between two points: farther from its middle nothing lies across it
+constexpr double kGrazed = 1.01;  // of half the way between two points: farther from its middle nothing lies across it
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
@@ -75,8 +75,8 @@ void BladeSweep::addPieces() {
     const Pose a = interpolate(tool_.path, from), b = interpolate(tool_.path, to);
     const double share = step_ / (to - from) / static_cast<double>(num_looks_);  // of the piece, from look to look
     if (next > first)
-      pieces_.push_back({{first, next - 1}, share * (b.position - a.position),
-                         share * a.orientation.angularDistance(b.orientation)});
+      pieces_.push_back(
+          {{first, next - 1}, share * (b.position - a.position), share * a.orientation.angularDistance(b.orientation)});
     from = to;
     first = next;
   };
@@ -100,8 +100,7 @@ bool BladeSweep::visitNear(const Piece& piece, const Looks& looks, const Vec3& b
   if (looks.last < looks.first) return false;
   const Look middle = looks.first + (looks.last - looks.first) / 2;
   const Pose pose = poseAt(middle);
-  const Vec3 center =
-      toTool(pose, before + static_cast<double>(middle) / static_cast<double>(num_looks_) * (after - before));
+  const Vec3 center = toTool(pose, before + static_cast<double>(middle) / static_cast<double>(num_looks_) * (after - before));
   // How far the ball goes in the tool's frame from here to either end.
   const double longest = static_cast<double>(looks.last - middle);
   const double way = longest * ((after - before) / static_cast<double>(num_looks_) - piece.move).norm();

@@ -8,10 +8,10 @@ namespace {
 using geometry::SignedDistance;
 using geometry::Solid;
 
-constexpr double kSameSide = 0.5;    // cosine between normals that still push the same way
-constexpr int kMaxTraces = 200;      // steps: a way at five degrees to the surface has then come to a hundred-millionth of it
-constexpr double kMet = 1e-9;        // of the way: a distance that counts as none
-constexpr double kGrazed = 1e-3;     // of the way: what is so near after so many steps runs along the surface
+constexpr double kSameSide = 0.5;  // cosine between normals that still push the same way
+constexpr int kMaxTraces = 200;    // steps: a way at five degrees to the surface has then come to a hundred-millionth of it
+constexpr double kMet = 1e-9;      // of the way: a distance that counts as none
+constexpr double kGrazed = 1e-3;   // of the way: what is so near after so many steps runs along the surface
 
 }  // namespace
 

@@ -15,8 +15,7 @@ std::string messageName(const ModeInfo& info) {
 const char* describeModes() {
   static const std::string all = [] {
     std::string text;
-    for (const ModeInfo& info : kModes)
-      text += (text.empty() ? "`" : "; `") + std::string(info.name) + "` " + info.meaning;
+    for (const ModeInfo& info : kModes) text += (text.empty() ? "`" : "; `") + std::string(info.name) + "` " + info.meaning;
     return text;
   }();
   return all.c_str();

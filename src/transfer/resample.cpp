@@ -41,8 +41,13 @@ void eraseSorted(std::vector<Index>& list, Index value) {
 
 Resampler::Resampler(const Points& dense, const Points& normals, const cloud::Rings& dense_rings, double max_stretch,
                      Index max_points)
-    : num_dense_(static_cast<Index>(dense.size())), max_stretch_(max_stretch), max_points_(max_points), dense_(dense),
-      normals_(normals), adjacent_(dense.size()), spacing_(dense.size(), 0.0) {
+    : num_dense_(static_cast<Index>(dense.size())),
+      max_stretch_(max_stretch),
+      max_points_(max_points),
+      dense_(dense),
+      normals_(normals),
+      adjacent_(dense.size()),
+      spacing_(dense.size(), 0.0) {
   const Lists& ring = dense_rings.ring;
   std::vector<std::string> problems;
   if (normals.size() != dense.size() || ring.size() != num_dense_) {

@@ -325,8 +325,8 @@ void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, 
 }
 
 void Transfer::run(Index begin, Index end, const float* displacements, const Vec3& reference, const PassOutput& output) const {
-  const PassRows rows{numDense(), k_, index_.data(), weight_.data(), frame_.data(),
-                      reinterpret_cast<const double*>(rest_.data())};
+  const PassRows rows{
+      numDense(), k_, index_.data(), weight_.data(), frame_.data(), reinterpret_cast<const double*>(rest_.data())};
   runGroups(begin, end, rows, {displacements, {reference.x(), reference.y(), reference.z()}}, output);
 }
 

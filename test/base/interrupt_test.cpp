@@ -68,8 +68,7 @@ TEST(Interrupt, LeavesThePoolReadyForTheNextLoop) {
     const InterruptScope scope(flag);
     parallelFor(kMany, 1, [](Index, Index) {});
     FAIL() << "was not interrupted";
-  } catch (const Interrupted&) {
-  }
+  } catch (const Interrupted&) {}
   std::atomic<Index> done{0};
   parallelFor(kMany, 1, [&](Index, Index) { ++done; });
   EXPECT_EQ(done, kMany);

@@ -1,7 +1,7 @@
 // The value tree and the machinery of parameters: numbers as text, printing, reading with every problem named.
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/params.h"
-#include "deformable_surface/base/value.h"
 
 #include <gtest/gtest.h>
 
@@ -177,9 +177,9 @@ TEST(CheckParams, FindsWhatAProgramSetWrong) {
 TEST(Quote, ShowsWholeCharactersAndNoneThatATerminalObeys) {
   EXPECT_EQ(quote("a\x1b[2J\nb\x7f"), "'a?[2J?b?'");
   EXPECT_EQ(quote("\u00fcber"), "'\u00fcber'");
-  EXPECT_EQ(quote("\xc3("), "'?('");           // cut UTF-8
-  EXPECT_EQ(quote("\xc2\x9b!"), "'" + std::string(2, '?') + "!'");      // a control character of two bytes
-  EXPECT_EQ(quote("\xed\xa0\x80"), "'" + std::string(3, '?') + "'");   // a surrogate
+  EXPECT_EQ(quote("\xc3("), "'?('");                                  // cut UTF-8
+  EXPECT_EQ(quote("\xc2\x9b!"), "'" + std::string(2, '?') + "!'");    // a control character of two bytes
+  EXPECT_EQ(quote("\xed\xa0\x80"), "'" + std::string(3, '?') + "'");  // a surrogate
   // Cut between characters.
   EXPECT_EQ(quote(std::string(59, 'a') + "\u00fc" + "b"), "'" + std::string(59, 'a') + "...'");
 }

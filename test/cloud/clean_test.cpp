@@ -23,8 +23,8 @@ const double kNan = std::numeric_limits<double>::quiet_NaN();
 const double kInf = std::numeric_limits<double>::infinity();
 
 TEST(Clean, KeepsOrderAndNamesHolesAndCoincidentPoints) {
-  const CleanCloud c = clean(
-      makeCloud({{5, 0, 0}, {kNan, 0, 0}, {1, 2, 3}, {5, 0, 0}, {0, kInf, 0}, {-1, 0, 0}, {1, 2, 3}, {5, 0, 0}}));
+  const CleanCloud c =
+      clean(makeCloud({{5, 0, 0}, {kNan, 0, 0}, {1, 2, 3}, {5, 0, 0}, {0, kInf, 0}, {-1, 0, 0}, {1, 2, 3}, {5, 0, 0}}));
   ASSERT_EQ(3u, c.positions.size());
   EXPECT_EQ(Vec3(5, 0, 0), c.positions[0]);
   EXPECT_EQ(Vec3(1, 2, 3), c.positions[1]);

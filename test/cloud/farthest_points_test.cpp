@@ -1,5 +1,5 @@
-#include "../model/solids.h"
 #include "deformable_surface/cloud/farthest_points.h"
+#include "../model/solids.h"
 
 #include <gtest/gtest.h>
 

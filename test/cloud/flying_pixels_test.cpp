@@ -49,20 +49,23 @@ TEST(FlyingPixels, OnesThatHangBetweenAThingAndTheWallAreFound) {
     Camera camera;
     camera.noise = noise;
     // As a time-of-flight camera mixes them, each in another place; and as a resampled frame does, all alike.
-    expectOnly(findFlyingPixels(takeEdge(camera, [](int row, int left) { return left == 1 ? 0.9 + 0.003 * (row % 100) : 0.0; }),
-                                kJump),
-               camera, 1);
+    expectOnly(
+        findFlyingPixels(takeEdge(camera, [](int row, int left) { return left == 1 ? 0.9 + 0.003 * (row % 100) : 0.0; }), kJump),
+        camera, 1);
     expectOnly(findFlyingPixels(takeEdge(camera, [](int, int left) { return left == 1 ? 1.0 : 0.0; }), kJump), camera, 1);
     // Two in a row, on a slope.
-    expectOnly(findFlyingPixels(takeEdge(camera, [](int, int left) { return left == 1 ? 0.93 : left == 2 ? 1.1 : 0.0; }), kJump),
+    expectOnly(findFlyingPixels(takeEdge(camera, [](int, int left) { return left == 1   ? 0.93
+                                                                            : left == 2 ? 1.1
+                                                                                        : 0.0; }), kJump),
                camera, 2);
   }
 }
 
 TEST(FlyingPixels, OnesBesideAShadowAreFound) {
   const Camera camera;
-  const PointCloud cloud =
-      takeEdge(camera, [](int, int left) { return left == 1 ? 0.95 : left > 1 && left <= 25 ? kNothing : 0.0; });
+  const PointCloud cloud = takeEdge(camera, [](int, int left) {
+    return left == 1 ? 0.95 : left > 1 && left <= 25 ? kNothing : 0.0;
+  });
   expectOnly(findFlyingPixels(cloud, kJump), camera, 1);
 }
 
@@ -108,9 +111,12 @@ TEST(FlyingPixels, OutlinesOfAnyDirectionAreSearched) {
     // Across the outline: in front, one pixel of a mixture, the wall.
     const auto across = [&](int row, int column) { return std::cos(angle) * (column - 80.3) + std::sin(angle) * (row - 60.2); };
     const auto isMixed = [&](int row, int column) { return std::abs(across(row, column)) < 0.5; };
-    const std::vector<char> marked = findFlyingPixels(test::takeFrame(camera, [&](int row, int column) {
-      return isMixed(row, column) ? 1.0 : across(row, column) < 0.0 ? kFront : kBehind;
-    }), kJump);
+    const std::vector<char> marked =
+        findFlyingPixels(test::takeFrame(camera,
+                                         [&](int row, int column) {
+                                           return isMixed(row, column) ? 1.0 : across(row, column) < 0.0 ? kFront : kBehind;
+                                         }),
+                         kJump);
     for (int row = 4; row + 4 < camera.height; ++row)
       for (int column = 4; column + 4 < camera.width; ++column)
         ASSERT_EQ(marked[row * camera.width + column] != 0, isMixed(row, column)) << degrees << ": " << row << " " << column;

@@ -206,8 +206,9 @@ TEST(Geodesics, LeavesOfAFoldedSheetAreToldApartAndItsBendHolds) {
   EXPECT_GE(coupling.within, kLeastWithin);
   EXPECT_LE(coupling.across, kMostAcross);
   Index components = 0;
-  labelComponents(buildRings(fold.positions, fold.normals,
-                             keepGeodesicNeighbors(graph, fold.positions, {fold.normals, false}, links).lists), components);
+  labelComponents(
+      buildRings(fold.positions, fold.normals, keepGeodesicNeighbors(graph, fold.positions, {fold.normals, false}, links).lists),
+      components);
   EXPECT_EQ(components, 1);
 }
 

@@ -114,7 +114,7 @@ TEST(EstimateNormals, ConvergeOnSphere) {
     error[level] = 0.0;
     for (std::size_t i = 0; i < normals.size(); ++i) error[level] += normals[i].cross(shape.normals[i]).norm() / normals.size();
   }
-  EXPECT_LT(error[0], 0.03);  // far below the 0.16 between neighbouring points
+  EXPECT_LT(error[0], 0.03);            // far below the 0.16 between neighbouring points
   EXPECT_LT(error[1], 0.3 * error[0]);  // a quarter of the spacing; a quarter of the error at first order
 }
 

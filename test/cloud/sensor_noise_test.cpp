@@ -258,9 +258,9 @@ TEST(SensorNoise, TakesAnyCloud) {
   cloud.positions.assign(1200, Vec3::Constant(std::nan("")));
   for (int i = 0; i < 1200; i += 2) cloud.positions[i] = Vec3(i % 40, i / 40, 0.0);  // on the eye's plane
   EXPECT_TRUE(findSensorNoise(cloud, clean(cloud)).surface.empty());
-  for (int i = 0; i < 1200; i += 2) cloud.positions[i] = Vec3(0.0, 0.0, 1.0 + i);    // on one ray
+  for (int i = 0; i < 1200; i += 2) cloud.positions[i] = Vec3(0.0, 0.0, 1.0 + i);  // on one ray
   EXPECT_TRUE(findSensorNoise(cloud, clean(cloud)).surface.empty());
-  cloud.positions.assign(1200, Vec3::Zero());                                       // in the eye
+  cloud.positions.assign(1200, Vec3::Zero());  // in the eye
   EXPECT_TRUE(findSensorNoise(cloud, clean(cloud)).surface.empty());
 }
 

@@ -197,7 +197,7 @@ TEST(Simplification, EveryPartKeepsPoints) {
   const auto countKept = [&](Index begin, Index end) {
     return std::lower_bound(kept.begin(), kept.end(), end) - std::lower_bound(kept.begin(), kept.end(), begin);
   };
-  EXPECT_EQ(countKept(0, 400), 4);    // its corners
+  EXPECT_EQ(countKept(0, 400), 4);  // its corners
   EXPECT_EQ(countKept(400, 600), 3);
   EXPECT_GE(countKept(600, 604), 3);
   EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), isolated));

@@ -35,7 +35,7 @@ TEST(ClosestPoints, OfAVertexAndATriangleAreNoFartherThanAnyOthers) {
     std::array<Vec3, 4> x;
     for (Vec3& point : x) point = test::randomVector(generator);
     if (trial % 4 == 1) x[3] = x[1] + 0.3 * (x[2] - x[1]);  // a line
-    if (trial % 4 == 2) x[2] = x[3] = x[1];                  // a point
+    if (trial % 4 == 2) x[2] = x[3] = x[1];                 // a point
     const Closest closest = findClosestToTriangle(x[0], x[1], x[2], x[3]);
     expectConsistent(closest, x, 1);
     double least = 10.0;
@@ -55,8 +55,8 @@ TEST(ClosestPoints, OfTwoEdgesAreNoFartherThanAnyOthers) {
     std::array<Vec3, 4> x;
     for (Vec3& point : x) point = test::randomVector(generator);
     if (trial % 4 == 1) x[3] = x[2] + 0.7 * (x[1] - x[0]);  // parallel
-    if (trial % 4 == 2) x[1] = x[0];                         // a point
-    if (trial % 4 == 3) x[1] = x[0], x[3] = x[2];            // two points
+    if (trial % 4 == 2) x[1] = x[0];                        // a point
+    if (trial % 4 == 3) x[1] = x[0], x[3] = x[2];           // two points
     const Closest closest = findClosestOfEdges(x[0], x[1], x[2], x[3]);
     expectConsistent(closest, x, 2);
     double least = 10.0;

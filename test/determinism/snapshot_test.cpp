@@ -140,11 +140,11 @@ TEST(Snapshot, AStateThatCannotBeIsRefusedAndNothingChanges) {
     return state;
   };
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  for (const model::State& state : {changed([&](model::State& x) { x.positions[3].y() = nan; }),
-                                    changed([&](model::State& x) { x.velocities[3].z() = nan; }),
-                                    changed([&](model::State& x) { x.positions[3].x() = 1e7; }),
-                                    changed([&](model::State& x) { x.velocities[pinned].x() = 1.0; }),
-                                    changed([&](model::State& x) { x.positions.pop_back(); })}) {
+  for (const model::State& state :
+       {changed([&](model::State& x) { x.positions[3].y() = nan; }), changed([&](model::State& x) { x.velocities[3].z() = nan; }),
+        changed([&](model::State& x) { x.positions[3].x() = 1e7; }),
+        changed([&](model::State& x) { x.velocities[pinned].x() = 1.0; }),
+        changed([&](model::State& x) { x.positions.pop_back(); })}) {
     EXPECT_THROW(s.setState(state), InputError);
     EXPECT_EQ(s.stateHash(), before);
   }

@@ -32,7 +32,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* bytes, std::size_t siz
     const cloud::PointCloud cloud = io::readPointFile(file.name, 1.0, kMost);
     if (cloud.positions.empty() || static_cast<Index>(cloud.positions.size()) > kMost) std::abort();
     if (!cloud.normals.empty() && cloud.normals.size() != cloud.positions.size()) std::abort();
-  } catch (const InputError&) {
-  }
+  } catch (const InputError&) {}
   return 0;
 }

@@ -124,7 +124,7 @@ TEST(FilterCloud, WithoutFiltersACloudKeepsItsBits) {
   PointCloud cloud = table.cloud;
   const FilterReport report = filterCloud(InputFilterParams(), cloud);
   EXPECT_TRUE(cloud::areEqual(cloud, table.cloud));
-  EXPECT_TRUE(report.notes.empty() && report.refusal.empty() && report.removed_by.empty());
+  EXPECT_TRUE(report.notices.empty() && report.problem.empty() && report.removed_by.empty());
 }
 
 TEST(FilterCloud, PointsThatGoBecomeHolesInTheirPlaceAndTheOthersKeepTheirBits) {
@@ -246,8 +246,8 @@ TEST(FilterCloud, APlaneThatFewPointsLieOnStaysWhichTheNotesSay) {
   params.plane.min_share = 0.9;
   const FilterReport report = filterCloud(params, cloud);
   EXPECT_TRUE(cloud::areEqual(cloud, table.cloud));
-  ASSERT_EQ(report.notes.size(), 2u);
-  EXPECT_TRUE(contains(report.notes[1], "min_share")) << report.notes[1];
+  ASSERT_EQ(report.notices.size(), 2u);
+  EXPECT_TRUE(contains(report.notices[1], "min_share")) << report.notices[1];
 }
 
 TEST(FilterCloud, PointsThatAreAloneGo) {
@@ -260,8 +260,7 @@ TEST(FilterCloud, PointsThatAreAloneGo) {
     PointCloud cloud = before;
     const FilterReport report = filterCloud(params, cloud);
     EXPECT_EQ(count(report, RemovedBy::kOutliers), 3);
-    for (Index i = 0; i < cloud.size(); ++i)
-      ASSERT_EQ(report.removed_by[i] == RemovedBy::kOutliers, i >= cloud.size() - 3) << i;
+    for (Index i = 0; i < cloud.size(); ++i) ASSERT_EQ(report.removed_by[i] == RemovedBy::kOutliers, i >= cloud.size() - 3) << i;
   }
 }
 
@@ -304,7 +303,7 @@ TEST(FilterCloud, FiltersFollowOneAnotherAndTheNotesCountWhatEachTook) {
   params.outliers = {Method::kRadius, 6, 0.02, 0.0};
   PointCloud cloud = table.cloud;
   const FilterReport report = filterCloud(params, cloud);
-  const std::string& note = report.notes.at(0);
+  const std::string& note = report.notices.at(0);
   for (const auto& [filter, name] : std::vector<std::pair<RemovedBy, std::string>>{
            {RemovedBy::kCrop, "crop "}, {RemovedBy::kRange, "range "}, {RemovedBy::kPlane, "plane "}}) {
     EXPECT_GT(count(report, filter), 0) << name;
@@ -345,12 +344,12 @@ TEST(FilterCloud, TheSameCloudGivesTheSameBitsWithAnyNumberOfThreadsAndFarFromTh
 TEST(FilterCloud, WhatLeavesTooFewPointsIsRefusedWithTheCounts) {
   PointCloud cloud = makeSheet();
   const FilterReport none = filterCloud(makePlane(0.001), cloud);
-  EXPECT_TRUE(contains(none.refusal, "found 900 points, of which 0 stay (taken away: plane 900); accepted: ")) << none.refusal;
+  EXPECT_TRUE(contains(none.problem, "found 900 points, of which 0 stay (taken away: plane 900); accepted: ")) << none.problem;
   cloud = makeSheet();
   const FilterReport two = filterCloud(makeCrop(Vec3(-1, -1, -1), Vec3(0.015, 0.005, 1)), cloud);
-  EXPECT_TRUE(contains(two.refusal, "of which 2 stay (taken away: crop 898)")) << two.refusal;
+  EXPECT_TRUE(contains(two.problem, "of which 2 stay (taken away: crop 898)")) << two.problem;
   cloud = makeSheet();
-  EXPECT_TRUE(filterCloud(makeCrop(Vec3(-1, -1, -1), Vec3(0.025, 0.005, 1)), cloud).refusal.empty());
+  EXPECT_TRUE(filterCloud(makeCrop(Vec3(-1, -1, -1), Vec3(0.025, 0.005, 1)), cloud).problem.empty());
 }
 
 TEST(FilterCloud, OddCloudsNeitherCrashNorLoop) {

@@ -1,7 +1,7 @@
 // Point files: every encoding in and out, what travels along, and that broken or lying files are refused with their name.
+#include "deformable_surface/io/point_files.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
-#include "deformable_surface/io/point_files.h"
 
 #include <gtest/gtest.h>
 #include <unistd.h>
@@ -220,8 +220,9 @@ TEST_F(PointFiles, RefusesBrokenPlainText) {
 }
 
 TEST_F(PointFiles, TakesTheVerticesOfAnObject) {
-  const std::string text = "# a triangle\no shirt\nv 0 0 0\n  v 1 0 0 1.0 # with a weight\nv\t0 1 0 0.5 0.5 0.5\r\n"
-                           "vn 0 0 1\nvt 0 0\nf 1//1 2//1 3//1\n";
+  const std::string text =
+      "# a triangle\no shirt\nv 0 0 0\n  v 1 0 0 1.0 # with a weight\nv\t0 1 0 0.5 0.5 0.5\r\n"
+      "vn 0 0 1\nvt 0 0\nf 1//1 2//1 3//1\n";
   const PointCloud cloud = readPointFile(write("a.obj", text), 2.0, kMany);
   ASSERT_EQ(cloud.size(), 3);
   EXPECT_EQ(cloud.positions[1], Vec3(2, 0, 0));

@@ -1,6 +1,6 @@
 // Scene files: what is read, what is refused and with which words, overriding, printing, and the page of parameters.
-#include "deformable_surface/base/error.h"
 #include "deformable_surface/io/scene.h"
+#include "deformable_surface/base/error.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Generated clouds: extents, counts, edges, jitter, and that they are the same everywhere.
-#include "deformable_surface/base/error.h"
 #include "deformable_surface/io/shapes.h"
+#include "deformable_surface/base/error.h"
 
 #include <gtest/gtest.h>
 

@@ -167,8 +167,7 @@ double pressTube(Index through, double jitter, unsigned seed, double poisson) {
     for (int c = 0; c < 3; ++c) is_given[3 * i + c] = ring.points[i][c] == 0.0;
   for (std::size_t k = 0; k < ring.inner.size(); ++k)
     load[ring.inner[k]] = pressure * ring.length[k] * ring.points[ring.inner[k]];
-  const Points found =
-      solveSmall(solid, ring.points, is_given, Points(ring.points.size(), Vec3::Zero()), load, 1.0 / through);
+  const Points found = solveSmall(solid, ring.points, is_given, Points(ring.points.size(), Vec3::Zero()), load, 1.0 / through);
   double mean = 0.0;
   for (std::size_t k = 0; k < ring.inner.size(); ++k)
     mean += ring.length[k] * found[ring.inner[k]].dot(ring.points[ring.inner[k]]) / (0.5 * M_PI);

@@ -1,5 +1,5 @@
-#include "deformable_surface/base/error.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/base/error.h"
 #include "model_checks.h"
 #include "plates.h"
 

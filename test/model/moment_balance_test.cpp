@@ -18,8 +18,7 @@ class ConstantMoment : public testing::TestWithParam<Scatter> {
     Points outward(s.points.size(), Vec3::Zero());
     for (const cloud::Triangle& t : s.rings.triangles)
       for (int c = 0; c < 3; ++c)
-        outward[t.corner[c]] +=
-            t.weight * s.normals[0].cross(s.points[t.corner[(c + 2) % 3]] - s.points[t.corner[(c + 1) % 3]]);
+        outward[t.corner[c]] += t.weight * s.normals[0].cross(s.points[t.corner[(c + 2) % 3]] - s.points[t.corner[(c + 1) % 3]]);
     std::vector<char> is_inner;
     for (const Vec3& o : outward) is_inner.push_back(o.norm() < 1e-9);
     for (int r = 0; r < rings; ++r) {

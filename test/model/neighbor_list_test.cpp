@@ -39,8 +39,8 @@ Points randomPoints(Index n, double size, unsigned seed = 1) {
 }
 
 TEST(NeighborList, HoldsWhatComparingAllWithAllFindsInAscendingOrder) {
-  expectAllPairs(randomPoints(2500, 0.6));                      // more than one block, and cells on both sides of zero
-  expectAllPairs(randomPoints(300, 0.05));                      // all in a few cells
+  expectAllPairs(randomPoints(2500, 0.6));  // more than one block, and cells on both sides of zero
+  expectAllPairs(randomPoints(300, 0.05));  // all in a few cells
   expectAllPairs(randomPoints(3, 0.1));
   expectAllPairs({Vec3(0.3, 0.2, 0.1)});
   expectAllPairs({});

@@ -102,12 +102,9 @@ TEST(OrientedParticlesMaterial, TheSpacingOfTheLatticeIsThatOfItsSums) {
   struct Row {
     double repulsion, attraction, cutoff, sharp, switched, apart;
   };
-  const std::vector<Row> rows{{12, 6, 1.3, 1.0, 1.0, 1e-9},
-                              {8, 4, 1.6, 1.0, 1.0, 1e-9},
-                              {12, 6, 3.0, 0.990626, 0.990831, 1e-3},
-                              {12, 6, 2.5, 0.991750, 0.990712, 2e-3},
-                              {8, 4, 3.0, 0.954255, 0.950648, 4e-3},
-                              {6, 3, 3.0, 0.898229, 0.874918, 3e-2}};
+  const std::vector<Row> rows{{12, 6, 1.3, 1.0, 1.0, 1e-9},           {8, 4, 1.6, 1.0, 1.0, 1e-9},
+                              {12, 6, 3.0, 0.990626, 0.990831, 1e-3}, {12, 6, 2.5, 0.991750, 0.990712, 2e-3},
+                              {8, 4, 3.0, 0.954255, 0.950648, 4e-3},  {6, 3, 3.0, 0.898229, 0.874918, 3e-2}};
   for (const Row& row : rows) {
     OrientedParticlesParams p;
     p.exponents = Vec2(row.repulsion, row.attraction);
@@ -142,9 +139,8 @@ TEST(OrientedParticlesMaterial, ItHasTheBendingRigidityOfTheMaterialInAllDirecti
       p.co_planarity = planarity;
       p.co_normality = 2.0 - planarity;
       for (double angle : {0.0, 0.2, 0.5}) {
-        const double rigidity = findModulus(p, thickSheet(), 0.01 / kSpacing, [&](double curvature, Vec3& x, Quaternion& q) {
-          rollUp(curvature, angle, x, q);
-        });
+        const double rigidity = findModulus(p, thickSheet(), 0.01 / kSpacing,
+                                            [&](double curvature, Vec3& x, Quaternion& q) { rollUp(curvature, angle, x, q); });
         // The next order in curvature times spacing, that of the arcs which are longer than their chords included.
         EXPECT_NEAR(rigidity, thickSheet().bendingRigidity(), 1e-3 * thickSheet().bendingRigidity()) << planarity << " " << angle;
       }

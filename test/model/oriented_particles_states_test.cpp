@@ -168,9 +168,9 @@ TEST(OrientedParticlesStates, NoStateGivesForcesThatAreNotFinite) {
       State s = randomState(20, 1);
       std::mt19937 generator(kind);
       for (Index i = 0; i < s.size(); ++i) {
-        if (kind == 0) s.positions[i].setConstant(0.3);                              // all in one place
-        if (kind == 1) s.positions[i] = s.positions[i / 2];                          // each twice
-        if (kind == 2) s.positions[i] = 1e-9 * kSpacing * randomVector(generator);   // next to one place
+        if (kind == 0) s.positions[i].setConstant(0.3);                             // all in one place
+        if (kind == 1) s.positions[i] = s.positions[i / 2];                         // each twice
+        if (kind == 2) s.positions[i] = 1e-9 * kSpacing * randomVector(generator);  // next to one place
         if (kind == 3) s.positions[i] = (i % 3 ? 1.0 : far) * randomVector(generator);
       }
       const OrientedParticles particles = makeModel(20, allTerms(weighting));

@@ -181,8 +181,7 @@ TEST_P(OrientedParticlesWeightings, TheStableStepIsBelowThatOfTheLargestFrequenc
 }
 
 INSTANTIATE_TEST_SUITE_P(Both, OrientedParticlesWeightings,
-                         testing::Values(ParticleWeighting::kIsotropic, ParticleWeighting::kAnisotropic),
-                         [](const auto& info) {
+                         testing::Values(ParticleWeighting::kIsotropic, ParticleWeighting::kAnisotropic), [](const auto& info) {
                            return info.param == ParticleWeighting::kIsotropic ? "Isotropic" : "Anisotropic";
                          });
 

@@ -34,8 +34,7 @@ inline Surface makeScattered(Scatter scatter, Index along, double length, double
   const double jitter = scatter == Scatter::kGrid ? 0.0 : 0.3;
   if (scatter == Scatter::kSimplified) {
     const Surface dense = makeSheet(3 * along + 1, 3 * across + 1, length, width, jitter, seed);
-    const cloud::Simplification order =
-        cloud::simplify(dense.points, dense.normals, 16, (along + 1) * (across + 1), {});
+    const cloud::Simplification order = cloud::simplify(dense.points, dense.normals, 16, (along + 1) * (across + 1), {});
     Points points;
     for (const Index i : order.keepCount((along + 1) * (across + 1))) points.push_back(dense.points[i]);
     return connect(points, Points(points.size(), Vec3::UnitZ()));

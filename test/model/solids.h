@@ -21,8 +21,7 @@ inline Points makeBox(Index nx, Index ny, Index nz, double spacing, double jitte
         const Index at[3] = {i, j, k};
         const Vec3 shift = randomVector(generator);
         Vec3 p;
-        for (int c = 0; c < 3; ++c)
-          p[c] = spacing * (at[c] + (at[c] == 0 || at[c] == counts[c] - 1 ? 0.0 : jitter * shift[c]));
+        for (int c = 0; c < 3; ++c) p[c] = spacing * (at[c] + (at[c] == 0 || at[c] == counts[c] - 1 ? 0.0 : jitter * shift[c]));
         points.push_back(p);
       }
   return points;

@@ -9,8 +9,11 @@ namespace {
 
 TEST(References, TheHeavyElasticaAgreesWithCollocation) {
   // Chebyshev collocation of the same equation, six digits.
-  const double rows[][3] = {{0.1, 0.012498, 0.999911}, {1.0, 0.123471, 0.991246}, {10.0, 0.700200, 0.656354},
-                            {100.0, 0.937524, 0.159223}, {1000.0, 0.981141, 0.045986}};
+  const double rows[][3] = {{0.1, 0.012498, 0.999911},
+                            {1.0, 0.123471, 0.991246},
+                            {10.0, 0.700200, 0.656354},
+                            {100.0, 0.937524, 0.159223},
+                            {1000.0, 0.981141, 0.045986}};
   for (const auto& row : rows) {
     EXPECT_NEAR(solveElastica(row[0], 0.0).droop, row[1], 1e-6) << row[0];
     EXPECT_NEAR(solveElastica(row[0], 0.0).reach, row[2], 1e-6) << row[0];

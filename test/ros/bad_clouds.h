@@ -340,50 +340,51 @@ class BadClouds {
     addPoints("V05", kEither, "every point twice", joined(sheet, sheet));
     addPoints("V06", kEither, "points on an axis", makeLine(100, [](int i) { return Point3f{0.01f * i, 0, 0}; }));
     addPoints("V07", kEither, "points on a skew line", makeLine(100, [&](int) {
-      const float t = draw(0, 1);
-      return Point3f{t, 2 * t, -3 * t};
-    }));
+                const float t = draw(0, 1);
+                return Point3f{t, 2 * t, -3 * t};
+              }));
     addPoints("V08", kAccept, "a plane grid", sheet);
     addPoints("V09", kAccept, "a circle", circle);
     addPoints("V10", kRefuse, "nothing but holes", Points3f(400, {kNan, kNan, kNan}), false);
     addPoints("V11", kEither, "a hole in every seventh point", hole_every_seventh, false);
     addPoints("V12", kEither, "holes, said to have none", hole_every_seventh, true);
     addPoints("V13", kEither, "infinite points", changed(sheet, [&](Points3f& p) {
-      p[5] = {kInf, 0, 0};
-      p[9] = {0, -kInf, 0};
-    }));
+                p[5] = {kInf, 0, 0};
+                p[9] = {0, -kInf, 0};
+              }));
     addPoints("V14", kEither, "points at the end of float32", changed(sheet, [&](Points3f& p) {
-      p[5].fill(kHuge);
-      p[9] = {-kHuge, 0, 0};
-    }));
+                p[5].fill(kHuge);
+                p[9] = {-kHuge, 0, 0};
+              }));
     addPoints("V15", kEither, "larger than the universe", scaled(1e20f));
     addPoints("V16", kEither, "smaller than an atom's nucleus", scaled(1e-25f));
     addPoints("V17", kAccept, "heights that are denormal", changed(sheet, [&](Points3f& p) {
-      for (Point3f& q : p) q[2] = kTiny;
-    }));
+                for (Point3f& q : p) q[2] = kTiny;
+              }));
     addPoints("V18", kEither, "a millimetre grid a thousand kilometres away", makeGrid(30, 0.001f, {1e6f, 1e6f, 0}));
     addPoints("V19", kAccept, "a millimetre grid a kilometre away", makeGrid(30, 0.001f, {1e3f, 1e3f, 0}));
     addPoints("V20", kAccept, "a fine grid on a coarse one", joined(makeGrid(20, 0.1f), makeGrid(30, 0.0001f, {0.5f, 0.5f, 0})));
-    addPoints("V21", kEither, "a few points far away", joined(sheet, makeLine(4, [&](int) {
-      return Point3f{draw(-1e4f, 1e4f), draw(-1e4f, 1e4f), draw(-1e4f, 1e4f)};
-    })));
+    addPoints("V21", kEither, "a few points far away",
+              joined(sheet, makeLine(4, [&](int) {
+                       return Point3f{draw(-1e4f, 1e4f), draw(-1e4f, 1e4f), draw(-1e4f, 1e4f)};
+                     })));
     addPoints("V22", kAccept, "two sheets closer than their spacing", joined(sheet, makeGrid(20, 0.01f, {0, 0, 0.001f})));
     addPoints("V23", kEither, "a hair that stands on a sheet", joined(makeGrid(10, 0.01f), hair));
     addPoints("V24", kAccept, "two sheets far apart", joined(makeGrid(10, 0.01f), makeGrid(10, 0.01f, {5, 0, 0})));
     addPoints("V25", kEither, "a sheet and a lone point", joined(makeGrid(10, 0.01f), {{5, 5, 5}}));
     addPoints("V26", kAccept, "a sphere", makeLine(400, [&](int) {
-      const float z = draw(-1, 1), angle = draw(0, 6.2831853f), r = std::sqrt(1 - z * z);
-      return Point3f{r * std::cos(angle), r * std::sin(angle), z};
-    }));
+                const float z = draw(-1, 1), angle = draw(0, 6.2831853f), r = std::sqrt(1 - z * z);
+                return Point3f{r * std::cos(angle), r * std::sin(angle), z};
+              }));
     addPoints("V27", kEither, "a filled cube", makeLine(400, [&](int) { return Point3f{draw(0, 1), draw(0, 1), draw(0, 1)}; }));
     addPoints("V28", kAccept, "negative zeros", changed(sheet, [](Points3f& p) {
-      for (Point3f& q : p)
-        for (float& c : q)
-          if (c == 0) c = -0.0f;
-    }));
+                for (Point3f& q : p)
+                  for (float& c : q)
+                    if (c == 0) c = -0.0f;
+              }));
     addPoints("V29", kEither, "a sliver", changed(sheet, [](Points3f& p) {
-      for (Point3f& q : p) q[1] *= 1e-7f;
-    }));
+                for (Point3f& q : p) q[1] *= 1e-7f;
+              }));
   }
 
   std::vector<BadCloud> clouds_;

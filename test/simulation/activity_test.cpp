@@ -174,7 +174,10 @@ tool::ToolParams ballAt(const Vec3& place) {
 const geometry::Region kCorner{geometry::Region::Kind::kSphere, {}, {}, Vec3(1.0, 0.5, 0.0), 0.3};
 
 const Cause kCauses[] = {
-    {"Force", [](Simulation& s) { s.setForce({"pull", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.1), 0.1, 0.0, 1e300}); }},
+    {"Force",
+     [](Simulation& s) {
+       s.setForce({"pull", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, 0.1), 0.1, 0.0, 1e300});
+     }},
     {"Gravity", [](Simulation& s) { s.setGravity(Vec3(0.0, 0.0, -1.0)); }},
     {"Pin", [](Simulation& s) { EXPECT_GT(s.pin(kCorner), 0); }},
     {"GivenState",

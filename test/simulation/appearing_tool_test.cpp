@@ -30,9 +30,7 @@ simulation::SceneParams foamBall() {
   return p;
 }
 
-cloud::PointCloud ballCloud() {
-  return asCloud(makeSphere(2000, kRadius).points);
-}
+cloud::PointCloud ballCloud() { return asCloud(makeSphere(2000, kRadius).points); }
 
 /// Two thirds of its radius deep in the top of the ball.
 tool::ToolParams ball() {

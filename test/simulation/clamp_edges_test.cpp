@@ -40,8 +40,8 @@ double errorOfCantilever(Scatter scatter, Index along, double behind, unsigned s
   const double h = 1.0 / along, length = 1.0 + 5.0 * h, edge = (5.0 + behind) * h;
   const Surface s = makeScattered(scatter, along + 5, length, 0.25, seed);
   const Held held = holdInside(s, [&](const Vec3& p) { return p.x() <= edge; });
-  const Eigen::VectorXd fit = fitQuadratic(s, sagHeld(s, held, 0.0), Vec3(length, 0.0, 0.0),
-                                           [&](const Vec3& p) { return p.x() > length - 4.5 * h; });
+  const Eigen::VectorXd fit =
+      fitQuadratic(s, sagHeld(s, held, 0.0), Vec3(length, 0.0, 0.0), [&](const Vec3& p) { return p.x() > length - 4.5 * h; });
   return fit[0] / (std::pow(length - edge, 4) / 8.0 * s.area / (0.25 * length)) - 1.0;
 }
 
@@ -68,9 +68,8 @@ TEST_P(ClampEdge, OfASquareIsThatOfAPlate) {
     const double h = 1.0 / across[level], begin = 3.3 * h, end = begin + 1.0, size = 1.0 + 7.0 * h;
     const Surface s = makeScattered(GetParam(), across[level] + 7, size, size, 1);
     const Vec3 middle(0.5 * (begin + end), 0.5 * (begin + end) - 0.5 * size, 0.0);
-    const Held held = holdInside(s, [&](const Vec3& p) {
-      return std::abs(p.x() - middle.x()) >= 0.5 || std::abs(p.y() - middle.y()) >= 0.5;
-    });
+    const Held held =
+        holdInside(s, [&](const Vec3& p) { return std::abs(p.x() - middle.x()) >= 0.5 || std::abs(p.y() - middle.y()) >= 0.5; });
     const Eigen::VectorXd fit = fitQuadratic(s, sagHeld(s, held, 0.3), middle,
                                              [&](const Vec3& p) { return (p - middle).norm() < std::max(0.06, 2.2 * h); });
     errors[level] = std::abs(fit[0] / 0.00126532 - 1.0);  // of q a^4 / D [Timoshenko and Woinowsky-Krieger 1959, table 35]

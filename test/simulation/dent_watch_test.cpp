@@ -14,7 +14,7 @@ using simulation::Buckling;
 using simulation::DentWatch;
 
 constexpr double kPoisson = 0.3, kStretching = 1000.0, kThinness = 0.0025;  // -, N/m, sqrt(D / S) in m
-constexpr double kMass = 0.5;  // kg/m^2
+constexpr double kMass = 0.5;                                               // kg/m^2
 
 std::vector<model::WeightedTriangle> findTriangles(const Surface& surface) {
   std::vector<model::WeightedTriangle> triangles;
@@ -59,9 +59,12 @@ struct Sphere {
 TEST(DentWatch, SeesAnEquilibriumWellBeyondTheClassicalLoad) {
   Sphere sphere;
   // A tenth to either side for chords in place of arcs.
-  for (const auto& [load, expected] :
-       {std::pair(0.0, Buckling::kUnlikely), {0.36, Buckling::kUnlikely}, {0.44, Buckling::kPossible},
-        {1.45, Buckling::kPossible}, {1.75, Buckling::kLikely}, {-1.75, Buckling::kUnlikely}})
+  for (const auto& [load, expected] : {std::pair(0.0, Buckling::kUnlikely),
+                                       {0.36, Buckling::kUnlikely},
+                                       {0.44, Buckling::kPossible},
+                                       {1.45, Buckling::kPossible},
+                                       {1.75, Buckling::kLikely},
+                                       {-1.75, Buckling::kUnlikely}})
     EXPECT_EQ(sphere.watch.judgeEquilibrium(sphere.loaded(load)), expected) << load;
 }
 

@@ -101,9 +101,9 @@ void askForEverything(Simulation& s) {
 }
 
 TEST(EmptySurface, AnswersWhateverIsAskedAndGoesOn) {
-  for (const solve::IntegratorType type : {solve::IntegratorType::kAuto, solve::IntegratorType::kVerlet,
-                                           solve::IntegratorType::kSymplecticEuler, solve::IntegratorType::kExplicitEuler,
-                                           solve::IntegratorType::kStatic}) {
+  for (const solve::IntegratorType type :
+       {solve::IntegratorType::kAuto, solve::IntegratorType::kVerlet, solve::IntegratorType::kSymplecticEuler,
+        solve::IntegratorType::kExplicitEuler, solve::IntegratorType::kStatic}) {
     SCOPED_TRACE(static_cast<int>(type));
     SceneParams scene = makeScene(type);
     if (!checkParams(scene).empty()) continue;  // this model does not take it

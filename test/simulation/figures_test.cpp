@@ -1,7 +1,7 @@
 // The figures of the paper on meshfree elasticity with point cloud geodesics: parts of a body that are close in space move on
 // their own, and stick together where neighbours are the nearest in space.
-#include "../../src/simulation/dynamics.h"
 #include "support/figures.h"
+#include "../../src/simulation/dynamics.h"
 
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
@@ -33,7 +33,7 @@ class TwoBars : public testing::TestWithParam<const char*> {};
 // Figure 8. The scene's own bounds, which are those of the tests of scenes, are for auto.
 TEST_P(TwoBars, TheLowerBarBendsDownUnlessNeighboursAreTheNearestInSpace) {
   SceneParams scene = loadScene(GetParam());
-  scene.duration = 0.6;  // by then it has bent most of the way
+  scene.duration = 0.6;                                      // by then it has bent most of the way
   const Vec3 low(0.9, -kFar, -kFar), high(kFar, kFar, 0.0);  // the tip of the lower bar
   Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished),
              euclidean = runFigure(scene, kEuclidean);
@@ -174,7 +174,8 @@ duration: 0.6
 pins: [{box: {min: [-1, 0.68, -1], max: [1, 2, 1]}}]
 tools: [{id: hand, mode: move, shape: {box: {size: [0.3, 0.08, 0.4]}},
          path: [{position: [0.155, 0, 0]}, {time: 0.4, position: [0.255, 0, 0]}]}]
-simplification: {target_points: )") + c.points + "}");
+simplification: {target_points: )") + c.points +
+                                         "}");
     Simulation s(scene, cloud);
     runScene(s);
     EXPECT_NEAR(findLargestMotion(s, Vec3(0.005, -1.0, -1.0), Vec3(1.0, 0.03, 1.0)), 0.1, 0.01) << c.file << ' ' << c.points;

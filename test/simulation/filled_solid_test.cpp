@@ -1,10 +1,10 @@
 // Closed surfaces filled with points: how much body that makes, what comes out, and which surfaces are refused.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "support/figures.h"
-#include "deformable_surface/base/parallel.h"
 
 #include <gtest/gtest.h>
 

@@ -21,8 +21,7 @@ constexpr const char* kNoData = "no real data: set DEFORMABLE_SURFACE_DATA to it
 TestSurface readBinaryPly(const std::string& name, std::size_t count) {
   std::ifstream stream(sharedFolder() + "/" + name, std::ios::binary);
   TestSurface surface;
-  for (std::string line; std::getline(stream, line) && line != "end_header";) {
-  }
+  for (std::string line; std::getline(stream, line) && line != "end_header";) {}
   double row[6];
   while (surface.positions.size() < count && stream.read(reinterpret_cast<char*>(row), sizeof(row)))
     surface.add(Vec3(row[0], row[1], row[2]), Vec3(row[3], row[4], row[5]));

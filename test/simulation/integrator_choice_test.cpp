@@ -1,7 +1,7 @@
 // A wish for an accuracy also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one
 // whose estimate stays below the wish, until what was tried has come to an end.
-#include "../../src/simulation/dynamics.h"
 #include "../../src/simulation/integrator_choice.h"
+#include "../../src/simulation/dynamics.h"
 #include "clouds.h"
 
 #include <gtest/gtest.h>

@@ -110,7 +110,9 @@ TEST(MembraneChoice, EndsWithWhatWasNotTried) {
   simulation::SceneParams stiffer = stiffSheet();
   stiffer.material.young_modulus *= 2.0;
   const std::function<void(Simulation&)> commands[] = {
-      [](Simulation& s) { s.setForce({"pull", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -3.0), 0.3, 0.0, 1e300}); },
+      [](Simulation& s) {
+        s.setForce({"pull", Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.0, -3.0), 0.3, 0.0, 1e300});
+      },
       [](Simulation& s) { s.setGravity(Vec3(0.0, 0.0, -5.0)); },
       [&](Simulation& s) { s.setMaterial(nullptr, denser); },
       [&](Simulation& s) { s.setParams(stiffer); },

@@ -122,8 +122,7 @@ TEST(MovingPins, SnapshotsAndForksGoOnBitForBit) {
 }
 
 TEST(MovingPins, WakeASurfaceThatSleeps) {
-  simulation::SceneParams p =
-      pulledSheet({{3.0, Vec3::Zero(), kUpright}, {3.2, Vec3(0.0, 0.0, 0.2), kUpright}});
+  simulation::SceneParams p = pulledSheet({{3.0, Vec3::Zero(), kUpright}, {3.2, Vec3(0.0, 0.0, 0.2), kUpright}});
   p.activity.sleep = simulation::Sleep::kAlways;
   Simulation s(p, sheetCloud());
   while (s.time() < 2.99) run(s, 1);
@@ -184,8 +183,7 @@ TEST(MovingPins, CarryParticlesAndSolids) {
     const Points rest = s.state().positions;
     ASSERT_FALSE(moving.empty());
     run(s, 10);
-    for (const Index i : moving)
-      EXPECT_LT((s.state().positions[i] - rest[i] - Vec3(0.04 * s.time(), 0.0, 0.0)).norm(), 1e-12);
+    for (const Index i : moving) EXPECT_LT((s.state().positions[i] - rest[i] - Vec3(0.04 * s.time(), 0.0, 0.0)).norm(), 1e-12);
   }
 }
 
@@ -204,8 +202,8 @@ TEST(Region, OutsideIsAllButTheClosedShape) {
   ball.kind = geometry::Region::Kind::kSphere;
   ball.radius = 1.0;
   for (geometry::Region region : {box, ball})
-    for (const Vec3& p : {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.5, 0.5, 0.5), Vec3(1.1, 0.0, 0.0),
-                          Vec3(-2.0, 3.0, 0.0)}) {
+    for (const Vec3& p :
+         {Vec3(0.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.5, 0.5, 0.5), Vec3(1.1, 0.0, 0.0), Vec3(-2.0, 3.0, 0.0)}) {
       region.outside = false;
       const bool is_inside = region.contains(p);
       region.outside = true;

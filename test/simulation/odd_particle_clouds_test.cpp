@@ -87,8 +87,8 @@ TEST(OddParticleClouds, OfThreePointsAreATriangleOrPointsOnTheirOwn) {
   for (const Fitting fitting : kFittings) {
     expectSound(fitting, {a, b, c}, 3);
     expectSound(fitting, {a, nowhere, b, c, c}, 3);
-    expectSound(fitting, {a, b, 2.0 * b}, 3);                     // in line
-    expectSound(fitting, {a, 5.0 * b, 5.0 * c}, 3);               // out of each other's reach, and farther than max_gap
+    expectSound(fitting, {a, b, 2.0 * b}, 3);        // in line
+    expectSound(fitting, {a, 5.0 * b, 5.0 * c}, 3);  // out of each other's reach, and farther than max_gap
   }
   SceneParams params = makeParams(Fitting::kNone);
   params.oriented_particles.spacing = {};

@@ -20,8 +20,7 @@ constexpr double kSpacing = 0.05;
 cloud::PointCloud patch(Index rows = 14, Index columns = 14) {
   Points points;
   for (Index j = 0; j < rows; ++j)
-    for (Index i = 0; i < columns; ++i)
-      points.emplace_back(kSpacing * (i + 0.5 * (j % 2)), kSpacing * std::sqrt(0.75) * j, 0.0);
+    for (Index i = 0; i < columns; ++i) points.emplace_back(kSpacing * (i + 0.5 * (j % 2)), kSpacing * std::sqrt(0.75) * j, 0.0);
   return asCloud(points);
 }
 

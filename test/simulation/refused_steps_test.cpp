@@ -46,9 +46,19 @@ std::ostream& operator<<(std::ostream& out, const Sight& s) {
 
 Sight look(Simulation& s) {
   const simulation::Statistics now = s.statistics();
-  Sight sight{s.stateHash(),   s.stepCount(),         now.kinetic_energy,           now.elastic_energy,
-              now.potential_energy, now.max_stretch,  now.error_estimate,           s.state().size(),
-              s.forceIds().size(),  s.model().stretchLinks().size(), s.pinned(), 0.0, 0.0};
+  Sight sight{s.stateHash(),
+              s.stepCount(),
+              now.kinetic_energy,
+              now.elastic_energy,
+              now.potential_energy,
+              now.max_stretch,
+              now.error_estimate,
+              s.state().size(),
+              s.forceIds().size(),
+              s.model().stretchLinks().size(),
+              s.pinned(),
+              0.0,
+              0.0};
   for (const simulation::ToolReaction& reaction : s.toolReactions()) sight.grip += reaction.force.norm() + reaction.contacts;
   for (const Vec3& x : s.surface(false).positions)
     if (x.allFinite()) sight.surface += x.x() + 3.0 * x.y() - x.z();

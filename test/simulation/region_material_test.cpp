@@ -41,7 +41,6 @@ SceneParams drawnSheet() {
 
 cloud::PointCloud grid(Index n) { return asCloud(makeSheet(n, n, 1.0, 1.0, 0.0).points); }
 
-
 double meanShift(const Simulation& s, double x) {
   double sum = 0.0;
   int count = 0;

@@ -1,6 +1,6 @@
 // What is built on a cloud with a gap, by the way its neighbourhoods are chosen.
-#include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/io/shapes.h"
 #include "support/gaps.h"
 
 #include <gtest/gtest.h>

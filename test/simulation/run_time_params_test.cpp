@@ -1,7 +1,7 @@
 // Values of a scene that change while its surface runs.
+#include "deformable_surface/simulation/run_time_params.h"
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
-#include "deformable_surface/simulation/run_time_params.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // Inside one body the region around a poke is awake and the rest is not.
-#include "sleeping.h"
 #include "deformable_surface/io/shapes.h"
+#include "sleeping.h"
 
 #include <gtest/gtest.h>
 

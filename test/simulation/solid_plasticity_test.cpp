@@ -1,7 +1,7 @@
 // Elastic solids that flow, as scenes: what stays bent, what the account of the energy says, and what a snapshot holds.
-#include "support/figures.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "support/figures.h"
 
 namespace deformable_surface::test {
 namespace {

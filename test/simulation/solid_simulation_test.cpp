@@ -1,9 +1,9 @@
 // Elastic solids as scenes: what is made of a cloud, and how it moves, is cut down to fewer points, and is refused.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
-#include "deformable_surface/base/parallel.h"
 
 #include <gtest/gtest.h>
 

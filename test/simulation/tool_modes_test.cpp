@@ -46,17 +46,16 @@ TEST(ToolModes, WhatAModeDoesNotUseIsRefusedInSentencesThatNameIt) {
     double tool::ToolParams::*value;
     bool (*is_used)(ModelKind, Mode);
   };
-  const Use uses[] = {
-      {"friction", &tool::ToolParams::friction,
-       [](ModelKind model, Mode mode) {
-         return mode == Mode::kSolid || (mode == Mode::kCut && model == ModelKind::kOrientedParticles);
-       }},
-      {"strength", &tool::ToolParams::strength,
-       [](ModelKind model, Mode mode) {
-         return mode == Mode::kAttract || mode == Mode::kMove || mode == Mode::kHeat ||
-                (mode == Mode::kCut && model == ModelKind::kOrientedParticles);
-       }},
-      {"reach", &tool::ToolParams::reach, [](ModelKind, Mode mode) { return mode == Mode::kAttract; }}};
+  const Use uses[] = {{"friction", &tool::ToolParams::friction,
+                       [](ModelKind model, Mode mode) {
+                         return mode == Mode::kSolid || (mode == Mode::kCut && model == ModelKind::kOrientedParticles);
+                       }},
+                      {"strength", &tool::ToolParams::strength,
+                       [](ModelKind model, Mode mode) {
+                         return mode == Mode::kAttract || mode == Mode::kMove || mode == Mode::kHeat ||
+                                (mode == Mode::kCut && model == ModelKind::kOrientedParticles);
+                       }},
+                      {"reach", &tool::ToolParams::reach, [](ModelKind, Mode mode) { return mode == Mode::kAttract; }}};
   int refused = 0;
   for (const ModelKind model : kModels)
     for (const tool::ModeInfo& info : tool::kModes) {

@@ -18,8 +18,10 @@ simulation::SceneParams heldSheet() {
   p.material.damping = 20.0;
   p.material.bending_rigidity = 1e-4;
   p.gravity.setZero();
-  for (const auto& [min, max] : {std::pair<Vec3, Vec3>{Vec3(-1, -1, -1), Vec3(0.001, 2, 1)}, {Vec3(0.999, -1, -1), Vec3(2, 2, 1)},
-                                 {Vec3(-1, -1, -1), Vec3(2, -0.499, 1)}, {Vec3(-1, 0.499, -1), Vec3(2, 2, 1)}}) {
+  for (const auto& [min, max] : {std::pair<Vec3, Vec3>{Vec3(-1, -1, -1), Vec3(0.001, 2, 1)},
+                                 {Vec3(0.999, -1, -1), Vec3(2, 2, 1)},
+                                 {Vec3(-1, -1, -1), Vec3(2, -0.499, 1)},
+                                 {Vec3(-1, 0.499, -1), Vec3(2, 2, 1)}}) {
     simulation::PinParams pin;
     pin.region.min = min;
     pin.region.max = max;

@@ -85,9 +85,8 @@ bool holds(const RestSurface& s, const Vec3& place) {
 // The point of the cloud nearest to a place.
 Vec3 nearestOf(const SceneParams& p, const Vec3& place) {
   const cloud::PointCloud cloud = io::makeShape(p.cloud);
-  return *std::min_element(cloud.positions.begin(), cloud.positions.end(), [&](const Vec3& a, const Vec3& b) {
-    return (a - place).squaredNorm() < (b - place).squaredNorm();
-  });
+  return *std::min_element(cloud.positions.begin(), cloud.positions.end(),
+                           [&](const Vec3& a, const Vec3& b) { return (a - place).squaredNorm() < (b - place).squaredNorm(); });
 }
 
 bool isTold(const RestSurface& s, const std::string& words) {

@@ -1,6 +1,6 @@
 // Blow-ups are told from what methods do by their nature: oscillation of the energy, first steps, drift, commands.
-#include "oscillators.h"
 #include "deformable_surface/solve/energy_guard.h"
+#include "oscillators.h"
 
 #include <gtest/gtest.h>
 
@@ -62,8 +62,8 @@ TEST(EnergyGuard, EveryMethodMayFall) {
   const ConstantField gravity(model.masses(), Vec3(0.0, 0.0, -9.81));
   const std::vector<const solve::ExternalLoad*> loads{&gravity};
   const solve::System system(model, loads, kFree, 0.0);
-  for (IntegratorType type : {IntegratorType::kExplicitEuler, IntegratorType::kSymplecticEuler, IntegratorType::kVerlet,
-                              IntegratorType::kImplicit}) {
+  for (IntegratorType type :
+       {IntegratorType::kExplicitEuler, IntegratorType::kSymplecticEuler, IntegratorType::kVerlet, IntegratorType::kImplicit}) {
     const auto integrator = solve::makeIntegrator(type, {});
     EnergyGuard guard;
     State state{{Vec3::Zero()}, {Vec3::Zero()}};

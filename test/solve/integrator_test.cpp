@@ -152,10 +152,9 @@ TEST(Integrators, VerletsForcesKeptFromStepToStepGiveTheBitsOfAFreshStart) {
 }
 
 TEST(Integrators, FreeFallIsExactWithVerletAndLateByHalfAStepWithFirstOrderMethods) {
-  for (const auto& [type, error] : {std::pair{IntegratorType::kVerlet, 0.0},
-                                    std::pair{IntegratorType::kSymplecticEuler, -0.5 * 9.81 / 60.0},
-                                    std::pair{IntegratorType::kImplicit, 0.0},
-                                    std::pair{IntegratorType::kExplicitEuler, 0.5 * 9.81 / 60.0}}) {
+  for (const auto& [type, error] :
+       {std::pair{IntegratorType::kVerlet, 0.0}, std::pair{IntegratorType::kSymplecticEuler, -0.5 * 9.81 / 60.0},
+        std::pair{IntegratorType::kImplicit, 0.0}, std::pair{IntegratorType::kExplicitEuler, 0.5 * 9.81 / 60.0}}) {
     World world({0.0}, 2.0);
     const ConstantField gravity(world.model.masses(), Vec3(0.0, 0.0, -9.81));
     world.loads.push_back(&gravity);
@@ -275,9 +274,9 @@ TEST(Integrators, OuterStepsStayUnderTheStableOneOfTheSlowForces) {
   };
   expectCut(kNoLimit, 1, 16, 1);
   expectCut(kNoLimit, 8, 2, 8);
-  expectCut(kNoLimit, 5, 4, 4);    // as five would need 20 sub-steps
+  expectCut(kNoLimit, 5, 4, 4);  // as five would need 20 sub-steps
   expectCut(0.008001, 8, 4, 4);
-  expectCut(0.0039, 8, 16, 1);     // slow ones that are not slow
+  expectCut(0.0039, 8, 16, 1);  // slow ones that are not slow
 }
 
 TEST(StableStep, IsTwoOverTheHighestFrequency) {

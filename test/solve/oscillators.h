@@ -16,8 +16,7 @@ class Oscillators : public model::DeformableModel {
   bool forcesReadVelocities() const override { return viscosity_ > 0.0; }
   void addForces(const State& s, Points& forces) const override {
     ++evaluations;
-    for (std::size_t i = 0; i < forces.size(); ++i)
-      forces[i] -= stiffness_[i] * s.positions[i] + viscosity_ * s.velocities[i];
+    for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= stiffness_[i] * s.positions[i] + viscosity_ * s.velocities[i];
   }
   double elasticEnergy(const State& s) const override {
     double sum = 0.0;

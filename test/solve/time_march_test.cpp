@@ -1,7 +1,7 @@
 // How long the sub-steps of a step are, and in how many of them slow forces act, as the stable step and the energy account
 // change.
-#include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/solve/time_march.h"
+#include "deformable_surface/base/interrupt.h"
 #include "oscillators.h"
 
 #include <gtest/gtest.h>

@@ -59,16 +59,15 @@ void draw(const Corner& a, const Corner& b, const Corner& c, Index sheet, Camera
   const double area = cross(b.pixel - a.pixel, c.pixel - a.pixel);
   if (area == 0.0) return;
   const Eigen::Array2d low = a.pixel.cwiseMin(b.pixel).cwiseMin(c.pixel).array().ceil().max(0.0);
-  const Eigen::Array2d high = a.pixel.cwiseMax(b.pixel).cwiseMax(c.pixel).array().floor().min(
-      Eigen::Array2d(camera.width - 1, camera.height - 1));
+  const Eigen::Array2d high =
+      a.pixel.cwiseMax(b.pixel).cwiseMax(c.pixel).array().floor().min(Eigen::Array2d(camera.width - 1, camera.height - 1));
   for (Index row = static_cast<Index>(low.y()); row <= high.y(); ++row) {
     for (Index column = static_cast<Index>(low.x()); column <= high.x(); ++column) {
       const Vec2 p(column, row);
       const double share_b = cross(p - a.pixel, c.pixel - a.pixel) / area, share_c = cross(b.pixel - a.pixel, p - a.pixel) / area;
       const double share_a = 1.0 - share_b - share_c;
       if (!(share_a >= 0.0 && share_b >= 0.0 && share_c >= 0.0)) continue;
-      const double depth =
-          1.0 / (share_a * a.inverse_depth + share_b * b.inverse_depth + share_c * c.inverse_depth);
+      const double depth = 1.0 / (share_a * a.inverse_depth + share_b * b.inverse_depth + share_c * c.inverse_depth);
       const Index pixel = row * camera.width + column;
       if (frame.sheet[pixel] >= 0 && frame.positions[pixel].z() <= depth) continue;
       const Vec2 at = depth * (share_a * a.place + share_b * b.place + share_c * c.place);

@@ -19,9 +19,9 @@ struct DepthCamera {
   double quantum = 0.0;         // px of disparity; 0 = not quantised. Sensors that match speckles have 1/8
   /// px: noise is the mean of as many pixels on both sides, twice, as where patterns are matched in windows; its deviation stays.
   Index smoothing = 0;
-  double missing = 0.05;        // share of the pixels
+  double missing = 0.05;  // share of the pixels
   bool has_shadows = true;
-  double flying = 0.0;          // share of the pixels at gaps whose disparity lies somewhere between those of the two sides
+  double flying = 0.0;  // share of the pixels at gaps whose disparity lies somewhere between those of the two sides
   unsigned seed = 1;
 
   Vec2 center() const { return 0.5 * Vec2(width - 1, height - 1); }  // px

@@ -102,8 +102,8 @@ CameraScene makeCornerFold(double distance, double gap) {
   Builder builder(nameHeight("towel corner", gap), distance, 0.0, Vec2(0.36, 0.26));
   const Vec2 across = Vec2(1.0, 1.0).normalized(), corner(0.15, 0.11);
   constexpr double kFlap = 0.11;  // m, from the line to the corner
-  builder.add(makeRectangle(-0.15, corner.x(), -0.11, corner.y()),
-              fold(across, across.dot(corner) - kFlap, gap, kTowelWaves), kFineCell);
+  builder.add(makeRectangle(-0.15, corner.x(), -0.11, corner.y()), fold(across, across.dot(corner) - kFlap, gap, kTowelWaves),
+              kFineCell);
   for (const double v : {-0.08, 0.0, 0.08}) builder.hold(-0.13, v);
   const Vec2 along(-across.y(), across.x()), near_line = corner - (kFlap - 0.5 * M_PI * gap - 0.01) * across;
   for (const double t : {-0.04, 0.0, 0.04}) builder.hold((near_line + t * along).x(), (near_line + t * along).y());
@@ -154,10 +154,17 @@ CameraScene makeTwoSheets(double distance, double gap) {
 }
 
 std::vector<CameraScene> makeCameraScenes(double distance) {
-  return {makeTowel(distance, 0.0),          makeTowel(distance, 30.0),         makeTowel(distance, 60.0),
-          makeFoldedTowel(distance, 0.014),  makeFoldedTowel(distance, 0.014, 30.0),
-          makeCornerFold(distance, 0.014),   makeBlanket(distance, 0.012, 0.0), makeBlanket(distance, 0.012, 0.004),
-          makeGarment(distance),             makeTwoSheets(distance, 0.005),    makeTwoSheets(distance, 0.01),
+  return {makeTowel(distance, 0.0),
+          makeTowel(distance, 30.0),
+          makeTowel(distance, 60.0),
+          makeFoldedTowel(distance, 0.014),
+          makeFoldedTowel(distance, 0.014, 30.0),
+          makeCornerFold(distance, 0.014),
+          makeBlanket(distance, 0.012, 0.0),
+          makeBlanket(distance, 0.012, 0.004),
+          makeGarment(distance),
+          makeTwoSheets(distance, 0.005),
+          makeTwoSheets(distance, 0.01),
           makeTwoSheets(distance, 0.02)};
 }
 

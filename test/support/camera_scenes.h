@@ -12,10 +12,10 @@ namespace deformable_surface::test {
 struct CameraScene {
   std::string name;
   std::vector<Sheet> sheets;
-  Vec2 field;               // m across at that distance: what of the picture matters
-  std::vector<Vec3> held;   // centres of balls; every piece of the true surface that is seen has some
-  Vec3 pulled, direction;   // centre of a ball and away from what it lies on, unit
-  double distance = 1.0;    // m
+  Vec2 field;              // m across at that distance: what of the picture matters
+  std::vector<Vec3> held;  // centres of balls; every piece of the true surface that is seen has some
+  Vec3 pulled, direction;  // centre of a ball and away from what it lies on, unit
+  double distance = 1.0;   // m
 };
 
 constexpr double kHeldRadius = 0.02;  // m, of those balls

@@ -12,8 +12,8 @@ namespace deformable_surface::test {
 
 struct Gapped {
   Points positions, normals;
-  std::vector<int> part;        // points of different parts are not to be linked; -1 = do not ask
-  std::vector<char> is_asked;   // far from what joins the parts, and from other ends
+  std::vector<int> part;       // points of different parts are not to be linked; -1 = do not ask
+  std::vector<char> is_asked;  // far from what joins the parts, and from other ends
 
   void add(const Vec3& position, const Vec3& normal, int of_part, bool asked) {
     positions.push_back(position);
@@ -49,7 +49,10 @@ inline Gapped makeTwoBars(double gap, double share, int layers = 1, unsigned see
         const double dx = jitter.draw(), dy = layers > 1 ? jitter.draw() : 0.0, dz = jitter.draw();
         double z = row;
         if (!is_lower) z = kRows - 1 + (is_upper ? gap + (row - kRows - filling) : gap * (row - kRows + 1) / (filling + 1));
-        bars.add(Vec3(i + dx, layer + dy, z + (is_edge ? 0.0 : dz)), Vec3::UnitY(), is_lower ? 0 : is_upper ? 1 : -1,
+        bars.add(Vec3(i + dx, layer + dy, z + (is_edge ? 0.0 : dz)), Vec3::UnitY(),
+                 is_lower   ? 0
+                 : is_upper ? 1
+                            : -1,
                  i >= kFarFromJoint);
       }
     }

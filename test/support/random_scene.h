@@ -26,9 +26,11 @@ class RandomSceneMaker {
 
   RandomScene make() {
     using Shape = simulation::CloudParams::Shape;
-    static const std::pair<Shape, const char*> kShapes[] = {
-        {Shape::kSheet, "sheet"}, {Shape::kStrip, "strip"}, {Shape::kSine, "sine"}, {Shape::kSphere, "sphere"},
-        {Shape::kCap, "cap"}};
+    static const std::pair<Shape, const char*> kShapes[] = {{Shape::kSheet, "sheet"},
+                                                            {Shape::kStrip, "strip"},
+                                                            {Shape::kSine, "sine"},
+                                                            {Shape::kSphere, "sphere"},
+                                                            {Shape::kCap, "cap"}};
     const auto shape = kShapes[static_cast<int>(draw(0.0, 5.0))];
     scene_.name = shape.second;
     length_ = drawLogarithmic(0.3, 2.0);

@@ -2,8 +2,8 @@
 // from the judge (stability_judge.h), so that what is asked and what is passing are read separately.
 #pragma once
 
-#include "surfaces.h"
 #include "deformable_surface/simulation/simulation.h"
+#include "surfaces.h"
 
 #include <cmath>
 #include <functional>
@@ -17,8 +17,8 @@ struct StabilityCase {
   simulation::SceneParams params;  // but for integrator.type
   cloud::PointCloud cloud;
   int steps = 60;
-  std::function<void(const simulation::Simulation&, model::State&)> start;    // changes the state at rest; empty = none
-  std::function<void(simulation::Simulation&, int step)> command;             // before each step; empty = none
+  std::function<void(const simulation::Simulation&, model::State&)> start;  // changes the state at rest; empty = none
+  std::function<void(simulation::Simulation&, int step)> command;           // before each step; empty = none
   // The first step of which the energy is accounted for: what a tool puts in before, only the simulation itself knows.
   int account_from = 0;
   bool recovers = false;  // overdamped, no load, and its only equilibrium near the start is the rest shape: it must be reached
@@ -26,9 +26,8 @@ struct StabilityCase {
 
 inline const std::vector<std::string>& stabilityFamilies() {
   static const std::vector<std::string> names{
-      "time_step", "stiffness", "stiffness_ratio", "mass_ratio", "density_spike", "collapse",      "stretch",
-      "pins",      "clouds",    "gravity",         "blow",       "pressure",      "membrane_ratio",
-      "tools"};
+      "time_step", "stiffness", "stiffness_ratio", "mass_ratio", "density_spike", "collapse",       "stretch",
+      "pins",      "clouds",    "gravity",         "blow",       "pressure",      "membrane_ratio", "tools"};
   return names;
 }
 
@@ -36,21 +35,36 @@ class StabilityGenerator {
  public:
   static StabilityCase make(const std::string& family, unsigned seed) {
     StabilityGenerator g(family, seed);
-    if (family == "time_step") g.makeTimeStep();
-    else if (family == "stiffness") g.makeStiffness();
-    else if (family == "stiffness_ratio") g.makeStiffnessRatio();
-    else if (family == "mass_ratio") g.makeMassRatio();
-    else if (family == "density_spike") g.makeDensitySpike();
-    else if (family == "collapse") g.makeCollapse();
-    else if (family == "stretch") g.makeStretch();
-    else if (family == "pins") g.makePins();
-    else if (family == "clouds") g.makeClouds();
-    else if (family == "gravity") g.makeGravity();
-    else if (family == "blow") g.makeBlow();
-    else if (family == "pressure") g.makePressure();
-    else if (family == "membrane_ratio") g.makeMembraneRatio();
-    else if (family == "tools") g.makeTools();
-    else throw std::logic_error("no family " + family);
+    if (family == "time_step")
+      g.makeTimeStep();
+    else if (family == "stiffness")
+      g.makeStiffness();
+    else if (family == "stiffness_ratio")
+      g.makeStiffnessRatio();
+    else if (family == "mass_ratio")
+      g.makeMassRatio();
+    else if (family == "density_spike")
+      g.makeDensitySpike();
+    else if (family == "collapse")
+      g.makeCollapse();
+    else if (family == "stretch")
+      g.makeStretch();
+    else if (family == "pins")
+      g.makePins();
+    else if (family == "clouds")
+      g.makeClouds();
+    else if (family == "gravity")
+      g.makeGravity();
+    else if (family == "blow")
+      g.makeBlow();
+    else if (family == "pressure")
+      g.makePressure();
+    else if (family == "membrane_ratio")
+      g.makeMembraneRatio();
+    else if (family == "tools")
+      g.makeTools();
+    else
+      throw std::logic_error("no family " + family);
     return std::move(g.case_);
   }
 
@@ -199,7 +213,10 @@ class StabilityGenerator {
   }
 
   void makeCollapse() {
-    if (chance(0.3)) takeSphere(); else takeSheet();
+    if (chance(0.3))
+      takeSphere();
+    else
+      takeSheet();
     varyMaterial();
     simulation::SceneParams& p = case_.params;
     if (chance(0.7)) p.gravity.setZero();
@@ -213,11 +230,11 @@ class StabilityGenerator {
       if (kind == 5)  // shuffled
         for (std::size_t i = x.size() - 1; i > 0; --i) std::swap(x[i], x[generator() % (i + 1)]);
       for (std::size_t i = 0; i < x.size(); ++i) {
-        if (kind == 0) x[i] = Vec3(0.3, 0.1, 0.0);                                        // a point
+        if (kind == 0) x[i] = Vec3(0.3, 0.1, 0.0);  // a point
         if (kind == 1) x[i] = Vec3(0.3, 0.1, 0.0) + 1e-6 * randomVector(generator);
-        if (kind == 2) x[i] = Vec3(rest[i].x(), 0.0, 0.0);                                // a line
-        if (kind == 3) x[i].z() = 0.0, x[i].x() = std::abs(rest[i].x() - 0.2);            // a plane, folded
-        if (kind == 4) x[i] = 0.5 * randomVector(generator);                              // scattered
+        if (kind == 2) x[i] = Vec3(rest[i].x(), 0.0, 0.0);                      // a line
+        if (kind == 3) x[i].z() = 0.0, x[i].x() = std::abs(rest[i].x() - 0.2);  // a plane, folded
+        if (kind == 4) x[i] = 0.5 * randomVector(generator);                    // scattered
       }
     };
   }
@@ -312,7 +329,10 @@ class StabilityGenerator {
 
   void makePressure() {
     simulation::SceneParams& p = case_.params;
-    if (chance(0.5)) takeSphere(), varyMaterial(); else takePinnedSheet();
+    if (chance(0.5))
+      takeSphere(), varyMaterial();
+    else
+      takePinnedSheet();
     // What the membrane can hold: beyond twice its stiffness over its size a surface of this material grows for ever.
     const double largest = p.material.young_modulus * p.material.thickness;
     p.pressure = (chance(0.5) ? 1.0 : -1.0) * logBetween(1e-2 * largest, 0.5 * largest);
@@ -321,7 +341,10 @@ class StabilityGenerator {
 
   // Solids that appear in a surface, that jump through it, and that are gone again for the second half.
   void makeTools() {
-    if (chance(0.3)) takeSphere(), varyMaterial(); else takePinnedSheet();
+    if (chance(0.3))
+      takeSphere(), varyMaterial();
+    else
+      takePinnedSheet();
     using Kind = geometry::Solid::Kind;
     constexpr Kind kKinds[] = {Kind::kSphere, Kind::kBox, Kind::kCylinder, Kind::kCone};
     std::vector<tool::ToolParams> tools(1 + pick(3));

@@ -20,9 +20,7 @@ inline Vec3 randomVector(std::mt19937& generator) {
 }
 
 /// A rotation that has nothing to do with the axes.
-inline Mat3 someRotation() {
-  return Eigen::AngleAxisd(1.1, Vec3(0.3, -0.5, 0.8).normalized()).toRotationMatrix();
-}
+inline Mat3 someRotation() { return Eigen::AngleAxisd(1.1, Vec3(0.3, -0.5, 0.8).normalized()).toRotationMatrix(); }
 
 struct Surface {
   Points points, normals;

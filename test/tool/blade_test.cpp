@@ -55,9 +55,9 @@ TEST(BladeSweep, FindsACutWithWorkThatDoesNotGrowWithTheJump) {
 
 TEST(BladeSweep, DoesNotLookForEverWhereAToolWaitsBeforeItJumps) {
   const Points points = {Vec3(-0.01, 0.0, 0.0), Vec3(0.01, 0.0, 0.0)};
-  const ToolParams tool = makeKnife(Vec3(0.001, 0.3, 0.3), {{0.0, Vec3(0.0095, 0.151, 0.0)},
-                                                            {0.9 * kStep, Vec3(0.0095, 0.151, 0.0)},
-                                                            {kStep, Vec3(0.0095, 1000.0, 0.0)}});
+  const ToolParams tool =
+      makeKnife(Vec3(0.001, 0.3, 0.3),
+                {{0.0, Vec3(0.0095, 0.151, 0.0)}, {0.9 * kStep, Vec3(0.0095, 0.151, 0.0)}, {kStep, Vec3(0.0095, 1000.0, 0.0)}});
   const BladeSweep blade(tool, 0.0, kStep, points, points, 0.05, 0.0005);
   std::int64_t taken = 0;
   EXPECT_FALSE(blade.wentBetween(points[0], points[0], points[1], points[1], blade.all(), &taken));

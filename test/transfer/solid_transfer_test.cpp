@@ -1,5 +1,5 @@
-#include "../model/solids.h"
 #include "deformable_surface/transfer/solid_transfer.h"
+#include "../model/solids.h"
 
 #include <gtest/gtest.h>
 

@@ -47,7 +47,8 @@ Surface makeGraph(Index side, unsigned seed, const Height& height) {
       const double step = 1e-6;
       surface.positions.emplace_back(x, y, height(x, y));
       surface.normals.push_back(Vec3(-(height(x + step, y) - height(x - step, y)) / (2 * step),
-                                     -(height(x, y + step) - height(x, y - step)) / (2 * step), 1.0).normalized());
+                                     -(height(x, y + step) - height(x, y - step)) / (2 * step), 1.0)
+                                    .normalized());
     }
   }
   return surface;

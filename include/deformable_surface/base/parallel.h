@@ -20,7 +20,8 @@ void runBlocks(Index num_blocks, void (*run)(const void* context, Index block), 
 
 template <class Run>
 void runBlocks(Index num_blocks, const Run& run) {
-  runBlocks(num_blocks, [](const void* context, Index block) { (*static_cast<const Run*>(context))(block); }, &run);
+  runBlocks(
+      num_blocks, [](const void* context, Index block) { (*static_cast<const Run*>(context))(block); }, &run);
 }
 }  // namespace internal
 

@@ -190,7 +190,8 @@ std::vector<std::string> checkParams(const Params& params) {
   Params copy;
   std::vector<std::string> problems;
   // What was printed has no unknown keys, for which the known ones would be needed.
-  internal::readFields(printParams(params), {}, [&](Fields& fields) { visit(fields, copy); }, problems);
+  internal::readFields(
+      printParams(params), {}, [&](Fields& fields) { visit(fields, copy); }, problems);
   return problems;
 }
 

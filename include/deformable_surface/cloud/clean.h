@@ -6,11 +6,11 @@
 namespace deformable_surface::cloud {
 
 struct CleanCloud {
-  Points positions;                     // (m x 3) finite, pairwise distinct
-  Points normals;                       // (m x 3) or empty; unit; rows that the input left zero or not finite are zero
-  std::vector<Index> point_of_input;    // (n) index into positions, -1 for holes; coincident input points share one
-  Index num_not_finite = 0;             // input points that are holes
-  Index num_coincident = 0;             // input points that share another's position exactly
+  Points positions;                   // (m x 3) finite, pairwise distinct
+  Points normals;                     // (m x 3) or empty; unit; rows that the input left zero or not finite are zero
+  std::vector<Index> point_of_input;  // (n) index into positions, -1 for holes; coincident input points share one
+  Index num_not_finite = 0;           // input points that are holes
+  Index num_coincident = 0;           // input points that share another's position exactly
 };
 
 /// Filters the cloud. Points whose coordinate exceeds max_coordinate (m) in magnitude count as not finite: beyond it squared

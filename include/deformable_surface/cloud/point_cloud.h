@@ -11,7 +11,14 @@ namespace deformable_surface::cloud {
 
 /// Scalar types of a field; the values are those of sensor_msgs/PointField.
 enum class ScalarType : std::uint8_t {
-  kInt8 = 1, kUint8 = 2, kInt16 = 3, kUint16 = 4, kInt32 = 5, kUint32 = 6, kFloat32 = 7, kFloat64 = 8
+  kInt8 = 1,
+  kUint8 = 2,
+  kInt16 = 3,
+  kUint16 = 4,
+  kInt32 = 5,
+  kUint32 = 6,
+  kFloat32 = 7,
+  kFloat64 = 8
 };
 
 /// Bytes of one scalar.
@@ -31,12 +38,12 @@ struct ExtraField {
 /// A surface as a point set. Points that are not finite are holes: they keep their place, so that the output has one point per
 /// input point in the same order.
 struct PointCloud {
-  Points positions;                       // (n x 3) m
-  Points normals;                         // (n x 3) unit, outward; empty if the input brings none
+  Points positions;  // (n x 3) m
+  Points normals;    // (n x 3) unit, outward; empty if the input brings none
   std::vector<ExtraField> extra_fields;
-  std::uint32_t width = 0, height = 1;    // width * height == n; height > 1 for organised clouds
-  std::optional<Vec3> viewpoint;          // where the scanner stood, if the file says so
-  Vec3 origin = Vec3::Zero();             // m, of the frame that the cloud came in; a depth camera sees from there
+  std::uint32_t width = 0, height = 1;  // width * height == n; height > 1 for organised clouds
+  std::optional<Vec3> viewpoint;        // where the scanner stood, if the file says so
+  Vec3 origin = Vec3::Zero();           // m, of the frame that the cloud came in; a depth camera sees from there
 
   Index size() const { return static_cast<Index>(positions.size()); }
   /// From where the points were seen, if they were seen by a camera or scanner at all; m.

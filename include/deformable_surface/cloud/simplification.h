@@ -7,11 +7,11 @@
 namespace deformable_surface::cloud {
 
 struct Simplification {
-  Index num_points = 0;             // of the input
-  std::vector<Index> removed;       // in the order of removal
-  std::vector<double> diameter;     // m: running maximum of the key at removal; never falls
-  Index num_left_out = 0;           // parts too small for the target, all of whose points go first
-  Index num_left_out_points = 0;    // of these parts
+  Index num_points = 0;           // of the input
+  std::vector<Index> removed;     // in the order of removal
+  std::vector<double> diameter;   // m: running maximum of the key at removal; never falls
+  Index num_left_out = 0;         // parts too small for the target, all of whose points go first
+  Index num_left_out_points = 0;  // of these parts
 
   /// The points left when target points remain (all removable ones gone if it is smaller), ascending.
   std::vector<Index> keepCount(Index target) const;

@@ -67,8 +67,8 @@ class PairList {
   BoxTree triangle_tree_, edge_tree_;
   double usual_radius_ = 0.0;  // m, of a search
 
-  Points reference_;     // m, where the points were when the list was made; empty: there is none
-  double radius_ = 0.0;  // m: nearer pairs were listed
+  Points reference_;          // m, where the points were when the list was made; empty: there is none
+  double radius_ = 0.0;       // m: nearer pairs were listed
   std::vector<double> way_;   // (n) m, of the points since then, less their mean
   double largest_way_ = 0.0;  // m
   std::vector<Pair> pairs_;

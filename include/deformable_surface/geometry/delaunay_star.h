@@ -18,13 +18,13 @@ constexpr double kStarMaxGap = 3.14159;
 /// The star of the origin among neighbours in the plane. Neighbours that are cocircular with the origin and a hull edge are all
 /// kept: they form one Delaunay cell (on a square grid: the square), and every way to triangulate it is as good.
 struct DelaunayStar {
-  std::vector<Index> ring;      // positions in the neighbour list, counter-clockwise; starts after the widest gap if open
-  std::vector<Index> cell_size; // (ring size) for the step ring[r] -> next: corners of its Delaunay cell, the origin included;
-                                // 0 = no triangle, so the last step of an open ring has 0
-  bool open = false;            // some step has no triangle: the ring does not close
+  std::vector<Index> ring;       // positions in the neighbour list, counter-clockwise; starts after the widest gap if open
+  std::vector<Index> cell_size;  // (ring size) for the step ring[r] -> next: corners of its Delaunay cell, the origin included;
+                                 // 0 = no triangle, so the last step of an open ring has 0
+  bool open = false;             // some step has no triangle: the ring does not close
 
-  double area = 0.0;            // m^2, of all triangles (origin, ring[r], next)
-  double share = 0.0;           // m^2, this point's part: each cell's area divided by its number of corners
+  double area = 0.0;   // m^2, of all triangles (origin, ring[r], next)
+  double share = 0.0;  // m^2, this point's part: each cell's area divided by its number of corners
 };
 
 /// Reusable scratch memory of the computation.
@@ -40,7 +40,7 @@ class DelaunayStarBuilder {
 
  private:
   struct Direction {
-    double angle;              // grows with the angle, in [0, 4)
+    double angle;  // grows with the angle, in [0, 4)
     double squared_distance;
     Index neighbor;
   };

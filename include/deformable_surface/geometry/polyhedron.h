@@ -31,7 +31,7 @@ class Polyhedron {
   /// As they were found to be: vertices at one place once, triangles counter-clockwise seen from outside.
   const Points& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
-  double volume() const { return volume_; }  // m^3
+  double volume() const { return volume_; }               // m^3
   const Vec3& low() const { return nodes_.front().low; }  // m, corners of its box
   const Vec3& high() const { return nodes_.front().high; }
   /// m, of the ball about the origin that holds it.
@@ -45,7 +45,7 @@ class Polyhedron {
   struct Nearest {
     double squared_distance;
     Vec3 point;
-    Vec3 pseudonormal;   // not unit
+    Vec3 pseudonormal;  // not unit
   };
 
   void mergeVertices(const Points& vertices, const std::vector<Triangle>& triangles);
@@ -58,12 +58,12 @@ class Polyhedron {
   Points vertices_;
   std::vector<Triangle> triangles_;  // in the order of the leaves
   double volume_ = 0.0;
-  double on_surface_ = 0.0;          // m, below which the direction of the nearest point would be rounding
+  double on_surface_ = 0.0;  // m, below which the direction of the nearest point would be rounding
   std::vector<Node> nodes_;
   // Pseudonormals.
-  Points face_normals_;                           // (triangles) unit
+  Points face_normals_;                            // (triangles) unit
   std::vector<std::array<Vec3, 3>> edge_normals_;  // (triangles) of the edge from corner c to the next
-  Points vertex_normals_;                         // (vertices)
+  Points vertex_normals_;                          // (vertices)
 };
 
 }  // namespace deformable_surface::geometry

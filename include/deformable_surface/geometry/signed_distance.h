@@ -6,8 +6,8 @@
 namespace deformable_surface::geometry {
 
 struct SignedDistance {
-  double distance;                // m; negative inside
-  Vec3 normal;                    // its gradient: unit, outward; where several directions are equally short, one of them
+  double distance;  // m; negative inside
+  Vec3 normal;      // its gradient: unit, outward; where several directions are equally short, one of them
 };
 
 }  // namespace deformable_surface::geometry

@@ -14,14 +14,14 @@ namespace deformable_surface::geometry {
 struct Solid {
   enum class Kind { kSphere, kBox, kCylinder, kCone, kPlane, kMesh };
   Kind kind = Kind::kSphere;
-  double radius = 0.1;            // m, > 0: sphere, cylinder, base of the cone
-  double height = 0.1;            // m, > 0: cylinder, cone
-  Vec3 size{0.1, 0.1, 0.1};       // m, > 0: edges of the box
-  Vec3 normal{0.0, 0.0, 1.0};     // of the plane, of any length but zero
-  double offset = 0.0;            // m: plane
+  double radius = 0.1;                     // m, > 0: sphere, cylinder, base of the cone
+  double height = 0.1;                     // m, > 0: cylinder, cone
+  Vec3 size{0.1, 0.1, 0.1};                // m, > 0: edges of the box
+  Vec3 normal{0.0, 0.0, 1.0};              // of the plane, of any length but zero
+  double offset = 0.0;                     // m: plane
   std::shared_ptr<const Polyhedron> mesh;  // of kMesh, once it has been read
-  std::string mesh_file;          // of kMesh: where it is to be read from; empty once it has been
-  double mesh_scale = 1.0;        // units of the file to metres
+  std::string mesh_file;                   // of kMesh: where it is to be read from; empty once it has been
+  double mesh_scale = 1.0;                 // units of the file to metres
 };
 
 /// Rows of three as the numbers of a scene.

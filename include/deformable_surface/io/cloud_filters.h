@@ -16,8 +16,8 @@ enum class RemovedBy : std::uint8_t { kNone, kCrop, kRange, kFlyingPixels, kPlan
 
 struct FilterReport {
   std::vector<RemovedBy> removed_by;  // (n) kNone: stays, or was no point before; empty: no filter is on
-  std::vector<std::string> notes;     // what went by which filter, the cloud before and after, the plane; empty: no filter is on
-  std::string refusal;                // why nothing can be made of what stays; empty if something can
+  std::vector<std::string> notices;   // what went by which filter, the cloud before and after, the plane; empty: no filter is on
+  std::string problem;                // why nothing can be made of what stays; empty if something can
 };
 
 /// Carries out the filters one after the other: crop, range, flying pixels, plane, outliers. A point that goes becomes NaN and

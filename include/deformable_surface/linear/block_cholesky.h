@@ -58,7 +58,7 @@ class BlockCholesky {
   std::vector<Index> rows_;
   std::vector<Index> node_of_column_;
   std::vector<Update> updates_;
-  std::vector<Index> update_offsets_;      // of node s: updates_ from [s] to [s + 1]
+  std::vector<Index> update_offsets_;  // of node s: updates_ from [s] to [s + 1]
   std::vector<Place> places_;
   // Made by factorize().
   std::vector<double> factor_;

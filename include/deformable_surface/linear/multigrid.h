@@ -41,7 +41,7 @@ class Multigrid {
 
   std::vector<Level> levels_;  // all but the last, finest first
   Level last_;
-  ScalarCholesky factor_;      // of the last
+  ScalarCholesky factor_;  // of the last
   Points last_b_, last_x_;
 };
 

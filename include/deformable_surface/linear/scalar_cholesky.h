@@ -34,15 +34,15 @@ class ScalarCholesky {
   std::size_t factorSize() const { return factor_.size(); }
 
  private:
-  std::vector<Index> position_;             // of a point in the permuted matrix
-  std::vector<Index> from_;                 // of a place in it its point
-  std::vector<Index> offsets_, rows_;       // of each column of the permuted matrix its rows above the diagonal
-  std::vector<Index> source_;               // and the pair of each
-  std::vector<Index> parent_;               // elimination tree, -1 = a root
-  std::vector<Index> starts_;               // of each column of L: its place in the factor
+  std::vector<Index> position_;        // of a point in the permuted matrix
+  std::vector<Index> from_;            // of a place in it its point
+  std::vector<Index> offsets_, rows_;  // of each column of the permuted matrix its rows above the diagonal
+  std::vector<Index> source_;          // and the pair of each
+  std::vector<Index> parent_;          // elimination tree, -1 = a root
+  std::vector<Index> starts_;          // of each column of L: its place in the factor
   std::vector<Index> factor_rows_;
-  std::vector<char> is_paired_;             // 1: of this column and the next the rows below both are the same
-  std::vector<double> factor_, inverse_;    // L below the diagonal by columns, and D^-1
+  std::vector<char> is_paired_;           // 1: of this column and the next the rows below both are the same
+  std::vector<double> factor_, inverse_;  // L below the diagonal by columns, and D^-1
   // Scratch.
   std::vector<Index> filled_, flag_, stack_;
   std::vector<double> row_, work_;

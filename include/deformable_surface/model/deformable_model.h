@@ -18,13 +18,13 @@ constexpr Index kNoParent = -1;
 
 /// What else an oriented particle carries along.
 struct ParticleTraits {
-  double temperature = 0.0;                // K above ambient; weakens its bonds
-  Index id = 0;                            // never used again, and never another's: the rank among the first ones, then by birth
-  Index ancestor = 0;                      // id of the one of the first ones that it comes from; its own if it is one
+  double temperature = 0.0;  // K above ambient; weakens its bonds
+  Index id = 0;              // never used again, and never another's: the rank among the first ones, then by birth
+  Index ancestor = 0;        // id of the one of the first ones that it comes from; its own if it is one
   Index parents[2] = {kNoParent, kNoParent};  // ids of those between which it was born
-  double turn = 0.0;                       // rad, about its normal, of its x axis from that of its orientation; no force reads it
-  Vec3 rest_curvature = Vec3::Zero();      // 1/m: xx, yy, xy in the orientation's frame, to which it is bent at rest
-  bool is_smooth = true;                   // false: no force that keeps the surface flat acts on or from it (a crease)
+  double turn = 0.0;                   // rad, about its normal, of its x axis from that of its orientation; no force reads it
+  Vec3 rest_curvature = Vec3::Zero();  // 1/m: xx, yy, xy in the orientation's frame, to which it is bent at rest
+  bool is_smooth = true;               // false: no force that keeps the surface flat acts on or from it (a crease)
 };
 
 /// What moves: everything that a snapshot must hold of the simulation points. World frame.

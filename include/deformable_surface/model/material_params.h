@@ -7,14 +7,14 @@
 namespace deformable_surface::model {
 
 struct MaterialParams {
-  double young_modulus = 1.0e5;     // Pa, > 0
-  double poisson_ratio = 0.3333;    // > -1, < 0.5 (plane stress; pure springs have 1/3 by construction)
-  double thickness = 0.001;         // m, > 0
-  OrAuto<double> bending_rigidity;  // N m, >= 0; auto = E h^3 / (12 (1 - nu^2))
+  double young_modulus = 1.0e5;          // Pa, > 0
+  double poisson_ratio = 0.3333;         // > -1, < 0.5 (plane stress; pure springs have 1/3 by construction)
+  double thickness = 0.001;              // m, > 0
+  OrAuto<double> bending_rigidity;       // N m, >= 0; auto = E h^3 / (12 (1 - nu^2))
   OrAuto<double> bending_poisson_ratio;  // > -1, < 0.5; auto = poisson_ratio where bending_rigidity is auto, else 0
-  double density = 1000.0;          // kg/m^3, > 0
-  double damping = 0.0;             // 1/s, >= 0: force = -damping * mass * velocity
-  double spring_damping = 0.0;      // s, >= 0: damping constant of a link over its stiffness k
+  double density = 1000.0;               // kg/m^3, > 0
+  double damping = 0.0;                  // 1/s, >= 0: force = -damping * mass * velocity
+  double spring_damping = 0.0;           // s, >= 0: damping constant of a link over its stiffness k
 
   /// D, N m.
   double bendingRigidity() const {
@@ -23,9 +23,7 @@ struct MaterialParams {
   }
   /// How much the curvatures along and across feel each other. A rigidity that is stated is mostly measured on strips, which are
   /// free to curve across: without this effect strips of any width have it.
-  double bendingPoissonRatio() const {
-    return bending_poisson_ratio.valueOr(bending_rigidity.is_auto ? poisson_ratio : 0.0);
-  }
+  double bendingPoissonRatio() const { return bending_poisson_ratio.valueOr(bending_rigidity.is_auto ? poisson_ratio : 0.0); }
   /// kg/m^2.
   double arealDensity() const { return density * thickness; }
 };
@@ -33,8 +31,7 @@ struct MaterialParams {
 // The ranges are wider than any material on Earth by some powers of ten on either side, and narrow enough that products of these
 // values neither overflow nor become denormal.
 inline void visit(Fields& fields, MaterialParams& p) {
-  fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15),
-                "Young's modulus E; the membrane stiffness is E h");
+  fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "Young's modulus E; the membrane stiffness is E h");
   fields.number("poisson_ratio", p.poisson_ratio, "", strictlyBetween(-1.0, 0.5),
                 "Poisson's ratio nu in plane stress. Springs have 1/3 by construction. Oriented particles use it only for "
                 "`bending_rigidity: auto`");
@@ -45,8 +42,7 @@ inline void visit(Fields& fields, MaterialParams& p) {
                 "Poisson's ratio of bending, for `mass_spring.bending: curvature`. `auto` = poisson_ratio with "
                 "`bending_rigidity: auto` (a plate of one material). With a stated bending_rigidity `auto` = 0: strips of any "
                 "width then have that rigidity");
-  fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9),
-                "mass density; the areal density is density times h");
+  fields.number("density", p.density, "kg/m^3", between(1e-6, 1e9), "mass density; the areal density is density times h");
   fields.number("damping", p.damping, "1/s", between(0.0, 1e9), "mass-proportional damping: force = -damping * mass * velocity");
   fields.number("spring_damping", p.spring_damping, "s", between(0.0, 1e3),
                 "stiffness-proportional damping of links: damping constant over stiffness. `mass_spring.damping` selects the "

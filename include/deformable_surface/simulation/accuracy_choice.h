@@ -17,23 +17,23 @@ struct AccuracyChoice {
     double step_time = 0.0;  // s of wall time per step; 0 if it was tried for its error
     double membrane_share = 1.0;
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;
-    double work = 0.0;       // points times sub-steps of all of it, or what takes as long; 0 if it was tried for its time
+    double work = 0.0;        // points times sub-steps of all of it, or what takes as long; 0 if it was tried for its time
     bool may_buckle = false;  // see Statistics
   };
 
-  bool is_asked = false;     // the scene asks for an accuracy or for a time
-  bool is_met = false;       // and the choice fulfils it, by estimate or by measurement
-  Index points = 0;          // simulation points chosen
+  bool is_asked = false;        // the scene asks for an accuracy or for a time
+  bool is_met = false;          // and the choice fulfils it, by estimate or by measurement
+  Index points = 0;             // simulation points chosen
   double membrane_share = 1.0;  // of the stated membrane stiffness, chosen (docs/accuracy_control.md)
   solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // chosen in the place of auto; else that of the scene
   std::vector<double> softening;  // m, by step: how far a point of the trial had been from where it was with the stated membrane
                                   // and verlet; empty if those are taken
-  double error = 0.0;        // m, largest estimate of its trial; 0 if it was chosen by its time
-  double work = 0.0;         // of its trial, as a candidate's
-  bool may_buckle = false;   // in its trial
+  double error = 0.0;             // m, largest estimate of its trial; 0 if it was chosen by its time
+  double work = 0.0;              // of its trial, as a candidate's
+  bool may_buckle = false;        // in its trial
   std::vector<Candidate> candidates;  // in the order of trying
-  std::string why_integrator;  // another than auto's; else empty
-  std::string sentence;      // what was chosen and why; empty if nothing was asked
+  std::string why_integrator;         // another than auto's; else empty
+  std::string sentence;               // what was chosen and why; empty if nothing was asked
 
   void take(const Candidate& candidate) {
     points = candidate.points;

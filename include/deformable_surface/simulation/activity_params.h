@@ -16,9 +16,8 @@ struct ActivityParams {
 };
 
 inline void visit(Fields& fields, ActivityParams& p) {
-  fields.choice(
-      "sleep", p.sleep, {{"auto", Sleep::kAuto}, {"always", Sleep::kAlways}, {"never", Sleep::kNever}},
-      "regions at rest sleep until something disturbs them; `auto` = always, except with explicit_euler");
+  fields.choice("sleep", p.sleep, {{"auto", Sleep::kAuto}, {"always", Sleep::kAlways}, {"never", Sleep::kNever}},
+                "regions at rest sleep until something disturbs them; `auto` = always, except with explicit_euler");
   fields.number(
       "tolerance", p.tolerance, "m", between(1e-15, kMaxLength),
       "largest motion that sleeping may suppress. A region sleeps if it moves less than this in quiet_time and is this close to "

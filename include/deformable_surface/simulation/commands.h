@@ -82,19 +82,18 @@ struct Fit {
 
 }  // namespace command
 
-using Command =
-    std::variant<command::SetForce, command::RemoveForce, command::SetTool, command::MoveTool, command::RemoveTool, command::Pin,
-                 command::PinAlong, command::MovePin, command::Unpin, command::SetGravity, command::SetMaterial,
-                 command::SetDamping, command::SetParams, command::Observe, command::SetState, command::EditParticles,
-                 command::Fit>;
+using Command = std::variant<command::SetForce, command::RemoveForce, command::SetTool, command::MoveTool, command::RemoveTool,
+                             command::Pin, command::PinAlong, command::MovePin, command::Unpin, command::SetGravity,
+                             command::SetMaterial, command::SetDamping, command::SetParams, command::Observe, command::SetState,
+                             command::EditParticles, command::Fit>;
 
 /// What a command, or an event within a step, has changed. Dynamics::follow() draws every conclusion from the first ones.
 struct Changes {
-  bool loads = false;       // which loads act, or how strongly
-  bool parts = false;       // whether parts of the surface may sleep
-  bool material = false;    // stiffness or masses
-  bool motion = false;      // positions, velocities, elastic forces or masses are not those that the last step ended with
-  bool everywhere = false;  // all of the surface is disturbed
+  bool loads = false;            // which loads act, or how strongly
+  bool parts = false;            // whether parts of the surface may sleep
+  bool material = false;         // stiffness or masses
+  bool motion = false;           // positions, velocities, elastic forces or masses are not those that the last step ended with
+  bool everywhere = false;       // all of the surface is disturbed
   std::vector<Index> disturbed;  // else these points
 
   bool done = true;          // false: there was nothing to do

@@ -41,8 +41,8 @@ class ContactLoad : public solve::ExternalLoad {
   };
   /// How a tool that appears comes to its place.
   struct Arrival {
-    bool is_known = false;           // it acts, or has acted
-    Vec3 offset = Vec3::Zero();      // m, from its place to where it comes from; zero: it is there at once
+    bool is_known = false;            // it acts, or has acted
+    Vec3 offset = Vec3::Zero();       // m, from its place to where it comes from; zero: it is there at once
     double begins = 0.0, ends = 0.0;  // s
   };
   /// A tool, its path as it arrives, with the points that it has passed over, ascending. What a snapshot must hold.
@@ -122,7 +122,7 @@ class ContactLoad : public solve::ExternalLoad {
   bool arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
   std::string news_;
   mutable double seconds_ = 0.0;
-  Points before_;                // m, of the last beginStep()
+  Points before_;  // m, of the last beginStep()
   std::vector<Passed> scratch_;
   std::vector<std::string> told_;  // ids of tools whose passing between points was told
 };
@@ -150,8 +150,8 @@ class FrictionLoad : public solve::ExternalLoad {
     static double creepOf(const ContactLoad& contact, Index point);
     Vec3 findForce(const Vec3& sliding) const;      // N
     double findDamping(const Vec3& sliding) const;  // N s/m, the secant force / speed
-    double limit;  // N, mu F_n
-    double creep;  // N s/m, m r
+    double limit;                                   // N, mu F_n
+    double creep;                                   // N s/m, m r
   };
   /// Whether a tool has friction: it pushes, and has a coefficient.
   static bool rubs(const tool::ToolParams& tool);

@@ -59,9 +59,8 @@ inline void visit(Fields& fields, RangeParams& p) {
   const Range accepted = between(0.0, RangeParams().max);
   fields.number("min", p.min, "m", accepted, "closer points are removed");
   fields.number("max", p.max, "m", accepted, "farther points are removed; the default removes none");
-  fields.require(
-      p.min < p.max, "max",
-      "found " + formatReal(p.max) + ", which is not above min, " + formatReal(p.min) + "; accepted: min < max");
+  fields.require(p.min < p.max, "max",
+                 "found " + formatReal(p.max) + ", which is not above min, " + formatReal(p.min) + "; accepted: min < max");
 }
 
 inline void visit(Fields& fields, PlaneFilterParams& p) {

@@ -12,7 +12,7 @@ class ObservedCloud {
   /// Throws InputError for fewer than three points that are finite and distinct. O(n log n).
   explicit ObservedCloud(const cloud::PointCloud& cloud);
 
-  const Points& points() const { return points_; }  // finite, distinct
+  const Points& points() const { return points_; }     // finite, distinct
   const cloud::KdTree& tree() const { return tree_; }  // of these
 
  private:

@@ -37,16 +37,16 @@ struct RestSurface {
   bool closed = false;             // the dense surface has no boundary
   std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out
   transfer::Transfer transfer;
-  transfer::SolidTransfer solid_transfer;  // in its place, of a solid; empty where every point is simulated
-  Lists solid_neighbors;           // (m) of the simulation points of a solid, over its body, nearest first; else empty
-  std::vector<char> pinned;        // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
+  transfer::SolidTransfer solid_transfer;     // in its place, of a solid; empty where every point is simulated
+  Lists solid_neighbors;                      // (m) of the simulation points of a solid, over its body, nearest first; else empty
+  std::vector<char> pinned;                   // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
   std::vector<model::ClampEdge> clamp_edges;  // where the pins that clamp end
-  std::vector<char> pinned_turns;  // (m) those whose orientation is held too
-  std::vector<char> creased;       // (m) particles that are not smooth; empty if the model is another
-  std::vector<PointValues> values; // (m) of the scene's regions; empty if the model is another
-  bool has_hinged_pins = false;       // a pin clamps the dense surface and is a hinge to the simulation points
-  std::vector<std::string> warnings;  // what will not be as the scene says, or not go well
-  std::vector<std::string> notes;  // what a user should know: counts, rules, choices of auto
+  std::vector<char> pinned_turns;             // (m) those whose orientation is held too
+  std::vector<char> creased;                  // (m) particles that are not smooth; empty if the model is another
+  std::vector<PointValues> values;            // (m) of the scene's regions; empty if the model is another
+  bool has_hinged_pins = false;               // a pin clamps the dense surface and is a hinge to the simulation points
+  std::vector<std::string> warnings;          // what will not be as the scene says, or not go well
+  std::vector<std::string> notes;             // what a user should know: counts, rules, choices of auto
 };
 
 /// Cleans, orients, simplifies, connects and builds the model and the transfer operator. Throws InputError.

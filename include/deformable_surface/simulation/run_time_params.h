@@ -40,8 +40,8 @@ inline SceneParams withRunTimeValues(SceneParams scene, const SceneParams& other
 
 /// The keys of the same.
 inline const std::vector<std::string>& runTimeKeys() {
-  static const std::vector<std::string> keys = {"gravity",      "material.young_modulus", "material.damping",   "viscous_drag",
-                                                "pressure",     "output.normals",         "output.publish_rate"};
+  static const std::vector<std::string> keys = {"gravity",  "material.young_modulus", "material.damping",   "viscous_drag",
+                                                "pressure", "output.normals",         "output.publish_rate"};
   return keys;
 }
 

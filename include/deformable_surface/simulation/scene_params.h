@@ -44,15 +44,15 @@ struct CloudParams {
   Index points = 4096;         // >= 4
   // m: sheet, lattice and sine [x, y], strip [length, width], chain [x, -], two_bars [length, height of one bar]
   Vec2 size{1.0, 1.0};
-  double height = 0.1;         // m, bar: along z
-  double radius = 0.5;         // m, sphere and cap
-  double angle = 1.0;          // rad, cap: from its lowest point to its rim
-  double amplitude = 0.1;      // m, sine
-  double wavelength = 1.0;     // m, sine
-  double gap = 0.015;          // m, two_bars
-  double jitter = 0.0;         // 0 .. 0.5 of the spacing
-  Index seed = 1;              // >= 0
-  double scale = 1.0;          // > 0, file units to metres
+  double height = 0.1;      // m, bar: along z
+  double radius = 0.5;      // m, sphere and cap
+  double angle = 1.0;       // rad, cap: from its lowest point to its rim
+  double amplitude = 0.1;   // m, sine
+  double wavelength = 1.0;  // m, sine
+  double gap = 0.015;       // m, two_bars
+  double jitter = 0.0;      // 0 .. 0.5 of the spacing
+  Index seed = 1;           // >= 0
+  double scale = 1.0;       // > 0, file units to metres
 };
 
 struct AccuracyParams {
@@ -128,15 +128,15 @@ struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
   InputFilterParams filter;
-  Index keep_parts = 0;         // >= 0; 0 = all
-  OrAuto<double> noise;         // m, >= 0
-  double min_gap = 0.0;         // m, >= 0
+  Index keep_parts = 0;  // >= 0; 0 = all
+  OrAuto<double> noise;  // m, >= 0
+  double min_gap = 0.0;  // m, >= 0
   Unheld unheld = Unheld::kKeep;
-  double track_gain = 400.0;        // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
-  OrAuto<double> track_distance;    // m, > 0; auto = three spacings of the simulation points
+  double track_gain = 400.0;      // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
+  OrAuto<double> track_distance;  // m, > 0; auto = three spacings of the simulation points
   double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
-  double tool_timeout = 0.5;    // s, >= 0: a tool is silent after this long without news; 0 = never
-  std::string lockstep;         // topics that each step waits for; empty = steps follow the clock
+  double tool_timeout = 0.5;  // s, >= 0: a tool is silent after this long without news; 0 = never
+  std::string lockstep;       // topics that each step waits for; empty = steps follow the clock
 };
 
 /// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
@@ -187,13 +187,40 @@ inline std::vector<std::string> expectQuantities() {
   visitFields(Statistics{}, [&](const std::string& name, const auto& value) {
     if (std::is_arithmetic<std::decay_t<decltype(value)>>::value && name != "state_hash") names.push_back(name);
   });
-  for (const char* name : {"max_displacement", "mean_displacement", "rms_displacement", "min_x", "max_x", "min_y", "max_y",
-                           "min_z", "max_z", "volume_ratio", "components", "boundary_loops", "euler_characteristic", "isolated",
+  for (const char* name : {"max_displacement",
+                           "mean_displacement",
+                           "rms_displacement",
+                           "min_x",
+                           "max_x",
+                           "min_y",
+                           "max_y",
+                           "min_z",
+                           "max_z",
+                           "volume_ratio",
+                           "components",
+                           "boundary_loops",
+                           "euler_characteristic",
+                           "isolated",
                            "plastic_dissipation",
-                           "spacing_mean", "spacing_cv", "spacing_max", "born", "gone", "principal_angle_mean",
-                           "distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms",
-                           "distance_to_sphere_max", "distance_to_sphere_rms", "sphere_radius", "distance_to_torus_max",
-                           "distance_to_torus_rms", "torus_radius", "torus_tube_radius", "distance_to_tools_min", "touching"}) {
+                           "spacing_mean",
+                           "spacing_cv",
+                           "spacing_max",
+                           "born",
+                           "gone",
+                           "principal_angle_mean",
+                           "distance_to_shape_max",
+                           "distance_to_shape_rms",
+                           "distance_to_input_max",
+                           "distance_to_input_rms",
+                           "distance_to_sphere_max",
+                           "distance_to_sphere_rms",
+                           "sphere_radius",
+                           "distance_to_torus_max",
+                           "distance_to_torus_rms",
+                           "torus_radius",
+                           "torus_tube_radius",
+                           "distance_to_tools_min",
+                           "touching"}) {
     names.emplace_back(name);
   }
   return names;
@@ -225,22 +252,19 @@ inline void visit(Fields& fields, CloudParams& p) {
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength), "sphere and cap: radius");
   fields.number("angle", p.angle, "rad", between(1e-3, 3.1),
                 "cap (the lower part of a sphere): polar angle from its lowest point to its rim");
-  fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength),
-                "sine: height of the crests; one crest is at x = 0");
+  fields.number("amplitude", p.amplitude, "m", between(0.0, kMaxLength), "sine: height of the crests; one crest is at x = 0");
   fields.number("wavelength", p.wavelength, "m", between(1e-6, kMaxLength), "sine: wavelength along x");
   fields.number("gap", p.gap, "m", between(1e-9, kMaxLength), "two_bars: gap between the bars");
   fields.number("jitter", p.jitter, "", between(0.0, 0.5),
                 "shapes: random displacement within the surface, as a fraction of the spacing");
-  fields.integer("seed", p.seed, "", between(0, std::numeric_limits<Index>::max()),
-                 "shapes: random seed of jitter");
+  fields.integer("seed", p.seed, "", between(0, std::numeric_limits<Index>::max()), "shapes: random seed of jitter");
   fields.number("scale", p.scale, "", between(1e-9, 1e9), "file: metres per file unit");
 }
 
 inline void visit(Fields& fields, AccuracyParams& p) {
-  fields.number(
-      "position_error", p.position_error, "m", between(0.0, kMaxLength),
-      "accuracy target for the position error. Chooses the fewest points, then the softest membrane, that meet it over "
-      "`duration`. Needs `simplification.threshold: auto`; 0 = off");
+  fields.number("position_error", p.position_error, "m", between(0.0, kMaxLength),
+                "accuracy target for the position error. Chooses the fewest points, then the softest membrane, that meet it over "
+                "`duration`. Needs `simplification.threshold: auto`; 0 = off");
   fields.number("step_budget", p.step_budget, "s", between(0.0, 1e6),
                 "target for the wall time per step. Chooses the most points that meet it. Runs are then not bit-identical. Needs "
                 "`simplification.threshold: auto`; 0 = off");
@@ -374,9 +398,8 @@ inline void visit(Fields& fields, InputParams& p) {
   fields.number(
       "track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
       "for `track`: points farther from the cloud count as not visible; `auto` = three spacings of the simulation points");
-  fields.number(
-      "delay", p.delay, "s", between(0.0, 10.0),
-      "the node: steps lag the clock by this time, so that messages and transforms arrive before their step");
+  fields.number("delay", p.delay, "s", between(0.0, 10.0),
+                "the node: steps lag the clock by this time, so that messages and transforms arrive before their step");
   fields.number("tool_timeout", p.tool_timeout, "s", between(0.0, 1e9),
                 "time after which a tool from ROS or a robot link is silent: no message for its twist, or no transform of its "
                 "frame. It then stops, and its wrench is stale; 0 = never");
@@ -445,8 +468,7 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "spring_damping above 0");
   fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
                  "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
-  fields.section("oriented_particles", p.oriented_particles,
-                 "Options of oriented particles (docs/oriented_particles.md).");
+  fields.section("oriented_particles", p.oriented_particles, "Options of oriented particles (docs/oriented_particles.md).");
   fields.section("elastic_solid", p.elastic_solid, "Options of elastic solids (docs/elastic_solid.md).");
   const bool is_solid = p.model == ModelKind::kElasticSolid;
   fields.require(!is_solid || p.material.spring_damping == 0.0, "material.spring_damping",
@@ -482,8 +504,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.list("creases", p.creases, "Particles in these regions at rest keep their spacing but have no smoothness forces.");
   fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
                  "found some, but only oriented_particles have an orientation; accepted: none");
-  fields.list("regions", p.regions,
-              "Regions with another material, by rest position. A later region overrides an earlier one.");
+  fields.list("regions", p.regions, "Regions with another material, by rest position. A later region overrides an earlier one.");
   for (std::size_t i = 0; i < p.regions.size(); ++i) {
     const std::string problem = findMaterialProblem(p, p.regions[i].material);
     fields.require(problem.empty(), "regions[" + std::to_string(i) + "]", problem);

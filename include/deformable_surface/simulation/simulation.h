@@ -8,9 +8,9 @@
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/commands.h"
-#include "deformable_surface/simulation/tool_reaction.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/simulation/statistics.h"
+#include "deformable_surface/simulation/tool_reaction.h"
 
 #include <atomic>
 #include <memory>
@@ -71,7 +71,7 @@ class Simulation {
   /// Once this is true, a step that is under way ends soon, between two evaluations of the forces or within one, as one that
   /// failed: everything is as before it. Null = never. It must outlive the simulation; forks have none.
   void setInterrupt(const std::atomic<bool>* interrupt);
-  double time() const;           // s since rest
+  double time() const;  // s since rest
   std::uint64_t stepCount() const;
   const SceneParams& params() const;
   const cloud::PointCloud& input() const;
@@ -106,14 +106,14 @@ class Simulation {
   // out of range.
   /// Each of the functions below gives one of these values.
   Changes apply(const Command& command);
-  void setForce(const ForceParams& force);     // replaces the force of that id; a zero force removes it
+  void setForce(const ForceParams& force);  // replaces the force of that id; a zero force removes it
   void removeForce(const std::string& id);
   /// Of all forces there are, ascending; those that wait for their time too.
   std::vector<std::string> forceIds() const;
   void setTool(const tool::ToolParams& tool);  // replaces the tool of that id
   /// Gives a tool that is there another path: what happens in every step must cost next to nothing.
   void moveTool(const std::string& id, const std::vector<tool::WaypointParams>& path);
-  bool removeTool(const std::string& id);      // false: there is none
+  bool removeTool(const std::string& id);  // false: there is none
   const std::vector<tool::ToolParams>& tools() const;
   /// What the surface does to each tool now, in the order of tools().
   std::vector<ToolReaction> toolReactions() const;
@@ -133,7 +133,7 @@ class Simulation {
   /// The path of a pin of pinAlong(); null: there is none, or all of its points are free again.
   const std::vector<tool::WaypointParams>* findPinPath(const std::string& id) const;
   Index unpin(const geometry::Region& region);
-  void setGravity(const Vec3& gravity);        // m/s^2, in the surface's frame
+  void setGravity(const Vec3& gravity);  // m/s^2, in the surface's frame
   /// Gives the simulation points that lie in the region now (null: all of them) other values of their material, until the next
   /// reset. Velocities stay, also where masses change. The stable step is measured anew. Throws InputError, and changes nothing,
   /// if the scene's model has no such values. Returns how many points.
@@ -159,8 +159,8 @@ class Simulation {
   /// it did as a sentence.
   std::string fit(const model::GrowthParams& growth);
 
-  double membraneShare() const;                    // of the stated membrane stiffness, that acts now
-  solve::IntegratorType lastIntegrator() const;    // of the last step; the one that auto took
+  double membraneShare() const;                  // of the stated membrane stiffness, that acts now
+  solve::IntegratorType lastIntegrator() const;  // of the last step; the one that auto took
 
   /// Other numbers whenever anything that can be asked for may be another but the time and what a step costs; and whenever the
   /// positions may: what was made of them before is good as long as they stay.
@@ -177,15 +177,15 @@ class Simulation {
   const model::DeformableModel& model() const;
   /// The model if it is that of oriented particles, else null.
   const model::OrientedParticles* particles() const;
-  bool isAwake(Index simulation_point) const;                // false: it is left out of the steps, see docs/activity.md
-  bool isAsleep() const;                                     // all of it: steps pass in no time
-  bool isLeftAlone() const;                                  // asleep, without forces and tools: only a command can wake it
+  bool isAwake(Index simulation_point) const;  // false: it is left out of the steps, see docs/activity.md
+  bool isAsleep() const;                       // all of it: steps pass in no time
+  bool isLeftAlone() const;                    // asleep, without forces and tools: only a command can wake it
   /// Whether a mass-spring surface rests in another shape than its own though nothing loads it: asleep, stretched, without
   /// gravity, pressure, forces, anchors, touching tools and pins that hold it elsewhere than at rest.
   bool hasSnapped() const;
-  Index numFirst() const;                                    // simulation points at time 0
-  const std::vector<char>& pinned() const;                   // (m)
-  void computeSimulationNormals(Points& normals) const;      // (m x 3)
+  Index numFirst() const;                                // simulation points at time 0
+  const std::vector<char>& pinned() const;               // (m)
+  void computeSimulationNormals(Points& normals) const;  // (m x 3)
   /// Named forces acting now: point of attack (mean of the loaded points) and force.
   std::vector<std::pair<Vec3, Vec3>> activeForces() const;
 

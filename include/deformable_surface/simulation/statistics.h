@@ -14,8 +14,8 @@ struct Statistics {
   std::uint64_t step = 0;
   std::uint32_t points = 0, simulation_points = 0, springs = 0, awake = 0;
   double kinetic_energy = 0.0, elastic_energy = 0.0, potential_energy = 0.0;  // J
-  double max_stretch = 0.0;      // |l / l0 - 1|
-  double max_speed = 0.0;        // m/s
+  double max_stretch = 0.0;                                                   // |l / l0 - 1|
+  double max_speed = 0.0;                                                     // m/s
   // m; NaN where there is no estimate; the sum is infinite where small differences grow so much that there can be none
   double error_estimate = std::numeric_limits<double>::quiet_NaN();
   double error_time = std::numeric_limits<double>::quiet_NaN();
@@ -23,8 +23,8 @@ struct Statistics {
   double error_transfer = std::numeric_limits<double>::quiet_NaN();
   double error_softening = std::numeric_limits<double>::quiet_NaN();
   bool error_calibrated = false;  // the numbers of points are such that the estimate was found to cover the error
-  bool may_buckle = false;  // where the points do not show it, by the error estimate
-  bool has_snapped = false;  // see Simulation::hasSnapped()
+  bool may_buckle = false;        // where the points do not show it, by the error estimate
+  bool has_snapped = false;       // see Simulation::hasSnapped()
   std::uint32_t substeps = 0, solver_iterations = 0;
   bool is_quasi_newton = false;  // these cost a few passes of forces each; not in Statistics.msg
   double solver_residual = 0.0;  // N
@@ -34,7 +34,7 @@ struct Statistics {
   double real_time_factor = 0.0;  // time step over time_total
   // M, rms distance from the cloud that is tracked; NaN: from none.
   double track_residual = std::numeric_limits<double>::quiet_NaN();
-  std::uint32_t track_points = 0;                                    // simulation points that it shows
+  std::uint32_t track_points = 0;  // simulation points that it shows
   std::uint64_t state_hash = 0;
   std::vector<std::string> skipped;  // stages that were not run because nobody needed them
 };

@@ -19,11 +19,11 @@ struct ToolReaction {
 
 /// Where a tool pushes or draws a simulation point. World frame.
 struct Contact {
-  Index tool;      // place among Simulation::tools()
-  Index point;     // simulation point
-  Vec3 position;   // m, of that point
-  Vec3 normal;     // unit, out of the tool
-  Vec3 force;      // N, on the point, friction included
+  Index tool;     // place among Simulation::tools()
+  Index point;    // simulation point
+  Vec3 position;  // m, of that point
+  Vec3 normal;    // unit, out of the tool
+  Vec3 force;     // N, on the point, friction included
 };
 
 /// What the surface does to the pins of a region.

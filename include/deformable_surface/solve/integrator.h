@@ -11,13 +11,13 @@
 namespace deformable_surface::solve {
 
 struct SolveReport {
-  bool finite = true;        // false: the state is not usable; the caller restores the one before
-  bool converged = true;     // implicit and static: the residual fell below the tolerance
+  bool finite = true;     // false: the state is not usable; the caller restores the one before
+  bool converged = true;  // implicit and static: the residual fell below the tolerance
   Index substeps = 0;
-  Index iterations = 0;      // of Newton's method, or of quasi-Newton steps where these were enough
+  Index iterations = 0;          // of Newton's method, or of quasi-Newton steps where these were enough
   bool is_quasi_newton = false;  // these are the latter, which cost a few passes of forces each
-  double residual = 0.0;     // N, the largest unbalanced force on a free point
-  double unbalanced = 0.0;   // share of the largest force that was left by searches that did not converge; the largest of them
+  double residual = 0.0;         // N, the largest unbalanced force on a free point
+  double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them
   bool is_out_of_iterations = false;  // one of these took max_iterations; the others came no nearer
   double dissipated = 0.0;   // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
   double time_forces = 0.0;  // s of wall time in force evaluations

@@ -122,8 +122,8 @@ class System {
   const std::vector<char>& held_;
   const std::vector<char>* held_turns_;
   double damping_;
-  mutable State at_rest_;                            // scratch: the positions with velocities of zero
-  mutable State placed_;                             // scratch: before a step, with held points where they are after it
+  mutable State at_rest_;  // scratch: the positions with velocities of zero
+  mutable State placed_;   // scratch: before a step, with held points where they are after it
   mutable Points forces_, loads_alone_, forces_before_, forces_after_;
   mutable std::vector<double> row_stiffness_, row_damping_;
 };

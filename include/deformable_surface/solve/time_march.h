@@ -34,16 +34,16 @@ class TimeMarch {
   /// What a snapshot must hold: a run that continues from it with the same state gives the same bits.
   struct Memory {
     IntegratorType type = IntegratorType::kAuto;
-    double stable_step = 0.0;          // s, as estimated last
+    double stable_step = 0.0;                                      // s, as estimated last
     double max_substep = std::numeric_limits<double>::infinity();  // s, at most that: what sub-steps are cut by
-    Index wider = 0;                   // steps in a row in which the stable step was well above it
-    double max_slow_step = 0.0;        // s, a stable step of the model's slow forces alone
-    double stretch_at_estimate = 0.0;  // largest stretch when it was estimated
+    Index wider = 0;                                               // steps in a row in which the stable step was well above it
+    double max_slow_step = 0.0;                                    // s, a stable step of the model's slow forces alone
+    double stretch_at_estimate = 0.0;                              // largest stretch when it was estimated
     bool estimate_needed = true;
-    Index cautious = 0;                // steps that are still to be taken with safe sub-steps
-    Index cautious_slow = 0;           // steps in which slow forces are still to act in every sub-step
-    double heated = 0.0;               // J, that outer steps put into the motion of late, and
-    double dissipated = 0.0;           // J, what damping by mass took out of it
+    Index cautious = 0;       // steps that are still to be taken with safe sub-steps
+    Index cautious_slow = 0;  // steps in which slow forces are still to act in every sub-step
+    double heated = 0.0;      // J, that outer steps put into the motion of late, and
+    double dissipated = 0.0;  // J, what damping by mass took out of it
     EnergyGuard::Memory energy;
   };
   Memory memory() const;

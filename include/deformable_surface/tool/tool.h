@@ -9,7 +9,7 @@
 namespace deformable_surface::tool {
 
 struct Pose {
-  Vec3 position = Vec3::Zero();                                    // m
+  Vec3 position = Vec3::Zero();  // m
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
 };
 

@@ -19,11 +19,11 @@ struct ModeUse {
 
 struct ModeInfo {
   Mode mode;
-  const char* name;          // in scenes; in messages in capitals
-  std::uint8_t code;         // in messages
+  const char* name;   // in scenes; in messages in capitals
+  std::uint8_t code;  // in messages
   const char* meaning;
-  const char* strength;      // its unit and meaning; null: no model uses it
-  bool needs_strength;       // it does nothing with 0
+  const char* strength;  // its unit and meaning; null: no model uses it
+  bool needs_strength;   // it does nothing with 0
   ModeUse mass_spring, oriented_particles, elastic_solid;
   std::array<float, 3> color;  // red, green, blue
 };
@@ -34,19 +34,58 @@ inline constexpr ModeUse kUnknown{}, kPlain{true}, kRubs{true, true}, kStrong{tr
 /// In the order of Mode.
 inline constexpr ModeInfo kModes[] = {
     {Mode::kSolid, "solid", 0, "pushes the surface out", nullptr, false, kRubs, kRubs, kRubs, {0.6f, 0.6f, 0.6f}},
-    {Mode::kAttract, "attract", 1, "pulls the surface to the tool's surface", "N/m, shared among all points by mass", true,
-     kReaches, kReaches, kReaches, {0.2f, 0.4f, 0.9f}},
-    {Mode::kMove, "move", 2, "carries the points that are inside when it "
-                             "starts",
-      "force in N at which the grip slips, 0 = never", false, kStrong,
-     kStrong, kStrong, {0.2f, 0.8f, 0.3f}},
-    {Mode::kErase, "erase", 3, "deletes the particles inside (oriented particles)", nullptr, false, kUnknown, kPlain, kUnknown,
+    {Mode::kAttract,
+     "attract",
+     1,
+     "pulls the surface to the tool's surface",
+     "N/m, shared among all points by mass",
+     true,
+     kReaches,
+     kReaches,
+     kReaches,
+     {0.2f, 0.4f, 0.9f}},
+    {Mode::kMove,
+     "move",
+     2,
+     "carries the points that are inside when it "
+     "starts",
+     "force in N at which the grip slips, 0 = never",
+     false,
+     kStrong,
+     kStrong,
+     kStrong,
+     {0.2f, 0.8f, 0.3f}},
+    {Mode::kErase,
+     "erase",
+     3,
+     "deletes the particles inside (oriented particles)",
+     nullptr,
+     false,
+     kUnknown,
+     kPlain,
+     kUnknown,
      {0.9f, 0.9f, 0.9f}},
-    {Mode::kCut, "cut", 4, "cuts the links that it passes between (mass_spring); is solid and heats what it touches (oriented "
-                           "particles)",
-     "K above ambient, 0 = the melting temperature (oriented particles)", false, kPlain, kRubsHot, kUnknown, {0.9f, 0.8f, 0.1f}},
-    {Mode::kHeat, "heat", 5, "heats the particles inside (oriented "
-                             "particles)", "K above ambient", true, kUnknown, kStrong, kUnknown,
+    {Mode::kCut,
+     "cut",
+     4,
+     "cuts the links that it passes between (mass_spring); is solid and heats what it touches (oriented "
+     "particles)",
+     "K above ambient, 0 = the melting temperature (oriented particles)",
+     false,
+     kPlain,
+     kRubsHot,
+     kUnknown,
+     {0.9f, 0.8f, 0.1f}},
+    {Mode::kHeat,
+     "heat",
+     5,
+     "heats the particles inside (oriented "
+     "particles)",
+     "K above ambient",
+     true,
+     kUnknown,
+     kStrong,
+     kUnknown,
      {0.9f, 0.3f, 0.1f}},
 };
 

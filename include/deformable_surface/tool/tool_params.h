@@ -16,8 +16,8 @@ constexpr double kLengthTolerance = 1e-3;  // what the length of a quaternion wr
 
 /// Where a tool is at a time.
 struct WaypointParams {
-  double time = 0.0;                   // s
-  Vec3 position = Vec3::Zero();        // m
+  double time = 0.0;                     // s
+  Vec3 position = Vec3::Zero();          // m
   Vec4 orientation{0.0, 0.0, 0.0, 1.0};  // unit quaternion x, y, z, w
 };
 
@@ -49,9 +49,9 @@ inline void visit(Fields& fields, WaypointParams& p) {
 inline void visitPath(Fields& fields, std::vector<WaypointParams>& path, const char* meaning) {
   fields.list("path", path, meaning);
   for (std::size_t i = 1; i < path.size(); ++i)
-    fields.require(path[i - 1].time < path[i].time, "path[" + std::to_string(i) + "].time",
-                   "found " + formatReal(path[i].time) + " after " + formatReal(path[i - 1].time) +
-                       "; accepted: ascending times");
+    fields.require(
+        path[i - 1].time < path[i].time, "path[" + std::to_string(i) + "].time",
+        "found " + formatReal(path[i].time) + " after " + formatReal(path[i - 1].time) + "; accepted: ascending times");
 }
 
 inline void visit(Fields& fields, ToolParams& p) {

@@ -34,8 +34,8 @@ class Resampler {
 
  private:
   struct Link {
-    Index a, b;           // a < b
-    double rest_length;   // m
+    Index a, b;          // a < b
+    double rest_length;  // m
   };
 
   void halve(Link link);

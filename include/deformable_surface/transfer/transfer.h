@@ -51,8 +51,8 @@ class Transfer {
     bool is_made_ = false, has_normals_ = false;
     Vec3 reference_ = Vec3::Zero(), next_reference_ = Vec3::Zero();
     std::vector<float> displacements_, next_displacements_;
-    std::vector<char> moved_;    // (m)
-    std::vector<Index> stale_;   // tiles
+    std::vector<char> moved_;   // (m)
+    std::vector<Index> stale_;  // tiles
   };
   /// Dense points that are made together, as they lie behind each other.
   static constexpr Index kTilePoints = 1024;
@@ -69,8 +69,8 @@ class Transfer {
 
   Index numDense() const;
   Index numSimulation() const;
-  Index numDegenerate() const;       // dense points whose neighbourhood has no plane
-  std::size_t bytesPerPoint() const; // of the operator, for the benchmark
+  Index numDegenerate() const;        // dense points whose neighbourhood has no plane
+  std::size_t bytesPerPoint() const;  // of the operator, for the benchmark
 
  private:
   // Fills row i of the operator from the neighbours of dense point i; true if they span its plane.
@@ -86,14 +86,14 @@ class Transfer {
 
   // All arrays are in the user's order of the dense points, so that everything streams but the displacements, which are few;
   // within a group of points each quantity of theirs lies side by side (the last group is filled up with zeros).
-  Index k_ = 0;                   // row length
+  Index k_ = 0;  // row length
   Index num_degenerate_ = 0;
-  std::vector<Index> index_;      // (groups x k x lanes) simulation points; rows with fewer are filled up with weight zero
-  std::vector<float> weight_;     // (groups x k x 3 x lanes) weight in the value row and in the two gradient rows (1/m)
-  std::vector<float> frame_;      // (groups x 12 x lanes) fitted tangents, normal, slopes and height over the fitted plane
-  Points rest_;                   // (n x 3) m
-  Points simulation_rest_;        // (m x 3) m
-  std::vector<char> usable_;      // (m)
+  std::vector<Index> index_;   // (groups x k x lanes) simulation points; rows with fewer are filled up with weight zero
+  std::vector<float> weight_;  // (groups x k x 3 x lanes) weight in the value row and in the two gradient rows (1/m)
+  std::vector<float> frame_;   // (groups x 12 x lanes) fitted tangents, normal, slopes and height over the fitted plane
+  Points rest_;                // (n x 3) m
+  Points simulation_rest_;     // (m x 3) m
+  std::vector<char> usable_;   // (m)
   Index num_usable_ = 0;
   std::vector<std::vector<Index>> tile_sources_;  // (tiles) simulation points that any point of a tile follows
 };

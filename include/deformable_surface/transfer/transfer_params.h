@@ -13,9 +13,9 @@ enum class Weighting { kCompact, kGaussian };
 enum class NormalMethod { kGradient, kCovariance };
 
 struct TransferParams {
-  Index k = 8;                   // 3 .. 64: simulation points per dense point
+  Index k = 8;  // 3 .. 64: simulation points per dense point
   Weighting weighting = Weighting::kCompact;
-  double gaussian_width = 0.0;   // m, h of eq. 8; 0 = mean distance of the k neighbours
+  double gaussian_width = 0.0;  // m, h of eq. 8; 0 = mean distance of the k neighbours
   NormalMethod normals = NormalMethod::kGradient;
 };
 

@@ -13,12 +13,12 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 256;       // points a task, a multiple of four: some ten microseconds of work
+constexpr Index kBlock = 256;          // points a task, a multiple of four: some ten microseconds of work
 constexpr double kLeastVolume = 1e-3;  // of the median: a point that cells leave nothing must still have a mass
-constexpr double kReach = 2.0;      // of the local spacing: some thirty neighbours, and no more than one layer beyond the next
-constexpr double kNearReach = 1.6;  // of the neighbours that motions from point to point are compared with: half as many
+constexpr double kReach = 2.0;         // of the local spacing: some thirty neighbours, and no more than one layer beyond the next
+constexpr double kNearReach = 1.6;     // of the neighbours that motions from point to point are compared with: half as many
 constexpr double kLeastCoupling = 0.15;  // of the largest weight: some seven neighbours are left, and factors stay small
-constexpr Index kLinks = 6;         // nearest neighbours that are drawn, as on a cubic lattice
+constexpr Index kLinks = 6;              // nearest neighbours that are drawn, as on a cubic lattice
 
 double findMu(const MaterialParams& m) { return m.young_modulus / (2.0 * (1.0 + m.poisson_ratio)); }
 
@@ -244,9 +244,8 @@ double ElasticSolid::elasticEnergy(const State& state) const {
   if (energy_at_ == state.positions) return energy_;
   energy_at_ = state.positions;
   positions_.assign(state.positions);
-  return energy_ = parallelSum(passes_.size(), kBlock, [&](Index begin, Index end) {
-    return passes_.sumEnergy(law_, begin, end, positions_.data());
-  });
+  return energy_ = parallelSum(passes_.size(), kBlock,
+                               [&](Index begin, Index end) { return passes_.sumEnergy(law_, begin, end, positions_.data()); });
 }
 
 void ElasticSolid::confine(Points& forces) const {

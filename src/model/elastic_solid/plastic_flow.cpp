@@ -12,7 +12,7 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 256;        // points a task
+constexpr Index kBlock = 256;  // points a task
 // Of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing.
 constexpr double kClearlyBelow = 0.5;
 constexpr double kRounding = 1e-12;  // relative: where the largest strain is reached already nothing flows

@@ -9,8 +9,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 64;        // points a task: a millisecond or so
-constexpr Index kClosest = 3;       // neighbours whose distances tell the spacing: a corner of a lattice has as many
+constexpr Index kBlock = 64;   // points a task: a millisecond or so
+constexpr Index kClosest = 3;  // neighbours whose distances tell the spacing: a corner of a lattice has as many
 // Of the farthest neighbour's distance: facets of the hull nearer to its middle are those of a flat set, and gaps wider than its
 // inverse are the outside of one.
 constexpr double kNearest = 1e-4;
@@ -21,7 +21,7 @@ constexpr double kEmpty = 1.4;
 // Of a cell: gaps that take less of it are dents between the points of a surface that bulges, some hundredths of it where its
 // radius is four spacings. Where they take more, the points are layers far apart.
 constexpr double kDent = 0.05, kLayer = 0.95;
-constexpr double kSameCorner = 1e-7;  // of a corner's distance: as many copies of it as it has facets differ by rounding
+constexpr double kSameCorner = 1e-7;        // of a corner's distance: as many copies of it as it has facets differ by rounding
 enum Facet { kBetween, kOutside, kToGap };  // to a neighbour, of the hull, or to a gap
 
 // Cuts the cell of one point after the other, all relative to it. In a plane cells are prisms.
@@ -58,11 +58,11 @@ class Cutter {
 
   double volume_ = 0.0, height_ = 1.0;  // m^3, or m^2; m, of the prism, or 1
   Vec3 outside_ = Vec3::Zero();
-  double reach_ = 0.0;                  // m, how far neighbours are
-  Points beside_, around_;              // what cuts the cell, and what has the hull
+  double reach_ = 0.0;      // m, how far neighbours are
+  Points beside_, around_;  // what cuts the cell, and what has the hull
   geometry::ConvexCell hull_, cell_, star_, part_;
-  Points corners_;                      // of the cell that no hull has cut
-  std::vector<char> is_gap_;            // of its corners
+  Points corners_;            // of the cell that no hull has cut
+  std::vector<char> is_gap_;  // of its corners
 };
 
 void Cutter::moveTo(Index i) {
@@ -119,8 +119,7 @@ bool Cutter::findGaps(double empty) {
     if (std::none_of(corners_.begin(), corners_.end(), isSame)) corners_.push_back(corner);
   }
   is_gap_.clear();
-  for (const Vec3& corner : corners_)
-    is_gap_.push_back(corner.norm() > empty && corner.cwiseAbs().maxCoeff() <= 0.5 * infinite);
+  for (const Vec3& corner : corners_) is_gap_.push_back(corner.norm() > empty && corner.cwiseAbs().maxCoeff() <= 0.5 * infinite);
   return std::find(is_gap_.begin(), is_gap_.end(), 1) != is_gap_.end();
 }
 
@@ -154,8 +153,7 @@ double meanOver(const std::vector<double>& values, const Lists& neighbors, Index
 
 // The local spacing: that of as many cells in a lattice. Those of slender bodies are all cut by the hull; there it is at least
 // the distance to the nearest points.
-std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume,
-                                bool is_planar) {
+std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume, bool is_planar) {
   const Index n = neighbors.size();
   std::vector<double> closest(n, 0.0), spacing(n, 0.0);
   for (Index i = 0; i < n; ++i) {

@@ -196,8 +196,7 @@ DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index
     bool* sound = is_sound + (i - begin);
     findRotations(F, R, sound);
     for (int r = 0; r < 3; ++r)
-      for (int c = r; c < 3; ++c)
-        S.at[r][c] = R.at[0][r] * F.at[0][c] + R.at[1][r] * F.at[1][c] + R.at[2][r] * F.at[2][c];
+      for (int c = r; c < 3; ++c) S.at[r][c] = R.at[0][r] * F.at[0][c] + R.at[1][r] * F.at[1][c] + R.at[2][r] * F.at[2][c];
     const Double4 trace = S.at[0][0] + S.at[1][1] + S.at[2][2], turned = a.lambda * (trace - 3.0) - 2.0 * a.mu;
     // The inverse of G = tr(S) I - S by its cofactors.
     const Double4 xx = trace - S.at[0][0], yy = trace - S.at[1][1], zz = trace - S.at[2][2];

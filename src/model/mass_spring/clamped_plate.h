@@ -8,8 +8,8 @@
 namespace deformable_surface::model {
 
 struct ClampedPlate {
-  PlateRest plate;   // (n + e): the points that there are, then those on edges of clamps
-  Index num_points;  // n
+  PlateRest plate;                     // (n + e): the points that there are, then those on edges of clamps
+  Index num_points;                    // n
   std::vector<EdgePoint> edge_points;  // (e)
   std::vector<char> is_inner;          // (n) 1: held by a clamp; none of the triangles has it
   Index num_hinged = 0;                // edges that nothing carries, as what is held with them lies in one line

@@ -13,8 +13,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;     // points a parallel block: handing it out costs little beside it
-constexpr Index kBatch = 4;  // groups of four points: their rows stay in the nearest cache between the two readings
+constexpr Index kBlock = 2048;  // points a parallel block: handing it out costs little beside it
+constexpr Index kBatch = 4;     // groups of four points: their rows stay in the nearest cache between the two readings
 constexpr Index kSlots = CurvatureBending::kFitPoints + 1;  // with the point itself
 
 // |t_1 x t_2|, the area that a unit of it at rest has now, below which a point counts as crushed, see the header.
@@ -214,8 +214,7 @@ CurvatureBending::CurvatureBending(const PlateRest& plate, const std::vector<cha
   num_hinged_ = clamped.num_hinged;
   rest_curvature_.assign(size, Vec3::Zero());
   for (Index i = 0; i < size; ++i)
-    if (weight_[i] != 0.0)
-      rest_curvature_[i] = shapeAt(i, sumDerivatives(wholeFit(i), plate.points.data()->data(), 3)).change;
+    if (weight_[i] != 0.0) rest_curvature_[i] = shapeAt(i, sumDerivatives(wholeFit(i), plate.points.data()->data(), 3)).change;
   prepareForceLoop();
 }
 
@@ -446,8 +445,7 @@ void CurvatureBending::addCrushedStiffness(const WholeFit& fit, double weight, c
   for (Index r = 0; r < fit.size; ++r) change[r] = shape.changeBy(fit.rows[r]);
   const Mat3 moments = weight * momentMatrix();
   for (Index j = 0; j < fit.size; ++j)
-    for (Index k = 0; k <= j; ++k)
-      stiffness.add(fit.points[j], fit.points[k], change[j] * moments * change[k].transpose());
+    for (Index k = 0; k <= j; ++k) stiffness.add(fit.points[j], fit.points[k], change[j] * moments * change[k].transpose());
 }
 
 // x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no

@@ -74,8 +74,7 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
       volume_stiffness_(params.volume_stiffness) {
   made_.points = rest;
   const Index n = static_cast<Index>(rest.size());
-  for (const cloud::Triangle& t : rings.triangles)
-    triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
+  for (const cloud::Triangle& t : rings.triangles) triangles_.push_back({{t.corner[0], t.corner[1], t.corner[2]}, t.weight});
   groupTriangles();
 
   // Masses by each point's share of the area [Su 2007, eq. 1], scaled to the mass of the full surface.
@@ -235,8 +234,7 @@ void MassSpring::computeAreaVectors(const State& state, Points& area_vectors) co
       for (const Index* c = triangle_corners_.begin(i); c != triangle_corners_.end(i); ++c) {
         const WeightedTriangle& t = triangles_[*c / 3];
         const Vec3& origin = state.positions[t.corner[0]];
-        sum += t.weight / 6.0 *
-               (state.positions[t.corner[1]] - origin).cross(state.positions[t.corner[2]] - origin);
+        sum += t.weight / 6.0 * (state.positions[t.corner[1]] - origin).cross(state.positions[t.corner[2]] - origin);
       }
       area_vectors[i] = sum;
     }
@@ -251,8 +249,9 @@ double MassSpring::enclosedVolume(const State& state) const {
     double sum = 0.0;
     for (Index t = begin; t < end; ++t) {
       const WeightedTriangle& w = triangles_[t];
-      sum += w.weight / 6.0 * (state.positions[w.corner[0]] - apex)
-                                  .dot((state.positions[w.corner[1]] - apex).cross(state.positions[w.corner[2]] - apex));
+      sum += w.weight / 6.0 *
+             (state.positions[w.corner[0]] - apex)
+                 .dot((state.positions[w.corner[1]] - apex).cross(state.positions[w.corner[2]] - apex));
     }
     return sum;
   });

@@ -11,10 +11,10 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 256;          // fits or points a task
+constexpr Index kBlock = 256;  // fits or points a task
 constexpr int kMaxIterations = 30;
-constexpr double kTolerance = 1e-4;    // of the residual's norm at the beginning
-constexpr double kShift = 1e-11;       // of the diagonal: quadratics cost nothing, and a factor wants to be definite
+constexpr double kTolerance = 1e-4;  // of the residual's norm at the beginning
+constexpr double kShift = 1e-11;     // of the diagonal: quadratics cost nothing, and a factor wants to be definite
 // The same, times the squared sine of the angle between the normals of neighbours: on curved surfaces there are no quadratics,
 // what comes near to them can hardly be balanced, and would change the rows by more than it is worth.
 constexpr double kCurvedShift = 0.05;
@@ -94,7 +94,7 @@ class MomentBalance {
   Lists users_;                // per point: the items that it is
   std::vector<char> is_unknown_;
   std::vector<double> scale_, diagonal_, shift_;
-  mutable Tensors pushed_;     // per item
+  mutable Tensors pushed_;  // per item
 };
 
 MomentBalance::MomentBalance(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits)
@@ -213,8 +213,7 @@ void MomentBalance::findResidual(Tensors& residual) const {
     const Vec3 area = (x[t.corner[1]] - x[t.corner[0]]).cross(x[t.corner[2]] - x[t.corner[0]]);
     if (!(area.norm() > 0.0) || !fits_.has(t.corner[0]) || !fits_.has(t.corner[1]) || !fits_.has(t.corner[2])) continue;
     for (int c = 0; c < 3; ++c)
-      outward[t.corner[c]] +=
-          0.5 * t.weight * area.normalized().cross(x[t.corner[(c + 2) % 3]] - x[t.corner[(c + 1) % 3]]);
+      outward[t.corner[c]] += 0.5 * t.weight * area.normalized().cross(x[t.corner[(c + 2) % 3]] - x[t.corner[(c + 1) % 3]]);
   }
   parallelFor(size(), kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
@@ -248,8 +247,8 @@ class PlanarBalance {
 
   const MomentBalance& balance_;
   // With p = root q, entry (s, r) of a fit is -p_s . p_r beside its diagonal; the point itself has minus the sum of the others.
-  std::vector<Weights> weights_;   // (n) p
-  BlockCholesky factor_;           // of points by threes, since it has fast blocks of three
+  std::vector<Weights> weights_;  // (n) p
+  BlockCholesky factor_;          // of points by threes, since it has fast blocks of three
   bool is_factored_ = false;
   Eigen::Matrix<double, Eigen::Dynamic, 6> in_space_;
   Eigen::VectorXd column_;

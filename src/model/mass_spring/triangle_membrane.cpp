@@ -156,7 +156,7 @@ DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* o
 
 // Some triangles side by side, one quantity in one array, for their energies.
 struct EnergyBatch {
-  static constexpr Index kSize = 64;  // fits the nearest cache, and the loop's ends do not count
+  static constexpr Index kSize = 64;        // fits the nearest cache, and the loop's ends do not count
   double edge1[3][kSize], edge2[3][kSize];  // from the first corner, m
   double inverse[4][kSize];                 // i00, i01, i10, i11
   double area[kSize];                       // m^2
@@ -316,8 +316,7 @@ void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSp
     turn << 0.0, -1.0, 1.0, 0.0;
     const Mat32 spin_mode = p.rotation * turn / std::sqrt(2.0), dilation_mode = p.rotation / std::sqrt(2.0);
     double tilt[2];
-    for (int k = 0; k < 2; ++k)
-      tilt[k] = std::max(lowest, 2.0 * mu_ - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu_;
+    for (int k = 0; k < 2; ++k) tilt[k] = std::max(lowest, 2.0 * mu_ - (stretch[k] > 1e-9 ? c / stretch[k] : 0.0)) - 2.0 * mu_;
 
     // Shape function gradients of the corners in the plane at rest.
     Vec2 g[3];

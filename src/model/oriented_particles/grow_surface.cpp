@@ -10,8 +10,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kNearest = 4;  // whose distance tells how densely there are samples: all around, and not by one close pair
-constexpr double kLeastReach = 2.5;    // spacings: what is published
+constexpr Index kNearest = 4;        // whose distance tells how densely there are samples: all around, and not by one close pair
+constexpr double kLeastReach = 2.5;  // spacings: what is published
 // Of noisy samples: what more of them take is less than what the defects of a lattice add at rest.
 constexpr Index kMostReleases = 6;
 

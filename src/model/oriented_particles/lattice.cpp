@@ -8,8 +8,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr double kCoreShare = 0.5;        // of the spacing: far nearer than any sound state brings two particles
-constexpr double kDensest = 0.3;          // of r0: a lattice that is denser has more neighbours than lists hold
+constexpr double kCoreShare = 0.5;  // of the spacing: far nearer than any sound state brings two particles
+constexpr double kDensest = 0.3;    // of r0: a lattice that is denser has more neighbours than lists hold
 
 // Sum of term(distance) over all lattice points but the origin within the cutoff, in the order of the rows.
 template <class Term>
@@ -140,10 +140,10 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
   // Beyond first neighbours the outer bonds pull and the inner ones push: bent, when chords are shorter than arcs, that gives
   // back energy, for which the other potentials make up.
   const double given_back = (is_row ? 1.0 / 12.0 : 1.0 / 32.0) / area * sum([&](double d) {
-    double value, slope;
-    evaluate(pair, d, value, slope);
-    return d * d * d * slope;
-  });
+                              double value, slope;
+                              evaluate(pair, d, value, slope);
+                              return d * d * d * slope;
+                            });
   const double half_rigidity = 0.5 * (material.bendingRigidity() + params.lennard_jones * depth * given_back);
   const double planarity = half_rigidity / by_planes;
   pair.co_planarity = params.co_planarity * planarity;

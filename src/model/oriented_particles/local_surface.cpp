@@ -84,9 +84,8 @@ bool LocalSurface::isOpen(const Vec3& point, const Vec3& normal, double radius, 
 bool LocalSurface::fits(const Placed& placed, double radius, std::vector<cloud::Neighbor>& found) const {
   tree_.withinRadius(placed.position, radius, found);
   const Vec3 normal = placed.orientation * Vec3::UnitZ();
-  return std::none_of(found.begin(), found.end(), [&](const cloud::Neighbor& q) {
-    return normals_[q.index].dot(normal) > 0.0 && !sees(q.index, placed);
-  });
+  return std::none_of(found.begin(), found.end(),
+                      [&](const cloud::Neighbor& q) { return normals_[q.index].dot(normal) > 0.0 && !sees(q.index, placed); });
 }
 
 Placed LocalSurface::place(const Vec3& point, double scale, const Index (&parents)[2],

@@ -104,9 +104,10 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
   const auto removeApart = [&](Index i, Index* near, Index count) {
     const Index first = traits[i].ancestor;
     if (first >= apart_.size()) return count;
-    return static_cast<Index>(std::remove_if(near, near + count, [&](Index j) {
-                                return std::binary_search(apart_.begin(first), apart_.end(first), traits[j].ancestor);
-                              }) - near);
+    return static_cast<Index>(
+        std::remove_if(near, near + count,
+                       [&](Index j) { return std::binary_search(apart_.begin(first), apart_.end(first), traits[j].ancestor); }) -
+        near);
   };
   const double overfull = parallelSum(n, kBlock, [&](Index first, Index last) {
     std::vector<Index>& list = blocks_[first / kBlock];

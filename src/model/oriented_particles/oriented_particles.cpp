@@ -13,8 +13,8 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr double kSkin = 0.3;         // of the distance r0: a good trade between listing too much and listing too often
-constexpr double kLinkLength = 1.3;   // of the spacing: between the first neighbours of a lattice and the second
+constexpr double kSkin = 0.3;        // of the distance r0: a good trade between listing too much and listing too often
+constexpr double kLinkLength = 1.3;  // of the spacing: between the first neighbours of a lattice and the second
 // Of the spacing, of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is.
 constexpr double kLongestEdge = 1.75;
 constexpr double kTurn = 6.283185307179586, kGoldenAngle = 2.399963229728653;  // rad
@@ -235,23 +235,23 @@ void OrientedParticles::smoothShape(Index times, State& state) const {
 
 double OrientedParticles::findSpacingWithoutTension(const State& state) const {
   constexpr int kHalvings = 30;  // to a billionth
-  lists_.forget();  // they then hold all within the cutoff and the skin
+  lists_.forget();               // they then hold all within the cutoff and the skin
   if (!prepare(state)) return lattice_.spacing;
   // In a lattice larger by a factor pairs feel each other as they do here at distances so many times smaller.
   const auto pulls = [&](double factor) {
     return parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
-      double sum = 0.0;
-      for (Index i = begin; i < end; ++i)
-        forEachNear(i, factor * lattice_.pair.cutoff, [&](Index, double distance) {
-          const double d = distance / factor;
-          if (!(d > 0.0)) return;
-          double on, on_slope, value, slope;
-          switchOff(lattice_.pair, d, on, on_slope);
-          evaluateLennardJones(lattice_.pair, d, 1.0 / d, on, on_slope, value, slope);
-          sum += d * slope;
-        });
-      return sum;
-    }) > 0.0;
+             double sum = 0.0;
+             for (Index i = begin; i < end; ++i)
+               forEachNear(i, factor * lattice_.pair.cutoff, [&](Index, double distance) {
+                 const double d = distance / factor;
+                 if (!(d > 0.0)) return;
+                 double on, on_slope, value, slope;
+                 switchOff(lattice_.pair, d, on, on_slope);
+                 evaluateLennardJones(lattice_.pair, d, 1.0 / d, on, on_slope, value, slope);
+                 sum += d * slope;
+               });
+             return sum;
+           }) > 0.0;
   };
   double high = 1.0 + kSkin * lattice_.pair.distance / lattice_.pair.cutoff, low = 1.0 / high;
   if (!pulls(low) || pulls(high)) return lattice_.spacing;
@@ -301,9 +301,8 @@ bool OrientedParticles::flow(State& state) const {
 
 double OrientedParticles::elasticEnergy(const State& state) const {
   if (!prepare(state)) return kNotANumber;
-  const double energy = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
-    return gatherEnergy(lattice_.pair, lists_, packed_, begin, end);
-  });
+  const double energy = parallelSum(
+      state.size(), kBlock, [&](Index begin, Index end) { return gatherEnergy(lattice_.pair, lists_, packed_, begin, end); });
   return energy - state.size() * lattice_.energy_per_particle;
 }
 

@@ -18,8 +18,8 @@ struct Pair {
   T strength, smooth_strength;  // what multiplies phi, and psi
   T ki[6], kj[6];               // of those bent at rest: xx, yy, zz, yz, xz, xy
   // Of which forces and energy are made:
-  T q[3];                       // n_i - n_j, less what it is at rest
-  T force[3], torque[3];        // N, N m: what rest curvatures add
+  T q[3];                         // n_i - n_j, less what it is at rest
+  T force[3], torque[3];          // N, N m: what rest curvatures add
   T level, c_r, c_i, c_j, twist;  // J; N/m; N; N; N m: 2 aN (psi_i + psi_j)
 };
 

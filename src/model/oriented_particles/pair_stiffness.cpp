@@ -37,8 +37,7 @@ PairStiffness boundStiffness(const PairPotentials& p, const PackedParticles& par
 
   // What rest curvatures add, at most: to u, to n_i - n_j, and, as a factor, to their derivatives.
   double bent = 0.0;
-  if (!particles.curvatures.empty())
-    bent = std::max(findLargest(particles.curvature(i)), findLargest(particles.curvature(j)));
+  if (!particles.curvatures.empty()) bent = std::max(findLargest(particles.curvature(i)), findLargest(particles.curvature(j)));
   const double height = 0.5 * bent * squared, steeper = 1.0 + bent * d;
   const double ui = std::abs(normal_i.head<3>().dot(r)) + height, uj = std::abs(normal_j.head<3>().dot(r)) + height, s = ui + uj;
   const double normals = (normal_i - normal_j).head<3>().norm() + bent * d;

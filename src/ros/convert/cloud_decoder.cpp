@@ -48,13 +48,11 @@ struct CloudView {
   std::uint64_t data_size = 0;
 };
 
-struct Refusal {
+struct Problem {
   std::string sentence;
 };
 
-std::string countOf(std::uint64_t n, const char* unit) {
-  return std::to_string(n) + " " + unit + (n == 1 ? "" : "s");
-}
+std::string countOf(std::uint64_t n, const char* unit) { return std::to_string(n) + " " + unit + (n == 1 ? "" : "s"); }
 
 bool isPrintable(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
@@ -75,7 +73,7 @@ class WireReader {
 
   const std::uint8_t* take(std::uint64_t length, const char* what) {
     if (length > left_)
-      throw Refusal{"the message ends too early: " + std::string(what) + " takes " + countOf(length, "byte") + ", of " +
+      throw Problem{"the message ends too early: " + std::string(what) + " takes " + countOf(length, "byte") + ", of " +
                     std::to_string(size_) + " only " + std::to_string(left_) + " are left"};
     const std::uint8_t* taken = at_;
     at_ += length;
@@ -101,7 +99,7 @@ class WireReader {
 
 void checkFieldCount(std::uint64_t count) {
   if (count > kMaxFields)
-    throw Refusal{"the cloud has " + std::to_string(count) + " fields; accepted are at most " + std::to_string(kMaxFields)};
+    throw Problem{"the cloud has " + std::to_string(count) + " fields; accepted are at most " + std::to_string(kMaxFields)};
 }
 
 /// A count of zero means one: old drivers leave it unset.
@@ -132,7 +130,7 @@ CloudView viewBytes(const std::uint8_t* bytes, std::size_t size) {
   view.data_size = reader.takeNumber("data");
   view.data = reader.take(view.data_size, "data");
   reader.takeByte("is_dense");  // not believed: every point is tested
-  if (reader.left() > 0) throw Refusal{"the message goes on for " + countOf(reader.left(), "byte") + " after its end"};
+  if (reader.left() > 0) throw Problem{"the message goes on for " + countOf(reader.left(), "byte") + " after its end"};
   return view;
 }
 
@@ -157,15 +155,15 @@ CloudView viewMessage(const sensor_msgs::PointCloud2& message) {
 
 void checkName(const char* what, std::string_view name) {
   if (name.size() > kMaxNameLength)
-    throw Refusal{std::string(what) + " " + show(name) + " has " + countOf(name.size(), "character") +
-                  "; accepted are at most " + std::to_string(kMaxNameLength)};
-  if (!isPrintable(name)) throw Refusal{std::string(what) + " " + show(name) + " must hold printable ASCII characters only"};
+    throw Problem{std::string(what) + " " + show(name) + " has " + countOf(name.size(), "character") + "; accepted are at most " +
+                  std::to_string(kMaxNameLength)};
+  if (!isPrintable(name)) throw Problem{std::string(what) + " " + show(name) + " must hold printable ASCII characters only"};
 }
 
 void checkHeader(const CloudView& view) {
   constexpr std::uint32_t kNanosecondsPerSecond = 1000000000;
   if (view.nsec >= kNanosecondsPerSecond)
-    throw Refusal{"the nanoseconds of the stamp are " + std::to_string(view.nsec) + "; accepted are 0 to 999999999"};
+    throw Problem{"the nanoseconds of the stamp are " + std::to_string(view.nsec) + "; accepted are 0 to 999999999"};
   checkName("frame_id", view.frame_id);
 }
 
@@ -173,18 +171,18 @@ void checkFields(const CloudView& view) {
   for (const FieldView& field : view.fields) {
     checkName("the field name", field.name);
     if (field.datatype < 1 || field.datatype > 8)
-      throw Refusal{"field " + show(field.name) + " has datatype " + std::to_string(field.datatype) +
+      throw Problem{"field " + show(field.name) + " has datatype " + std::to_string(field.datatype) +
                     "; accepted are 1 to 8, the types of sensor_msgs/PointField"};
     if (field.end() > view.point_step)
-      throw Refusal{"field " + show(field.name) + " ends at byte " + std::to_string(field.end()) +
+      throw Problem{"field " + show(field.name) + " ends at byte " + std::to_string(field.end()) +
                     ", but a point has point_step = " + countOf(view.point_step, "byte")};
   }
   for (std::size_t a = 0; a < view.fields.size(); ++a)
     for (std::size_t b = 0; b < a; ++b) {
       const FieldView &first = view.fields[b], &second = view.fields[a];
-      if (first.name == second.name) throw Refusal{"field " + show(first.name) + " occurs twice; names must be distinct"};
+      if (first.name == second.name) throw Problem{"field " + show(first.name) + " occurs twice; names must be distinct"};
       if (first.offset < second.end() && second.offset < first.end())
-        throw Refusal{"fields " + show(first.name) + " and " + show(second.name) + " overlap; each needs bytes of its own"};
+        throw Problem{"fields " + show(first.name) + " and " + show(second.name) + " overlap; each needs bytes of its own"};
     }
 }
 
@@ -205,12 +203,14 @@ void checkCoordinates(const CloudView& view) {
     std::string found;
     for (const FieldView& field : view.fields) {
       if (field.name == name)
-        throw Refusal{"field " + show(name) + " has datatype " + std::to_string(field.datatype) + " and count " +
+        throw Problem{"field " + show(name) + " has datatype " + std::to_string(field.datatype) + " and count " +
                       std::to_string(field.count) + "; accepted is one float32 (7) or float64 (8) per point"};
-      if (found.size() < kShownLength) found += (found.empty() ? "" : ", ") + show(field.name);
-      else if (found.back() != '.') found += ", ...";
+      if (found.size() < kShownLength)
+        found += (found.empty() ? "" : ", ") + show(field.name);
+      else if (found.back() != '.')
+        found += ", ...";
     }
-    throw Refusal{"the cloud has no field " + show(name) + (found.empty() ? " and no other" : " but " + found) +
+    throw Problem{"the cloud has no field " + show(name) + (found.empty() ? " and no other" : " but " + found) +
                   "; needed are x, y and z as float32 or float64"};
   }
 }
@@ -219,22 +219,22 @@ void checkCoordinates(const CloudView& view) {
 void checkExtent(CloudView& view, const DecodeLimits& limits) {
   const std::uint64_t num_points = view.width * view.height;
   if (num_points > static_cast<std::uint64_t>(limits.max_points))
-    throw Refusal{"the cloud declares " + std::to_string(view.width) + " x " + std::to_string(view.height) +
+    throw Problem{"the cloud declares " + std::to_string(view.width) + " x " + std::to_string(view.height) +
                   " points; accepted are at most " + std::to_string(limits.max_points) + " (input.max_points)"};
   if (num_points == 0) {
     if (view.data_size > 0)
-      throw Refusal{"the cloud declares no points but brings " + countOf(view.data_size, "byte") + " of data"};
+      throw Problem{"the cloud declares no points but brings " + countOf(view.data_size, "byte") + " of data"};
     return;
   }
   // Some drivers leave row_step unset; with a single row nothing depends on it.
   const std::uint64_t row_size = view.width * view.point_step;
   if (view.row_step == 0 && view.height == 1) view.row_step = row_size;
   if (view.row_step < row_size)
-    throw Refusal{"row_step is " + std::to_string(view.row_step) + ", but a row of " + countOf(view.width, "point") + " of " +
+    throw Problem{"row_step is " + std::to_string(view.row_step) + ", but a row of " + countOf(view.width, "point") + " of " +
                   countOf(view.point_step, "byte") + " takes " + std::to_string(row_size)};
   const std::uint64_t least = (view.height - 1) * view.row_step + row_size, most = view.height * view.row_step;
   if (view.data_size < least || view.data_size > most)
-    throw Refusal{"the cloud brings " + countOf(view.data_size, "byte") + " of data, but " + std::to_string(view.width) + " x " +
+    throw Problem{"the cloud brings " + countOf(view.data_size, "byte") + " of data, but " + std::to_string(view.width) + " x " +
                   std::to_string(view.height) + " points take " + std::to_string(least) +
                   (most > least ? " to " + std::to_string(most) : "")};
 }
@@ -344,7 +344,7 @@ void decodeView(CloudView view, const DecodeLimits& limits, DecodedCloud& decode
 
   checkExtent(view, limits);
   if (view.width * view.height < kMinPoints)
-    throw Refusal{"the cloud has " + countOf(view.width * view.height, "point") + "; a surface needs at least " +
+    throw Problem{"the cloud has " + countOf(view.width * view.height, "point") + "; a surface needs at least " +
                   std::to_string(kMinPoints)};
   checkFields(view);
   checkCoordinates(view);
@@ -357,9 +357,8 @@ void decodeView(CloudView view, const DecodeLimits& limits, DecodedCloud& decode
   decoded.num_not_finite = markHoles(cloud.positions, limits.max_coordinate);
   const Index num_finite = cloud.size() - decoded.num_not_finite;
   if (num_finite < kMinPoints)
-    throw Refusal{"of " + countOf(cloud.size(), "point") + " " + std::to_string(num_finite) +
-                  " have finite coordinates within " + formatReal(limits.max_coordinate) +
-                  " m; a surface needs at least " + std::to_string(kMinPoints)};
+    throw Problem{"of " + countOf(cloud.size(), "point") + " " + std::to_string(num_finite) + " have finite coordinates within " +
+                  formatReal(limits.max_coordinate) + " m; a surface needs at least " + std::to_string(kMinPoints)};
 
   const bool has_normals = normals[0] && normals[1] && normals[2];
   if (has_normals) cloud.normals = readVectors(view, normals);
@@ -373,10 +372,10 @@ DecodedCloud decode(const MakeView& make_view, const DecodeLimits& limits) {
   DecodedCloud decoded;
   try {
     decodeView(make_view(), limits, decoded);
-  } catch (const Refusal& refusal) {
+  } catch (const Problem& problem) {
     decoded.cloud = cloud::PointCloud();
     decoded.num_not_finite = 0;
-    decoded.refusal = refusal.sentence;
+    decoded.problem = problem.sentence;
   }
   return decoded;
 }

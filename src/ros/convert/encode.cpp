@@ -133,8 +133,14 @@ void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCl
   setShape(m, 1, point_step, message);
   for (Index i = 0; i < m; ++i) {
     const Vec3 &p = points.positions[i], &normal = points.normals[i];
-    const float floats[] = {float(p.x()),      float(p.y()),      float(p.z()),           float(normal.x()),
-                            float(normal.y()), float(normal.z()), float(points.masses[i]), float(points.strain[i])};
+    const float floats[] = {float(p.x()),
+                            float(p.y()),
+                            float(p.z()),
+                            float(normal.x()),
+                            float(normal.y()),
+                            float(normal.z()),
+                            float(points.masses[i]),
+                            float(points.strain[i])};
     std::uint8_t* point = message.data.data() + std::size_t{point_step} * i;
     std::memcpy(point, floats, floats_size);
     point[floats_size] = points.awake[i] != 0;

@@ -15,26 +15,26 @@ constexpr std::int64_t kCorrection = 1'000'000'000;
 
 bool ClockWatch::observe(std::int64_t now, std::int64_t steady) {
   bool jumped_back = false;
-  if (news_.now != 0) {
-    const std::int64_t excess = now - news_.now - (simulated_ ? 0 : steady - last_steady_);
+  if (change_.now != 0) {
+    const std::int64_t excess = now - change_.now - (simulated_ ? 0 : steady - last_steady_);
     jumped_back = excess < (simulated_ ? 0 : -kCorrection);
     if (jumped_back) {
-      news_.jumped_back = true;
-      news_.restart = now;
-      news_.skipped = 0;
+      change_.jumped_back = true;
+      change_.restart = now;
+      change_.skipped = 0;
     } else if (excess > kForwardJump) {
-      news_.skipped += excess;
+      change_.skipped += excess;
     }
   }
-  news_.now = now;
+  change_.now = now;
   last_steady_ = steady;
   return jumped_back;
 }
 
-ClockNews ClockWatch::take() {
-  ClockNews rest;
-  rest.now = news_.now;
-  return std::exchange(news_, rest);
+ClockChange ClockWatch::take() {
+  ClockChange rest;
+  rest.now = change_.now;
+  return std::exchange(change_, rest);
 }
 
 void StepSchedule::start(std::int64_t zero) {

@@ -19,7 +19,7 @@ using tool::ToolParams;
 constexpr std::size_t kMaxMeshTriangles = 20000;
 
 // Rounding of times must not make a tool late by a step.
-constexpr double kRounding = 1e-6;  // of a step
+constexpr double kRounding = 1e-6;    // of a step
 constexpr std::size_t kShownId = 64;  // letters of an id that is wrong
 
 Vec3 toVec3(const geometry_msgs::Vector3& v) { return {v.x, v.y, v.z}; }
@@ -29,8 +29,8 @@ Solid toSolid(const SolidPrimitive& primitive) {
   const std::vector<double>& sizes = primitive.dimensions;
   const auto require = [&](std::size_t count, const char* meaning) {
     if (sizes.size() != count) {
-      throw InputError("primitive.dimensions: found " + std::to_string(sizes.size()) + " numbers; accepted: " +
-                       std::to_string(count) + ", " + meaning);
+      throw InputError("primitive.dimensions: found " + std::to_string(sizes.size()) +
+                       " numbers; accepted: " + std::to_string(count) + ", " + meaning);
     }
   };
   switch (primitive.type) {
@@ -288,8 +288,8 @@ std::string ToolCommands::missingFrame(const ros::Time& stamp, const std::string
   return "";
 }
 
-Index ToolCommands::pinToFrame(const std_msgs::Header& header, const geometry::Region& region,
-                               simulation::Simulation& simulation, const std::string& surface_frame) {
+Index ToolCommands::pinToFrame(const std_msgs::Header& header, const geometry::Region& region, simulation::Simulation& simulation,
+                               const std::string& surface_frame) {
   if (pins_.size() >= kMaxTools)
     throw InputError("found " + std::to_string(pins_.size()) + " pins that follow frames already; accepted: no more");
   Course course;

@@ -64,14 +64,14 @@ DecodedTools decodeTools(const std::uint8_t* bytes, std::size_t size) {
     std::uint32_t count;
     stream.next(count);
     if (count > kMaxTools) {
-      decoded.refusal = "found " + std::to_string(count) + " tools in a message; accepted: up to " + std::to_string(kMaxTools);
+      decoded.problem = "found " + std::to_string(count) + " tools in a message; accepted: up to " + std::to_string(kMaxTools);
       return decoded;
     }
     for (std::uint32_t i = 0; i < count; ++i) decoded.tools.push_back(readTool(stream));
     if (stream.getLength() == 0) return decoded;
-    decoded.refusal = "found " + std::to_string(stream.getLength()) + " bytes behind the last tool; accepted: none";
+    decoded.problem = "found " + std::to_string(stream.getLength()) + " bytes behind the last tool; accepted: none";
   } catch (const ros::serialization::StreamOverrunException&) {
-    decoded.refusal =
+    decoded.problem =
         "found a message of " + std::to_string(size) + " bytes, which is shorter than it claims; accepted: whole ones";
   }
   decoded.tools.clear();

@@ -56,8 +56,8 @@ Hand::Hand(const HandParams& params)
       tools_(node_.advertise<ToolArray>("tools", 10)),
       points_subscriber_(node_.subscribe<sensor_msgs::PointCloud2>(
           "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { takePoints(*m); })),
-      wrenches_subscriber_(node_.subscribe<ToolWrenchArray>(
-          "tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) { takeWrenches(*m); })),
+      wrenches_subscriber_(
+          node_.subscribe<ToolWrenchArray>("tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) { takeWrenches(*m); })),
       timer_(node_.createWallTimer(ros::WallDuration(1.0 / params.rate), [this](const ros::WallTimerEvent&) { refresh(); })),
       server_(ros::this_node::getName()) {
   ROS_INFO_STREAM("waiting for the points of " << surface_);

@@ -28,11 +28,11 @@ class Hand {
   using Feedback = visualization_msgs::InteractiveMarkerFeedbackConstPtr;
   /// A pull that goes on: a tool that moves what it grips.
   struct Grip {
-    std::string handle;      // by which it is dragged
-    Vec3 from, start;        // m: the place that was gripped, and where the handle was then
-    bool is_sent = false;    // a click alone grips nothing
-    ros::WallTime heard;     // RViz speaks up several times a second while the button is down
-    bool holds = false;      // as the surface says
+    std::string handle;    // by which it is dragged
+    Vec3 from, start;      // m: the place that was gripped, and where the handle was then
+    bool is_sent = false;  // a click alone grips nothing
+    ros::WallTime heard;   // RViz speaks up several times a second while the button is down
+    bool holds = false;    // as the surface says
   };
   struct HeldTool {
     HandTool tool;
@@ -95,7 +95,7 @@ class Hand {
   // The surface as of its last message, and as it was shown last.
   std_msgs::Header header_;
   Points points_, normals_, shown_;
-  std::vector<std::uint32_t> ids_;  // of oriented particles, else empty
+  std::vector<std::uint32_t> ids_;       // of oriented particles, else empty
   std::size_t num_measured_ = 0;         // points of which the next two are
   double spacing_ = 0.0, extent_ = 0.0;  // m
   TextPlace text_place_;

@@ -12,8 +12,8 @@
 
 namespace deformable_surface::node {
 
-CloudWorker::CloudWorker(Inbox& inbox, Complaints& complaints, const DecodeLimits& limits)
-    : inbox_(inbox), complaints_(complaints), limits_(limits), thread_([this] { run(); }) {}
+CloudWorker::CloudWorker(Inbox& inbox, WarningLog& warnings, const DecodeLimits& limits)
+    : inbox_(inbox), warnings_(warnings), limits_(limits), thread_([this] { run(); }) {}
 
 CloudWorker::~CloudWorker() {
   {
@@ -95,11 +95,11 @@ void CloudWorker::decode(const Arrived& arrived) {
   try {
     decoded = decodeCloud(arrived.message->bytes.data(), arrived.message->bytes.size(), limits_);
   } catch (const std::bad_alloc&) {
-    decoded.refusal =
+    decoded.problem =
         std::to_string(arrived.message->bytes.size()) + " bytes do not fit in memory a second time; accepted: fewer";
   }
   if (decoded.ok()) return inbox_.put(std::move(decoded), arrived.arrival);
-  complaints_.report(Complaint::kCloudRefused, "cloud refused: " + decoded.refusal);
+  warnings_.report(Warning::kCloudRefused, "cloud refused: " + decoded.problem);
   inbox_.wake();
 }
 
@@ -119,19 +119,19 @@ CloudResult CloudWorker::carryOut(CloudWork& work) const {
     if (filter.isOn() && work.kind == CloudWork::Kind::kBuild)
       result.unfiltered = std::make_unique<cloud::PointCloud>(work.cloud);
     io::FilterReport filtered = io::filterCloud(filter, work.cloud);
-    if (!filtered.refusal.empty()) throw InputError(filtered.refusal);
+    if (!filtered.problem.empty()) throw InputError(filtered.problem);
     if (work.kind == CloudWork::Kind::kObserve) {
       result.observed = std::make_shared<const simulation::ObservedCloud>(work.cloud);
     } else {
       auto simulation = std::make_unique<simulation::Simulation>(work.params, std::move(work.cloud));
       result.viewer = std::make_unique<simulation::Simulation>(simulation->viewer());
       result.simulation = std::move(simulation);
-      result.filter_notes = std::move(filtered.notes);
+      result.filter_notices = std::move(filtered.notices);
     }
   } catch (const std::bad_alloc&) {
-    result.refusal = std::to_string(num_points) + " points do not fit in memory; accepted: fewer";
+    result.problem = std::to_string(num_points) + " points do not fit in memory; accepted: fewer";
   } catch (const std::exception& error) {
-    result.refusal = error.what();
+    result.problem = error.what();
   }
   return result;
 }

@@ -3,8 +3,8 @@
 // piece of work, one result.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
+#include "warning_log.h"
 
 #include "deformable_surface/ros/convert/cloud_decoder.h"
 #include "deformable_surface/simulation/observed_cloud.h"
@@ -29,26 +29,26 @@ struct CloudWork {
   cloud::PointCloud cloud;
   std::int64_t stamp = 0, arrival = 0;                          // ns
   Eigen::Isometry3d transform = Eigen::Isometry3d::Identity();  // T_surface_cloud
-  std::string frame, cloud_frame;  // of the surface; of the message
-  simulation::SceneParams params;  // to build with
-  int num_threads = 1;             // of the loops over its points; >= 1
+  std::string frame, cloud_frame;                               // of the surface; of the message
+  simulation::SceneParams params;                               // to build with
+  int num_threads = 1;                                          // of the loops over its points; >= 1
 };
 
 /// What became of it.
 struct CloudResult {
   std::int64_t stamp = 0, arrival = 0;  // ns
   std::string frame, cloud_frame;
-  std::string refusal;  // one sentence; empty: it was accepted, and of these there is what was asked for:
+  std::string problem;  // one sentence; empty: it was accepted, and of these there is what was asked for:
   std::unique_ptr<simulation::Simulation> simulation, viewer;
   std::shared_ptr<const simulation::ObservedCloud> observed;
   // Of a simulation whose cloud was filtered: what became of it, and the cloud before, in the surface's frame.
-  std::vector<std::string> filter_notes;
+  std::vector<std::string> filter_notices;
   std::unique_ptr<cloud::PointCloud> unfiltered;
 };
 
 class CloudWorker {
  public:
-  CloudWorker(Inbox& inbox, Complaints& complaints, const DecodeLimits& limits);
+  CloudWorker(Inbox& inbox, WarningLog& warnings, const DecodeLimits& limits);
   /// After the inbox is closed, which ends what is under way.
   ~CloudWorker();
   CloudWorker(const CloudWorker&) = delete;
@@ -84,7 +84,7 @@ class CloudWorker {
   CloudResult carryOut(CloudWork& work) const;
 
   Inbox& inbox_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
   const DecodeLimits limits_;
   mutable std::mutex mutex_;
   std::condition_variable came_;

@@ -35,8 +35,8 @@ model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthPa
 
 }  // namespace
 
-FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints)
-    : inbox_(inbox), stepper_(stepper), complaints_(complaints), first_thread_(queue_), second_thread_(queue_) {
+FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings)
+    : inbox_(inbox), stepper_(stepper), warnings_(warnings), first_thread_(queue_), second_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   const auto answer = [this](FitSurfaceRequest& request, FitSurfaceResponse& response) {
     try {
@@ -44,7 +44,7 @@ FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Com
     } catch (const std::exception& error) {
       response.success = false;
       response.message = toOneLine(error.what());
-      complaints_.report(Complaint::kCallRefused, "call refused: " + response.message);
+      warnings_.report(Warning::kCallRefused, "call refused: " + response.message);
     }
     return true;
   };

@@ -2,10 +2,10 @@
 // while the surface stands and the node goes on answering.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
 #include "queue_thread.h"
 #include "stepper.h"
+#include "warning_log.h"
 
 #include "deformable_surface/FitSurface.h"
 
@@ -20,7 +20,7 @@ namespace deformable_surface::node {
 
 class FitService {
  public:
-  FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints);
+  FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings);
   /// After the inbox is closed, which ends a fit that is under way.
   ~FitService();
 
@@ -36,7 +36,7 @@ class FitService {
 
   Inbox& inbox_;
   Stepper& stepper_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_;
   // One grows a surface while the other refuses to.

@@ -60,7 +60,7 @@ class Inbox {
     std::string tools_refused;      // why the last message of tools could not be read; empty: each could
     bool frame_wanted = false;
     bool closed = false;
-    ClockNews clock;
+    ClockChange clock;
   };
 
   Inbox(bool use_simulated_clock, const tf2::BufferCore& transforms) : clock_(use_simulated_clock), transforms_(transforms) {}

@@ -17,9 +17,9 @@ struct Definition {
 
 struct InterfaceEntry {
   InterfaceKind kind;
-  std::string name;        // below the node's private name; a leading slash: global
-  std::string type;        // as in "sensor_msgs/PointCloud2"
-  std::string meaning;     // Markdown, without the bar of tables
+  std::string name;                     // below the node's private name; a leading slash: global
+  std::string type;                     // as in "sensor_msgs/PointCloud2"
+  std::string meaning;                  // Markdown, without the bar of tables
   std::vector<Definition> definitions;  // its message files, the types that they use behind them; none: of another package
 };
 

@@ -13,12 +13,12 @@ namespace deformable_surface::node {
 
 struct Moment {
   simulation::Snapshot sight;
-  std::int64_t stamp = 0;                              // ns
+  std::int64_t stamp = 0;  // ns
   CloudId cloud;
-  double time_input = 0.0;                             // s spent on commands in the last step, for the statistics
-  std::uint64_t revision = 0, surface_revision = 0;    // of the simulation
-  bool all = false;      // clouds and markers too that have not changed since they were published
-  bool is_kept = false;  // it is shown, also where a newer one comes
+  double time_input = 0.0;                           // s spent on commands in the last step, for the statistics
+  std::uint64_t revision = 0, surface_revision = 0;  // of the simulation
+  bool all = false;                                  // clouds and markers too that have not changed since they were published
+  bool is_kept = false;                              // it is shown, also where a newer one comes
   // Of a moment that begins another surface, at rest; else null and empty:
   std::unique_ptr<simulation::Simulation> viewer;
   std::string frame;

@@ -12,21 +12,21 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 using std::chrono::steady_clock;
 
-// Diagnostics are expected about once a second; news come sooner, but not so often that a flood of bad clouds becomes one of
+// Diagnostics are expected about once a second; changes come sooner, but not so often that a flood of bad clouds becomes one of
 // reports.
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
-constexpr double kWatchPeriod = 1.0;  // s
-constexpr double kLongStep = 1.0;     // s of wall time: one that takes longer is told of while it goes on
+constexpr double kWatchPeriod = 1.0;           // s
+constexpr double kLongStep = 1.0;              // s of wall time: one that takes longer is told of while it goes on
 constexpr std::chrono::seconds kToldEvery(5);  // in the log
 
 }  // namespace
 
 NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node,
                                  const ros::NodeHandle& watch_node, const Stepper& stepper, const Inbox& inbox,
-                                 const Complaints& complaints)
+                                 const WarningLog& warnings)
     : stepper_(stepper),
       inbox_(inbox),
-      complaints_(complaints),
+      warnings_(warnings),
       name_(private_node.getNamespace().substr(1)),
       updater_(node, private_node, private_node.getNamespace()),
       last_time_(steady_clock::now()) {
@@ -49,19 +49,19 @@ void NodeDiagnostics::watchStep() {
   message.status[0].level = DiagnosticStatus::WARN;
   message.status[0].message = "a step has been going on for " + formatShort(seconds) + " s";
   topic_.publish(message);
-  // No complaint, which would outlast the step; by wall time, since /clock may stand.
+  // No warning, which would outlast the step; by wall time, since /clock may stand.
   const auto now = steady_clock::now();
   if (now - last_warning_ < kToldEvery) return;
   last_warning_ = now;
-  ROS_WARN_STREAM(complaints_.name() << ": " << message.status[0].message << "; ~reset ends it");
+  ROS_WARN_STREAM(warnings_.name() << ": " << message.status[0].message << "; ~reset ends it");
 }
 
 NodeDiagnostics::Happened NodeDiagnostics::observe() const {
   const StepperStatus status = stepper_.status();
   return {status.state,
           status.clouds_accepted + status.clouds_ignored + status.clouds_tracked,
-          complaints_.count(Complaint::kCloudRefused),
-          complaints_.last(),
+          warnings_.count(Warning::kCloudRefused),
+          warnings_.last(),
           status.commands_waiting,
           status.jumps_back};
 }
@@ -80,9 +80,9 @@ void NodeDiagnostics::update() {
 }
 
 void NodeDiagnostics::describeInput(Status& status) const {
-  const int refused = complaints_.count(Complaint::kCloudRefused);
-  if (complaints_.isRecent()) {
-    status.summary(DiagnosticStatus::WARN, complaints_.last());
+  const int refused = warnings_.count(Warning::kCloudRefused);
+  if (warnings_.isRecent()) {
+    status.summary(DiagnosticStatus::WARN, warnings_.last());
   } else if (!now_.silent_tools.empty()) {
     status.summary(DiagnosticStatus::WARN, "silent tools: " + now_.silent_tools);
   } else {
@@ -99,11 +99,11 @@ void NodeDiagnostics::describeInput(Status& status) const {
   status.add("commands applied", now_.commands_applied);
   status.add("commands late", now_.commands_late);
   status.add("commands waiting", now_.commands_waiting);
-  status.add("commands refused", complaints_.count(Complaint::kCommandRefused) + complaints_.count(Complaint::kToolsRefused));
-  status.add("calls refused", complaints_.count(Complaint::kCallRefused));
+  status.add("commands refused", warnings_.count(Warning::kCommandRefused) + warnings_.count(Warning::kToolsRefused));
+  status.add("calls refused", warnings_.count(Warning::kCallRefused));
   status.add("commands dropped", now_.commands_dropped + inbox_.numCommandsDropped());
   status.add("silent tools", now_.silent_tools.empty() ? "none" : now_.silent_tools);
-  status.add("last complaint", complaints_.last());
+  status.add("last warning", warnings_.last());
 }
 
 void NodeDiagnostics::describeSimulation(Status& status) const {

@@ -1,9 +1,9 @@
 // What the node says of itself on /diagnostics.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
 #include "stepper.h"
+#include "warning_log.h"
 
 #include <diagnostic_updater/diagnostic_updater.h>
 #include <ros/node_handle.h>
@@ -19,7 +19,7 @@ namespace deformable_surface::node {
 class NodeDiagnostics {
  public:
   NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const ros::NodeHandle& watch_node,
-                  const Stepper& stepper, const Inbox& inbox, const Complaints& complaints);
+                  const Stepper& stepper, const Inbox& inbox, const WarningLog& warnings);
 
   /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or
   /// jumps back must be reported too.
@@ -29,7 +29,7 @@ class NodeDiagnostics {
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
-  // What is told soon: state, clouds accepted and refused, complaints, commands waiting.
+  // What is told soon: state, clouds accepted and refused, warnings, commands waiting.
   using Happened = std::tuple<std::string, int, int, std::string, int, int>;
 
   void watchStep();
@@ -39,7 +39,7 @@ class NodeDiagnostics {
 
   const Stepper& stepper_;
   const Inbox& inbox_;
-  const Complaints& complaints_;
+  const WarningLog& warnings_;
   const std::string name_;
   ros::Publisher topic_;  // of the updater's messages: who listens
   ros::WallTimer watch_;

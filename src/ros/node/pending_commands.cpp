@@ -72,7 +72,7 @@ void PendingCommands::append(std::vector<Command>&& commands) {
 }
 
 void PendingCommands::refuse(const Command& command, const std::string& reason) {
-  complaints_.report(Complaint::kCommandRefused, reason);
+  warnings_.report(Warning::kCommandRefused, reason);
   if (command.tool) tool_statuses_.tellRefused(*command.tool, reason);
 }
 
@@ -160,7 +160,7 @@ void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Si
   commands_.erase(commands_.begin(), later);
   last_begin_ = begin;
   const ros::Time stamp = ros::Time().fromNSec(static_cast<std::uint64_t>(end));
-  for (const std::string& problem : tools_.move(stamp, simulation, frame)) complaints_.report(Complaint::kWaiting, problem);
+  for (const std::string& problem : tools_.move(stamp, simulation, frame)) warnings_.report(Warning::kWaiting, problem);
 }
 
 void PendingCommands::carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
@@ -181,7 +181,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     // However many come, the first says how long they wait.
     if (older != without_frame_.end()) give_up = older->second.give_up;
     if (SteadyClock::now() < give_up && (older != without_frame_.end() || without_frame_.size() < kMaxForces)) {
-      complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the command waits for it");
+      warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the command waits for it");
       if (command.tool) tool_statuses_.tellWaiting(*command.tool, error.what());
       num_dropped_ += older != without_frame_.end();
       without_frame_[key] = {command, give_up};

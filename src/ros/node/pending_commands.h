@@ -2,9 +2,9 @@
 // only says when a step begins.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
 #include "tool_statuses.h"
+#include "warning_log.h"
 
 #include "deformable_surface/ros/convert/tool_commands.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -25,11 +25,11 @@ namespace deformable_surface::node {
 class PendingCommands {
  public:
   PendingCommands(const simulation::WrenchParams& wrench, const simulation::InputParams& input, const tf2::BufferCore& transforms,
-                  Complaints& complaints)
+                  WarningLog& warnings)
       : wrench_(wrench),
         lockstep_(simulation::splitNames(input.lockstep)),
         transforms_(transforms),
-        complaints_(complaints),
+        warnings_(warnings),
         tools_(transforms, input.tool_timeout) {}
 
   /// See ToolCommands.
@@ -108,19 +108,19 @@ class PendingCommands {
   bool hasGuessedFrame(const Command& command) const;
 
   const simulation::WrenchParams wrench_;
-  const std::vector<std::string> lockstep_;       // topics; none: steps follow the clock
-  std::map<std::string, std::int64_t> newest_;    // by topic: ns, the latest stamp that came
+  const std::vector<std::string> lockstep_;     // topics; none: steps follow the clock
+  std::map<std::string, std::int64_t> newest_;  // by topic: ns, the latest stamp that came
   const tf2::BufferCore& transforms_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
   std::string surface_frame_;
-  std::deque<Command> commands_;          // in the order of arrival
-  std::deque<Command> kept_;              // applied, see keepSince()
+  std::deque<Command> commands_;  // in the order of arrival
+  std::deque<Command> kept_;      // applied, see keepSince()
   std::int64_t keep_since_ = std::numeric_limits<std::int64_t>::max();
   std::map<std::string, double> forces_;  // when they end, s of simulation time
   ToolCommands tools_;
   ToolStatuses tool_statuses_;
   std::map<std::string, Waiting> without_frame_;  // the newest for each force and tool
-  std::int64_t last_begin_ = kNever;      // of the last step (ns)
+  std::int64_t last_begin_ = kNever;              // of the last step (ns)
   int num_dropped_ = 0;
   std::uint64_t num_applied_ = 0, num_late_ = 0;
 };

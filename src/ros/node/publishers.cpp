@@ -79,26 +79,26 @@ void Publishers::publish(Moment& moment) {
   if (is_other || moment.params) encoder_.emplace(viewer_->input(), viewer_->params().output.normals);
 
   const std_msgs::Header header = makeHeader(moment.stamp);
-  const auto isNews = [all = moment.all || is_new_](std::uint64_t revision, std::uint64_t& published) {
+  const auto isNew = [all = moment.all || is_new_](std::uint64_t revision, std::uint64_t& published) {
     return std::exchange(published, revision) != revision || all;
   };
   // The first is kept for those who come later.
   const bool is_seen = deformed_.getNumSubscribers() > 0, is_followed = updates_.getNumSubscribers() > 0;
   if (!is_followed) changes_.forget();
-  if (is_new_ || ((is_seen || is_followed) && isNews(moment.surface_revision, surface_revision_))) {
+  if (is_new_ || ((is_seen || is_followed) && isNew(moment.surface_revision, surface_revision_))) {
     const auto message = clouds_.take();
     message->header = header;
     encoder_->encode(viewer_->surface(true), *message);
     if (is_new_ || is_seen) deformed_.publish(message);
     if (is_followed) publishUpdate(message);
   }
-  if (simulation_points_.getNumSubscribers() > 0 && isNews(moment.revision, points_revision_)) {
+  if (simulation_points_.getNumSubscribers() > 0 && isNew(moment.revision, points_revision_)) {
     const auto message = boost::make_shared<sensor_msgs::PointCloud2>();
     message->header = header;
     encodeSimulationPoints(*viewer_, *message);
     simulation_points_.publish(message);
   }
-  const bool has_changed = isNews(moment.revision, markers_revision_);
+  const bool has_changed = isNew(moment.revision, markers_revision_);
   const bool is_due = has_changed || std::chrono::steady_clock::now() >= next_markers_;
   if (markers_.getNumSubscribers() > 0 && is_due) publishMarkers(header);
   if (isStatisticsHeard()) {

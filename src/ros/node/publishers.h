@@ -45,13 +45,13 @@ class Publishers {
   std::optional<SurfaceEncoder> encoder_;
   MessagePool<sensor_msgs::PointCloud2> clouds_;
   CloudUpdates changes_;
-  std::atomic<bool> is_update_wanted_whole_{false};         // somebody who listens to the updates has nothing yet
+  std::atomic<bool> is_update_wanted_whole_{false};  // somebody who listens to the updates has nothing yet
   std::chrono::steady_clock::time_point next_whole_update_;
   std::optional<SimulationMarkers> marker_maker_;
-  std::chrono::steady_clock::time_point next_markers_;  // though nothing has changed
-  bool is_new_ = false;        // nothing of this surface was published yet
+  std::chrono::steady_clock::time_point next_markers_;                               // though nothing has changed
+  bool is_new_ = false;                                                              // nothing of this surface was published yet
   std::uint64_t surface_revision_ = 0, points_revision_ = 0, markers_revision_ = 0;  // of the simulation, when published last
-  double time_publish_ = 0.0;  // s, of the last frame
+  double time_publish_ = 0.0;                                                        // s, of the last frame
 };
 
 }  // namespace deformable_surface::node

@@ -167,8 +167,8 @@ SceneParams readRunTimeParams(const Config& config, const SceneParams& params) {
   return simulation::withRunTimeValues(params, io::readScene(tree));
 }
 
-Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints)
-    : node_(std::move(node)), inbox_(inbox), stepper_(stepper), complaints_(complaints) {
+Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings)
+    : node_(std::move(node)), inbox_(inbox), stepper_(stepper), warnings_(warnings) {
   descriptions_ = node_.advertise<dynamic_reconfigure::ConfigDescription>("parameter_descriptions", 1, true);
   updates_ = node_.advertise<Config>("parameter_updates", 1, true);
   descriptions_.publish(describeRunTimeParams());
@@ -176,9 +176,9 @@ Reconfigure::Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, C
   stored_ = listValues();
   using Request = dynamic_reconfigure::ReconfigureRequest;
   using Response = dynamic_reconfigure::ReconfigureResponse;
-  server_ = node_.advertiseService<Request, Response>("set_parameters",
-                                                      boost::function<bool(Request&, Response&)>(
-                                                          [this](Request& q, Response& r) { return set(q.config, r.config); }));
+  server_ = node_.advertiseService<Request, Response>(
+      "set_parameters",
+      boost::function<bool(Request&, Response&)>([this](Request& q, Response& r) { return set(q.config, r.config); }));
 }
 
 void Reconfigure::publish() {
@@ -234,7 +234,7 @@ bool Reconfigure::set(const Config& wanted, Config& now) {
   });
   if (!unheard.empty()) return false;
   if (!problem.empty()) {
-    complaints_.report(Complaint::kCommandRefused, "parameters refused, the old ones stay: " + problem);
+    warnings_.report(Warning::kCommandRefused, "parameters refused, the old ones stay: " + problem);
     return true;
   }
   store();

@@ -3,9 +3,9 @@
 // dynamic_reconfigure's own server would want a second one, in a .cfg file.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
 #include "stepper.h"
+#include "warning_log.h"
 
 #include "deformable_surface/simulation/run_time_params.h"
 
@@ -32,7 +32,7 @@ simulation::SceneParams readRunTimeParams(const dynamic_reconfigure::Config& con
 
 class Reconfigure {
  public:
-  Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, Complaints& complaints);
+  Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings);
 
   /// Tells the listeners what holds now. By the simulation thread.
   void publish();
@@ -53,7 +53,7 @@ class Reconfigure {
   std::map<std::string, double> stored_;  // on the parameter server, flags as 0 and 1
   Inbox& inbox_;
   Stepper& stepper_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
   ros::Publisher descriptions_, updates_;
   ros::ServiceServer server_;
 };

@@ -23,7 +23,7 @@ constexpr std::uint64_t kMaxRolloutSteps = 1000000;
 constexpr std::uint64_t kMaxRolloutPoints = 4000000, kMaxRolloutSamples = 20000;
 
 struct RolloutPlan {
-  std::uint64_t first = 0, steps = 0;                  // the step that it begins with, and how many are taken
+  std::uint64_t first = 0, steps = 0;                    // the step that it begins with, and how many are taken
   std::vector<std::uint64_t> cloud_steps, sample_steps;  // ascending: after so many steps of the rollout
   std::uint8_t clouds = RolloutGoal::NONE;
   CloudId cloud;  // of the surface

@@ -29,9 +29,9 @@ RolloutResult makeRefusal(const std::string& message) {
 
 }  // namespace
 
-Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
-                   Complaints& complaints, int num_threads)
-    : inbox_(inbox), stepper_(stepper), transforms_(transforms), complaints_(complaints), queue_thread_(queue_) {
+Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, WarningLog& warnings,
+                   int num_threads)
+    : inbox_(inbox), stepper_(stepper), transforms_(transforms), warnings_(warnings), queue_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   server_ = std::make_unique<Server>(
       node, kRolloutName, [this](Server::GoalHandle goal) { accept(std::move(goal)); },
@@ -73,11 +73,11 @@ Rollouts::~Rollouts() {
 void Rollouts::accept(Server::GoalHandle goal) {
   auto job = std::make_shared<Job>();
   CloudId cloud;
-  std::string refusal;
+  std::string problem;
   {
     const std::lock_guard<std::mutex> lock(mutex_);
     if (waiting_.size() >= kMaxWaiting)
-      refusal = "busy: " + std::to_string(kMaxWaiting) + " rollouts wait already; accepted: no more at a time";
+      problem = "busy: " + std::to_string(kMaxWaiting) + " rollouts wait already; accepted: no more at a time";
   }
   const auto make_copy = [&] {
     try {
@@ -89,24 +89,24 @@ void Rollouts::accept(Server::GoalHandle goal) {
       cloud = stepper_.cloud();
       job->schedule.emplace(stepper_.scheduleFrom(job->copy->stepCount()));
     } catch (const std::exception& error) {
-      refusal = toOneLine(error.what());
+      problem = toOneLine(error.what());
     }
   };
-  if (refusal.empty()) {
+  if (problem.empty()) {
     const std::string unheard = inbox_.perform(make_copy);
-    if (!unheard.empty()) refusal = unheard;
+    if (!unheard.empty()) problem = unheard;
   }
-  if (refusal.empty()) {
+  if (problem.empty()) {
     try {
       job->plan = prepareRollout(*goal.getGoal(), job->frame, transforms_, *job->copy);
       job->plan.cloud = cloud;
     } catch (const std::exception& error) {
-      refusal = toOneLine(error.what());
+      problem = toOneLine(error.what());
     }
   }
-  if (!refusal.empty()) {
-    complaints_.report(Complaint::kCallRefused, "rollout refused: " + refusal);
-    return goal.setRejected(makeRefusal(refusal), refusal);
+  if (!problem.empty()) {
+    warnings_.report(Warning::kCallRefused, "rollout refused: " + problem);
+    return goal.setRejected(makeRefusal(problem), problem);
   }
   goal.setAccepted();
   job->goal = std::move(goal);

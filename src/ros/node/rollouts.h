@@ -2,11 +2,11 @@
 // on.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
 #include "queue_thread.h"
 #include "rollout.h"
 #include "stepper.h"
+#include "warning_log.h"
 
 #include "deformable_surface/RolloutAction.h"
 
@@ -32,7 +32,7 @@ constexpr char kRolloutName[] = "rollout";
 class Rollouts {
  public:
   /// num_threads: how many run at once, each in one thread, whose results do not depend on it; >= 1.
-  Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, Complaints& complaints,
+  Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms, WarningLog& warnings,
            int num_threads);
   ~Rollouts();
 
@@ -56,7 +56,7 @@ class Rollouts {
   Inbox& inbox_;
   Stepper& stepper_;
   const tf2::BufferCore& transforms_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
 
   std::mutex mutex_;
   std::condition_variable came_;

@@ -32,8 +32,7 @@ constexpr std::uint32_t kMaxSteps = 1000000;
 
 // Of any request with a header, a primitive and a pose.
 template <class Request>
-geometry::Region readRegion(const Request& request, const std::string& surface_frame,
-                            const tf2::BufferCore& transforms) {
+geometry::Region readRegion(const Request& request, const std::string& surface_frame, const tf2::BufferCore& transforms) {
   const SolidPrimitive& primitive = request.primitive;
   const bool is_box = primitive.type == SolidPrimitive::BOX;
   const std::size_t num_sizes = is_box ? 3 : 1;
@@ -133,12 +132,8 @@ void checkSaveName(const std::string& name) {
 }  // namespace
 
 Services::Services(ros::NodeHandle& node, ros::NodeHandle& reset_node, Inbox& inbox, Stepper& stepper,
-                   const tf2::BufferCore& transforms, Complaints& complaints, std::string save_directory)
-    : inbox_(inbox),
-      stepper_(stepper),
-      transforms_(transforms),
-      complaints_(complaints),
-      save_directory_(std::move(save_directory)) {
+                   const tf2::BufferCore& transforms, WarningLog& warnings, std::string save_directory)
+    : inbox_(inbox), stepper_(stepper), transforms_(transforms), warnings_(warnings), save_directory_(std::move(save_directory)) {
   const auto advertiseOn = [&](ros::NodeHandle& on, const char* name, auto request, auto response, auto call) {
     using Request = decltype(request);
     using Response = decltype(response);
@@ -178,12 +173,12 @@ bool Services::perform(Response& response, const Work& work, bool ends_step) {
       response.message = toOneLine(error.what());
     }
   };
-  const std::string refusal = inbox_.perform(answer, ends_step);
-  if (!refusal.empty()) {
+  const std::string problem = inbox_.perform(answer, ends_step);
+  if (!problem.empty()) {
     response.success = false;
-    response.message = refusal;
+    response.message = problem;
   }
-  if (!response.success) complaints_.report(Complaint::kCallRefused, "call refused: " + std::string(response.message));
+  if (!response.success) warnings_.report(Warning::kCallRefused, "call refused: " + std::string(response.message));
   return true;
 }
 

@@ -1,9 +1,9 @@
 // The services of the node. Each hands its work to the simulation thread and waits for the answer; none of them throws.
 #pragma once
 
-#include "complaints.h"
 #include "inbox.h"
 #include "stepper.h"
+#include "warning_log.h"
 
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/List.h"
@@ -31,7 +31,7 @@ class Services {
   /// reset_node: of a queue of its own, since a reset ends what other calls wait for. save_directory: absolute and there; empty =
   /// ~save is off.
   Services(ros::NodeHandle& node, ros::NodeHandle& reset_node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
-           Complaints& complaints, std::string save_directory);
+           WarningLog& warnings, std::string save_directory);
 
   /// Is called after ~restore, by the thread that answers it.
   void onRestore(std::function<void()> call) { on_restore_ = std::move(call); }
@@ -57,7 +57,7 @@ class Services {
   Inbox& inbox_;
   Stepper& stepper_;
   const tf2::BufferCore& transforms_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
   const std::string save_directory_;
   std::function<void()> on_restore_;
   std::vector<ros::ServiceServer> servers_;

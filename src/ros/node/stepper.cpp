@@ -31,7 +31,7 @@ constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeri
 }  // namespace
 
 Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers,
-                 FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints)
+                 FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, WarningLog& warnings)
     : params_(params),
       inbox_(inbox),
       worker_(worker),
@@ -39,11 +39,11 @@ Stepper::Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorke
       frames_(frames),
       wrenches_(wrenches),
       transforms_(transforms),
-      complaints_(complaints),
+      warnings_(warnings),
       is_clock_simulated_(ros::Time::isSimTime()),
       delay_(std::llround(params.input.delay * 1e9)),
       schedule_(params.integrator.time_step),
-      commands_(params.force, params.input, transforms, complaints) {}
+      commands_(params.force, params.input, transforms, warnings) {}
 
 bool Stepper::turn(Inbox::SteadyTime until) {
   Inbox::Content content = inbox_.take(nextDeadline(until));
@@ -106,7 +106,7 @@ bool Stepper::canRest() const {
 
 std::int64_t Stepper::delayed(std::int64_t clock) const { return clock == 0 ? 0 : std::max<std::int64_t>(clock - delay_, 1); }
 
-void Stepper::handleClock(const ClockNews& clock) {
+void Stepper::handleClock(const ClockChange& clock) {
   now_ = delayed(clock.now);
   if (!clock.jumped_back) {
     // A surface that waited for its time has nothing to catch up of what the clock jumped over before.
@@ -116,8 +116,8 @@ void Stepper::handleClock(const ClockNews& clock) {
     if (isLockstep()) return;
     schedule_.skip(skipped);
     if (skipped > 0 && simulation_) {
-      complaints_.report(Complaint::kClock,
-                         "the clock jumped forward by " + formatShort(toSeconds(skipped)) + " s, which is not caught up");
+      warnings_.report(Warning::kClock,
+                       "the clock jumped forward by " + formatShort(toSeconds(skipped)) + " s, which is not caught up");
     }
     return;
   }
@@ -125,8 +125,8 @@ void Stepper::handleClock(const ClockNews& clock) {
   commands_.clear();
   if (!simulation_) return;
   restart(delayed(clock.restart));
-  complaints_.report(
-      Complaint::kClock,
+  warnings_.report(
+      Warning::kClock,
       "the clock jumped back to " + formatReal(toSeconds(clock.restart)) + " s; the surface is reset to its rest state" +
           (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
                                        " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
@@ -162,8 +162,8 @@ void Stepper::letGoOfLag(double call_seconds) {
   }
   if (2.0 * call_seconds > toSeconds(lag)) {
     counts_.time_in_calls += toSeconds(lag);
-    complaints_.report(Complaint::kBehind, "services took " + formatShort(call_seconds) + " s, in which no step was taken; " +
-                                               formatShort(toSeconds(lag)) + " s are not caught up");
+    warnings_.report(Warning::kBehind, "services took " + formatShort(call_seconds) + " s, in which no step was taken; " +
+                                           formatShort(toSeconds(lag)) + " s are not caught up");
     return;
   }
   counts_.time_let_go += toSeconds(lag);
@@ -171,9 +171,9 @@ void Stepper::letGoOfLag(double call_seconds) {
                               ? "slower than real time (fewer simulation points, or a larger integrator.tolerance of the "
                                 "implicit method, are faster)"
                               : "the process did not get to run for a while";
-  complaints_.report(Complaint::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
-                                             formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
-                                             " s are not caught up");
+  warnings_.report(Warning::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
+                                         formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
+                                         " s are not caught up");
 }
 
 // ---- Steps ----
@@ -205,7 +205,7 @@ bool Stepper::hasFrames() {
   }
   if (!missing_since_) missing_since_ = steady_clock::now();
   if (steady_clock::now() - *missing_since_ > kTransformPatience) return true;
-  complaints_.report(Complaint::kWaiting, "step " + std::to_string(step) + " waits for a transform of frame " + quote(missing));
+  warnings_.report(Warning::kWaiting, "step " + std::to_string(step) + " waits for a transform of frame " + quote(missing));
   return false;
 }
 
@@ -217,9 +217,7 @@ void Stepper::resumeAt(std::int64_t now, std::uint64_t step) {
   if (!isLockstep()) schedule_.resumeAt(now, step);
 }
 
-bool Stepper::waitsUntilLater(std::int64_t now) const {
-  return schedule_.begin(simulation_->stepCount()) > now + timeStep();
-}
+bool Stepper::waitsUntilLater(std::int64_t now) const { return schedule_.begin(simulation_->stepCount()) > now + timeStep(); }
 
 void Stepper::setPaused(bool paused) {
   if (isPaused() && !paused && simulation_) skipTo(now_, simulation_->stepCount());
@@ -324,12 +322,12 @@ bool Stepper::takeStep() {
     return simulation_->step();
   }();
   step_seconds_ = timer.seconds();
-  if (!outcome.notice.empty()) complaints_.report(Complaint::kNotice, outcome.notice);
+  if (!outcome.notice.empty()) warnings_.report(Warning::kNotice, outcome.notice);
   if (!outcome.ok && *inbox_.endingStep()) return false;
   if (!outcome.ok) {
     is_failed_ = true;
-    complaints_.report(Complaint::kStep,
-                       outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
+    warnings_.report(Warning::kStep,
+                     outcome.problem + "; the simulation is paused, ~pause false tries again, ~reset starts over");
     return false;
   }
   ++counts_.steps_taken;
@@ -367,7 +365,7 @@ bool Stepper::updateGravity() {
     return is_gravity_known_ = true;
   } catch (const InputError& error) {
     // Once known, the last one stays.
-    if (!is_gravity_known_) complaints_.report(Complaint::kWaiting, std::string(error.what()) + "; the surface waits for it");
+    if (!is_gravity_known_) warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the surface waits for it");
     return is_gravity_known_;
   }
 }
@@ -396,9 +394,7 @@ StepSchedule Stepper::scheduleFrom(std::uint64_t step) const {
   return schedule;
 }
 
-void Stepper::publishWrenches() {
-  wrenches_.publish(*simulation_, outputStamp(), frame_, commands_.silentTools());
-}
+void Stepper::publishWrenches() { wrenches_.publish(*simulation_, outputStamp(), frame_, commands_.silentTools()); }
 
 Moment Stepper::makeMoment() {
   Moment moment;
@@ -413,7 +409,7 @@ Moment Stepper::makeMoment() {
 
 void Stepper::publishToolStatuses() {
   ToolStatusArray statuses;
-  if (!commands_.toolStatuses().takeNews(statuses)) return;
+  if (!commands_.toolStatuses().takeChanged(statuses)) return;
   statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
   statuses.header.frame_id = frame_;
   wrenches_.publish(statuses);

@@ -3,13 +3,13 @@
 #pragma once
 
 #include "cloud_worker.h"
-#include "complaints.h"
 #include "frame_thread.h"
 #include "inbox.h"
 #include "pending_commands.h"
 #include "publishers.h"
 #include "snapshot_shelf.h"
 #include "waiting_clouds.h"
+#include "warning_log.h"
 #include "wrench_publishers.h"
 
 #include "deformable_surface/ros/convert/step_schedule.h"
@@ -39,19 +39,19 @@ struct StepperStatus {
   int frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
-  std::string silent_tools;  // ids
-  bool has_snapped = false;  // see Simulation::hasSnapped()
-  double lag = 0.0;          // s that the next step is late
-  double time_let_go = 0.0;  // s of the ROS clock for which no steps were taken, since they took too long
-  double time_in_calls = 0.0;  // the same, since a call of a service did
+  std::string silent_tools;     // ids
+  bool has_snapped = false;     // see Simulation::hasSnapped()
+  double lag = 0.0;             // s that the next step is late
+  double time_let_go = 0.0;     // s of the ROS clock for which no steps were taken, since they took too long
+  double time_in_calls = 0.0;   // the same, since a call of a service did
   double time_in_builds = 0.0;  // between the stamps of clouds and the first steps of the surfaces made of them
-  std::string accuracy;      // what was chosen from the accuracy asked for, and why; empty if nothing was
+  std::string accuracy;         // what was chosen from the accuracy asked for, and why; empty if nothing was
 };
 
 class Stepper {
  public:
   Stepper(const simulation::SceneParams& params, Inbox& inbox, CloudWorker& worker, const Publishers& publishers,
-          FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, Complaints& complaints);
+          FrameThread& frames, WrenchPublishers& wrenches, const tf2::BufferCore& transforms, WarningLog& warnings);
 
   /// See ToolCommands. Before the first turn.
   void setStanding(std::vector<Tool> tools) { commands_.setStanding(std::move(tools)); }
@@ -107,7 +107,7 @@ class Stepper {
   double secondsInStep() const;
 
  private:
-  void handleClock(const ClockNews& clock);
+  void handleClock(const ClockChange& clock);
   // In stepper_clouds.cpp:
   void handleClouds();
   WaitingClouds::Answer prepare(const IncomingCloud& incoming, bool is_patient, CloudWork& work);
@@ -161,7 +161,7 @@ class Stepper {
   FrameThread& frames_;
   WrenchPublishers& wrenches_;
   const tf2::BufferCore& transforms_;
-  Complaints& complaints_;
+  WarningLog& warnings_;
   const bool is_clock_simulated_;
   const std::int64_t delay_;  // ns that steps stay behind the clock
 
@@ -185,14 +185,14 @@ class Stepper {
   std::optional<Building> building_;
   std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and when a surface was last begun to be built with them
   PendingCommands commands_;
-  SnapshotShelf snapshots_;  // of this surface
+  SnapshotShelf snapshots_;                         // of this surface
   std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
-  bool is_paused_ = false;  // asked for
+  bool is_paused_ = false;                          // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
-  bool is_as_built_ = false;  // its cloud and params_ made the surface, and nothing else
+  bool is_as_built_ = false;                      // its cloud and params_ made the surface, and nothing else
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
-  double call_seconds_ = 0.0;  // of the services called in the last turn
+  double call_seconds_ = 0.0;                     // of the services called in the last turn
 
   // Frames lie on simulation time; this one is the last that was due.
   std::int64_t last_frame_ = 0;

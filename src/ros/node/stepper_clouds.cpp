@@ -24,8 +24,8 @@ constexpr std::int64_t kLongestBuild = 5'000'000'000;
 // Clouds that were made ready before their step: as many as may wait undone.
 constexpr std::size_t kMostReady = 64;
 constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
-constexpr double kLongBuild = 2.0;  // s: who waits longer wonders
-constexpr double kToldLag = 0.25;   // s: what is caught up with need not be told
+constexpr double kLongBuild = 2.0;                    // s: who waits longer wonders
+constexpr double kToldLag = 0.25;                     // s: what is caught up with need not be told
 
 double secondsSince(Inbox::SteadyTime then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -53,8 +53,8 @@ void Stepper::handleClouds() {
   }
   if (clouds_.isEmpty() || worker_.isBusy()) return;
   CloudWork work;
-  std::optional<IncomingCloud> incoming = clouds_.take(
-      [&](const IncomingCloud& cloud, bool is_patient) { return prepare(cloud, is_patient, work); });
+  std::optional<IncomingCloud> incoming =
+      clouds_.take([&](const IncomingCloud& cloud, bool is_patient) { return prepare(cloud, is_patient, work); });
   if (!incoming) return;
   work.kind = isTracking() ? CloudWork::Kind::kObserve : CloudWork::Kind::kBuild;
   work.arrival = arrivalOf(*incoming);
@@ -88,21 +88,21 @@ WaitingClouds::Answer Stepper::prepare(const IncomingCloud& incoming, bool is_pa
     return WaitingClouds::Answer::kTake;
   } catch (const FrameError& error) {
     if (is_patient) {
-      complaints_.report(Complaint::kWaiting, std::string("cloud: ") + error.what() + "; the cloud waits for it");
+      warnings_.report(Warning::kWaiting, std::string("cloud: ") + error.what() + "; the cloud waits for it");
       return WaitingClouds::Answer::kWait;
     }
-    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+    warnings_.report(Warning::kCloudRefused, std::string("cloud refused: ") + error.what());
   } catch (const InputError& error) {
-    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+    warnings_.report(Warning::kCloudRefused, std::string("cloud refused: ") + error.what());
   }
   return WaitingClouds::Answer::kRefuse;
 }
 
 void Stepper::takeResult(CloudResult&& result) {
-  if (!result.refusal.empty()) {
+  if (!result.problem.empty()) {
     building_.reset();
     commands_.forgetKept();
-    complaints_.report(Complaint::kCloudRefused, "cloud refused: " + result.refusal);
+    warnings_.report(Warning::kCloudRefused, "cloud refused: " + result.problem);
   } else if (result.simulation) {
     begin(std::move(result));
   } else if (isTracking() && result.frame == frame_) {
@@ -125,9 +125,9 @@ void Stepper::setSurfaceFrame(const std::string& frame) {
 void Stepper::tellOfBuilding() {
   if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
   building_->is_told = true;
-  ROS_INFO_STREAM(complaints_.name() << ": a surface of " << building_->points << " points has been under construction for "
-                                     << formatShort(secondsSince(building_->begin)) << " s"
-                                     << (simulation_ ? "; the one before goes on meanwhile" : ""));
+  ROS_INFO_STREAM(warnings_.name() << ": a surface of " << building_->points << " points has been under construction for "
+                                   << formatShort(secondsSince(building_->begin)) << " s"
+                                   << (simulation_ ? "; the one before goes on meanwhile" : ""));
 }
 
 // A cloud shows the surface at its stamp, and draws it from there on.
@@ -142,7 +142,7 @@ void Stepper::observeReady() {
     ++counts_.clouds_tracked;
     counts_.clouds_late += !isPaused() && step > 0 && newest->stamp <= schedule_.begin(step - 1);
   } catch (const InputError& error) {
-    complaints_.report(Complaint::kCloudRefused, std::string("cloud refused: ") + error.what());
+    warnings_.report(Warning::kCloudRefused, std::string("cloud refused: ") + error.what());
   }
   counts_.clouds_dropped += static_cast<int>(ready_.rend() - newest) - 1;
   ready_.erase(ready_.begin(), newest.base());
@@ -189,18 +189,18 @@ void Stepper::begin(CloudResult&& result) {
   cloud_.frame = result.cloud_frame;
   worker_.ignore(params_.input.policy == simulation::InputPolicy::kIgnore);
 
-  std::string news = ": the cloud came again: the surface that was made of it begins anew";
+  std::string notice = ": the cloud came again: the surface that was made of it begins anew";
   if (!is_again) {
-    std::string notes;
-    for (const std::string& note : result.filter_notes) appendNotice(notes, note);
-    for (const std::string& note : simulation_->buildNotes()) appendNotice(notes, note);
-    news = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notes;
+    std::string notices;
+    for (const std::string& more : result.filter_notices) appendNotice(notices, more);
+    for (const std::string& more : simulation_->buildNotes()) appendNotice(notices, more);
+    notice = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notices;
   }
   const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
   if (behind > kToldLag)
-    news += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
-  ROS_INFO_STREAM(complaints_.name() << news);
-  for (const std::string& warning : simulation_->buildWarnings()) complaints_.report(Complaint::kNotice, warning);
+    notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
+  ROS_INFO_STREAM(warnings_.name() << notice);
+  for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
   building_.reset();
   Moment moment = makeMoment();
   // At rest it is the cloud itself, at its stamp.

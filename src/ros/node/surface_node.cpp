@@ -1,7 +1,6 @@
 #include "deformable_surface/ros/node/surface_node.h"
 
 #include "cloud_worker.h"
-#include "complaints.h"
 #include "fit_service.h"
 #include "frame_thread.h"
 #include "inbox.h"
@@ -13,6 +12,7 @@
 #include "rollouts.h"
 #include "services.h"
 #include "stepper.h"
+#include "warning_log.h"
 #include "wrench_publishers.h"
 
 #include "deformable_surface/ToolArray.h"
@@ -26,11 +26,11 @@
 #include "deformable_surface/ros/convert/tool_decoder.h"
 #include "deformable_surface/ros/convert/xmlrpc_value.h"
 
-#include <boost/make_shared.hpp>
 #include <ros/callback_queue.h>
 #include <ros/console.h>
 #include <rosgraph_msgs/Clock.h>
 #include <tf2_ros/transform_listener.h>
+#include <boost/make_shared.hpp>
 
 #include <algorithm>
 #include <atomic>
@@ -86,7 +86,7 @@ simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node) 
 struct SurfaceNode::Impl {
   ros::CallbackQueue input_queue, service_queue, reset_queue;
   ros::NodeHandle node, private_node, service_node, reset_node;
-  Complaints complaints;
+  WarningLog warnings;
   tf2::BufferCore transforms;
   Inbox inbox;
   CloudWorker worker;
@@ -121,24 +121,24 @@ struct SurfaceNode::Impl {
         private_node(onQueue(given_private, input_queue)),
         service_node(onQueue(given_private, service_queue)),
         reset_node(onQueue(given_private, reset_queue)),
-        complaints(private_node.getNamespace()),
+        warnings(private_node.getNamespace()),
         // Steps that stay behind the clock ask for what is that much older.
         transforms(ros::Duration(tf2::BufferCore::DEFAULT_CACHE_TIME + params.input.delay)),
         inbox(ros::Time::isSimTime(), transforms),
-        worker(inbox, complaints, DecodeLimits{params.input.max_points}),
+        worker(inbox, warnings, DecodeLimits{params.input.max_points}),
         // Not in a thread of its own, which would wake up a hundred times a second.
         transform_listener(transforms, node, false),
         publishers(private_node, [this] { inbox.wantFrame(); }),
         // Half of the cores are left to the steps.
         frames([this](Moment& moment) { show(moment); }, std::max(1, countCores(params.threads) / 2)),
         wrenches(private_node, [this] { inbox.wantFrame(); }),
-        stepper(params, inbox, worker, publishers, frames, wrenches, transforms, complaints),
-        services(service_node, reset_node, inbox, stepper, transforms, complaints, params.save_directory),
-        fit(given_private, inbox, stepper, complaints),
-        rollouts(given_private, inbox, stepper, transforms, complaints,
+        stepper(params, inbox, worker, publishers, frames, wrenches, transforms, warnings),
+        services(service_node, reset_node, inbox, stepper, transforms, warnings, params.save_directory),
+        fit(given_private, inbox, stepper, warnings),
+        rollouts(given_private, inbox, stepper, transforms, warnings,
                  // One is left to the surface, where there are several.
                  std::max(1, countCores(params.threads) - 1)),
-        reconfigure(service_node, inbox, stepper, complaints),
+        reconfigure(service_node, inbox, stepper, warnings),
         watchdog(listServices()),
         // One thread each: input keeps its order, and a service that waits does not hold it up, nor what is to end the wait.
         input_thread(input_queue),
@@ -149,7 +149,7 @@ struct SurfaceNode::Impl {
     services.onRestore([this] { reconfigure.store(); });
     reconfigure.onStore([this] { keepParameters(); });
     keepParameters();
-    if (params.diagnostics) diagnostics.emplace(given, given_private, private_node, stepper, inbox, complaints);
+    if (params.diagnostics) diagnostics.emplace(given, given_private, private_node, stepper, inbox, warnings);
     subscribe();
     simulation_thread = std::thread([this, num_threads = params.threads] {
       setNumThreads(num_threads);
@@ -172,7 +172,7 @@ struct SurfaceNode::Impl {
     try {
       publishers.publish(moment);
     } catch (const std::exception& error) {
-      complaints.report(Complaint::kInternal, std::string("the surface cannot be shown: ") + error.what());
+      warnings.report(Warning::kInternal, std::string("the surface cannot be shown: ") + error.what());
     }
   }
 
@@ -201,7 +201,7 @@ struct SurfaceNode::Impl {
                                                               has_cloud_come = true;
                                                               worker.put(message);
                                                             });
-    ROS_INFO_STREAM(complaints.name() << ": waiting for a cloud on " << cloud_subscriber.getTopic());
+    ROS_INFO_STREAM(warnings.name() << ": waiting for a cloud on " << cloud_subscriber.getTopic());
     subscribers.push_back(
         private_node.subscribe<PointForce>("force", kCommandQueue, [this](const PointForceConstPtr& m) { inbox.put(m); }));
     subscribers.push_back(private_node.subscribe<geometry_msgs::WrenchStamped>(
@@ -212,8 +212,8 @@ struct SurfaceNode::Impl {
           DecodedTools decoded = decodeTools(message->bytes.data(), message->bytes.size());
           for (Tool& tool : decoded.tools) inbox.put(boost::make_shared<const Tool>(std::move(tool)));
           if (decoded.ok()) return;
-          complaints.report(Complaint::kToolsRefused, "~tools: " + decoded.refusal);
-          inbox.putRefusedTools(decoded.refusal);
+          warnings.report(Warning::kToolsRefused, "~tools: " + decoded.problem);
+          inbox.putRefusedTools(decoded.problem);
         }));
   }
 
@@ -224,18 +224,18 @@ struct SurfaceNode::Impl {
     for (bool goes_on = true; goes_on;) {
       if (!was_reminded && !has_cloud_come && std::chrono::steady_clock::now() - start > kCloudPatience) {
         was_reminded = true;
-        ROS_WARN_STREAM(complaints.name() << ": no cloud came on " << cloud_subscriber.getTopic() << " in "
-                                          << kCloudPatience.count() << " s (publishers there: "
-                                          << cloud_subscriber.getNumPublishers()
-                                          << "); remap ~cloud_in to the topic of the clouds");
+        ROS_WARN_STREAM(warnings.name() << ": no cloud came on " << cloud_subscriber.getTopic() << " in "
+                                        << kCloudPatience.count()
+                                        << " s (publishers there: " << cloud_subscriber.getNumPublishers()
+                                        << "); remap ~cloud_in to the topic of the clouds");
       }
       try {
         goes_on =
             stepper.turn(diagnostics ? diagnostics->nextTime() : std::chrono::steady_clock::now() + std::chrono::seconds(1));
         if (diagnostics) diagnostics->update();
       } catch (const std::exception& error) {
-        complaints.report(Complaint::kInternal,
-                          std::string("the simulation is paused after an error of this program: ") + error.what());
+        warnings.report(Warning::kInternal,
+                        std::string("the simulation is paused after an error of this program: ") + error.what());
         stepper.setPaused(true);
       }
     }

@@ -11,21 +11,17 @@ constexpr std::size_t kShownId = 64;  // letters of an id that is wrong
 
 }  // namespace
 
-void ToolStatuses::tellWaiting(const Tool& command, const std::string& reason) {
-  tell(command, ToolStatus::WAITING, reason, 0);
-}
+void ToolStatuses::tellWaiting(const Tool& command, const std::string& reason) { tell(command, ToolStatus::WAITING, reason, 0); }
 
 void ToolStatuses::tellAccepted(const Tool& command, std::uint64_t step) {
   if (command.action == Tool::DELETEALL) clear();
   tell(command, ToolStatus::ACCEPTED, "", step);
 }
 
-void ToolStatuses::tellRefused(const Tool& command, const std::string& reason) {
-  tell(command, ToolStatus::REFUSED, reason, 0);
-}
+void ToolStatuses::tellRefused(const Tool& command, const std::string& reason) { tell(command, ToolStatus::REFUSED, reason, 0); }
 
 void ToolStatuses::clear() {
-  has_news_ = has_news_ || !entries_.empty();
+  has_changed_ = has_changed_ || !entries_.empty();
   entries_.clear();
 }
 
@@ -43,12 +39,12 @@ void ToolStatuses::tell(const Tool& command, std::uint8_t status, const std::str
   entry.status.status = status;
   entry.status.message = reason;
   entry.status.step = step;
-  has_news_ = true;
+  has_changed_ = true;
 }
 
-bool ToolStatuses::takeNews(ToolStatusArray& message) {
-  if (!has_news_) return false;
-  has_news_ = false;
+bool ToolStatuses::takeChanged(ToolStatusArray& message) {
+  if (!has_changed_) return false;
+  has_changed_ = false;
   message.tools.clear();
   for (const auto& [id, entry] : entries_) message.tools.push_back(entry.status);
   return true;

@@ -19,7 +19,7 @@ class ToolStatuses {
   void tellRefused(const Tool& command, const std::string& reason);
   void clear();
   /// Fills the list if it has changed since the last call, and the first time; else returns false.
-  bool takeNews(ToolStatusArray& message);
+  bool takeChanged(ToolStatusArray& message);
 
  private:
   void tell(const Tool& command, std::uint8_t status, const std::string& reason, std::uint64_t step);
@@ -30,7 +30,7 @@ class ToolStatuses {
   };
   std::map<std::string, Entry> entries_;  // by id
   std::uint64_t count_ = 0;
-  bool has_news_ = true;
+  bool has_changed_ = true;
 };
 
 }  // namespace deformable_surface::node

@@ -3,8 +3,8 @@
 #include "deformable_surface/ros/convert/tool_commands.h"
 #include "deformable_surface/ros/convert/tool_wrenches.h"
 
-#include <boost/make_shared.hpp>
 #include <ros/master.h>
+#include <boost/make_shared.hpp>
 
 #include <algorithm>
 #include <iterator>

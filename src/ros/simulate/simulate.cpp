@@ -98,10 +98,10 @@ class Run {
     if (options_.bag_in.empty()) {
       begin(build(io::loadCloud(params_, findPackage), "", 0), {}, 0);
     } else {
-      bag_.emplace(options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
-                   toNanoseconds(params_.integrator.time_step),
-                   [this](const std::string& cloud_frame) { return findFrame(cloud_frame); },
-                   params_.input.policy == simulation::InputPolicy::kReplace);
+      bag_.emplace(
+          options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
+          toNanoseconds(params_.integrator.time_step), [this](const std::string& cloud_frame) { return findFrame(cloud_frame); },
+          params_.input.policy == simulation::InputPolicy::kReplace);
       tool_commands_.emplace(bag_->transforms(), params_.input.tool_timeout);
       if (!params_.robot.links.empty())
         tool_commands_->setStanding(makeRobotTools(readDescription(params_.robot.file), params_.robot.links));
@@ -151,7 +151,7 @@ class Run {
     std::unique_ptr<Simulation> simulation;
     const std::string cloud_frame = decoded.header.frame_id;
     try {
-      if (!decoded.ok()) throw InputError(decoded.refusal);
+      if (!decoded.ok()) throw InputError(decoded.problem);
       bringInto(findFrame(cloud_frame), stamp, decoded);
       simulation = build(std::move(decoded.cloud), cloud_frame, stamp);
     } catch (const InputError& error) {
@@ -167,7 +167,7 @@ class Run {
   void track(DecodedCloud& decoded, std::int64_t stamp) {
     while (canStep() && now() < stamp) step();
     try {
-      if (!decoded.ok()) throw InputError(decoded.refusal);
+      if (!decoded.ok()) throw InputError(decoded.problem);
       bringInto(frame_, stamp, decoded);
       filter(decoded.cloud);
       simulation_->observe(decoded.cloud);
@@ -192,7 +192,7 @@ class Run {
         ++wrenches_;
       } else {
         const DecodedTools& decoded = std::get<DecodedTools>(event.message);
-        if (!decoded.ok()) throw InputError(decoded.refusal);
+        if (!decoded.ok()) throw InputError(decoded.problem);
         for (const Tool& tool : decoded.tools) tool_commands_->apply(tool, *simulation_, frame_, seen);
         tools_ += decoded.tools.size();
       }
@@ -201,21 +201,21 @@ class Run {
     }
   }
 
-  // What became of the cloud, for notes.
+  // What became of the cloud, for notices.
   std::vector<std::string> filter(cloud::PointCloud& cloud) {
     const bool is_shown = !options_.filtered_file.empty() && !is_filtered_written_;
     const cloud::PointCloud before = is_shown ? cloud : cloud::PointCloud();
     io::FilterReport report = io::filterCloud(params_.input.filter, cloud);
     if (is_shown) io::writePointFile(options_.filtered_file, io::withRemovedBy(report, before));
     is_filtered_written_ = is_filtered_written_ || is_shown;
-    if (!report.refusal.empty()) throw InputError(report.refusal);
-    return report.notes;
+    if (!report.problem.empty()) throw InputError(report.problem);
+    return report.notices;
   }
 
   std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp) {
     const InterruptScope scope(terminal_.stop.has_come);
     endIfInterrupted();
-    filter_notes_ = filter(cloud);
+    filter_notices_ = filter(cloud);
     auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
     simulation->setInterrupt(&terminal_.stop.has_come);
     const std::string frame = findFrame(cloud_frame);
@@ -234,7 +234,7 @@ class Run {
     if (tool_commands_) tool_commands_->forget();
     start_ = stamp;
     note(std::to_string(simulation_->input().size()) + " input points");
-    for (const std::string& line : filter_notes_) note(line);
+    for (const std::string& line : filter_notices_) note(line);
     for (const std::string& line : simulation_->buildNotes()) note(line);
     for (const std::string& line : simulation_->buildWarnings()) warn(line);
     ++cloud_.number;
@@ -272,8 +272,7 @@ class Run {
     if (params_.gravity_frame.empty() || !bag_) return;
     try {
       simulation_->setGravity(findGravity(frame_, now()));
-    } catch (const InputError&) {
-    }
+    } catch (const InputError&) {}
   }
 
   void moveTools() {
@@ -338,13 +337,12 @@ class Run {
     float largest = 0.0f;
     for (const float displacement : simulation_->surface(false).displacement) largest = std::max(largest, displacement);
     char text[400];
-    std::snprintf(
-        text, sizeof text,
-        "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
-        "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\n"
-        "state hash            %016llx\n",
-        statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
-        static_cast<unsigned long long>(statistics.state_hash));
+    std::snprintf(text, sizeof text,
+                  "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
+                  "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\n"
+                  "state hash            %016llx\n",
+                  statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
+                  static_cast<unsigned long long>(statistics.state_hash));
     terminal_.out << text << std::flush;
   }
 
@@ -421,14 +419,14 @@ class Run {
   std::optional<InputBag> bag_;
   std::optional<ToolCommands> tool_commands_;  // with the bag
   std::unique_ptr<Simulation> simulation_;
-  std::vector<std::string> filter_notes_;  // of its cloud
+  std::vector<std::string> filter_notices_;  // of its cloud
   bool is_filtered_written_ = false;
   CloudId cloud_;
   std::string frame_;
   std::int64_t run_start_ = 0, start_ = 0, end_ = 0;  // ns: time 0 of the run and of this surface, and the end
   unsigned long long steps_ = 0, clouds_ = 0, forces_ = 0, wrenches_ = 0, tools_ = 0;  // taken; all but the first from the bag
-  std::size_t not_taken_ = 0;         // of the bag, since the run ended before
-  std::int64_t first_not_taken_ = 0;  // ns
+  std::size_t not_taken_ = 0;                                                          // of the bag, since the run ended before
+  std::int64_t first_not_taken_ = 0;                                                   // ns
   int status_ = kDone;
   std::string last_note_;
   Timer timer_;

@@ -30,8 +30,7 @@ std_msgs::Header readHeader(const rosbag::MessageInstance& instance) {
   ros::serialization::IStream stream(bytes.data(), static_cast<std::uint32_t>(bytes.size()));
   try {
     stream.next(header);
-  } catch (const ros::serialization::StreamOverrunException&) {
-  }
+  } catch (const ros::serialization::StreamOverrunException&) {}
   return header;
 }
 

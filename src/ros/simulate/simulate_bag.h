@@ -38,7 +38,7 @@ class InputBag {
     // ns; that of the message. If it is zero: of a cloud, when it was recorded; of a command, as of one that arrived then
     // (stampOfArrival()).
     std::int64_t stamp = 0;
-    std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped, DecodedTools> message;  // of tools one, or a refusal
+    std::variant<DecodedCloud, PointForce, geometry_msgs::WrenchStamped, DecodedTools> message;  // of tools one, or a problem
     // Of a command without a stamp: the transform that tf knew when it was recorded, or the frame that tf did not know then and
     // for a while after.
     std::optional<SeenTransform> seen;
@@ -84,7 +84,7 @@ class InputBag {
   std::unique_ptr<tf2::BufferCore> transforms_;
   std::function<std::string(const std::string&)> find_frame_;
   bool replaces_;
-  std::string surface_frame_;     // empty before the first cloud
+  std::string surface_frame_;  // empty before the first cloud
   std::vector<Unknown> unknown_;
 };
 

@@ -51,8 +51,7 @@ void checkFilesDiffer(const SimulateOptions& options, const simulation::ScenePar
   std::vector<std::pair<std::string, std::string>> others{
       {"the scene", options.scene}, {"--bag_in", options.bag_in}, {"cloud.file", findCloudFile(params.cloud.file)}};
   std::vector<std::string> problems;
-  const std::pair<const char*, std::string> outputs[] = {
-      {"--final", options.final_file},
+  const std::pair<const char*, std::string> outputs[] = {{"--final", options.final_file},
                                                          {"--filtered", options.filtered_file},
                                                          {"--statistics", options.statistics_file},
                                                          {"--bag_out", options.bag_out}};

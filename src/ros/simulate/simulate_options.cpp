@@ -51,12 +51,9 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
   SimulateOptions options;
   for (const char* name : {"cloud_in", "force", "wrench", "tools"})
     options.topics[name] = std::string("/deformable_surface/") + name;
-  const std::map<std::string, std::string*> texts{{"--final", &options.final_file},
-                                                  {"--filtered", &options.filtered_file},
-                                                  {"--frames", &options.frames_directory},
-                                                  {"--statistics", &options.statistics_file},
-                                                  {"--bag_in", &options.bag_in},
-                                                  {"--bag_out", &options.bag_out}};
+  const std::map<std::string, std::string*> texts{
+      {"--final", &options.final_file},           {"--filtered", &options.filtered_file}, {"--frames", &options.frames_directory},
+      {"--statistics", &options.statistics_file}, {"--bag_in", &options.bag_in},          {"--bag_out", &options.bag_out}};
   std::vector<std::string> problems, late_assignments;
   std::set<std::string> given;
 

@@ -105,8 +105,7 @@ void OutputBag::CloseOrLeave::operator()(rosbag::Bag* bag) const noexcept {
   try {
     bag->close();
     delete bag;
-  } catch (const rosbag::BagException&) {
-  }
+  } catch (const rosbag::BagException&) {}
 }
 
 void OutputBag::begin(const std::string& frame_id, const CloudId& cloud, const simulation::Simulation& simulation) {

@@ -50,15 +50,15 @@ TEST(CloudDecoder, GivesEveryCloudOfTheCorpusItsVerdictAsMessageAndAsBytes) {
   for (const BadCloud& bad : clouds) {
     SCOPED_TRACE(bad.id + ": " + bad.what);
     const DecodedCloud from_message = decodeMessage(bad.message), from_bytes = decodeBytes(serialize(bad.message));
-    EXPECT_EQ(from_message.refusal, from_bytes.refusal);
+    EXPECT_EQ(from_message.problem, from_bytes.problem);
     EXPECT_TRUE(haveEqualBits(from_message.cloud.positions, from_bytes.cloud.positions));
     if (bad.verdict != Verdict::kEither) {
-      EXPECT_EQ(from_bytes.ok(), bad.verdict == Verdict::kAccept) << from_bytes.refusal;
+      EXPECT_EQ(from_bytes.ok(), bad.verdict == Verdict::kAccept) << from_bytes.problem;
     }
     if (from_bytes.ok()) {
       EXPECT_EQ(from_bytes.cloud.size(), static_cast<Index>(bad.message.width * bad.message.height));
     } else {
-      EXPECT_TRUE(isSentence(from_bytes.refusal)) << from_bytes.refusal;
+      EXPECT_TRUE(isSentence(from_bytes.problem)) << from_bytes.problem;
       EXPECT_EQ(from_bytes.cloud.size(), 0);
     }
   }
@@ -83,14 +83,14 @@ TEST(CloudDecoder, SurvivesEveryFlippedBitOfAMessage) {
       flipped[i] ^= 1u << bit;
       const DecodedCloud decoded = decodeBytes(flipped);
       const std::int64_t num_points = std::int64_t{decoded.cloud.width} * decoded.cloud.height;
-      EXPECT_TRUE(decoded.ok() ? decoded.cloud.size() == num_points : isSentence(decoded.refusal)) << i << ' ' << decoded.refusal;
+      EXPECT_TRUE(decoded.ok() ? decoded.cloud.size() == num_points : isSentence(decoded.problem)) << i << ' ' << decoded.problem;
     }
 }
 
 TEST(CloudDecoder, RefusesBytesBehindTheMessage) {
   std::vector<std::uint8_t> bytes = serialize(makeSheet());
   bytes.push_back(0);
-  EXPECT_NE(decodeBytes(bytes).refusal.find("goes on for 1 byte after"), std::string::npos);
+  EXPECT_NE(decodeBytes(bytes).problem.find("goes on for 1 byte after"), std::string::npos);
 }
 
 TEST(CloudDecoder, RefusesLengthsThatTheBytesDoNotHold) {
@@ -100,7 +100,7 @@ TEST(CloudDecoder, RefusesLengthsThatTheBytesDoNotHold) {
   for (std::size_t at : {frame_length, num_fields, data_length}) {
     std::vector<std::uint8_t> lying = bytes;
     std::fill_n(lying.begin() + at, 4, 0xff);
-    EXPECT_NE(decodeBytes(lying).refusal.find("4294967295"), std::string::npos) << decodeBytes(lying).refusal;
+    EXPECT_NE(decodeBytes(lying).problem.find("4294967295"), std::string::npos) << decodeBytes(lying).problem;
   }
 }
 
@@ -109,7 +109,7 @@ TEST(CloudDecoder, ReadsHeaderShapeAndPositions) {
   message.header.seq = 7;
   message.header.stamp.nsec = 5;
   const DecodedCloud decoded = decodeBytes(serialize(message));
-  ASSERT_TRUE(decoded.ok()) << decoded.refusal;
+  ASSERT_TRUE(decoded.ok()) << decoded.problem;
   EXPECT_EQ(decoded.header.seq, 7u);
   EXPECT_EQ(decoded.header.stamp, ros::Time(100, 5));
   EXPECT_EQ(decoded.header.frame_id, "map");
@@ -138,7 +138,7 @@ TEST(CloudDecoder, KeepsTheDigitsOfFloat64) {
   message.fields = {makeField("x", 0, 8), makeField("y", 8, 8), makeField("z", 16, 8)};
   for (int i = 0; i < 9; ++i) write(message, 8 * i, 1.0 / (3.0 + i));
   const DecodedCloud decoded = decodeMessage(message);
-  ASSERT_TRUE(decoded.ok()) << decoded.refusal;
+  ASSERT_TRUE(decoded.ok()) << decoded.problem;
   EXPECT_EQ(decoded.cloud.positions[1], Vec3(1.0 / 6.0, 1.0 / 7.0, 1.0 / 8.0));
 }
 
@@ -159,11 +159,10 @@ TEST(CloudDecoder, MarksHolesInPlaceAndCountsThem) {
   write(message, 16 * 9 + 8, -std::numeric_limits<float>::infinity());
   write(message, 16 * 11, 1.1e6f);
   const DecodedCloud decoded = decodeMessage(message);
-  ASSERT_TRUE(decoded.ok()) << decoded.refusal;
+  ASSERT_TRUE(decoded.ok()) << decoded.problem;
   EXPECT_EQ(decoded.cloud.size(), 100);
   EXPECT_EQ(decoded.num_not_finite, 3);
-  for (Index i = 0; i < 100; ++i)
-    EXPECT_EQ(decoded.cloud.positions[i].array().isNaN().all(), i == 5 || i == 9 || i == 11) << i;
+  for (Index i = 0; i < 100; ++i) EXPECT_EQ(decoded.cloud.positions[i].array().isNaN().all(), i == 5 || i == 9 || i == 11) << i;
 }
 
 TEST(CloudDecoder, RefusesFewerThanThreeFinitePoints) {
@@ -171,7 +170,7 @@ TEST(CloudDecoder, RefusesFewerThanThreeFinitePoints) {
   write(message, 0, std::numeric_limits<float>::quiet_NaN());
   EXPECT_TRUE(decodeMessage(message).ok());
   write(message, 16, std::numeric_limits<float>::quiet_NaN());
-  EXPECT_EQ(decodeMessage(message).refusal.find("of 4 points 2 have finite coordinates"), 0u) << decodeMessage(message).refusal;
+  EXPECT_EQ(decodeMessage(message).problem.find("of 4 points 2 have finite coordinates"), 0u) << decodeMessage(message).problem;
   EXPECT_FALSE(decodeMessage(makeSheet(2, 1)).ok());
 }
 
@@ -179,7 +178,7 @@ TEST(CloudDecoder, HoldsTheLimitOfPoints) {
   DecodeLimits limits;
   limits.max_points = 100;
   EXPECT_TRUE(decodeCloud(makeSheet(10, 10), limits).ok());
-  EXPECT_EQ(decodeCloud(makeSheet(101, 1), limits).refusal,
+  EXPECT_EQ(decodeCloud(makeSheet(101, 1), limits).problem,
             "the cloud declares 101 x 1 points; accepted are at most 100 (input.max_points)");
 }
 
@@ -212,7 +211,7 @@ TEST(CloudDecoder, CarriesExtraFieldsInHostOrderWithoutPadding) {
       if (is_bigendian) reverse(0, 4), reverse(4, 4), reverse(8, 4), reverse(13, 2), reverse(15, 2), reverse(20, 8);
     }
     const DecodedCloud decoded = decodeMessage(message);
-    ASSERT_TRUE(decoded.ok()) << decoded.refusal;
+    ASSERT_TRUE(decoded.ok()) << decoded.problem;
     ASSERT_EQ(decoded.cloud.extra_fields.size(), 2u);
     const cloud::ExtraField &ring = decoded.cloud.extra_fields[0], &time = decoded.cloud.extra_fields[1];
     EXPECT_EQ(ring.name, "ring");
@@ -238,14 +237,14 @@ TEST(CloudDecoder, TakesOneLeadingSlashOffTheFrame) {
 TEST(CloudDecoder, NamesWhatItFoundAndWhatItAccepts) {
   auto message = makeSheet();
   message.row_step = 80;
-  EXPECT_EQ(decodeMessage(message).refusal, "row_step is 80, but a row of 10 points of 16 bytes takes 160");
+  EXPECT_EQ(decodeMessage(message).problem, "row_step is 80, but a row of 10 points of 16 bytes takes 160");
   message = makeSheet();
   message.fields[2].name = "depth";
-  EXPECT_EQ(decodeMessage(message).refusal,
+  EXPECT_EQ(decodeMessage(message).problem,
             "the cloud has no field 'z' but 'x', 'y', 'depth'; needed are x, y and z as float32 or float64");
   message = makeSheet();
   message.fields[1].datatype = sensor_msgs::PointField::INT32;
-  EXPECT_EQ(decodeMessage(message).refusal,
+  EXPECT_EQ(decodeMessage(message).problem,
             "field 'y' has datatype 5 and count 1; accepted is one float32 (7) or float64 (8) per point");
 }
 

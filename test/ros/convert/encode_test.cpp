@@ -1,6 +1,6 @@
 // The clouds that go out: layout, shape, values, and that what came in besides the positions comes out untouched.
-#include "deformable_surface/ros/convert/cloud_decoder.h"
 #include "deformable_surface/ros/convert/encode.h"
+#include "deformable_surface/ros/convert/cloud_decoder.h"
 
 #include <gtest/gtest.h>
 
@@ -71,8 +71,8 @@ TEST(SurfaceEncoder, WritesComputedFieldsThenTheInputsOwn) {
   const cloud::PointCloud input = makeInput();
   sensor_msgs::PointCloud2 message;
   SurfaceEncoder(input, true).encode(makeSurface(input), message);
-  EXPECT_EQ(fieldNames(message), (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "displacement",
-                                                           "rgb", "shorts"}));
+  EXPECT_EQ(fieldNames(message),
+            (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "displacement", "rgb", "shorts"}));
   expectPacked(message);
   EXPECT_EQ(message.width, 3u);
   EXPECT_EQ(message.height, 2u);
@@ -90,7 +90,7 @@ TEST(SurfaceEncoder, WritesWhatTheDecoderReadsBack) {
   sensor_msgs::PointCloud2 message;
   SurfaceEncoder(input, true).encode(makeSurface(input), message);
   const DecodedCloud decoded = decodeCloud(message, DecodeLimits());
-  ASSERT_TRUE(decoded.ok()) << decoded.refusal;
+  ASSERT_TRUE(decoded.ok()) << decoded.problem;
   EXPECT_EQ(decoded.cloud.normals, Points(6, Vec3::UnitY()));
   ASSERT_EQ(decoded.cloud.extra_fields.size(), 3u);
   EXPECT_EQ(decoded.cloud.extra_fields[0].name, "displacement");
@@ -170,8 +170,8 @@ TEST(SimulationPoints, BringPositionNormalMassStrainAndFlags) {
   const Points positions{{1, 2, 3}, {4, 5, 6}}, normals(2, Vec3::UnitZ());
   sensor_msgs::PointCloud2 message;
   encodeSimulationPoints({positions, normals, {0.1, 0.2}, {0.01, 0.02}, {1, 0}, {0, 1}, {}, {}}, message);
-  EXPECT_EQ(fieldNames(message), (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "mass", "strain",
-                                                           "awake", "pinned"}));
+  EXPECT_EQ(fieldNames(message),
+            (std::vector<std::string>{"x", "y", "z", "normal_x", "normal_y", "normal_z", "mass", "strain", "awake", "pinned"}));
   expectPacked(message);
   EXPECT_EQ(message.width, 2u);
   EXPECT_EQ(readFloat(message, 1, 8), 6.0f);

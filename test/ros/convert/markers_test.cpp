@@ -79,8 +79,7 @@ const std::vector<std::pair<Index, Index>> kLinks{{0, 1}, {1, 2}, {0, 2}};
 const std::vector<model::WeightedTriangle> kTriangles{{{0, 1, 2}, 1.0}, {{0, 2, 3}, 1.0}};
 
 TEST(Markers, DrawLinksWithTheColoursOfTheirEnds) {
-  const Marker marker =
-      makeLinksMarker(makeHeader(), "stretch_springs", kSquare, kLinks, {0.0, 0.05, 0.1, 0.0}, 0.1, 0.01);
+  const Marker marker = makeLinksMarker(makeHeader(), "stretch_springs", kSquare, kLinks, {0.0, 0.05, 0.1, 0.0}, 0.1, 0.01);
   EXPECT_EQ(checkMarker(marker), "");
   EXPECT_EQ(marker.header.frame_id, "map");
   EXPECT_EQ(marker.header.stamp, ros::Time(5));

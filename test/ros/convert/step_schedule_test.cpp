@@ -12,10 +12,10 @@ TEST(ClockWatch, HasNoTimeBeforeTheFirst) {
   ClockWatch clock(true);
   EXPECT_EQ(clock.take().now, 0);
   EXPECT_FALSE(clock.observe(kStart, 0));
-  const ClockNews news = clock.take();
-  EXPECT_EQ(news.now, kStart);
-  EXPECT_EQ(news.skipped, 0);
-  EXPECT_FALSE(news.jumped_back);
+  const ClockChange change = clock.take();
+  EXPECT_EQ(change.now, kStart);
+  EXPECT_EQ(change.skipped, 0);
+  EXPECT_FALSE(change.jumped_back);
 }
 
 TEST(ClockWatch, OfASimulatedClockSkipsForwardJumpsOfMoreThanASecondOnly) {
@@ -35,10 +35,10 @@ TEST(ClockWatch, OfASimulatedClockTakesEveryStepBackAsAJump) {
   clock.observe(kStart + 10 * kSecond, 0);
   EXPECT_TRUE(clock.observe(kStart + 10 * kSecond - 1, 0));
   clock.observe(kStart + 10 * kSecond, 0);
-  const ClockNews news = clock.take();
-  EXPECT_TRUE(news.jumped_back);
-  EXPECT_EQ(news.restart, kStart + 10 * kSecond - 1);
-  EXPECT_EQ(news.skipped, 0);  // what was skipped before the jump counts no more
+  const ClockChange change = clock.take();
+  EXPECT_TRUE(change.jumped_back);
+  EXPECT_EQ(change.restart, kStart + 10 * kSecond - 1);
+  EXPECT_EQ(change.skipped, 0);  // what was skipped before the jump counts no more
   EXPECT_FALSE(clock.take().jumped_back);
 }
 

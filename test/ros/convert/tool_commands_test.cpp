@@ -469,8 +469,7 @@ TEST_F(FollowingTool, IsSilentWhileNoTransformComes) {
   EXPECT_EQ(commands_->silent(), std::set<std::string>{"ball"});
   EXPECT_NEAR(pose().position.x(), 2.0, 1e-9);
   ASSERT_EQ(problems_.size(), 1u);
-  EXPECT_EQ(problems_[0],
-            "tool 'ball': no transform of frame 'hand' for 0.05 s; it stays where it is, and its wrench is stale");
+  EXPECT_EQ(problems_[0], "tool 'ball': no transform of frame 'hand' for 0.05 s; it stays where it is, and its wrench is stale");
   place(3.0, 0.25);
   stepOnTheClock();
   EXPECT_TRUE(commands_->silent().empty());

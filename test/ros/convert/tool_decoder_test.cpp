@@ -50,7 +50,7 @@ ToolArray makeTools() {
 TEST(ToolDecoder, ReadsWhatRoscppWrites) {
   const ToolArray sent = makeTools();
   const DecodedTools decoded = decode(serialize(sent));
-  ASSERT_TRUE(decoded.ok()) << decoded.refusal;
+  ASSERT_TRUE(decoded.ok()) << decoded.problem;
   ToolArray received;
   received.tools = decoded.tools;
   EXPECT_EQ(serialize(received), serialize(sent));
@@ -85,7 +85,7 @@ TEST(ToolDecoder, RefusesMoreToolsThanThereMayBe) {
   message.tools.resize(kMaxTools);
   EXPECT_TRUE(decode(serialize(message)).ok());
   message.tools.resize(kMaxTools + 1);
-  EXPECT_EQ(decode(serialize(message)).refusal, "found 101 tools in a message; accepted: up to 100");
+  EXPECT_EQ(decode(serialize(message)).problem, "found 101 tools in a message; accepted: up to 100");
 }
 
 TEST(ToolDecoder, RefusesWhatComesBehindTheLastTool) {

@@ -114,8 +114,8 @@ class HandTest : public ::testing::Test {
     client_ = std::make_unique<NodeClient>("/surface");
     points_subscriber_ = client_->handle().subscribe<PointCloud2>(
         "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { points_ = *m; });
-    wrenches_subscriber_ = client_->handle().subscribe<ToolWrenchArray>(
-        "tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) {
+    wrenches_subscriber_ =
+        client_->handle().subscribe<ToolWrenchArray>("tool_wrenches", 1, [this](const ToolWrenchArrayConstPtr& m) {
           contacts_.clear();
           for (const ToolWrench& wrench : m->wrenches) contacts_[wrench.id] = wrench.contacts;
         });

@@ -25,9 +25,9 @@ TEST(BadClouds, ThroughTheRunningNodeLeaveItAnsweringGoodOnes) {
     const bool was_accepted = client.diagnostic("clouds accepted") > accepted;
     if (bad.verdict == Verdict::kAccept) {
       // Some are well-formed messages of points in a line, of which there is no surface to make.
-      const std::string complaint = client.diagnosticText("last complaint");
-      EXPECT_TRUE(was_accepted || complaint.find("span no surface") != std::string::npos)
-          << bad.id << " " << bad.what << ": " << complaint;
+      const std::string warning = client.diagnosticText("last warning");
+      EXPECT_TRUE(was_accepted || warning.find("span no surface") != std::string::npos)
+          << bad.id << " " << bad.what << ": " << warning;
     }
     if (bad.verdict == Verdict::kRefuse) {
       EXPECT_FALSE(was_accepted) << bad.id << " " << bad.what;

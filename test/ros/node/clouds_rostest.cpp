@@ -48,7 +48,7 @@ TEST(Clouds, StepsGoOnWhileALargeOneIsBuiltWhichThenTakesTheCommandsSinceItsStam
   ASSERT_TRUE(waitUntil(isReplaced, 120.0)) << process.output();
   // To build takes seconds, and what was in work of one that stops is a step or two.
   EXPECT_GT(last, begin + 20);
-  EXPECT_EQ(client.diagnosticText("last complaint").find("refused"), std::string::npos) << process.output();
+  EXPECT_EQ(client.diagnosticText("last warning").find("refused"), std::string::npos) << process.output();
   List list;
   ASSERT_TRUE(ros::service::call("/replaced/list", list));
   EXPECT_EQ(list.response.forces, std::vector<std::string>{"pull"});
@@ -100,8 +100,9 @@ TEST(Clouds, OneThatComesAgainBeginsItsSurfaceAnewWithoutBuildingIt) {
 }
 
 TEST(Clouds, FiltersTakePartsOfThemAwayAndTheSameCloudIsStillKnown) {
-  NodeProcess process("/filtered", "{model: mass_spring, gravity: [0, 0, 0], input: {policy: replace, filter: {crop: [{box: "
-                                   "{min: [-1, -1, -1], max: [0.105, 10, 1]}}]}}}");
+  NodeProcess process("/filtered",
+                      "{model: mass_spring, gravity: [0, 0, 0], input: {policy: replace, filter: {crop: [{box: "
+                      "{min: [-1, -1, -1], max: [0.105, 10, 1]}}]}}}");
   NodeClient client("/filtered");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   const PointCloud2 sent = makeStamped(20, 10, ros::Time::now());
@@ -126,13 +127,14 @@ TEST(Clouds, FiltersTakePartsOfThemAwayAndTheSameCloudIsStillKnown) {
   for (sensor_msgs::PointCloud2Iterator<float> x(elsewhere, "x"); x != x.end(); ++x) *x += 100.0f;
   client.publish(elsewhere);
   EXPECT_TRUE(client.waitForDiagnostic("clouds refused", 1.0)) << process.output();
-  EXPECT_NE(client.diagnosticText("last complaint").find("of which 0 stay (taken away: crop 200)"), std::string::npos)
-      << client.diagnosticText("last complaint");
+  EXPECT_NE(client.diagnosticText("last warning").find("of which 0 stay (taken away: crop 200)"), std::string::npos)
+      << client.diagnosticText("last warning");
 }
 
 TEST(Clouds, OneToBeTrackedOfWhichTheFiltersLeaveNothingIsRefused) {
-  NodeProcess process("/filtered_track", "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, "
-                                         "input: {policy: track, filter: {range: {max: 50.0}}}}");
+  NodeProcess process("/filtered_track",
+                      "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, "
+                      "input: {policy: track, filter: {range: {max: 50.0}}}}");
   NodeClient client("/filtered_track");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
@@ -140,7 +142,7 @@ TEST(Clouds, OneToBeTrackedOfWhichTheFiltersLeaveNothingIsRefused) {
   for (sensor_msgs::PointCloud2Iterator<float> x(elsewhere, "x"); x != x.end(); ++x) *x += 100.0f;
   client.publish(elsewhere);
   EXPECT_TRUE(client.waitForDiagnostic("clouds refused", 1.0)) << process.output();
-  EXPECT_NE(client.diagnosticText("last complaint").find("taken away: range 200"), std::string::npos) << process.output();
+  EXPECT_NE(client.diagnosticText("last warning").find("taken away: range 200"), std::string::npos) << process.output();
   client.publish(makeStamped(20, 10, ros::Time::now()));
   EXPECT_TRUE(client.waitForDiagnostic("clouds tracked", 1.0)) << process.output();
 }

@@ -131,18 +131,16 @@ TEST_F(CommandsTest, TakesForcesAndGravityFromTheirFrames) {
 TEST_F(CommandsTest, RefusesCommandsThatMeanNothing) {
   ASSERT_TRUE(startPaused());
   const double nan = std::numeric_limits<double>::quiet_NaN();
-  const std::vector<PointForce> wrong = {makeForce("", Vec3::Zero(), Vec3::UnitZ()),
-                                   makeForce("a", Vec3(nan, 0, 0), Vec3::UnitZ()),
-                                   makeForce("a", Vec3::Zero(), Vec3(0, nan, 0)),
-                                   makeForce("a", Vec3::Zero(), Vec3::UnitZ(), -1.0),
-                                   makeForce("a", Vec3::Zero(), Vec3::UnitZ(), 0.0, -1.0)};
+  const std::vector<PointForce> wrong = {
+      makeForce("", Vec3::Zero(), Vec3::UnitZ()), makeForce("a", Vec3(nan, 0, 0), Vec3::UnitZ()),
+      makeForce("a", Vec3::Zero(), Vec3(0, nan, 0)), makeForce("a", Vec3::Zero(), Vec3::UnitZ(), -1.0),
+      makeForce("a", Vec3::Zero(), Vec3::UnitZ(), 0.0, -1.0)};
   for (const PointForce& force : wrong) client_->publish(force);
   ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", wrong.size()));
   const std::uint64_t commanded = client_->step(1).state_hash;
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", wrong.size()));
   ASSERT_TRUE(client_->reset().success);
   EXPECT_EQ(client_->step(1).state_hash, commanded);
-
 }
 
 TEST_F(CommandsTest, RefusesToolsThatMeanNothingAndLosesNothing) {
@@ -154,7 +152,7 @@ TEST_F(CommandsTest, RefusesToolsThatMeanNothingAndLosesNothing) {
   array.tools.resize(101);
   tools.publish(array);
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 1));
-  EXPECT_NE(client_->diagnosticText("last complaint").find("found 101 tools in a message"), std::string::npos);
+  EXPECT_NE(client_->diagnosticText("last warning").find("found 101 tools in a message"), std::string::npos);
   array.tools.resize(2);
   array.tools[0].id = "no name";
   array.tools[1].id = "sieve";
@@ -163,12 +161,11 @@ TEST_F(CommandsTest, RefusesToolsThatMeanNothingAndLosesNothing) {
   ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 2));
   ASSERT_TRUE(client_->step(1).success);
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 3));
-  EXPECT_NE(client_->diagnosticText("last complaint").find("tool 'sieve' mesh: found 0 triangles"),
-            std::string::npos)
-      << client_->diagnosticText("last complaint");
+  EXPECT_NE(client_->diagnosticText("last warning").find("tool 'sieve' mesh: found 0 triangles"), std::string::npos)
+      << client_->diagnosticText("last warning");
   // No other surface is being built, which the command could be meant for.
-  EXPECT_EQ(client_->diagnosticText("last complaint").find("being built"), std::string::npos)
-      << client_->diagnosticText("last complaint");
+  EXPECT_EQ(client_->diagnosticText("last warning").find("being built"), std::string::npos)
+      << client_->diagnosticText("last warning");
   ASSERT_TRUE(client_->reset().success);
   EXPECT_EQ(client_->step(1).state_hash, before);
 }
@@ -185,8 +182,8 @@ TEST_F(CommandsTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
   const ros::Subscriber one = client.handle().subscribe<geometry_msgs::WrenchStamped>(
       "tools/table/wrench", 10, [&](const geometry_msgs::WrenchStampedConstPtr& m) { wrench = *m; });
   double mass = 0.0;
-  const ros::Subscriber points = client.handle().subscribe<PointCloud2>(
-      "simulation_points", 10, [&](const sensor_msgs::PointCloud2ConstPtr& m) {
+  const ros::Subscriber points =
+      client.handle().subscribe<PointCloud2>("simulation_points", 10, [&](const sensor_msgs::PointCloud2ConstPtr& m) {
         mass = 0.0;
         for (std::size_t i = 0; i < m->width; ++i) mass += readField(*m, i, "mass");
       });
@@ -230,8 +227,8 @@ TEST_F(CommandsTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
 TEST_F(CommandsTest, TellsWhichCloudItShowsAndWhatBecameOfEachTool) {
   ToolStatusArray told;
   Statistics statistics;
-  const ros::Subscriber statuses = client_->handle().subscribe<ToolStatusArray>(
-      "tool_status", 10, [&](const ToolStatusArray::ConstPtr& m) { told = *m; });
+  const ros::Subscriber statuses =
+      client_->handle().subscribe<ToolStatusArray>("tool_status", 10, [&](const ToolStatusArray::ConstPtr& m) { told = *m; });
   const ros::Subscriber steps =
       client_->handle().subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { statistics = *m; });
   ros::Publisher tools = client_->handle().advertise<ToolArray>("tools", 10);

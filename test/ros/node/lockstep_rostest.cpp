@@ -20,7 +20,8 @@ constexpr std::int64_t kStep = 10'000'000;  // ns
 
 std::string makeScene(const std::string& topics) {
   return R"({model: mass_spring, gravity: [0, 0, -1], pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}],
-             material: {damping: 1}, input: {lockstep: ")" + topics + "\"}}";
+             material: {damping: 1}, input: {lockstep: ")" +
+         topics + "\"}}";
 }
 
 class LockstepTest : public ::testing::Test {
@@ -40,9 +41,7 @@ class LockstepTest : public ::testing::Test {
     ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   }
   /// The stamp that lies in the middle of a step.
-  ros::Time stampIn(int step) const {
-    return cloud_.header.stamp + ros::Duration().fromNSec(kStep * step + kStep / 2);
-  }
+  ros::Time stampIn(int step) const { return cloud_.header.stamp + ros::Duration().fromNSec(kStep * step + kStep / 2); }
   void push(int step) {
     PointForce force = makeForce("push", Vec3(0.19, 0.05, 0.0), Vec3(0.0, 0.0005 * (step % 5), 0.002), 0.03, 0.05);
     force.header.stamp = stampIn(step);

@@ -65,8 +65,10 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
 
 // Of a surface without points every command is taken or refused in a sentence, and the node goes on.
 TEST_F(ParticlesTest, AnEmptySurfaceAnswersEverything) {
-  NodeProcess process("/emptied", "{model: oriented_particles, gravity: [0, 0, -9.81], simplification: {method: none}, "
-                                  "save_directory: " + testing::TempDir() + "}");
+  NodeProcess process("/emptied",
+                      "{model: oriented_particles, gravity: [0, 0, -9.81], simplification: {method: none}, "
+                      "save_directory: " +
+                          testing::TempDir() + "}");
   NodeClient client("/emptied");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.pause(true).success);

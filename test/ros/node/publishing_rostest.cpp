@@ -54,8 +54,9 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
 }
 
 TEST(Publishing, SendsEveryMessageOfMarkersWholeAndLatched) {
-  NodeProcess process("/marked", "{model: mass_spring, gravity: [0, 0, -1], activity: {sleep: never}, "
-                                 "pins: [{box: {min: [-0.01, -1, -1], max: [0.01, 1, 1]}}]}");
+  NodeProcess process("/marked",
+                      "{model: mass_spring, gravity: [0, 0, -1], activity: {sleep: never}, "
+                      "pins: [{box: {min: [-0.01, -1, -1], max: [0.01, 1, 1]}}]}");
   NodeClient client("/marked");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.exchange(makeStampedSheet())) << process.output();

@@ -77,8 +77,8 @@ class KeptMaster {
           "<?xml version=\"1.0\"?><methodResponse><params><param><value><array><data><value><int>" + code +
           "</int></value><value></value><value><array><data></data></array></value></data></array></value></param></params>"
           "</methodResponse>";
-      const std::string answer = "HTTP/1.1 200 OK\r\nContent-type: text/xml\r\nContent-length: " + std::to_string(body.size()) +
-                                 "\r\n\r\n" + body;
+      const std::string answer =
+          "HTTP/1.1 200 OK\r\nContent-type: text/xml\r\nContent-length: " + std::to_string(body.size()) + "\r\n\r\n" + body;
       if (write(handle, answer.data(), answer.size()) < 0) break;
     }
     close(handle);

@@ -126,9 +126,8 @@ TEST(RosbagPlay, GivesTheHashesOfSimulateStepByStepIfNothingWasLost) {
   NodeClient client("/played");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   Hashes found;
-  const ros::Subscriber statistics = client.handle().subscribe<Statistics>("statistics", 10000, [&](const StatisticsConstPtr& m) {
-    found[m->step] = m->state_hash;
-  });
+  const ros::Subscriber statistics = client.handle().subscribe<Statistics>(
+      "statistics", 10000, [&](const StatisticsConstPtr& m) { found[m->step] = m->state_hash; });
   ASSERT_TRUE(waitUntil([&] { return statistics.getNumPublishers() > 0; }));
   // The player waits for those who listen, and then plays at the pace of the recording.
   ASSERT_EQ(std::system(("rosbag play --clock --quiet -d 3 " + file + " > /dev/null").c_str()), 0);
@@ -148,7 +147,8 @@ constexpr double kLongStep = 0.1;  // s: what is sent in the middle of a step ar
 constexpr int kLongSteps = 110, kDeparture = 3;
 std::string makeLongScene(const std::string& more) {
   return R"({model: mass_spring, gravity: [0, 0, -0.2], pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}],
-             material: {damping: 3}, integrator: {time_step: 0.1}, output: {publish_rate: 10.0}, duration: 11.0, )" + more + "}";
+             material: {damping: 3}, integrator: {time_step: 0.1}, output: {publish_rate: 10.0}, duration: 11.0, )" +
+         more + "}";
 }
 
 PointCloud2 makePlayedCloud() {

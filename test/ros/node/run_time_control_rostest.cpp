@@ -241,7 +241,8 @@ TEST_F(RunTimeControlTest, RolloutsAreCancelledRefusedAndTellTheirProgress) {
   };
   // More than any test waits for; several, so that some wait.
   for (int k = 0; k < 6; ++k)
-    goals.push_back(rollouts_->sendGoal(makeGoal(9000.0), [](Client::GoalHandle) {}, feedback));
+    goals.push_back(rollouts_->sendGoal(
+        makeGoal(9000.0), [](Client::GoalHandle) {}, feedback));
   ASSERT_TRUE(waitUntil([&] { return feedbacks > 0; })) << process_->output();
   for (Client::GoalHandle& goal : goals) goal.cancel();
   ASSERT_TRUE(waitUntil([&] {
@@ -398,8 +399,9 @@ TEST_F(RunTimeControlTest, MaterialChangesInAShapeOrEverywhere) {
   request.values[1] = -3.0;
   EXPECT_NE(refusal().find("damping: found -3"), std::string::npos) << refusal();
   request.names = {"young_modulus", "poisson_ratio"};
-  EXPECT_EQ(refusal(), "names: found 'poisson_ratio'; accepted, on a surface that is there: bending_rigidity, damping, density, "
-                       "young_modulus");
+  EXPECT_EQ(refusal(),
+            "names: found 'poisson_ratio'; accepted, on a surface that is there: bending_rigidity, damping, density, "
+            "young_modulus");
   request.names = {"young_modulus", "young_modulus"};
   EXPECT_NE(refusal().find("a second time"), std::string::npos) << refusal();
   request.names = {"youngs_modulus"};

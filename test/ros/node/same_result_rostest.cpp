@@ -179,8 +179,10 @@ TEST(RealScan, KeepsItsOrderItsHolesAndItsColoursAndMovesWhereItIsPulled) {
   while (!readPosition(message, pulled).allFinite()) ++pulled;
   const Vec3 at = readPosition(message, pulled), pull(0.0, 0.0, -0.2);
   client.publish(makeForce("pull", at, pull, 0.02));
-  ASSERT_TRUE(waitUntil([&] { return client.step(1).success && client.frames.back()->header.stamp > message.header.stamp &&
-                                      readField(*client.frames.back(), pulled, "displacement") > 1e-3; }));
+  ASSERT_TRUE(waitUntil([&] {
+    return client.step(1).success && client.frames.back()->header.stamp > message.header.stamp &&
+           readField(*client.frames.back(), pulled, "displacement") > 1e-3;
+  }));
   const sensor_msgs::PointCloud2& deformed = *client.frames.back();
   ASSERT_EQ(deformed.width * deformed.height, message.width * message.height);
   EXPECT_LT(readPosition(deformed, pulled).z(), at.z());

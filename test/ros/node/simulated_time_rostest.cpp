@@ -174,10 +174,10 @@ TEST_F(SimulatedTimeTest, OutputsAreStampedWithTheTimeOfTheClockThroughPausesAnd
                                    statistics = *m;
                                    note("statistics", m->header.stamp);
                                  }),
-      node.subscribe<ToolWrenchArray>(
-          "tool_wrenches", 1000, [&](const ToolWrenchArray::ConstPtr& m) { note("tool_wrenches", m->header.stamp); }),
-      node.subscribe<DeformedUpdate>(
-          "deformed_update", 1000, [&](const DeformedUpdate::ConstPtr& m) { note("deformed_update", m->header.stamp); }),
+      node.subscribe<ToolWrenchArray>("tool_wrenches", 1000,
+                                      [&](const ToolWrenchArray::ConstPtr& m) { note("tool_wrenches", m->header.stamp); }),
+      node.subscribe<DeformedUpdate>("deformed_update", 1000,
+                                     [&](const DeformedUpdate::ConstPtr& m) { note("deformed_update", m->header.stamp); }),
       node.subscribe<visualization_msgs::MarkerArray>("markers", 1000, [&](const visualization_msgs::MarkerArray::ConstPtr& m) {
         for (const auto& marker : m->markers) note("markers", marker.header.stamp);
       })};

@@ -19,14 +19,14 @@ Tool makeCommand(const std::string& id, std::uint8_t action = Tool::ADD, std::ui
 TEST(ToolStatuses, AreNewsOnceAndTellTheLastCommandOfEachTool) {
   ToolStatuses statuses;
   ToolStatusArray told;
-  EXPECT_TRUE(statuses.takeNews(told));  // there are none
+  EXPECT_TRUE(statuses.takeChanged(told));  // there are none
   EXPECT_TRUE(told.tools.empty());
-  EXPECT_FALSE(statuses.takeNews(told));
+  EXPECT_FALSE(statuses.takeChanged(told));
 
   statuses.tellWaiting(makeCommand("ball", Tool::ADD, 6), "its step has not come yet");
   statuses.tellAccepted(makeCommand("ball", Tool::ADD, 7), 12);
   statuses.tellRefused(makeCommand("anvil", Tool::DELETE), "there is no such tool");
-  ASSERT_TRUE(statuses.takeNews(told));
+  ASSERT_TRUE(statuses.takeChanged(told));
   ASSERT_EQ(told.tools.size(), 2u);
   EXPECT_EQ(told.tools[0].id, "anvil");
   EXPECT_EQ(told.tools[0].status, int{ToolStatus::REFUSED});
@@ -37,7 +37,7 @@ TEST(ToolStatuses, AreNewsOnceAndTellTheLastCommandOfEachTool) {
   EXPECT_EQ(told.tools[1].header.seq, 7u);
   EXPECT_EQ(told.tools[1].message, "");
   EXPECT_EQ(told.tools[1].step, 12u);
-  EXPECT_FALSE(statuses.takeNews(told));
+  EXPECT_FALSE(statuses.takeChanged(told));
 }
 
 TEST(ToolStatuses, AreGoneWithTheTools) {
@@ -45,15 +45,15 @@ TEST(ToolStatuses, AreGoneWithTheTools) {
   ToolStatusArray told;
   statuses.tellAccepted(makeCommand("ball"), 0);
   statuses.tellAccepted(makeCommand("", Tool::DELETEALL), 3);
-  ASSERT_TRUE(statuses.takeNews(told));
+  ASSERT_TRUE(statuses.takeChanged(told));
   ASSERT_EQ(told.tools.size(), 1u);
   EXPECT_EQ(told.tools[0].id, "");
   EXPECT_EQ(told.tools[0].action, int{Tool::DELETEALL});
   statuses.clear();
-  ASSERT_TRUE(statuses.takeNews(told));
+  ASSERT_TRUE(statuses.takeChanged(told));
   EXPECT_TRUE(told.tools.empty());
   statuses.clear();
-  EXPECT_FALSE(statuses.takeNews(told));
+  EXPECT_FALSE(statuses.takeChanged(told));
 }
 
 TEST(ToolStatuses, AreNoMoreThanToolsCanBeWhateverIsSent) {
@@ -61,7 +61,7 @@ TEST(ToolStatuses, AreNoMoreThanToolsCanBeWhateverIsSent) {
   ToolStatusArray told;
   for (int k = 0; k < 1000; ++k) statuses.tellRefused(makeCommand("tool " + std::string(k, 'x')), "no name");
   statuses.tellAccepted(makeCommand("ball"), 0);
-  ASSERT_TRUE(statuses.takeNews(told));
+  ASSERT_TRUE(statuses.takeChanged(told));
   EXPECT_LE(told.tools.size(), kMaxTools);
   for (const ToolStatus& status : told.tools) EXPECT_LE(status.id.size(), 64u);
   EXPECT_EQ(told.tools[0].id, "ball");  // the newest stays

@@ -241,9 +241,9 @@ TEST_F(SimulateBag, TakesToolsFromABagAtTheirStampsAndWritesTheirWrenches) {
     array.tools[0].header.frame_id = "nowhere";
     bag.write("/deformable_surface/tools", ros::Time(kStart), array);
   });
-  EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", "gravity=[0, 0, -2]", "--final", path("out.ply"), "--bag_out",
-                 path("out.bag")}),
-            0)
+  EXPECT_EQ(
+      run({"--bag_in", path("in.bag"), "--set", "gravity=[0, 0, -2]", "--final", path("out.ply"), "--bag_out", path("out.bag")}),
+      0)
       << err_;
   // The three hundredths of a second since the message before were enough.
   EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), 0.3, 1e-6);

@@ -147,16 +147,15 @@ TEST_F(Simulate, RefusesToOverwriteWhatItReads) {
   fs::create_directory_symlink(folder_, path("again"));
   const std::string bag = readFile(path("in.bag")), cloud = readFile(path("frame_000000.ply"));
   const std::string from_file = "cloud={file: " + path("frame_000000.ply") + "}";
-  const std::vector<std::vector<std::string>> cases{
-      {"--bag_in", path("in.bag"), "--bag_out", path("in.bag")},
-      {"--bag_in", path("in.bag"), "--bag_out", path("soft.bag")},
-      {"--bag_in", path("soft.bag"), "--bag_out", path("hard.bag")},
-      {"--bag_in", path("in.bag"), "--statistics", path("again/in.bag")},
-      {"--bag_in", path("late.bag.partial"), "--bag_out", path("late.bag")},
-      {"--set", from_file, "--final", path("again/frame_000000.ply")},
-      {"--set", from_file, "--frames", path("again")},
-      {"--statistics", path("scene.yaml")},
-      {"--bag_out", path("new"), "--statistics", path("again/new")}};
+  const std::vector<std::vector<std::string>> cases{{"--bag_in", path("in.bag"), "--bag_out", path("in.bag")},
+                                                    {"--bag_in", path("in.bag"), "--bag_out", path("soft.bag")},
+                                                    {"--bag_in", path("soft.bag"), "--bag_out", path("hard.bag")},
+                                                    {"--bag_in", path("in.bag"), "--statistics", path("again/in.bag")},
+                                                    {"--bag_in", path("late.bag.partial"), "--bag_out", path("late.bag")},
+                                                    {"--set", from_file, "--final", path("again/frame_000000.ply")},
+                                                    {"--set", from_file, "--frames", path("again")},
+                                                    {"--statistics", path("scene.yaml")},
+                                                    {"--bag_out", path("new"), "--statistics", path("again/new")}};
   for (const std::vector<std::string>& arguments : cases) {
     EXPECT_EQ(run(arguments), 2) << arguments.back();
     EXPECT_EQ(countLines(err_), 1u) << arguments.back() << ":\n" << err_;
@@ -345,9 +344,9 @@ TEST_F(Simulate, FiltersTheCloudsOfABagAlsoThoseToBeTracked) {
     bag.write("/deformable_surface/cloud_in", ros::Time(kStart + 0.05), other);
   });
   for (const char* policy : {"replace", "track"}) {
-    EXPECT_EQ(run({"--bag_in", path("in.bag"), "--set", std::string("input.policy=") + policy, "--set",
-                   "input.filter.range.max=2.0"}),
-              0)
+    EXPECT_EQ(
+        run({"--bag_in", path("in.bag"), "--set", std::string("input.policy=") + policy, "--set", "input.filter.range.max=2.0"}),
+        0)
         << err_;
     EXPECT_NE(out_.find("note: input.filter: taken away: none; before: 100 points"), std::string::npos) << out_;
     EXPECT_NE(err_.find("of which 0 stay (taken away: range 100)"), std::string::npos) << policy << ": " << err_;

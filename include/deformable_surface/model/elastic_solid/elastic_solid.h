@@ -86,7 +86,7 @@ class ElasticSolid : public DeformableModel {
   void addPassForces(StressLaw law, const double* positions, Points& forces) const;
 
   StressLaw law_ = StressLaw::kCorotated;
-  bool is_plate_ = false;  // no stress across the plane
+  bool is_plate_ = false;       // no stress across the plane
   mutable SolidPasses passes_;  // with scratch of its own
   std::optional<PlasticFlow> plasticity_;
   std::vector<double> masses_, row_bounds_;

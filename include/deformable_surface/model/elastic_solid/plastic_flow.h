@@ -31,7 +31,7 @@ class PlasticFlow {
   PlasticityParams params_;
   ConsistentGradients at_rest_;
   Eigen::Matrix<double, 3, Eigen::Dynamic, 0, 3, 3> axes_;  // (3 x d) in which it flows: of space, or of the plane
-  double stress_of_deviator_;       // Pa
+  double stress_of_deviator_;                               // Pa
 };
 
 }  // namespace deformable_surface::model

@@ -16,9 +16,8 @@ struct PlasticityParams {
 };
 
 inline void visit(Fields& fields, PlasticityParams& p) {
-  fields.number(
-      "yield_stress", p.yield_stress, "Pa", between(0.0, 1e15),
-      "equivalent stress at which plastic flow starts: von Mises; for planar solids Tresca in the plane; 0 = elastic");
+  fields.number("yield_stress", p.yield_stress, "Pa", between(0.0, 1e15),
+                "equivalent stress at which plastic flow starts: von Mises; for planar solids Tresca in the plane; 0 = elastic");
   fields.number("creep", p.creep, "1/s", between(1e-9, 1e12),
                 "rate of plastic flow beyond the yield surface; `auto` = complete in every step");
   fields.number("max_strain", p.max_strain, "", between(1e-6, 10.0),

@@ -18,7 +18,7 @@ enum class StressLaw { kCorotated, kLinear, kBound, kTangent };
 
 /// What an elastic solid is, fixed at rest, but for the gradients of points that have flowed.
 struct SolidRest {
-  PairFit fit;                    // whose corrected gradients strain is measured by; its m is not kept, its pairs do not ascend
+  PairFit fit;  // whose corrected gradients strain is measured by; its m is not kept, its pairs do not ascend
   ConsistentGradients gradients;
   PairFit near;                   // the fit that motions from point to point are compared with; its pairs are the first in fit
   std::vector<double> volumes;    // (n) m^3
@@ -71,8 +71,8 @@ class SolidPasses {
   void prepareOne(StressLaw law, bool is_positive, Index i, const double* positions);
   double findEnergy(StressLaw law, Index i, const double* positions) const;
 
-  std::vector<double> constants_;  // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
-  std::vector<double> tangent_;    // (n / 4 x 15 x 4): R by rows, M xx xy xz yy yz zz; empty until it is asked for
+  std::vector<double> constants_;   // (n / 4 x 13 x 4): V, sum_j g_ij, K'^-1, sum_j m'_ij of four points side by side
+  std::vector<double> tangent_;     // (n / 4 x 15 x 4): R by rows, M xx xy xz yy yz zz; empty until it is asked for
   std::vector<char> is_deficient_;  // (n) or empty: none is
   PointRooms rooms_;
 };

@@ -57,8 +57,7 @@ class CurvatureBending {
   /// Points whose neighbourhood does not determine a quadratic (fewer than five neighbours, collinear) get no bending energy;
   /// numWithoutFit() counts them. held (n), or empty: points that do not move; edges: see DeformableModel::setHeld(). A clamp
   /// ends where these say: fits beside it look at its edge, and at the edge at one side, with the slope of the patch.
-  explicit CurvatureBending(const PlateRest& plate, const std::vector<char>& held = {},
-                            const std::vector<ClampEdge>& edges = {});
+  explicit CurvatureBending(const PlateRest& plate, const std::vector<char>& held = {}, const std::vector<ClampEdge>& edges = {});
 
   /// Marks the other points of the fits that use points.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
@@ -101,9 +100,9 @@ class CurvatureBending {
   // The deformed shape at a point.
   struct Shape {
     Vec3 normal;
-    Vec3 change;       // n . b_ab - II0_ab for ab = 11, 12, 22; 1/m
-    Vec3 curvature;            // n . b_ab
-    Vec3 dual[2];              // t^c: t^c . t_d = 1 if c = d, else 0
+    Vec3 change;                              // n . b_ab - II0_ab for ab = 11, 12, 22; 1/m
+    Vec3 curvature;                           // n . b_ab
+    Vec3 dual[2];                             // t^c: t^c . t_d = 1 if c = d, else 0
     Eigen::Matrix<double, 2, 3> christoffel;  // Gamma^c_ab = t^c . b_ab
   };
   struct Derivatives {
@@ -139,9 +138,9 @@ class CurvatureBending {
   std::vector<EdgePoint> edge_points_;
   std::vector<std::pair<Index, Index>> riders_;  // ascending (held point, point on an edge that rides on it)
   Lists neighbors_;
-  std::vector<Row> rows_;           // one per item of neighbors_
+  std::vector<Row> rows_;  // one per item of neighbors_
   std::vector<Vec3> rest_curvature_;
-  std::vector<double> weight_;      // D * A_i; 0 where there is no fit
+  std::vector<double> weight_;  // D * A_i; 0 where there is no fit
   double poisson_ratio_ = 0.0;
   // The same once more for the force loop: four points side by side, each with as many neighbours as a fit can have and rows of
   // zero in the place of those that it has not.

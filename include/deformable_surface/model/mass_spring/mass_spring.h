@@ -97,7 +97,7 @@ class MassSpring : public DeformableModel {
     Points points;  // (n x 3) at rest
     double membrane_stiffness = 0.0, poisson_ratio = 0.0;
     std::vector<WeightedTriangle> triangles;
-    std::vector<Link> links, across;                 // stretching and bending springs and
+    std::vector<Link> links, across;                  // stretching and bending springs and
     std::vector<double> stiffness, across_stiffness;  // theirs, N/m
     std::vector<double> masses;
   };
@@ -107,15 +107,15 @@ class MassSpring : public DeformableModel {
   // Constants but for these changes.
   std::vector<double> masses_;
   std::vector<WeightedTriangle> triangles_;
-  Lists triangle_corners_;       // per point: 3 * triangle + corner
+  Lists triangle_corners_;  // per point: 3 * triangle + corner
   Membrane membrane_ = Membrane::kTriangles;
   double along_damping_ = 0.0, relative_damping_ = 0.0;  // s; spring_damping, one of the two is 0
-  Springs stretching_;           // elastic if membrane_ is kSprings; carries the damping and the display in any case
+  Springs stretching_;  // elastic if membrane_ is kSprings; carries the damping and the display in any case
   Springs bending_springs_;
   TriangleMembrane membrane_triangles_;
   CurvatureBending bending_;
-  PlateRest plate_;              // of which the bending is made anew when other points are held; empty without bending
-  std::vector<char> held_;       // of which it was made, with
+  PlateRest plate_;         // of which the bending is made anew when other points are held; empty without bending
+  std::vector<char> held_;  // of which it was made, with
   std::vector<ClampEdge> edges_;
   bool closed_ = false;
   double volume_stiffness_ = 0.0;
@@ -126,8 +126,8 @@ class MassSpring : public DeformableModel {
     std::vector<Coupling> along, across;  // across: without tension; with the pairs of bending or, where it is weak, without
     std::vector<Index> edges;             // of each edge of each triangle its place in across
   };
-  mutable Guess stiff_guess_, slack_guess_;  // with the pairs of bending; without
-  mutable double bending_sum_ = -1.0;        // of its springs, N/m; below 0: not known
+  mutable Guess stiff_guess_, slack_guess_;    // with the pairs of bending; without
+  mutable double bending_sum_ = -1.0;          // of its springs, N/m; below 0: not known
   mutable std::vector<double> springs_along_;  // of each edge of each triangle, N/m; empty: not known
   void forgetGuesses();
   void makeGuess(bool has_bending, Guess& guess) const;

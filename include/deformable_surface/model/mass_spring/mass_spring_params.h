@@ -23,7 +23,7 @@ struct MassSpringParams {
   Membrane membrane = Membrane::kAuto;
   Bending bending = Bending::kCurvature;
   Stiffness stiffness = Stiffness::kMaterial;
-  double spring_constant = 0.0;       // N/m, > 0 with uniform stiffness, else 0: of every stretching spring
+  double spring_constant = 0.0;  // N/m, > 0 with uniform stiffness, else 0: of every stretching spring
   Damping damping = Damping::kAlongSpring;
   double volume_stiffness = 0.0;      // Pa, >= 0: keeps the volume of a closed surface
   double bending_spring_ratio = 0.1;  // > 0: stiffness of the published bending springs over that of the stretching springs

@@ -56,9 +56,9 @@ class TriangleMembrane {
 
   // Constants.
   std::vector<Element> elements_;
-  std::vector<Index> group_corners_;      // four elements side by side, the last ones repeated: (3 x 4) corners
-  std::vector<double> group_constants_;   // and (6 x 4) of what the force loop needs of them
-  Lists incidence_;                       // per point: 12 * group + 4 * corner + lane, where its forces are
+  std::vector<Index> group_corners_;     // four elements side by side, the last ones repeated: (3 x 4) corners
+  std::vector<double> group_constants_;  // and (6 x 4) of what the force loop needs of them
+  Lists incidence_;                      // per point: 12 * group + 4 * corner + lane, where its forces are
   double mu_ = 0.0, lambda_ = 0.0;
   // Scratch: forces on the corners, in the order of group_corners_, padded to four numbers.
   mutable std::vector<double> corner_force_;

@@ -15,7 +15,7 @@ using Relaxation = std::function<void(Points& positions, Orientations& orientati
 enum class GrowthEnd { kNoRoom, kMaxPasses, kMaxParticles };
 
 struct GrownSurface {
-  Points positions;                // the given particles in their order, then the new ones in theirs
+  Points positions;  // the given particles in their order, then the new ones in theirs
   Orientations orientations;
   std::vector<NewParticle> added;  // as they were when added; parents as indices into positions
   Index passes = 0;                // that added something

@@ -9,7 +9,6 @@
 
 namespace deformable_surface::model {
 
-
 /// What a particle may do in a pass. Those that may do nothing are in the way and shape the surface around them.
 enum GrowthFlag : char {
   kGrowsNothing = 0,

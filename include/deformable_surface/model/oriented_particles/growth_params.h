@@ -22,8 +22,8 @@ struct GrowthParams {
   bool release_samples = true;  // they move in a last relaxation
   // Spacings, >= 0: root mean square by which samples are off the surface; the last relaxation takes that.
   double noise = 0.0;
-  bool witnessed = false;       // the surroundings must agree to what is born (growth.h); growSurface() asks for it, no field
-  bool chain = false;           // particles of a curve in the plane y = 0; follows from the model's mode, no field
+  bool witnessed = false;  // the surroundings must agree to what is born (growth.h); growSurface() asks for it, no field
+  bool chain = false;      // particles of a curve in the plane y = 0; follows from the model's mode, no field
 };
 
 inline void visit(Fields& fields, GrowthParams& p) {

@@ -11,10 +11,10 @@ namespace deformable_surface::model {
 /// Hexagonal for a surface; for a curve a row of particles, each of which stands for a square of the surface.
 struct Lattice {
   PairPotentials pair;
-  double spacing = 0.0;            // m, where the lattice has no tension
-  double area_per_particle = 0.0;  // m^2
+  double spacing = 0.0;              // m, where the lattice has no tension
+  double area_per_particle = 0.0;    // m^2
   double energy_per_particle = 0.0;  // J, below zero
-  double inertia_by_mass = 0.0;    // m^2: of that a particle turns back no faster than it moves back; at least that of the plate
+  double inertia_by_mass = 0.0;  // m^2: of that a particle turns back no faster than it moves back; at least that of the plate
 };
 
 /// The potentials with which the lattice has that spacing (m), Young's modulus times thickness and bending rigidity of the

@@ -49,8 +49,8 @@ class NeighborList {
 
  private:
   struct Slot {
-    double x, y, z;      // m
-    std::uint32_t row;   // which line of cells along x
+    double x, y, z;     // m
+    std::uint32_t row;  // which line of cells along x
     Index particle;
   };
   struct Cell {
@@ -67,7 +67,7 @@ class NeighborList {
 
   double radius_, skin_;
   Lists apart_;
-  double cell_ = 0.0;                       // m, edge of the cells
+  double cell_ = 0.0;  // m, edge of the cells
   Points rebuilt_at_;
   bool is_valid_ = false;
   std::vector<std::vector<Index>> blocks_;  // the lists of kBlock particles one after the other

@@ -110,7 +110,7 @@ class OrientedParticles : public DeformableModel {
   Lattice lattice_;
   double mass_;  // kg, of every particle
   Points normals_, rest_curvatures_;
-  bool is_bent_;          // some particle is bent at rest, or may come to be
+  bool is_bent_;  // some particle is bent at rest, or may come to be
   std::vector<double> masses_, inertias_;
   // Display.
   mutable std::vector<std::pair<Index, Index>> links_;
@@ -118,7 +118,7 @@ class OrientedParticles : public DeformableModel {
   mutable std::vector<WeightedTriangle> triangles_;
   // Scratch.
   mutable NeighborList lists_;
-  NeighborList partners_;  // by which it is taken in parts
+  NeighborList partners_;     // by which it is taken in parts
   bool has_partners_ = true;  // false: they cannot be told, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;

@@ -30,28 +30,28 @@ enum class RestShape { kAuto, kFlat, kCloud };
 
 struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
-  OrAuto<double> spacing;         // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
+  OrAuto<double> spacing;  // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
   // Each multiplies a value that comes from the material.
-  double lennard_jones = 1.0;     // >= 0: 1 = the surface has Young's modulus
-  double co_planarity = 1.0;      // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
-  double co_normality = 1.0;      // >= 0
-  double co_circularity = 0.0;    // >= 0, on the scale of co-planarity
-  double spin = 0.0;              // 1/s, >= 0: how fast x axes turn to a principal direction
+  double lennard_jones = 1.0;   // >= 0: 1 = the surface has Young's modulus
+  double co_planarity = 1.0;    // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
+  double co_normality = 1.0;    // >= 0
+  double co_circularity = 0.0;  // >= 0, on the scale of co-planarity
+  double spin = 0.0;            // 1/s, >= 0: how fast x axes turn to a principal direction
   PrincipalDirection principal = PrincipalDirection::kSigned;
-  Vec2 exponents{8.0, 4.0};       // of repulsion and attraction, whole, the first the larger
-  double cutoff = 1.6;            // of the pair's distance of least energy, > 1: nothing is felt beyond
+  Vec2 exponents{8.0, 4.0};  // of repulsion and attraction, whole, the first the larger
+  double cutoff = 1.6;       // of the pair's distance of least energy, > 1: nothing is felt beyond
   // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it.
   double tear_strain = 0.0;
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
   RestShape rest_shape = RestShape::kAuto;
-  double melting = 1000.0;        // K above ambient, > 0: bonds weaken linearly until there
-  double cooling = 0.0;           // 1/s, >= 0: rate at which temperatures fall to the ambient one
-  double hold_below = 0.0;        // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
-  double yield_curvature = 0.0;   // 1/m, >= 0: what is bent by more stays bent by the rest; 0 = nothing stays
-  bool delete_trapped = false;    // particles inside two solid tools at once go
-  bool stretching = false;        // particles are born between those that were drawn apart
+  double melting = 1000.0;       // K above ambient, > 0: bonds weaken linearly until there
+  double cooling = 0.0;          // 1/s, >= 0: rate at which temperatures fall to the ambient one
+  double hold_below = 0.0;       // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
+  double yield_curvature = 0.0;  // 1/m, >= 0: what is bent by more stays bent by the rest; 0 = nothing stays
+  bool delete_trapped = false;   // particles inside two solid tools at once go
+  bool stretching = false;       // particles are born between those that were drawn apart
   Growing growing = Growing::kNone;
   double growth_interval = 0.02;  // s, > 0: between two looks for room
   bool fit = false;               // before time 0 a surface is grown through the particles
@@ -93,9 +93,9 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
       "tear_strain", p.tear_strain, "", between(0.0, 4.0),
       "strain l / l0 - 1 of the largest bond force. Beyond it the bond breaks. A value above 0 shortens the cutoff. 0 = the "
       "maximum, which follows from exponents and cutoff (0.42 by default)");
-  fields.require(!(p.tear_strain > 0.0) || p.tear_strain >= 0.1, "tear_strain",
-                 "found " + formatReal(p.tear_strain) +
-                     "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
+  fields.require(
+      !(p.tear_strain > 0.0) || p.tear_strain >= 0.1, "tear_strain",
+      "found " + formatReal(p.tear_strain) + "; accepted: 0, or from 0.1, below which sheets were not seen to part cleanly");
   fields.choice("weighting", p.weighting,
                 {{"isotropic", ParticleWeighting::kIsotropic}, {"anisotropic", ParticleWeighting::kAnisotropic}},
                 "weights of the orientation forces: `isotropic` = by distance; `anisotropic` = larger near the tangent plane, as "
@@ -122,7 +122,8 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("yield_curvature", p.yield_curvature, "1/m", between(0.0, 1e9),
                 "plasticity: curvature change beyond this becomes part of the rest shape; 0 = no plasticity");
   fields.require(!(p.yield_curvature > 0.0) || p.remembersShape(), "yield_curvature",
-                 "found " + formatReal(p.yield_curvature) + " with weighting: anisotropic or mode: plane, which remember no "
+                 "found " + formatReal(p.yield_curvature) +
+                     " with weighting: anisotropic or mode: plane, which remember no "
                      "shape; accepted: 0");
   fields.flag("delete_trapped", p.delete_trapped, "delete particles that are inside two solid tools at once");
   fields.flag("stretching", p.stretching, "stretching rule: insert particles between neighbours that were pulled apart");

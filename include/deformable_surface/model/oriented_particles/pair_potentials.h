@@ -15,7 +15,7 @@ struct PairPotentials {
   double core = 0.0;          // m: nearer than this its force stays what it is there, so that no state has infinite forces
   double switch_begin = 0.0;  // m: from here to the cutoff it is switched off
   double cutoff = 0.0;        // m
-  int repulsion = 12, attraction = 6;  // exponents
+  int repulsion = 12, attraction = 6;               // exponents
   double co_planarity = 0.0, co_circularity = 0.0;  // J/m^2
   double co_normality = 0.0;                        // J
   bool is_anisotropic = false;

@@ -37,8 +37,8 @@ struct ParticleTopology {
   Index boundary_loops = 0;        // of a surface: closed chains of boundary edges; of chains: their ends
   Index euler_characteristic = 0;  // V - E + F; of chains: V - E
   Index isolated = 0;
-  bool closed = false;             // there are triangles (links), and no boundary
-  Index genus = 0;                 // handles, of a closed surface, summed over its components; else 0
+  bool closed = false;  // there are triangles (links), and no boundary
+  Index genus = 0;      // handles, of a closed surface, summed over its components; else 0
 };
 
 /// triangles: a manifold, as triangulateParticles() makes them, of num_particles particles.

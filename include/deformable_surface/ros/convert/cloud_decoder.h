@@ -18,18 +18,18 @@ using BoundedCloud = RawMessage<sensor_msgs::PointCloud2>;
 
 /// What a cloud may ask for at most.
 struct DecodeLimits {
-  Index max_points = 20000000;   // as input.max_points
-  double max_coordinate = 1e6;   // m; beyond it a point counts as not finite, as in cloud::clean
+  Index max_points = 20000000;  // as input.max_points
+  double max_coordinate = 1e6;  // m; beyond it a point counts as not finite, as in cloud::clean
 };
 
 /// A cloud, or the reason why there is none.
 struct DecodedCloud {
-  std_msgs::Header header;       // frame_id without a leading slash
-  cloud::PointCloud cloud;       // one point per input point; rows that are not finite or out of range are NaN
-  Index num_not_finite = 0;      // such rows
-  std::string refusal;           // one sentence: what was found and what is accepted; empty if the cloud was accepted
+  std_msgs::Header header;   // frame_id without a leading slash
+  cloud::PointCloud cloud;   // one point per input point; rows that are not finite or out of range are NaN
+  Index num_not_finite = 0;  // such rows
+  std::string problem;       // one sentence: what was found and what is accepted; empty if the cloud was accepted
 
-  bool ok() const { return refusal.empty(); }
+  bool ok() const { return problem.empty(); }
 };
 
 /// Decodes the serialised form of a sensor_msgs/PointCloud2. x, y, z must be float32 or float64, in any layout and byte order;

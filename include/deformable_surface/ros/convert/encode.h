@@ -32,14 +32,14 @@ class SurfaceEncoder {
 
 /// The quantities of ~simulation_points, (m) or (m x 3) each.
 struct SimulationPoints {
-  const Points& positions;             // m
+  const Points& positions;  // m
   const Points& normals;
-  const std::vector<double>& masses;   // kg
-  const std::vector<double>& strain;   // largest |l / l0 - 1| of a point's links
-  const std::vector<char>& awake;      // 0 or 1
-  const std::vector<char>& pinned;     // 0 or 1
+  const std::vector<double>& masses;                 // kg
+  const std::vector<double>& strain;                 // largest |l / l0 - 1| of a point's links
+  const std::vector<char>& awake;                    // 0 or 1
+  const std::vector<char>& pinned;                   // 0 or 1
   const std::vector<model::ParticleTraits>& traits;  // of oriented particles, else empty
-  const std::vector<double>& stress;   // Pa, von Mises' equivalent of elastic solids, else empty
+  const std::vector<double>& stress;                 // Pa, von Mises' equivalent of elastic solids, else empty
 };
 
 /// Fills all but the header: x y z normal_x normal_y normal_z mass strain as float32, awake and pinned as uint8; of oriented

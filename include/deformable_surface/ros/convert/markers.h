@@ -58,8 +58,8 @@ int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolP
 
 /// Oriented particles as hexagons across their normals (TRIANGLE_LIST), each in the colour of value / full_scale. radius: m, > 0.
 visualization_msgs::Marker makeDiscsMarker(const std_msgs::Header& header, const Points& positions,
-                                           const Orientations& orientations, const std::vector<double>& values,
-                                           double full_scale, double radius);
+                                           const Orientations& orientations, const std::vector<double>& values, double full_scale,
+                                           double radius);
 
 /// The axes of oriented particles (LINE_LIST): x red, y green, and the normal z blue. length, width: m, > 0.
 visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const Points& positions,
@@ -77,20 +77,19 @@ class SimulationMarkers {
   SimulationMarkers(const simulation::Simulation& simulation, const std::string& frame_id);
 
   /// Replaces the content of markers: all of them, those that are gone as well, so that each message is whole.
-  void make(const std_msgs::Header& header, const simulation::Simulation& simulation,
-            visualization_msgs::MarkerArray& markers);
+  void make(const std_msgs::Header& header, const simulation::Simulation& simulation, visualization_msgs::MarkerArray& markers);
 
  private:
   Vec3 findRest(Index id) const;
 
-  Points rest_positions_;                      // by the particles' ids, else by index; NaN: none
-  std::vector<std::pair<Index, Index>> edges_; // of the triangles, each once
-  std::size_t num_triangles_ = 0;  // that the edges are those of
-  double spacing_ = 0.0;                       // m, mean length of an edge or link at rest
-  double extent_ = 0.0;                        // m, diagonal of the main box at rest
-  TextPlace text_place_;                       // above the surface at rest
+  Points rest_positions_;                                  // by the particles' ids, else by index; NaN: none
+  std::vector<std::pair<Index, Index>> edges_;             // of the triangles, each once
+  std::size_t num_triangles_ = 0;                          // that the edges are those of
+  double spacing_ = 0.0;                                   // m, mean length of an edge or link at rest
+  double extent_ = 0.0;                                    // m, diagonal of the main box at rest
+  TextPlace text_place_;                                   // above the surface at rest
   int num_arrows_ = 0, num_tools_ = 0, num_contacts_ = 0;  // the most that were shown at a time
-  std::vector<double> strain_, displacement_;  // scratch
+  std::vector<double> strain_, displacement_;              // scratch
 };
 
 }  // namespace deformable_surface::node

@@ -13,7 +13,7 @@ inline double toSeconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<do
 inline std::int64_t stampOfArrival(std::int64_t arrival, std::int64_t time_step) { return arrival - time_step + 1; }
 
 /// What the ROS clock did since it was last asked.
-struct ClockNews {
+struct ClockChange {
   std::int64_t now = 0;      // 0 = there is no valid time yet
   std::int64_t skipped = 0;  // sum of the forward jumps, which are not caught up
   bool jumped_back = false;  // what was before the jump counts no more, skipped least of all
@@ -29,15 +29,15 @@ class ClockWatch {
 
   /// Returns true if the clock jumped back.
   bool observe(std::int64_t now, std::int64_t steady);
-  std::int64_t now() const { return news_.now; }
+  std::int64_t now() const { return change_.now; }
   bool isSimulated() const { return simulated_; }
 
-  /// The news since the last call.
-  ClockNews take();
+  /// What it did since the last call.
+  ClockChange take();
 
  private:
   const bool simulated_;
-  ClockNews news_;
+  ClockChange change_;
   std::int64_t last_steady_ = 0;
 };
 
@@ -60,8 +60,9 @@ class StepSchedule {
   /// The cloud's stamp plus the simulation time of the state before the step.
   std::int64_t stamp(std::uint64_t step) const;
 
- // S.
- private: const double time_step_;
+  // S.
+ private:
+  const double time_step_;
   std::int64_t zero_ = 0, skipped_ = 0;
 };
 

@@ -8,9 +8,9 @@
 #include "deformable_surface/Tool.h"
 #include "deformable_surface/simulation/simulation.h"
 
-#include <Eigen/Geometry>
 #include <ros/time.h>
 #include <tf2/buffer_core.h>
+#include <Eigen/Geometry>
 
 #include <map>
 #include <set>
@@ -38,15 +38,15 @@ class ToolCommands {
 
   /// What a tool's last message says of its motion, in the frame of its header.
   struct Course {
-    double given = 0.0;         // s of simulation time: when the message took effect, and the tool was, or was to be, at its pose
-    double arrives = 0.0;       // s: when it is where the message has it, or where its frame was last seen
+    double given = 0.0;    // s of simulation time: when the message took effect, and the tool was, or was to be, at its pose
+    double arrives = 0.0;  // s: when it is where the message has it, or where its frame was last seen
     std::string frame;
     bool follows_frame = false;
     Eigen::Isometry3d T_surface_frame = Eigen::Isometry3d::Identity();
-    ros::Time frame_stamp;      // of that, while it follows the frame; 0 = not looked up yet, or it never changes
+    ros::Time frame_stamp;  // of that, while it follows the frame; 0 = not looked up yet, or it never changes
     tool::Pose pose;
     Vec3 velocity = Vec3::Zero(), spin = Vec3::Zero();  // m/s of the tool's origin, rad/s
-    double ends = kNever;       // s: no message came until then, and the velocity ends
+    double ends = kNever;                               // s: no message came until then, and the velocity ends
     bool is_silent = false;
 
     bool hasVelocity() const { return !velocity.isZero(0.0) || !spin.isZero(0.0); }
@@ -121,11 +121,11 @@ class ToolCommands {
   std::string noticeSilence(const ros::Time& stamp, Course& course) const;
 
   const tf2::BufferCore& transforms_;
-  const double timeout_;  // s
+  const double timeout_;                   // s
   std::map<std::string, Course> courses_;  // by id
   std::map<std::string, Course> pins_;     // that follow a frame, by their name in the simulation
   std::vector<Tool> standing_;
-  std::set<std::string> stand_;            // ids of those that have been added
+  std::set<std::string> stand_;  // ids of those that have been added
 };
 
 }  // namespace deformable_surface::node

@@ -16,9 +16,9 @@ constexpr std::uint32_t kMaxTools = 100;
 
 struct DecodedTools {
   std::vector<Tool> tools;
-  std::string refusal;  // why there are none; empty: all is well
+  std::string problem;  // why there are none; empty: all is well
 
-  bool ok() const { return refusal.empty(); }
+  bool ok() const { return problem.empty(); }
 };
 
 /// Takes memory in proportion to the bytes only. Refuses more than kMaxTools and messages shorter than they claim.

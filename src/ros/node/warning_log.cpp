@@ -1,4 +1,4 @@
-#include "complaints.h"
+#include "warning_log.h"
 
 #include "deformable_surface/base/value.h"
 
@@ -28,18 +28,18 @@ std::string withoutNumbers(const std::string& text) {
 
 }  // namespace
 
-void Complaints::report(Complaint complaint, const std::string& sentence) {
+void WarningLog::report(Warning warning, const std::string& sentence) {
   const std::lock_guard<std::mutex> lock(mutex_);
   last_ = toOneLine(sentence);
   last_time_ = Clock::now();
-  ++counts_[static_cast<int>(complaint)];
-  Cause& cause = findCause(complaint, last_);
+  ++counts_[static_cast<int>(warning)];
+  Cause& cause = findCause(warning, last_);
   if (cause.was_told && last_time_ - cause.last_line < kSilence) {
     ++cause.left_out;
     return;
   }
   const std::string more = cause.left_out > 0 ? " (" + std::to_string(cause.left_out) + " like it left out)" : "";
-  const bool is_error = complaint == Complaint::kStep || complaint == Complaint::kInternal;
+  const bool is_error = warning == Warning::kStep || warning == Warning::kInternal;
   if (is_error) {
     ROS_ERROR_STREAM(name_ << ": " << last_ << more);
   } else {
@@ -49,8 +49,8 @@ void Complaints::report(Complaint complaint, const std::string& sentence) {
 }
 
 /// Beyond what is kept, all sentences of a kind count as one cause.
-Complaints::Cause& Complaints::findCause(Complaint complaint, const std::string& sentence) {
-  const std::string kind = std::to_string(static_cast<int>(complaint));
+WarningLog::Cause& WarningLog::findCause(Warning warning, const std::string& sentence) {
+  const std::string kind = std::to_string(static_cast<int>(warning));
   const std::string key = kind + withoutNumbers(sentence);
   if (causes_.size() < kMaxCauses || causes_.count(key) > 0) return causes_[key];
   for (auto entry = causes_.begin(); entry != causes_.end();) {
@@ -59,17 +59,17 @@ Complaints::Cause& Complaints::findCause(Complaint complaint, const std::string&
   return causes_[causes_.size() < kMaxCauses ? key : kind];
 }
 
-int Complaints::count(Complaint kind) const {
+int WarningLog::count(Warning kind) const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return counts_[static_cast<int>(kind)];
 }
 
-std::string Complaints::last() const {
+std::string WarningLog::last() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return last_;
 }
 
-bool Complaints::isRecent() const {
+bool WarningLog::isRecent() const {
   const std::lock_guard<std::mutex> lock(mutex_);
   return !last_.empty() && Clock::now() - last_time_ < kSilence;
 }

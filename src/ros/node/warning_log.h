@@ -1,5 +1,4 @@
-// What went wrong, counted by kind and told in the log without flooding it. In a file of its own because every part of the node
-// complains, and the diagnostics report what they said.
+// A log of warnings that is shared by all parts of the node: counted by kind, limited in rate, and reported in the diagnostics.
 #pragma once
 
 #include <array>
@@ -10,7 +9,7 @@
 
 namespace deformable_surface::node {
 
-enum class Complaint {
+enum class Warning {
   kCloudRefused,
   kCommandRefused,
   kToolsRefused,
@@ -22,20 +21,20 @@ enum class Complaint {
   kStep,
   kInternal
 };
-constexpr int kNumComplaints = 10;
+constexpr int kNumWarnings = 10;
 
 /// May be used from any thread.
-class Complaints {
+class WarningLog {
  public:
   /// name: of the node, which begins each line.
-  explicit Complaints(std::string name) : name_(std::move(name)) {}
+  explicit WarningLog(std::string name) : name_(std::move(name)) {}
 
   /// Counts, and writes one line unless one of the same cause was written a short while ago; the next then says how many were
   /// left out. Sentences of a kind that differ in numbers only have the same cause.
-  void report(Complaint kind, const std::string& sentence);
+  void report(Warning kind, const std::string& sentence);
 
   const std::string& name() const { return name_; }
-  int count(Complaint kind) const;
+  int count(Warning kind) const;
   /// The last sentence; empty if there was none.
   std::string last() const;
   /// True for a while after the last report.
@@ -49,11 +48,11 @@ class Complaints {
     Clock::time_point last_line;
   };
 
-  Cause& findCause(Complaint kind, const std::string& sentence);
+  Cause& findCause(Warning kind, const std::string& sentence);
 
   const std::string name_;
   mutable std::mutex mutex_;
-  std::array<int, kNumComplaints> counts_{};
+  std::array<int, kNumWarnings> counts_{};
   std::map<std::string, Cause> causes_;  // by kind and sentence without numbers
   std::string last_;
   Clock::time_point last_time_;
