@@ -12,6 +12,8 @@ namespace {
 constexpr double kLeast = 0.5;
 // Of the room between a pair that its points may use up in one step: less than all, so that rounding crosses nothing.
 constexpr double kOfRoom = 0.9;
+// Of a pair's thickness: parts as near as that may touch soon, however slow they are.
+constexpr double kWatched = 1.5;
 constexpr int kPasses = 2;  // of shortening by planes, before ways are scaled
 
 }  // namespace
@@ -34,6 +36,18 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
   measured_at_ = positions;
   measured_reach_ = reach;
   return near_;
+}
+
+bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
+  for (const Near& near : measure(positions, list_.usualReach())) {
+    const Pair& pair = *near.pair;
+    double fastest = 0.0;  // of one primitive as seen from the other
+    for (int v = 0; v < pair.numFirst(); ++v)
+      for (int w = pair.numFirst(); w < 4; ++w)
+        fastest = std::max(fastest, (velocities[pair.vertices[v]] - velocities[pair.vertices[w]]).squaredNorm());
+    if (near.distance - time * std::sqrt(fastest) < kWatched * pair.thickness) return true;
+  }
+  return false;
 }
 
 double SelfContact::stiffness(const Pair& pair) const {
@@ -72,6 +86,19 @@ double SelfContact::potential(const Points& positions) {
     if (depth > 0.0) sum += 0.5 * stiffness(pair) * depth * depth;
   }
   return sum;
+}
+
+void SelfContact::addStiffness(const Points& positions, double step, BlockSparse& stiffness_matrix) {
+  const double damping = step > 0.0 ? 2.0 * params_.damping / (params_.rate * step) : 0.0;
+  for (const Near& near : measure(positions, 0.0)) {
+    const Pair& pair = *near.pair;
+    if (!(near.distance < pair.thickness) || !(near.distance > 0.0)) continue;
+    const Vec3 normal = near.closest.gap / near.distance;
+    const Mat3 along = (1.0 + damping) * stiffness(pair) * normal * normal.transpose();
+    for (int v = 0; v < 4; ++v)
+      for (int w = 0; w <= v; ++w)
+        stiffness_matrix.add(pair.vertices[v], pair.vertices[w], near.closest.weight[v] * near.closest.weight[w] * along);
+  }
 }
 
 void SelfContact::addRowBounds(const Points& positions, std::vector<double>& stiffness_bounds, std::vector<double>& damping) {

@@ -11,7 +11,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kContactRate = 0.45;  // of the highest frequency at rest: its square then grows by a fifth at most
+constexpr double kContactRate = 0.45;     // of the highest frequency at rest: its square then grows by a fifth at most
+constexpr double kSelfContactRate = 0.1;  // the same: a point may be in contact with many triangles and edges
 
 Index nearestPoint(const Points& points, const Vec3& to) {
   Index nearest = 0;
@@ -37,6 +38,11 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
   chosen_.made = params.material;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   if (particles_) life_ = std::make_unique<ParticleLife>(*particles_);
+  if (params.contact.self) {
+    const double thickness = params.contact.thickness.valueOr(params.material.thickness);
+    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, *model_, thickness);
+    system_.setMotionLimit(&loads_.self_contact->limit);
+  }
   if (solid_) loads_.forces.setDropped(solid_->across());
   if (particles_ && params.oriented_particles.mode == model::ParticleMode::kPlane) loads_.forces.setDropped(Vec3::UnitY());
   if (auto* mass_spring = dynamic_cast<model::MassSpring*>(model_.get()))
@@ -87,6 +93,7 @@ void Dynamics::reset() {
   now_.followed.clear();
   part_march_ = {};
   loads_.contact.setTools({});  // by which the rate of contact must not be measured
+  if (loads_.self_contact) loads_.self_contact->setMayAct(false);
   loads_.choose();
   now_.contact_rate = 0.0;
   setTools(params_.tools);
@@ -124,10 +131,14 @@ void Dynamics::requireTools(const std::vector<tool::ToolParams>& tools) const {
       throw InputError("tool " + quote(tool.id) + " mode: found cut on a surface that " +
                        (params_.output.resample ? "inserts points, which would not know their side" : "keeps its volume") +
                        "; accepted: cut without output.resample and mass_spring.volume_stiffness");
+  for (const tool::ToolParams& tool : tools)
+    if (params_.contact.self && tool.mode == tool::Mode::kCut)
+      throw InputError("tool " + quote(tool.id) +
+                       " mode: found cut on a surface with contact.self; accepted: cut with contact.self: false");
 }
 
 void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
-  if (!tools.empty() && !(now_.contact_rate > 0.0)) findContactRate();
+  if (hasContact(tools) && !(now_.contact_rate > 0.0)) findContactRate();
   tools_ = std::move(tools);
   giveContactTools();
   grips_.setTools(tools_);
@@ -153,8 +164,16 @@ bool Dynamics::applyMaterial() {
   return true;
 }
 
+bool Dynamics::hasContact(const std::vector<tool::ToolParams>& tools) const { return !tools.empty() || loads_.self_contact; }
+
+void Dynamics::setContactRate(double rate) {
+  now_.contact_rate = rate;
+  loads_.contact.setRate(rate);
+  if (loads_.self_contact) loads_.self_contact->contact.setRate(kSelfContactRate / kContactRate * rate);
+}
+
 // Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once,
-// before the first tool.
+// before the first tool or, with self-contact, the first step.
 void Dynamics::findContactRate() {
   State at_rest;
   at_rest.positions = rest_->points;
@@ -168,8 +187,7 @@ void Dynamics::findContactRate() {
   held_.swap(now_held);
   held_turns_.swap(now_held_turns);
   model_->adopt(now_.points);
-  now_.contact_rate = kContactRate * 2.0 / (std::isfinite(stable) ? stable : params_.integrator.time_step);
-  loads_.contact.setRate(now_.contact_rate);
+  setContactRate(kContactRate * 2.0 / (std::isfinite(stable) ? stable : params_.integrator.time_step));
 }
 
 // With another stiffness. What tools hold up stays up.
@@ -178,7 +196,7 @@ void Dynamics::findContactRateAgain() {
   loads_.contact.setTools({});
   loads_.choose();
   now_.contact_rate = 0.0;
-  if (!tools_.empty()) findContactRate();
+  if (hasContact(tools_)) findContactRate();
   loads_.contact.restore(bodies);
   loads_.choose();
 }

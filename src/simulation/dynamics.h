@@ -156,6 +156,8 @@ class Dynamics {
   bool applyMaterial();
   void followMaterial();
   void setMembraneShare(double share);
+  bool hasContact(const std::vector<tool::ToolParams>& tools) const;
+  void setContactRate(double rate);
   void findContactRate();
   void findContactRateAgain();
 

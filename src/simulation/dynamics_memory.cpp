@@ -21,6 +21,7 @@ void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
   holding.bodies = loads_.contact.all();
   if (cutting_) holding.cuts = cutting_->cuts();
   holding.tracked = loads_.track.seen();
+  holding.may_touch_itself = loads_.self_contact && loads_.self_contact->mayAct();
 }
 
 DynamicsState Dynamics::save() const {
@@ -63,11 +64,12 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   steps_ = waiting.steps;
   params_.integrator.type = holding.integrator;
   applyMaterial();
-  loads_.contact.setRate(now_.contact_rate);
+  setContactRate(now_.contact_rate);
   loads_.forces.restore(waiting.forces);
   loads_.track.restore(holding.tracked);
   grips_.restore(holding.grips);
   loads_.contact.restore(holding.bodies);
+  if (loads_.self_contact) loads_.self_contact->setMayAct(holding.may_touch_itself);
   loads_.choose();
   setParts();
   part_.reset();

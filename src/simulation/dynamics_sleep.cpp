@@ -8,9 +8,10 @@ namespace deformable_surface::simulation {
 
 using solve::IntegratorType;
 
-// An equilibrium couples everything. Of particles only what moves is in parts, not what they live through.
+// An equilibrium couples everything, and parts that sleep would not feel others that come to lie on them. Of particles only what
+// moves is in parts, not what they live through.
 bool Dynamics::canBeInParts() const {
-  if (params_.integrator.type == IntegratorType::kStatic) return false;
+  if (params_.integrator.type == IntegratorType::kStatic || params_.contact.self) return false;
   if (!particles_) return true;
   const model::OrientedParticlesParams& p = params_.oriented_particles;
   return !(p.yield_curvature > 0.0) && !(p.hold_below > 0.0);

@@ -37,11 +37,11 @@ std::size_t sumInside(const Parts&... parts) {
 std::size_t DynamicsState::bytes() const {
   const auto& [steps, forces, watched, activity, march, part_march, has_part] = waiting;
   const auto& [points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed] = motion;
-  const auto& [integrator, grips, bodies, cuts, tracked] = holding;
+  const auto& [integrator, grips, bodies, cuts, tracked, may_touch_itself] = holding;
   const auto& [tools, values, gravity, damping, spacing, physics] = settings;
   return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
          sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
-         sumInside(integrator, grips, bodies, cuts, tracked) + sumInside(tools, values, gravity, damping, spacing, physics);
+         sumInside(integrator, grips, bodies, cuts, tracked, may_touch_itself) + sumInside(tools, values, gravity, damping, spacing, physics);
 }
 
 }  // namespace deformable_surface::simulation

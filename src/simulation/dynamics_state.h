@@ -40,6 +40,7 @@ struct DynamicsState {
     std::vector<ContactLoad::Body> bodies;
     std::vector<model::MassSpring::Link> cuts;
     std::vector<TrackLoad::Seen> tracked;
+    bool may_touch_itself = false;  // in the last step
   };
   /// What commands alone change.
   struct Settings {

@@ -86,6 +86,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (!grips_.isEmpty()) grip = updateGrips(now, dt);
   if (woken_.changed || grip.changed) followLoads();
   appendNotice(outcome.notice, grip.notice);
+  if (loads_.self_contact && loads_.self_contact->beginStep(points, dt)) followLoads();
   beginAsleep(now);
   if (activity_.isAsleep()) {
     woken_.notice = std::move(outcome.notice);
@@ -170,7 +171,8 @@ bool Dynamics::isHeldAround() const {
 // A first equilibrium is looked for from that of fewer points, but where steps that cost little find it from rest. Returns
 // whether the state was changed.
 bool Dynamics::beginElsewhere(const Request& request) {
-  if (!request.find_start || params_.integrator.type != solve::IntegratorType::kStatic || system_.isOriented() || steps_ > 0)
+  if (!request.find_start || loads_.self_contact || params_.integrator.type != solve::IntegratorType::kStatic ||
+      system_.isOriented() || steps_ > 0)
     return false;
   if (now_.pinned != rest_->pinned || grips_.hasPins() || now_.points.positions != rest_->points) return false;
   if (isHeldAround() && system_.hasElasticityAlone(time() + params_.integrator.time_step, now_.points)) return false;

@@ -24,6 +24,9 @@ void LoadSet::choose() {
   add(contact);
   add(friction);
   add(track);
+  if (!self_contact || !self_contact->mayAct()) return;
+  acting_.push_back(&self_contact->springs);
+  acting_.push_back(&self_contact->damping);
 }
 
 void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index) {

@@ -6,7 +6,10 @@
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/track_load.h"
 
+#include <memory>
 #include <vector>
+
+#include "self_contact_load.h"
 
 namespace deformable_surface::simulation {
 
@@ -25,6 +28,8 @@ class LoadSet {
   ContactLoad contact;
   FrictionLoad friction;
   TrackLoad track;
+  /// Null: the surface may pass through itself. Not on parts.
+  std::unique_ptr<SelfContactLoads> self_contact;
 
   /// The loads that can act, which a solver evaluates, in a fixed order.
   const std::vector<const solve::ExternalLoad*>& acting() const { return acting_; }

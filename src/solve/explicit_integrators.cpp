@@ -22,6 +22,15 @@ bool allFinite(const State& state) {
   return std::isfinite(sum);
 }
 
+// Points that are stopped short keep the velocity of the motion that is left to them: a plastic impact. Held ones keep theirs.
+const std::vector<Index>& stopShort(const MotionLimit& limit, const System& system, const Points& before, double dt,
+                                    State& state) {
+  const std::vector<Index>& stopped = limit.limit(before, state.positions);
+  for (const Index i : stopped)
+    if (!system.isHeld(i)) state.velocities[i] = (state.positions[i] - before[i]) / dt;
+  return stopped;
+}
+
 }  // namespace
 
 Index countSubsteps(double step, double max_substep) {
@@ -47,6 +56,7 @@ SolveReport ExplicitEuler::advance(const System& system, double time, double ste
   const Timer timer;
   system.computeForces(time, state, forces_);
   report.time_forces = timer.seconds();
+  before_ = state.positions;
   for (Index i = 0; i < state.size(); ++i) {
     if (system.isHeld(i)) {
       state.positions[i] += step * state.velocities[i];
@@ -56,6 +66,7 @@ SolveReport ExplicitEuler::advance(const System& system, double time, double ste
     state.positions[i] += step * state.velocities[i];
     state.velocities[i] += step * acceleration;
   }
+  if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, step, state);
   report.finite = allFinite(state);
   return report;
 }
@@ -69,6 +80,7 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
     const Timer timer;
     system.computeForces(time + s * dt, state, forces_);
     report.time_forces += timer.seconds();
+    before_ = state.positions;
     for (Index i = 0; i < state.size(); ++i) {
       if (system.isHeld(i)) {
         state.positions[i] += dt * state.velocities[i];
@@ -77,6 +89,7 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
       state.velocities[i] = decay * (state.velocities[i] + dt / system.masses()[i] * forces_[i]);
       state.positions[i] += dt * state.velocities[i];
     }
+    if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, state);
   }
   report.finite = allFinite(state);
   return report;
@@ -151,6 +164,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   report.substeps = cut.outer * cut.inner;
   const double dt = step / report.substeps;
   const double half_decay = std::exp(-0.5 * system.damping() * dt);
+  const MotionLimit* const limit = system.motionLimit();
   const Index n = state.size();
   const std::vector<double>& masses = system.masses();
   kick_.resize(3 * n);
@@ -189,6 +203,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   const double once = 1.0 - half_decay * half_decay, twice = 1.0 - std::pow(half_decay, 4);
   if (is_damped) report.dissipated = once * kineticEnergy(mass_, 0.0, kick_, forces_, state.velocities);
   for (Index s = 0; s < report.substeps; ++s) {
+    if (limit) before_ = state.positions;
     // Half kicks and drift. The velocity at the end is predicted with the acceleration of the beginning.
     const bool ends = has_slow && (s + 1) % cut.inner == 0;
     if (ends && !slow_acts) addSlow();
@@ -199,6 +214,9 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       state.positions[i] += dt * carrying;
       predicted_.velocities[i] = carrying;
     }
+    if (limit)
+      for (const Index i : stopShort(*limit, system, before_, dt, state))
+        if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
     // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);

@@ -15,7 +15,7 @@ class ExplicitEuler : public Integrator {
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
 
  private:
-  Points forces_;
+  Points forces_, before_;
 };
 
 /// v += dt a(x); x += dt v. First order, no drift of energy.
@@ -24,7 +24,7 @@ class SymplecticEuler : public Integrator {
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
 
  private:
-  Points forces_;
+  Points forces_, before_;
 };
 
 /// Half kick, drift, half kick. Second order, no drift of energy, exact in free fall. Forces that depend on velocity are
@@ -48,6 +48,7 @@ class VelocityVerlet : public Integrator {
   Points forces_, forces_with_slow_;                   // loads included
   State predicted_;
   std::vector<std::pair<Index, Vec3>> carried_;  // held points in motion and their velocities, m/s
+  Points before_;                                // m, at the beginning of a sub-step, where motion is limited
   std::vector<double> kick_, drift_;             // (3 n) dt / 2 over mass, and dt; zero on held points
   std::vector<double> mass_;                     // (3 n) kg, zero on held points; empty without damping
 };

@@ -74,10 +74,15 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
   const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
   NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
   // Where the search begins.
-  for (Index i = 0; i < n; ++i)
-    if (system.isHeld(i)) state.positions[i] = target_[i];
   guess_ = state.positions;
+  for (Index i = 0; i < n; ++i)
+    if (system.isHeld(i)) guess_[i] = target_[i];
+  begin_ = state.positions;
   state.positions = target_;
+  if (const MotionLimit* const limit = system.motionLimit()) {
+    limit->limit(begin_, guess_);
+    limit->limit(begin_, state.positions);
+  }
   if (newton_.potential(problem, state) > energy) state.positions = guess_;
 
   const Index first = report.iterations, last = first + params_.max_iterations;
@@ -155,11 +160,13 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   report.substeps = 1;
   const Index n = state.size();
   carried_.assign(n, Vec3::Zero());
+  anchor_ = state.positions;
   for (Index i = 0; i < n; ++i) {
     if (!system.isHeld(i)) continue;
     carried_[i] = state.velocities[i];
     state.positions[i] += step * carried_[i];
   }
+  if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions);
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   const double rounding = system.roundingForce(time, state);
   if (quasi_newton_.solve(system, time + step, params_.tolerance, rounding, interrupt_, state, report)) {

@@ -35,7 +35,7 @@ class ImplicitStage {
   IntegratorParams params_;
   NewtonDescent newton_;
   const std::atomic<bool>* interrupt_ = nullptr;
-  Points from_, target_, guess_;
+  Points from_, target_, guess_, begin_;
   std::vector<double> weight_;
 };
 

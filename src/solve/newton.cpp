@@ -16,6 +16,7 @@ constexpr double kLower = 0.25;       // of one that was: the least one that doe
 constexpr double kLoosest = 0.05;
 constexpr double kForcing = 0.9;          // of the square of what the gradient has fallen by, left by the next direction
 constexpr double kOversolved = 0.3;       // of what ends the search: a direction that leaves no more is good for nothing else
+constexpr int kMaxShortenings = 30;       // of a direction that stops points; beyond it there is none
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
 }  // namespace
@@ -131,6 +132,37 @@ void NewtonDescent::solveByProducts(const Problem& problem, const State& state) 
   if (found.allFinite()) direction_ = found;
 }
 
+double NewtonDescent::findSlope() const {
+  double slope = 0.0;
+  for (std::size_t i = 0; i < gradient_.size(); ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));
+  return slope;
+}
+
+// Points that are stopped short keep the motion along what stops them. If that leads uphill, the whole direction is shortened,
+// until it stops nothing.
+bool NewtonDescent::shorten(const System& system, const Points& positions) {
+  const Index n = static_cast<Index>(positions.size());
+  const auto advance = [&]() -> const std::vector<Index>& {
+    reached_ = positions;
+    for (Index i = 0; i < n; ++i)
+      if (!system.isHeld(i)) reached_[i] += direction_.segment<3>(3 * i);
+    return system.motionLimit()->limit(positions, reached_);
+  };
+  const std::vector<Index>& stopped = advance();
+  if (stopped.empty()) return false;
+  solution_ = direction_;
+  for (const Index i : stopped) direction_.segment<3>(3 * i) = reached_[i] - positions[i];
+  if (findSlope() < 0.0) return true;
+  double share = 1.0;
+  for (int halving = 0; halving < kMaxShortenings; ++halving) {
+    share *= 0.5;
+    direction_ = share * solution_;
+    if (advance().empty()) return true;
+  }
+  direction_.setZero();
+  return true;
+}
+
 NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state, bool tentative) {
   const Index n = state.size();
   const System& system = problem.system;
@@ -150,8 +182,11 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
       solveFactored(problem, state);
   }
   last_residual_ = residual_;
-  double slope = 0.0;
-  for (Index i = 0; i < n; ++i) slope += gradient_[i].dot(direction_.segment<3>(3 * i));
+  double slope = findSlope();
+  if (system.motionLimit() && slope < 0.0 && shorten(system, state.positions)) {
+    is_factor_good_ = false;
+    slope = findSlope();
+  }
   if (!(slope < 0.0)) return {0.0, false};
 
   // The line search. Rounding of the energy must not hide the last decrease: within it the step counts as descending.

@@ -63,6 +63,10 @@ class NewtonDescent {
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
   /// The exact matrix, which was not definite, with shift_ times the masses added; false if that is not enough.
   bool factorizeShifted(const System& system);
+  /// Of Phi along the direction, N m.
+  double findSlope() const;
+  /// Shortens the direction by the system's limit of motion. Returns whether it was too long.
+  bool shorten(const System& system, const Points& positions);
   /// Solves with the factor; direction_ stays the steepest where the result is not finite.
   void solveFactored(const Problem& problem, const State& state);
   /// The direction of a model whose stiffness is known by products; as accurate as the gradient has fallen since the last one
@@ -72,7 +76,7 @@ class NewtonDescent {
   bool is_potential_known_ = false;  // since begin()
   double potential_ = 0.0;           // J, at
   Points potential_at_;
-  Points gradient_, conservative_, forces_, remainder_, remainder_there_, start_, rank_one_;
+  Points gradient_, conservative_, forces_, remainder_, remainder_there_, start_, reached_, rank_one_;
   bool has_remainder_ = false;                       // any of L is not zero
   Eigen::VectorXd direction_, solution_, response_;  // (3 n)
   BlockSparse stiffness_;

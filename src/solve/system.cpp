@@ -238,7 +238,8 @@ double System::loadStiffness(double time, const State& state) const {
 }
 
 bool System::hasElasticityAlone(double time, const State& state) const {
-  return model_.knowsCouplings() && !dissipatesInForces() && !hasStiffnessProducts() && !(loadStiffness(time, state) > 0.0);
+  return model_.knowsCouplings() && !motion_limit_ && !dissipatesInForces() && !hasStiffnessProducts() &&
+         !(loadStiffness(time, state) > 0.0);
 }
 
 }  // namespace deformable_surface::solve

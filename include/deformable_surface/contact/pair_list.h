@@ -52,9 +52,13 @@ class PairList {
     }
   }
   double thickness() const { return thickness_; }
+  /// m: a search for pairs that are nearer costs no more than one for those that touch.
+  double usualReach() const { return kUsualReach * usual_radius_; }
   Index numSearches() const { return num_searches_; }
 
  private:
+  static constexpr double kUsualReach = 0.5;  // the rest is what points may move until the next search
+
   void measureWays(const Points& positions);
   void search(const Points& positions, double radius);
   void offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const;

@@ -6,6 +6,7 @@
 #pragma once
 
 #include "deformable_surface/contact/pair_list.h"
+#include "deformable_surface/linear/block_sparse.h"
 
 #include <vector>
 
@@ -31,12 +32,21 @@ class SelfContact {
   /// rest: (n) m; masses: (n) kg. Pairs that cross or touch at rest never act.
   SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses, const SelfContactParams& params);
 
+  /// See SelfContactParams.
+  void setRate(double rate) { params_.rate = rate; }
+  /// Whether two parts can come nearer than their thickness within a time, s, at these velocities. Only parts that are in the
+  /// usual list of pairs are looked at.
+  bool mayTouch(const Points& positions, const Points& velocities, double time);
+
   /// Adds the springs' forces, N.
   void addForces(const Points& positions, Points& forces);
   /// Adds those of the springs' damping, N.
   void addDampingForces(const Points& positions, const Points& velocities, Points& forces);
   /// Potential of the springs, J.
   double potential(const Points& positions);
+  /// Adds minus the derivative of the springs' forces along their gaps, N/m, and that of the damping with respect to velocity
+  /// over step (s; 0 = none): positive semidefinite.
+  void addStiffness(const Points& positions, double step, BlockSparse& stiffness);
   /// Adds upper bounds of the row sums of the derivatives of all forces with respect to position (N/m) and velocity (N s/m).
   void addRowBounds(const Points& positions, std::vector<double>& stiffness, std::vector<double>& damping);
 
@@ -70,7 +80,7 @@ class SelfContact {
 
   PairList list_;
   const std::vector<double> masses_;
-  const SelfContactParams params_;
+  SelfContactParams params_;
   Points measured_at_;
   double measured_reach_ = 0.0;
   std::vector<Near> near_;

@@ -11,6 +11,7 @@
 #include "deformable_surface/model/material_params.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
 #include "deformable_surface/simulation/activity_params.h"
+#include "deformable_surface/simulation/contact_params.h"
 #include "deformable_surface/simulation/input_filter_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
@@ -159,6 +160,7 @@ struct SceneParams {
   solve::IntegratorParams integrator;
   AccuracyParams accuracy;
   ActivityParams activity;
+  ContactParams contact;
   Vec3 gravity{0.0, 0.0, -9.81};  // m/s^2, in gravity_frame
   std::string gravity_frame;      // empty = frame_id
   double viscous_drag = 0.0;      // N s/m per m^2, >= 0
@@ -481,6 +483,9 @@ inline void visit(Fields& fields, SceneParams& p) {
                  "found one that oriented_particles has not; accepted: auto, verlet, static");
   fields.section("accuracy", p.accuracy, "Accuracy target or step budget; at most one of the two (docs/accuracy_control.md).");
   fields.section("activity", p.activity, "Sleeping: regions at rest are not computed (docs/activity.md).");
+  fields.section("contact", p.contact, "Contact of the surface with itself (docs/contact.md).");
+  fields.require(p.model == ModelKind::kMassSpring || !p.contact.self, "contact.self",
+                 "found true, but only mass_spring has triangles that meet; accepted: false");
   fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
                  "found a wish, but only mass_spring has its points chosen by the error; accepted: 0");
   fields.require(!is_solid || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
@@ -546,6 +551,8 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.require(
       !p.output.resample || !canBeCut(p), "output.resample",
       "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");
+  fields.require(!p.contact.self || !canBeCut(p), "contact.self",
+                 "found true on a surface that is to be cut or torn, whose sides would begin in contact; accepted: false");
   p.expect.clear();
   for (const NamedBounds& bound : bounds) p.expect.push_back({bound.name, bound.min, bound.max});
 }

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/solve/external_load.h"
+#include "deformable_surface/solve/motion_limit.h"
 
 namespace deformable_surface::solve {
 
@@ -26,6 +27,9 @@ class System {
   bool hasStiffness() const { return model_.hasStiffness(); }
   double damping() const { return damping_; }
   void setDamping(double damping) { damping_ = damping; }
+  /// From now on integrators shorten their steps by this; null, as in the beginning: by nothing. Kept by reference.
+  void setMotionLimit(const MotionLimit* limit) { motion_limit_ = limit; }
+  const MotionLimit* motionLimit() const { return motion_limit_; }
   /// True if anything beside the damping by mass may take energy out: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
   /// The same, damping by mass included.
@@ -122,6 +126,7 @@ class System {
   const std::vector<char>& held_;
   const std::vector<char>* held_turns_;
   double damping_;
+  const MotionLimit* motion_limit_ = nullptr;
   mutable State at_rest_;  // scratch: the positions with velocities of zero
   mutable State placed_;   // scratch: before a step, with held points where they are after it
   mutable Points forces_, loads_alone_, forces_before_, forces_after_;

@@ -1,0 +1,20 @@
+// Contact of a surface with itself: what a user may choose.
+#pragma once
+
+#include "deformable_surface/base/or_auto.h"
+#include "deformable_surface/base/params.h"
+
+namespace deformable_surface::simulation {
+
+struct ContactParams {
+  bool self = false;         // parts of the surface do not pass through each other
+  OrAuto<double> thickness;  // m, > 0; auto = that of the material
+};
+
+inline void visit(Fields& fields, ContactParams& p) {
+  fields.flag("self", p.self, "parts of a mass-spring surface do not pass through each other");
+  fields.number("thickness", p.thickness, "m", between(1e-9, kMaxLength),
+                "distance at which parts of the surface begin to push each other apart; `auto` = material.thickness");
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,19 @@
+// What bounds the motion of points in a step, whatever the forces are: surfaces that must not pass through each other.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <vector>
+
+namespace deformable_surface::solve {
+
+class MotionLimit {
+ public:
+  virtual ~MotionLimit() = default;
+
+  /// Shortens the straight motion of each point from `before` to `after` (n x 3, m), also of held points that are carried. Any
+  /// part of the shortened motion is admissible, too. Returns the points that were stopped short, ascending, until the next call.
+  virtual const std::vector<Index>& limit(const Points& before, Points& after) const = 0;
+};
+
+}  // namespace deformable_surface::solve

@@ -1,0 +1,87 @@
+// Contact of the surface with itself as a solver sees it: loads on the simulation points and a limit of their motion. Apart from
+// the contact room, which knows no solver.
+#pragma once
+
+#include "deformable_surface/contact/self_contact.h"
+#include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/solve/external_load.h"
+#include "deformable_surface/solve/motion_limit.h"
+
+#include <vector>
+
+namespace deformable_surface::simulation {
+
+/// The triangles without those that overlap others. Delaunay cells of more than three corners hold several triangulations: of
+/// these one is taken.
+std::vector<contact::Triangle> chooseContactTriangles(const std::vector<model::WeightedTriangle>& triangles);
+
+/// The springs that push near parts apart.
+class SelfContactLoad : public solve::ExternalLoad {
+ public:
+  explicit SelfContactLoad(contact::SelfContact& contact) : contact_(contact) {}
+
+  void addForces(double, const model::State& state, Points& forces) const override {
+    contact_.addForces(state.positions, forces);
+  }
+  bool isConservative() const override { return true; }
+  double potential(double, const model::State& state) const override { return contact_.potential(state.positions); }
+  double storedEnergy(double, const model::State& state) const override { return contact_.potential(state.positions); }
+  void addStiffness(double, const model::State& state, double step, BlockSparse& stiffness) const override {
+    contact_.addStiffness(state.positions, step, stiffness);
+  }
+  void addRowBounds(double, const model::State& state, std::vector<double>& stiffness,
+                    std::vector<double>& damping) const override {
+    contact_.addRowBounds(state.positions, stiffness, damping);
+  }
+
+ private:
+  contact::SelfContact& contact_;
+};
+
+/// Their damping. Its stiffness and bounds are those of SelfContactLoad, which acts whenever this one does.
+class SelfContactDamping : public solve::ExternalLoad {
+ public:
+  explicit SelfContactDamping(contact::SelfContact& contact) : contact_(contact) {}
+
+  void addForces(double, const model::State& state, Points& forces) const override {
+    contact_.addDampingForces(state.positions, state.velocities, forces);
+  }
+  double estimateWork(double, double, const model::State&, const model::State&) const override { return 0.0; }
+
+ private:
+  contact::SelfContact& contact_;
+};
+
+class SelfContactLimit : public solve::MotionLimit {
+ public:
+  explicit SelfContactLimit(contact::SelfContact& contact) : contact_(contact) {}
+
+  const std::vector<Index>& limit(const Points& before, Points& after) const override { return contact_.limit(before, after); }
+
+ private:
+  contact::SelfContact& contact_;
+};
+
+/// All of it for one surface.
+class SelfContactLoads {
+ public:
+  /// rest: (n) m; thickness: m.
+  SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness);
+  SelfContactLoads(const SelfContactLoads&) = delete;
+  SelfContactLoads& operator=(const SelfContactLoads&) = delete;
+
+  /// Looks whether the loads may act in a step of so many seconds. Returns whether that is another answer than before.
+  bool beginStep(const model::State& state, double step);
+  bool mayAct() const { return may_act_; }
+  void setMayAct(bool may_act) { may_act_ = may_act; }
+
+  contact::SelfContact contact;
+  const SelfContactLoad springs{contact};
+  const SelfContactDamping damping{contact};
+  const SelfContactLimit limit{contact};
+
+ private:
+  bool may_act_ = false;
+};
+
+}  // namespace deformable_surface::simulation
