@@ -17,7 +17,7 @@ ROOMS = {
     "linear": [r"base/.*"],
     "geometry": [r"base/.*"],
     "cloud": [r"(base|geometry)/.*"],
-    "model": [r"(base|linear|geometry|cloud)/.*"],
+    "model": [r"(base|linear|geometry|cloud)/.*", r"contact/friction_anchors\.h"],
     "solve": [r"(base|linear)/.*", r"model/deformable_model\.h"],
     "contact": [r"(base|linear)/.*"],
     "tool": [r"(base|geometry|cloud)/.*"],

@@ -51,6 +51,15 @@ std::vector<std::array<Index, 2>> listEdges(Index n, const std::vector<Triangle>
   return edges;
 }
 
+// Whether edge p q goes through triangle a b c.
+bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
+  const Vec3 normal = (b - a).cross(c - a), along = q - p;
+  const double from = normal.dot(p - a), to = normal.dot(q - a);
+  if (!(from * to < 0.0)) return false;
+  const double u = along.dot((b - p).cross(c - p)), v = along.dot((c - p).cross(a - p)), w = along.dot((a - p).cross(b - p));
+  return (u > 0.0 && v > 0.0 && w > 0.0) || (u < 0.0 && v < 0.0 && w < 0.0);
+}
+
 }  // namespace
 
 PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double thickness)
@@ -66,6 +75,25 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
   std::vector<double> lengths;
   for (const auto& [a, b] : edges_) lengths.push_back((rest_[a] - rest_[b]).norm());
   usual_radius_ = lengths.empty() ? 0.0 : std::max(kUsualRadius * findMedian(std::move(lengths)), 2.0 * thickness);
+  findCrossed();
+}
+
+void PairList::findCrossed() {
+  is_crossed_.assign(rest_.size(), 0);
+  std::vector<char> crosses(triangles_.size(), 0);
+  for (const auto& edge : edges_) {
+    const Vec3 &p = rest_[edge[0]], &q = rest_[edge[1]];
+    triangle_tree_.visitMeeting(boundOf(rest_, edge), [&](Index t) {
+      const Triangle& v = triangles_[t];
+      const bool are_joined = std::any_of(v.begin(), v.end(), [&](Index i) { return i == edge[0] || i == edge[1]; });
+      if (are_joined || !pierces(p, q, rest_[v[0]], rest_[v[1]], rest_[v[2]])) return;
+      if (std::none_of(crosses.begin(), crosses.end(), [](char c) { return c != 0; })) first_crossing_ = 0.5 * (p + q);
+      crosses[t] = 1;
+      is_crossed_[edge[0]] = is_crossed_[edge[1]] = 1;
+      for (const Index i : v) is_crossed_[i] = 1;
+    });
+  }
+  num_crossed_ = std::count(crosses.begin(), crosses.end(), char{1});
 }
 
 void PairList::measureWays(const Points& positions) {
@@ -89,6 +117,8 @@ void PairList::update(const Points& positions, double reach) {
 }
 
 void PairList::offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const {
+  for (const Index v : pair.vertices)
+    if (is_crossed_[v]) return;
   const double squared = findClosest(pair, positions).squaredDistance();
   if (!(squared < radius * radius)) return;
   pair.thickness = std::min(thickness_, kOfRest * std::sqrt(findClosest(pair, rest_).squaredDistance()));

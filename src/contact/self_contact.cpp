@@ -14,13 +14,22 @@ constexpr double kLeast = 0.5;
 constexpr double kOfRoom = 0.9;
 // Of a pair's thickness: parts as near as that may touch soon, however slow they are.
 constexpr double kWatched = 1.5;
-constexpr int kPasses = 2;  // of shortening by planes, before ways are scaled
+constexpr int kCollisions = 4;  // passes
+constexpr int kPasses = 2;      // of shortening by planes, before ways are scaled
 
 }  // namespace
 
 SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses,
                          const SelfContactParams& params)
     : list_(std::move(rest), triangles, params.thickness), masses_(std::move(masses)), params_(params) {}
+
+bool SelfContact::touches(const Near& near) { return near.distance < near.pair->thickness && near.distance > 0.0; }
+
+void SelfContact::addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix) {
+  for (int v = 0; v < 4; ++v)
+    for (int w = 0; w <= v; ++w)
+      matrix.add(near.pair->vertices[v], near.pair->vertices[w], near.closest.weight[v] * near.closest.weight[w] * block);
+}
 
 // Pairs nearer than reach, or than the thickness.
 const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positions, double reach) {
@@ -68,8 +77,8 @@ void SelfContact::addForces(const Points& positions, Points& forces) {
 
 void SelfContact::addDampingForces(const Points& positions, const Points& velocities, Points& forces) {
   for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
     const Pair& pair = *near.pair;
-    if (!(near.distance < pair.thickness) || !(near.distance > 0.0)) continue;
     const Vec3 normal = near.closest.gap / near.distance;
     double speed = 0.0;
     for (int v = 0; v < 4; ++v) speed += near.closest.weight[v] * normal.dot(velocities[pair.vertices[v]]);
@@ -91,13 +100,10 @@ double SelfContact::potential(const Points& positions) {
 void SelfContact::addStiffness(const Points& positions, double step, BlockSparse& stiffness_matrix) {
   const double damping = step > 0.0 ? 2.0 * params_.damping / (params_.rate * step) : 0.0;
   for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
     const Pair& pair = *near.pair;
-    if (!(near.distance < pair.thickness) || !(near.distance > 0.0)) continue;
     const Vec3 normal = near.closest.gap / near.distance;
-    const Mat3 along = (1.0 + damping) * stiffness(pair) * normal * normal.transpose();
-    for (int v = 0; v < 4; ++v)
-      for (int w = 0; w <= v; ++w)
-        stiffness_matrix.add(pair.vertices[v], pair.vertices[w], near.closest.weight[v] * near.closest.weight[w] * along);
+    addToMatrix(near, (1.0 + damping) * stiffness(pair) * normal * normal.transpose(), stiffness_matrix);
   }
 }
 
@@ -114,6 +120,80 @@ void SelfContact::addRowBounds(const Points& positions, std::vector<double>& sti
   }
 }
 
+SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const {
+  const Pair& pair = *near.pair;
+  const double spring = stiffness(pair), limit = params_.friction * spring * (pair.thickness - near.distance);
+  const FrictionLaw law{limit, limit, spring, 2.0 * params_.damping * spring / params_.rate};
+  const Vec3 normal = near.closest.gap / near.distance;
+  const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
+                                   [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });
+  if (at == anchors.end() || at->is_edges != pair.is_edges || at->vertices != pair.vertices)
+    return {law, normal, Vec3::Zero(), false, nullptr};
+  Vec3 moved = -at->offset;
+  for (int v = 0; v < 4; ++v) moved += at->weight[v] * positions[pair.vertices[v]];
+  return {law, normal, moved - moved.dot(normal) * normal, at->slides, &*at};
+}
+
+Vec3 SelfContact::findSliding(const Near& near, const Points& velocities) {
+  Vec3 relative = Vec3::Zero();
+  for (int v = 0; v < 4; ++v) relative += near.closest.weight[v] * velocities[near.pair->vertices[v]];
+  const Vec3 normal = near.closest.gap / near.distance;
+  return relative - relative.dot(normal) * normal;
+}
+
+void SelfContact::addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
+                              Points& forces) {
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    const Vec3 force = rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
+    for (int v = 0; v < 4; ++v) forces[near.pair->vertices[v]] += near.closest.weight[v] * force;
+  }
+}
+
+double SelfContact::frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors) {
+  double sum = 0.0;
+  if (anchors.empty()) return sum;
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
+    sum += 0.5 * force * force / rub.law.stiffness;
+  }
+  return sum;
+}
+
+void SelfContact::addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
+                                       double step, BlockSparse& stiffness_matrix) {
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    const double share = rub.law.findShare(rub.stretch, findSliding(near, velocities), rub.slides);
+    const double along = share * ((rub.anchor ? rub.law.stiffness : 0.0) + rub.law.damping / step);
+    addToMatrix(near, along * (Mat3::Identity() - rub.normal * rub.normal.transpose()), stiffness_matrix);
+  }
+}
+
+void SelfContact::moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors) {
+  next_.clear();
+  for (const Near& near : measure(positions, 0.0)) {
+    if (!touches(near)) continue;
+    const Rub rub = findRub(near, positions, anchors);
+    Vec3 stretch = rub.stretch;
+    const bool slides = rub.law.slide(stretch, findSliding(near, velocities), rub.slides);
+    if (rub.anchor && !slides) {
+      next_.push_back(*rub.anchor);
+      next_.back().slides = false;
+    } else {
+      const Pair& pair = *near.pair;
+      next_.push_back({pair.vertices, pair.is_edges, near.closest.weight, near.closest.gap - stretch, slides});
+    }
+  }
+  std::sort(next_.begin(), next_.end(),
+            [](const PairAnchor& a, const PairAnchor& b) { return a.isBefore(b.vertices, b.is_edges); });
+  anchors = next_;
+}
+
 // The plane across the gap separates two convex primitives. As long as the points of each stay on its side, the two never meet.
 // Each side may use up its share of the room between them beyond kLeast.
 SelfContact::Plane SelfContact::makePlane(const Near& near, const Points& before) const {
@@ -121,9 +201,12 @@ SelfContact::Plane SelfContact::makePlane(const Near& near, const Points& before
   const double share = 0.5 * kOfRoom * std::max(0.0, near.distance - kLeast * pair.thickness);
   Plane plane;
   plane.vertices = pair.vertices;
+  plane.weight = near.closest.weight;
+  plane.normal = near.closest.gap / near.distance;
+  plane.share = share;
   for (int v = 0; v < 4; ++v) {
     const bool is_first = v < pair.numFirst();
-    plane.towards[v] = (is_first ? -1.0 : 1.0) / near.distance * near.closest.gap;
+    plane.towards[v] = (is_first ? -1.0 : 1.0) * plane.normal;
     // How far the point is behind the closest point of its primitive.
     double behind = 0.0;
     for (int w = 0; w < 4; ++w)
@@ -132,6 +215,31 @@ SelfContact::Plane SelfContact::makePlane(const Near& near, const Points& before
     plane.room[v] = std::max(0.0, behind) + share;
   }
   return plane;
+}
+
+// Pairs that would use up more than their room exchange momentum until they do not, one after the other: plastic impacts, which
+// take energy. No point gets farther than the farthest would have: pairs that were not looked at stay apart.
+void SelfContact::collide(const Points& before, const Points& after, double farthest) {
+  for (int pass = 0; pass < kCollisions; ++pass) {
+    for (const Plane& plane : planes_) {
+      double approach = 0.0, mobility = 0.0;
+      for (int v = 0; v < 4; ++v) {
+        const Index i = plane.vertices[v];
+        approach -= plane.weight[v] * plane.normal.dot(ways_[i]);
+        if (after[i] != before[i]) mobility += plane.weight[v] * plane.weight[v] / masses_[i];
+      }
+      if (!(approach > 2.0 * plane.share) || !(mobility > 0.0)) continue;
+      const double momentum = (approach - 2.0 * plane.share) / mobility;
+      for (int v = 0; v < 4; ++v) {
+        const Index i = plane.vertices[v];
+        if (after[i] == before[i]) continue;
+        ways_[i] += momentum * plane.weight[v] / masses_[i] * plane.normal;
+        is_cut_[i] = 1;
+      }
+    }
+  }
+  for (Vec3& way : ways_)
+    if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());
 }
 
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after) {
@@ -159,6 +267,8 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
     if (near.distance < reach && near.distance > 0.0) planes_.push_back(makePlane(near, before));
   if (planes_.empty()) return cut_;
   is_cut_.assign(n, 0);
+  collide(before, after, farthest);
+  wanted_ = ways_;
   for (int pass = 0; pass <= kPasses; ++pass) {
     for (const Plane& plane : planes_) {
       for (int v = 0; v < 4; ++v) {
@@ -176,6 +286,9 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
   }
   for (Index i = 0; i < n; ++i) {
     if (is_cut_[i] == 0) continue;
+    // Several planes after another may squeeze a point out between them: what stops it would then do work on it.
+    const double gained = ways_[i].squaredNorm() - wanted_[i].dot(ways_[i]);
+    if (gained > 0.0) ways_[i] *= std::max(0.0, 1.0 - gained / ways_[i].squaredNorm());
     after[i] = before[i] + shared + ways_[i];
     cut_.push_back(i);
   }

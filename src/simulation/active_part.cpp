@@ -70,6 +70,11 @@ solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, cons
     state_.traits[k] = state.traits[i];
     held_turns_[k] = !moves || held_turns[i];
   }
+  state_.friction.clear();
+  for (contact::BodyAnchor anchor : state.friction) {
+    anchor.point = new_index_[anchor.point];
+    if (anchor.point >= 0) state_.friction.push_back(anchor);
+  }
   return march_.step(time, state_);
 }
 
@@ -82,6 +87,21 @@ void ActivePart::put(State& state) const {
     state.orientations[points_[k]] = state_.orientations[k];
     state.spins[points_[k]] = state_.spins[k];
   }
+  putFriction(state.friction);
+}
+
+// Anchors of points that sleep stay.
+void ActivePart::putFriction(std::vector<contact::BodyAnchor>& friction) const {
+  if (friction.empty() && state_.friction.empty()) return;
+  const auto movesHere = [&](const contact::BodyAnchor& a) { return new_index_[a.point] >= 0 && isMoving(new_index_[a.point]); };
+  friction.erase(std::remove_if(friction.begin(), friction.end(), movesHere), friction.end());
+  for (contact::BodyAnchor anchor : state_.friction) {
+    if (!isMoving(anchor.point)) continue;
+    anchor.point = points_[anchor.point];
+    friction.push_back(anchor);
+  }
+  std::sort(friction.begin(), friction.end(),
+            [](const contact::BodyAnchor& a, const contact::BodyAnchor& b) { return a.isBefore(b.body, b.point); });
 }
 
 bool ActivePart::hasMoved(const Points& since, double distance) const {

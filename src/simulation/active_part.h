@@ -54,6 +54,7 @@ class ActivePart {
     model::DeformableModel::Part part;
     std::vector<Kind> kind;
   };
+  void putFriction(std::vector<contact::BodyAnchor>& friction) const;
   static Made make(const model::DeformableModel& whole, const std::vector<char>& moving);
   ActivePart(Made made, const SceneParams& params, const LoadSet& loads, double damping);
 

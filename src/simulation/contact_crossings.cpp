@@ -93,6 +93,7 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
+  forgetTouches();
   news_.clear();
   has_new_arrival_ = has_new_detour_ = false;
   bool any = false;
@@ -141,6 +142,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                                  const std::vector<model::WeightedTriangle>& triangles) {
   std::string notice;
+  forgetTouches();
   for (Body& body : bodies_) {
     if (!passes(body)) continue;
     const Moments moments = listMoments(body.tool, time, step);
@@ -179,10 +181,12 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
 
 void ContactLoad::reset() {
   for (Body& body : bodies_) body.passed.clear();
+  forgetTouches();
   told_.clear();
 }
 
 void ContactLoad::renumber(const std::vector<Index>& new_index) {
+  forgetTouches();
   for (Body& body : bodies_) {
     std::size_t kept = 0;
     for (const Passed& passed : body.passed)

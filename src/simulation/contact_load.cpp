@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/simulation/friction_load.h"
 
 #include <algorithm>
 #include <cmath>
@@ -33,12 +34,6 @@ constexpr Index kLook = 1024;  // points between two looks at an interrupt: mill
 
 bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
 
-// Velocity of what a tool touches, less that of the tool there and what is along the normal.
-Vec3 findSliding(const tool::Motion& motion, const Vec3& position, const Vec3& velocity, const Vec3& normal) {
-  const Vec3 relative = velocity - motion.velocityAt(position);
-  return relative - relative.dot(normal) * normal;
-}
-
 }  // namespace
 
 void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
@@ -58,6 +53,7 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
     bodies.push_back(std::move(body));
   }
   bodies_ = std::move(bodies);
+  forgetTouches();
 }
 
 bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time) const {
@@ -77,9 +73,8 @@ bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time)
 
 double ContactLoad::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
 
-// Calls visit(touch) for every point that the tool acts on.
-template <class Visit>
-void ContactLoad::forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const {
+void ContactLoad::listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const {
+  touches.clear();
   const ToolParams& tool = body.tool;
   auto passed = body.passed.begin();
   if (!body.acts.value_or(tool::isActive(tool, time))) return;
@@ -100,39 +95,52 @@ void ContactLoad::forEachTouch(const Body& body, double time, const Points& posi
     }
     if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
     const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
-    visit(Touch{i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});
+    touches.push_back({i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});
   }
+}
+
+const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body, double time, const Points& positions) const {
+  if (touches_.size() != bodies_.size() || touched_time_ != time || touched_at_ != positions) {
+    touches_.resize(bodies_.size());
+    for (Touches& touches : touches_) touches.are_known = false;
+    touched_time_ = time;
+    touched_at_ = positions;
+  }
+  Touches& touches = touches_[body];
+  if (!touches.are_known) listTouches(bodies_[body], time, positions, touches.list);
+  touches.are_known = true;
+  return touches.list;
 }
 
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
-  for (const Body& body : bodies_)
-    forEachTouch(body, time, state.positions, [&](const Touch& touch) { forces[touch.point] += touch.force; });
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    for (const Touch& touch : findTouches(b, time, state.positions)) forces[touch.point] += touch.force;
   seconds_ += timer.seconds();
 }
 
-double ContactLoad::potentialOf(const Body& body, double time, const Points& positions) const {
-  const ToolParams& tool = body.tool;
+double ContactLoad::potentialOf(std::size_t body, double time, const Points& positions) const {
+  const ToolParams& tool = bodies_[body].tool;
   double sum = 0.0;
   const bool pushing = isPushing(tool);
   const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
-  forEachTouch(body, time, positions, [&](const Touch& touch) {
+  for (const Touch& touch : findTouches(body, time, positions)) {
     const double d = touch.distance;
     sum += per_mass * masses_[touch.point] * (pushing ? 0.5 * d * d : attractionPotential(d, tool.reach));
-  });
+  }
   return sum;
 }
 
 double ContactLoad::potential(double time, const model::State& state) const {
   double sum = 0.0;
-  for (const Body& body : bodies_) sum += potentialOf(body, time, state.positions);
+  for (std::size_t b = 0; b < bodies_.size(); ++b) sum += potentialOf(b, time, state.positions);
   return sum;
 }
 
 double ContactLoad::storedEnergy(double time, const model::State& state) const {
   double sum = 0.0;
-  for (const Body& body : bodies_)
-    if (isPushing(body.tool)) sum += potentialOf(body, time, state.positions);
+  for (std::size_t b = 0; b < bodies_.size(); ++b)
+    if (isPushing(bodies_[b].tool)) sum += potentialOf(b, time, state.positions);
   return sum;
 }
 
@@ -143,14 +151,13 @@ double ContactLoad::estimateWork(double from, double to, const model::State& bef
 
 // The curvature of the tool's surface would soften a point that slides; leaving it out keeps the matrix positive.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
-  for (const Body& body : bodies_) {
-    const ToolParams& tool = body.tool;
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const ToolParams& tool = bodies_[b].tool;
     // Also without contact: the pattern stays the same from step to step.
     for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
     const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
-    forEachTouch(body, time, state.positions, [&](const Touch& touch) {
+    for (const Touch& touch : findTouches(b, time, state.positions))
       stiffness.add(touch.point, touch.point, masses_[touch.point] * per_mass * touch.normal * touch.normal.transpose());
-    });
   }
 }
 
@@ -162,106 +169,34 @@ void ContactLoad::addRowBounds(double, const model::State& state, std::vector<do
   }
 }
 
-void ContactLoad::addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const {
-  for (const Body& body : bodies_) {
-    const ToolParams& tool = body.tool;
+void ContactLoad::addReactions(double time, const model::State& state, const FrictionLoad& friction,
+                               std::vector<ToolReaction>& reactions) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    const ToolParams& tool = bodies_[b].tool;
     const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == tool.id; });
     if (found == reactions.end()) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
-    const tool::Motion motion = tool::findMotion(tool.path, time);
     Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    forEachTouch(body, time, state.positions, [&](const Touch& touch) {
-      const Vec3& x = state.positions[touch.point];
-      const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
-      const Vec3 on_point = touch.force + FrictionLoad::Law(*this, tool, touch).findForce(sliding);
+    for (const Touch& touch : findTouches(b, time, state.positions)) {
+      const Vec3 on_point = touch.force + friction.findForce(b, time, state, touch);
       force -= on_point;
-      torque -= (x - pose.position).cross(on_point);
+      torque -= (state.positions[touch.point] - pose.position).cross(on_point);
       ++found->contacts;
       found->penetration = std::max(found->penetration, -touch.distance);
-    });
+    }
     found->force += pose.orientation.conjugate() * force;
     found->torque += pose.orientation.conjugate() * torque;
   }
 }
 
-void ContactLoad::appendContacts(double time, const model::State& state, const std::string& id, Index place,
-                                 std::vector<Contact>& contacts) const {
-  for (const Body& body : bodies_) {
-    const ToolParams& tool = body.tool;
-    if (tool.id != id) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, time);
-    forEachTouch(body, time, state.positions, [&](const Touch& touch) {
-      const Vec3& x = state.positions[touch.point];
-      const Vec3 sliding = findSliding(motion, x, state.velocities[touch.point], touch.normal);
-      contacts.push_back(
-          {place, touch.point, x, touch.normal, touch.force + FrictionLoad::Law(*this, tool, touch).findForce(sliding)});
-    });
+void ContactLoad::appendContacts(double time, const model::State& state, const FrictionLoad& friction, const std::string& id,
+                                 Index place, std::vector<Contact>& contacts) const {
+  for (std::size_t b = 0; b < bodies_.size(); ++b) {
+    if (bodies_[b].tool.id != id) continue;
+    for (const Touch& touch : findTouches(b, time, state.positions))
+      contacts.push_back({place, touch.point, state.positions[touch.point], touch.normal,
+                          touch.force + friction.findForce(b, time, state, touch)});
   }
-}
-
-bool FrictionLoad::rubs(const ToolParams& tool) { return tool.friction > 0.0 && isPushing(tool); }
-
-bool FrictionLoad::isEmpty() const {
-  return std::none_of(contact_.bodies_.begin(), contact_.bodies_.end(),
-                      [](const ContactLoad::Body& body) { return rubs(body.tool); });
-}
-
-FrictionLoad::Law::Law(const ContactLoad& contact, const ToolParams& tool, const ContactLoad::Touch& touch)
-    : limit(rubs(tool) ? tool.friction * touch.force.norm() : 0.0), creep(rubs(tool) ? creepOf(contact, touch.point) : 0.0) {}
-
-double FrictionLoad::Law::creepOf(const ContactLoad& contact, Index point) { return contact.masses_[point] * contact.rate_; }
-
-Vec3 FrictionLoad::Law::findForce(const Vec3& sliding) const {
-  const double speed = sliding.norm();
-  if (!(speed > 0.0)) return Vec3::Zero();
-  return -std::min(limit, creep * speed) / speed * sliding;
-}
-
-double FrictionLoad::Law::findDamping(const Vec3& sliding) const {
-  const double speed = sliding.norm();
-  return speed > 0.0 ? std::min(limit / speed, creep) : creep;
-}
-
-// Calls visit(touch, law, motion) for every point that a tool rubs; motion: that of the tool at the time motion_time.
-template <class Visit>
-void FrictionLoad::forEachRub(double motion_time, double time, const Points& positions, Visit&& visit) const {
-  for (const ContactLoad::Body& body : contact_.bodies_) {
-    if (!rubs(body.tool)) continue;
-    const tool::Motion motion = tool::findMotion(body.tool.path, motion_time);
-    contact_.forEachTouch(body, time, positions,
-                          [&](const ContactLoad::Touch& touch) { visit(touch, Law(contact_, body.tool, touch), motion); });
-  }
-}
-
-void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
-  const Timer timer;
-  forEachRub(time, time, state.positions, [&](const ContactLoad::Touch& touch, const Law& law, const tool::Motion& motion) {
-    const Index i = touch.point;
-    forces[i] += law.findForce(findSliding(motion, state.positions[i], state.velocities[i], touch.normal));
-  });
-  contact_.seconds_ += timer.seconds();
-}
-
-double FrictionLoad::estimateWork(double from, double to, const model::State&, const model::State& after) const {
-  double work = 0.0;
-  forEachRub(from, to, after.positions, [&](const ContactLoad::Touch& touch, const Law& law, const tool::Motion& motion) {
-    work += law.limit * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
-  });
-  return work;
-}
-
-void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
-  if (!(step > 0.0)) return;
-  forEachRub(time, time, state.positions, [&](const ContactLoad::Touch& touch, const Law& law, const tool::Motion& motion) {
-    const Index i = touch.point;
-    const double damping = law.findDamping(findSliding(motion, state.positions[i], state.velocities[i], touch.normal));
-    stiffness.add(i, i, damping / step * (Mat3::Identity() - touch.normal * touch.normal.transpose()));
-  });
-}
-
-void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
-  for (const ContactLoad::Body& body : contact_.bodies_)
-    for (Index i = 0; rubs(body.tool) && i < state.size(); ++i) damping[i] += Law::creepOf(contact_, i);
 }
 
 }  // namespace deformable_surface::simulation

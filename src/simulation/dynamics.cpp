@@ -40,7 +40,7 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
   if (particles_) life_ = std::make_unique<ParticleLife>(*particles_);
   if (params.contact.self) {
     const double thickness = params.contact.thickness.valueOr(params.material.thickness);
-    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, *model_, thickness);
+    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, *model_, thickness, params.contact.friction);
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
   if (solid_) loads_.forces.setDropped(solid_->across());
@@ -64,6 +64,8 @@ void Dynamics::reset() {
   State& points = now_.points;
   points.positions = rest_->points;
   points.velocities.assign(rest_->points.size(), Vec3::Zero());
+  points.friction.clear();
+  points.self_friction.clear();
   model_->beginAtRest(points);
   activity_.reset();
   steps_ = 0;
@@ -100,6 +102,7 @@ void Dynamics::reset() {
   if (chosen_.integrator != solve::IntegratorType::kAuto) params_.integrator.type = chosen_.integrator;
   tool_watch_.reset();
   loose_said_ = 0;
+  has_said_stopped_ = false;
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);
@@ -141,6 +144,7 @@ void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
   if (hasContact(tools) && !(now_.contact_rate > 0.0)) findContactRate();
   tools_ = std::move(tools);
   giveContactTools();
+  if (loads_.friction.isEmpty()) now_.points.friction.clear();
   grips_.setTools(tools_);
 }
 

@@ -259,12 +259,13 @@ class Dynamics {
   std::string growth_notice_;
   bool is_hot_ = false;  // some particles are above the ambient temperature
   Index last_substeps_ = 0;
-  LooseParts loose_;           // of static steps
-  Index loose_said_ = 0;       // points of loose parts, as said last since the last reset
-  DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion
-  bool has_slept_ = false;     // through that step
-  NamedForces::Update woken_;  // by the step that is taken
-  bool has_woken_ = false;     // in its first half
+  LooseParts loose_;               // of static steps
+  bool has_said_stopped_ = false;  // since the last reset
+  Index loose_said_ = 0;           // points of loose parts, as said last since the last reset
+  DynamicsState before_;           // the step that is taken, or was taken last; without settings, and if it slept, without motion
+  bool has_slept_ = false;         // through that step
+  NamedForces::Update woken_;      // by the step that is taken
+  bool has_woken_ = false;         // in its first half
   // Scratch.
   std::vector<Index> hits_, moving_;                   // moving: points on pins that move in the step
   std::vector<double> load_stiffness_, load_damping_;  // N/m, N s/m

@@ -206,6 +206,8 @@ Changes Dynamics::perform(const command::Observe& c) {
 Changes Dynamics::perform(const command::SetState& c) {
   now_.points.positions = c.state.positions;
   now_.points.velocities = c.state.velocities;
+  now_.points.friction.clear();
+  now_.points.self_friction.clear();
   if (!c.state.plastic.empty()) {
     now_.points.plastic = c.state.plastic;
     now_.points.dissipated = c.state.dissipated;
@@ -253,6 +255,7 @@ void Dynamics::followPopulation(const ParticleLife::Changes& population) {
     loads_.anchors.renumber(population.new_index);
     grips_.renumber(population.new_index);
     loads_.contact.renumber(population.new_index);
+    renumberFriction(population.new_index, now_.points.friction);
     keepThose(population.new_index, now_.pinned);
     keepThose(population.new_index, now_.pinned_turns);
   }

@@ -18,7 +18,7 @@ std::size_t bytesInside(const Grips::Grip& grip) { return bytesInside(grip.tool)
 std::size_t bytesInside(const Activity::Memory& activity) { return bytesOf(activity.quiet) + bytesOf(activity.moves); }
 std::size_t bytesInside(const model::State& s) {
   return bytesOf(s.positions) + bytesOf(s.velocities) + bytesOf(s.orientations) + bytesOf(s.spins) + bytesOf(s.traits) +
-         bytesOf(s.plastic);
+         bytesOf(s.plastic) + bytesOf(s.friction) + bytesOf(s.self_friction);
 }
 template <class T>
 std::size_t bytesInside(const std::vector<T>& items) {
@@ -41,7 +41,8 @@ std::size_t DynamicsState::bytes() const {
   const auto& [tools, values, gravity, damping, spacing, physics] = settings;
   return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
          sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
-         sumInside(integrator, grips, bodies, cuts, tracked, may_touch_itself) + sumInside(tools, values, gravity, damping, spacing, physics);
+         sumInside(integrator, grips, bodies, cuts, tracked, may_touch_itself) +
+         sumInside(tools, values, gravity, damping, spacing, physics);
 }
 
 }  // namespace deformable_surface::simulation

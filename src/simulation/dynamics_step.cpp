@@ -86,7 +86,19 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (!grips_.isEmpty()) grip = updateGrips(now, dt);
   if (woken_.changed || grip.changed) followLoads();
   appendNotice(outcome.notice, grip.notice);
-  if (loads_.self_contact && loads_.self_contact->beginStep(points, dt)) followLoads();
+  if (loads_.self_contact && steps_ == 0) {
+    const contact::PairList& pairs = loads_.self_contact->contact.pairs();
+    const Vec3& place = pairs.firstCrossing();
+    if (pairs.numCrossed() > 0)
+      appendNotice(outcome.notice, std::to_string(pairs.numCrossed()) +
+                                       " triangles are crossed by others at rest, one of them near (" + formatShort(place.x()) +
+                                       ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
+                                       ") m: there the surface passes through itself");
+  }
+  if (loads_.self_contact && loads_.self_contact->beginStep(points, dt)) {
+    if (!loads_.self_contact->mayAct()) points.self_friction.clear();
+    followLoads();
+  }
   beginAsleep(now);
   if (activity_.isAsleep()) {
     woken_.notice = std::move(outcome.notice);
@@ -126,6 +138,10 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   outcome.report = taken.report;
   appendNotice(outcome.notice, describeStep(taken, params_.integrator));
   if (!taken.ok) return refuse(describeFailure(taken.failure), outcome);
+  if (loads_.self_contact && loads_.self_contact->numStopped() > 0 && !std::exchange(has_said_stopped_, true))
+    appendNotice(outcome.notice, "parts of the surface met faster than the springs between them could stop; " +
+                                     std::to_string(loads_.self_contact->numStopped()) +
+                                     " points were stopped short in this step, which takes energy (statistics: stopped_points)");
   const Timer search_timer;
   if (start && taken.report.converged) outcome.second_distance = searchAgain(now, request.second_search, *start);
   outcome.search_seconds = search_timer.seconds();

@@ -27,6 +27,7 @@ void LoadSet::choose() {
   if (!self_contact || !self_contact->mayAct()) return;
   acting_.push_back(&self_contact->springs);
   acting_.push_back(&self_contact->damping);
+  if (self_contact->rubs()) acting_.push_back(&self_contact->friction);
 }
 
 void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index) {

@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/friction_load.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/track_load.h"
 

@@ -7,12 +7,71 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr double kAlone = 0.99;  // weight of a triangle in whose Delaunay cell there is no other
+// Of the length of the shorter edge: edges without a common point that are nearer belong to triangles that overlap.
+constexpr double kOverlap = 0.05;
+
+struct Edge {
+  Index from, to;
+  std::size_t triangle;
+};
+
+// Drops the triangles at the longer one of two edges that cross within the surface.
+void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles) {
+  std::vector<Edge> edges;
+  std::vector<contact::Box> boxes, triangle_boxes;
+  for (std::size_t t = 0; t < triangles.size(); ++t) {
+    contact::Box whole;
+    for (int k = 0; k < 3; ++k) {
+      edges.push_back({triangles[t][k], triangles[t][(k + 1) % 3], t});
+      contact::Box box(rest[edges.back().from]);
+      boxes.push_back(box.extend(rest[edges.back().to]));
+      whole.extend(box);
+    }
+    const double margin = kOverlap * whole.diagonal().norm();
+    triangle_boxes.emplace_back(whole.min() - Vec3::Constant(margin), whole.max() + Vec3::Constant(margin));
+  }
+  const contact::BoxTree tree(boxes), triangle_tree(triangle_boxes);
+  const auto lengthOf = [&](const Edge& e) { return (rest[e.to] - rest[e.from]).norm(); };
+  std::vector<char> is_dropped(triangles.size(), 0);
+  for (std::size_t e = 0; e < edges.size(); ++e) {
+    const Edge& one = edges[e];
+    const double length = lengthOf(one);
+    const Vec3 margin = Vec3::Constant(kOverlap * length);
+    tree.visitMeeting({boxes[e].min() - margin, boxes[e].max() + margin}, [&](Index f) {
+      const Edge& other = edges[f];
+      const bool are_joined = one.from == other.from || one.from == other.to || one.to == other.from || one.to == other.to;
+      if (are_joined || lengthOf(other) < length || is_dropped[one.triangle] || is_dropped[other.triangle]) return;
+      const contact::Closest closest =
+          contact::findClosestOfEdges(rest[one.from], rest[one.to], rest[other.from], rest[other.to]);
+      if (closest.squaredDistance() < kOverlap * kOverlap * length * length) is_dropped[other.triangle] = 1;
+    });
+  }
+  // A point within a triangle that its own neighbours cover.
+  for (std::size_t p = 0; p < rest.size(); ++p)
+    triangle_tree.visitMeeting(contact::Box(rest[p]), [&](Index f) {
+      const contact::Triangle& t = triangles[f];
+      if (static_cast<Index>(p) == t[0] || static_cast<Index>(p) == t[1] || static_cast<Index>(p) == t[2]) return;
+      const double squared = contact::findClosestToTriangle(rest[p], rest[t[0]], rest[t[1]], rest[t[2]]).squaredDistance();
+      if (squared < kOverlap * kOverlap * (rest[t[1]] - rest[t[0]]).squaredNorm()) is_dropped[f] = 1;
+    });
+  std::size_t kept = 0;
+  for (std::size_t t = 0; t < triangles.size(); ++t)
+    if (is_dropped[t] == 0) triangles[kept++] = triangles[t];
+  triangles.resize(kept);
+}
+
+contact::SelfContactParams makeParams(double thickness, double friction) {
+  contact::SelfContactParams params;
+  params.thickness = thickness;
+  params.friction = friction;
+  return params;
+}
 
 }  // namespace
 
 // Neighbours on a surface run along their common edge in opposite directions. Triangles of which one would run along an edge that
 // another has taken overlap it.
-std::vector<contact::Triangle> chooseContactTriangles(const std::vector<model::WeightedTriangle>& triangles) {
+std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles) {
   std::vector<contact::Triangle> chosen;
   std::set<std::pair<Index, Index>> taken;
   for (const bool takes_shared : {false, true}) {
@@ -25,14 +84,17 @@ std::vector<contact::Triangle> chooseContactTriangles(const std::vector<model::W
       chosen.push_back(t);
     }
   }
+  dropOverlaps(rest, chosen);
   return chosen;
 }
 
-SelfContactLoads::SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness)
-    : contact(rest, chooseContactTriangles(model.triangles()), model.masses(), {thickness, 0.0}) {}
+SelfContactLoads::SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness, double friction)
+    : contact(rest, chooseContactTriangles(rest, model.triangles()), model.masses(), makeParams(thickness, friction)),
+      rubs_(friction > 0.0) {}
 
 // Where the loads do not act the limit still does: parts that come faster than was foreseen are stopped, not bounced.
 bool SelfContactLoads::beginStep(const model::State& state, double step) {
+  limit.forgetStopped();
   const bool may_act = contact.mayTouch(state.positions, state.velocities, step);
   return std::exchange(may_act_, may_act) != may_act;
 }

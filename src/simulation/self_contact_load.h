@@ -7,13 +7,14 @@
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/solve/motion_limit.h"
 
+#include <algorithm>
 #include <vector>
 
 namespace deformable_surface::simulation {
 
-/// The triangles without those that overlap others. Delaunay cells of more than three corners hold several triangulations: of
-/// these one is taken.
-std::vector<contact::Triangle> chooseContactTriangles(const std::vector<model::WeightedTriangle>& triangles);
+/// The triangles without those that overlap others at rest, (n) m. Delaunay cells of more than three corners hold several
+/// triangulations: of these one is taken. At edges of scattered points long triangles may lie across others: they are left out.
+std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
 
 /// The springs that push near parts apart.
 class SelfContactLoad : public solve::ExternalLoad {
@@ -52,35 +53,72 @@ class SelfContactDamping : public solve::ExternalLoad {
   contact::SelfContact& contact_;
 };
 
-class SelfContactLimit : public solve::MotionLimit {
+/// Friction between parts. Takes energy, but for what its springs give back.
+class SelfFriction : public solve::ExternalLoad {
  public:
-  explicit SelfContactLimit(contact::SelfContact& contact) : contact_(contact) {}
+  explicit SelfFriction(contact::SelfContact& contact) : contact_(contact) {}
 
-  const std::vector<Index>& limit(const Points& before, Points& after) const override { return contact_.limit(before, after); }
+  void addForces(double, const model::State& state, Points& forces) const override {
+    contact_.addFriction(state.positions, state.velocities, state.self_friction, forces);
+  }
+  double estimateWork(double, double, const model::State& before, const model::State& after) const override {
+    return std::max(0.0, contact_.frictionEnergy(before.positions, before.self_friction) -
+                             contact_.frictionEnergy(after.positions, after.self_friction));
+  }
+  void addStiffness(double, const model::State& state, double step, BlockSparse& stiffness) const override {
+    if (step > 0.0) contact_.addFrictionStiffness(state.positions, state.velocities, state.self_friction, step, stiffness);
+  }
+  void remember(double, model::State& state) const override {
+    contact_.moveAnchors(state.positions, state.velocities, state.self_friction);
+  }
 
  private:
   contact::SelfContact& contact_;
 };
 
+class SelfContactLimit : public solve::MotionLimit {
+ public:
+  explicit SelfContactLimit(contact::SelfContact& contact) : contact_(contact) {}
+
+  const std::vector<Index>& limit(const Points& before, Points& after) const override {
+    const std::vector<Index>& stopped = contact_.limit(before, after);
+    stopped_.resize(before.size(), 0);
+    for (const Index i : stopped) stopped_[i] = 1;
+    return stopped;
+  }
+  /// Points that were stopped since the last forgetStopped().
+  Index numStopped() const { return std::count(stopped_.begin(), stopped_.end(), char{1}); }
+  void forgetStopped() { std::fill(stopped_.begin(), stopped_.end(), char{0}); }
+
+ private:
+  contact::SelfContact& contact_;
+  mutable std::vector<char> stopped_;  // (n)
+};
+
 /// All of it for one surface.
 class SelfContactLoads {
  public:
-  /// rest: (n) m; thickness: m.
-  SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness);
+  /// rest: (n) m; thickness: m; friction: Coulomb's coefficient.
+  SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness, double friction);
   SelfContactLoads(const SelfContactLoads&) = delete;
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 
   /// Looks whether the loads may act in a step of so many seconds. Returns whether that is another answer than before.
   bool beginStep(const model::State& state, double step);
   bool mayAct() const { return may_act_; }
+  bool rubs() const { return rubs_; }
   void setMayAct(bool may_act) { may_act_ = may_act; }
+  /// Points that were stopped short since the step was begun.
+  Index numStopped() const { return limit.numStopped(); }
 
   contact::SelfContact contact;
   const SelfContactLoad springs{contact};
   const SelfContactDamping damping{contact};
-  const SelfContactLimit limit{contact};
+  const SelfFriction friction{contact};
+  SelfContactLimit limit{contact};
 
  private:
+  const bool rubs_;
   bool may_act_ = false;
 };
 

@@ -39,6 +39,12 @@ void Simulation::Impl::measureState() {
   statistics.has_snapped = now.hasSnapped();
   statistics.track_residual = now.loads().track.residual(state);
   statistics.track_points = static_cast<std::uint32_t>(now.loads().track.seen().size());
+  if (SelfContactLoads* const self = now.loads().self_contact.get()) {
+    const std::vector<contact::SelfContactForce> forces = self->contact.listForces(state.positions);
+    statistics.self_contacts = static_cast<std::uint32_t>(forces.size());
+    statistics.self_distance = self->contact.leastDistance(state.positions);
+    statistics.stopped_points = static_cast<std::uint32_t>(self->numStopped());
+  }
   statistics.state_hash = hashState(state);
   readEstimate(statistics);
 }
@@ -79,6 +85,7 @@ void Simulation::Impl::listSkipped() {
                       return !body.passed.empty() || isInReach(body.tool, now.time(), now.state().positions);
                     }),
        "contact");
+  list(now.loads().self_contact && !now.loads().self_contact->mayAct(), "self_contact");
 }
 
 // What a step did and took.

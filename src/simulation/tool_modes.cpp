@@ -40,6 +40,7 @@ std::vector<ToolProblem> findToolProblems(ModelKind model, const tool::ToolParam
                                    " does not use; accepted: 0, or none"});
   };
   refuseUnused("friction", tool.friction, use.friction);
+  refuseUnused("kinetic_friction", tool.kinetic_friction.valueOr(0.0), use.friction);
   refuseUnused("strength", tool.strength, use.strength);
   refuseUnused("reach", tool.reach, use.reach);
   if (model == ModelKind::kMassSpring && tool.mode == Mode::kCut && tool.shape.kind == geometry::Solid::Kind::kPlane)

@@ -36,7 +36,8 @@ bool turnsWithin(const ToolParams& tool, double time, double step) {
 // But for the path and when it acts.
 bool isSame(const ToolParams& a, const ToolParams& b) {
   return a.id == b.id && a.mode == b.mode && geometry::isSame(a.shape, b.shape) && a.friction == b.friction &&
-         a.strength == b.strength && a.reach == b.reach;
+         a.kinetic_friction.valueOr(a.friction) == b.kinetic_friction.valueOr(b.friction) && a.strength == b.strength &&
+         a.reach == b.reach;
 }
 
 }  // namespace

@@ -67,6 +67,7 @@ SolveReport ExplicitEuler::advance(const System& system, double time, double ste
     state.velocities[i] += step * acceleration;
   }
   if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, step, state);
+  system.remember(time + step, state);
   report.finite = allFinite(state);
   return report;
 }
@@ -90,6 +91,7 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
       state.positions[i] += dt * state.velocities[i];
     }
     if (system.motionLimit()) stopShort(*system.motionLimit(), system, before_, dt, state);
+    system.remember(time + (s + 1) * dt, state);
   }
   report.finite = allFinite(state);
   return report;
@@ -165,6 +167,7 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   const double dt = step / report.substeps;
   const double half_decay = std::exp(-0.5 * system.damping() * dt);
   const MotionLimit* const limit = system.motionLimit();
+  const std::vector<Index>* stopped = nullptr;  // in the last sub-step
   const Index n = state.size();
   const std::vector<double>& masses = system.masses();
   kick_.resize(3 * n);
@@ -197,6 +200,8 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   if (has_slow) addSlow();
   report.time_forces += timer.seconds();
   predicted_.velocities.resize(n);
+  predicted_.friction = state.friction;
+  predicted_.self_friction = state.self_friction;
   double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
   bool slow_acts = has_slow;  // at this end of a sub-step
   // Damping acts once at the beginning and the end of the step, twice between two sub-steps.
@@ -214,15 +219,18 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       state.positions[i] += dt * carrying;
       predicted_.velocities[i] = carrying;
     }
-    if (limit)
-      for (const Index i : stopShort(*limit, system, before_, dt, state))
+    if (limit) {
+      stopped = &stopShort(*limit, system, before_, dt, state);
+      for (const Index i : *stopped)
         if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
+    }
     // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
     system.computeFastForces(predicted_, forces_);
     if (s + 1 == report.substeps) fast_forces_ = forces_;
     system.addLoads(time + (s + 1) * dt, predicted_, forces_);
+    system.remember(time + (s + 1) * dt, predicted_);
     if (ends) {
       system.computeSlowForces(predicted_, slow_forces_);
       addSlow();
@@ -235,7 +243,12 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
                            kineticEnergy(mass_, 1.0, kick_, ends ? forces_with_slow_ : forces_, state.velocities);
   }
   kick(3 * n, half_decay, kick_.data(), (has_slow ? forces_with_slow_ : forces_).data()->data(), velocity);
+  // What stops a point bears the force on it, too: the last half kick would be a velocity that nothing has.
+  if (stopped)
+    for (const Index i : *stopped) state.velocities[i] = (state.positions[i] - before_[i]) / dt;
   for (const auto& [i, carrying] : carried_) state.velocities[i] = carrying;
+  state.friction.swap(predicted_.friction);
+  state.self_friction.swap(predicted_.self_friction);
   last_positions_ = state.positions;
   report.finite = allFinite(state);
   return report;

@@ -112,6 +112,7 @@ SolveReport ImplicitStage::takeEulerStep(const System& system, double time, doub
   const double carried = system.carryingWork(time, time + step, before, state);
   const double allowed = energy + std::max(0.0, remainderWork(state)) + std::max(0.0, carried);
   limitKineticEnergy(system, allowed - system.potentialEnergy(time + step, state), state);
+  system.remember(time + step, state);
   report.finite = allFinite(state.positions);
   return report;
 }
@@ -146,6 +147,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
   report.finite = allFinite(state.positions);
   if (report.finite && potential <= allowed) {
     limitKineticEnergy(system, allowed - potential, state);
+    system.remember(time + step, state);
     return report;
   }
   state = before_;
@@ -168,6 +170,8 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   }
   if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions);
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
+  state.friction.clear();  // an equilibrium is one without friction
+  state.self_friction.clear();
   const double rounding = system.roundingForce(time, state);
   if (quasi_newton_.solve(system, time + step, params_.tolerance, rounding, interrupt_, state, report)) {
     report.is_quasi_newton = true;

@@ -78,6 +78,7 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
       if (!system.isHeld(i)) state.velocities[i] = decay * (state.velocities[i] + half / masses[i] * forces_[i]);
       state.spins[i] = decay * (state.spins[i] + half / inertias[i] * torques_[i]);
     }
+    system.remember(time + (s + 1) * dt, state);
   }
   report.finite = allFinite(state);
   return report;
@@ -98,6 +99,8 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   const std::vector<double>&masses = system.masses(), &inertias = system.inertias();
   moveHeld(system, step, state, carried_);
   state.spins.assign(n, Vec3::Zero());
+  state.friction.clear();  // an equilibrium is one without friction
+  state.self_friction.clear();
   double dt = kFirst * max_substep, mixing = kMixing, largest = 0.0;
   int downhill = 0;
   const Index most = params_.max_iterations * kStepsPerIteration;

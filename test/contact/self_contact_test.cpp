@@ -69,6 +69,60 @@ TEST(SelfContact, DampingTakesEnergyAndNoMomentum) {
   EXPECT_LT(sum.norm(), 1e-12);
 }
 
+SelfContactParams withFriction(double coefficient) {
+  SelfContactParams params = kParams;
+  params.friction = coefficient;
+  return params;
+}
+
+// The upper sheet is moved along the lower one: it is held by the springs of friction, up to Coulomb's limit.
+TEST(SelfContact, FrictionHoldsUpToItsLimitAndKeepsMomentum) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0019, 0.0);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25), withFriction(0.5));
+  const Points still(sheets.points.size(), Vec3::Zero());
+  std::vector<PairAnchor> anchors;
+  contact.moveAnchors(sheets.points, still, anchors);
+  ASSERT_GT(anchors.size(), 20u);
+  for (const auto& [way, slides] : {std::pair<double, bool>{1e-6, false}, {1e-3, true}}) {
+    Points moved = sheets.points, pushing(moved.size(), Vec3::Zero()), rubbing = pushing;
+    for (std::size_t i = 25; i < moved.size(); ++i) moved[i].x() += way;
+    contact.addForces(moved, pushing);
+    contact.addFriction(moved, still, anchors, rubbing);
+    double pressed = 0.0, held = 0.0;
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t i = 0; i < moved.size(); ++i) {
+      sum += rubbing[i];
+      if (i < 25) continue;
+      pressed += pushing[i].z();
+      held -= rubbing[i].x();
+    }
+    EXPECT_LT(sum.norm(), 1e-12 * pressed);
+    EXPECT_GT(held, 0.0);
+    if (slides) EXPECT_NEAR(held, 0.5 * pressed, 1e-3 * pressed);
+    if (!slides) EXPECT_LT(held, 0.2 * pressed);
+    std::vector<PairAnchor> next = anchors;
+    contact.moveAnchors(moved, still, next);
+    for (const PairAnchor& anchor : next) EXPECT_EQ(anchor.slides, slides);
+    // What is left of the springs is what they hold.
+    Points again(moved.size(), Vec3::Zero());
+    contact.addFriction(moved, still, next, again);
+    for (std::size_t i = 0; i < moved.size(); ++i) EXPECT_LT((again[i] - rubbing[i]).norm(), 1e-9 * pressed) << i;
+  }
+}
+
+TEST(SelfContact, FrictionOfWhatMovesTogetherIsNone) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0019, 0.0);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25), withFriction(0.5));
+  const Points even(sheets.points.size(), Vec3(1.0, 2.0, 0.0));
+  std::vector<PairAnchor> anchors;
+  contact.moveAnchors(sheets.points, even, anchors);
+  Points moved = sheets.points, forces(moved.size(), Vec3::Zero());
+  for (Vec3& x : moved) x += Vec3(0.3, -0.2, 0.1);
+  contact.addFriction(moved, even, anchors, forces);
+  for (const Vec3& force : forces) EXPECT_LT(force.norm(), 1e-12);
+  EXPECT_LT(contact.frictionEnergy(moved, anchors), 1e-20);
+}
+
 TEST(SelfContact, StiffnessStaysBelowItsBounds) {
   const test::Sheets sheets = test::makeSheets(2, 4, 0.0013, 0.0004);
   SelfContact contact = makeContact(sheets, spread(sheets.points, 16));

@@ -29,7 +29,7 @@ inline Closest findClosest(const Pair& pair, const Points& positions) {
 /// Lists the pairs that are near, and says how long the list holds.
 class PairList {
  public:
-  /// rest: (n) m. thickness: m. Pairs that cross or touch at rest are left out.
+  /// rest: (n) m. thickness: m. Left out are pairs that touch at rest, and all of triangles that cross others there.
   PairList(Points rest, const std::vector<Triangle>& triangles, double thickness);
 
   /// Makes sure that every pair nearer than reach (m) is listed; the list is made anew if points have moved too far, all less
@@ -52,6 +52,9 @@ class PairList {
     }
   }
   double thickness() const { return thickness_; }
+  /// Triangles that edges of others go through at rest.
+  Index numCrossed() const { return num_crossed_; }
+  const Vec3& firstCrossing() const { return first_crossing_; }  // m, at rest; only if there is one
   /// m: a search for pairs that are nearer costs no more than one for those that touch.
   double usualReach() const { return kUsualReach * usual_radius_; }
   Index numSearches() const { return num_searches_; }
@@ -59,6 +62,7 @@ class PairList {
  private:
   static constexpr double kUsualReach = 0.5;  // the rest is what points may move until the next search
 
+  void findCrossed();
   void measureWays(const Points& positions);
   void search(const Points& positions, double radius);
   void offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const;
@@ -69,7 +73,10 @@ class PairList {
   std::vector<std::array<Index, 2>> edges_;
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxTree triangle_tree_, edge_tree_;
-  double usual_radius_ = 0.0;  // m, of a search
+  double usual_radius_ = 0.0;     // m, of a search
+  std::vector<char> is_crossed_;  // (n) of a triangle that crosses another one at rest
+  Index num_crossed_ = 0;
+  Vec3 first_crossing_ = Vec3::Zero();
 
   Points reference_;          // m, where the points were when the list was made; empty: there is none
   double radius_ = 0.0;       // m: nearer pairs were listed

@@ -5,6 +5,8 @@
 // half-spaces in place of their balls: a ball locks points that have come as near as they may.
 #pragma once
 
+#include "deformable_surface/contact/friction_anchors.h"
+#include "deformable_surface/contact/friction_law.h"
 #include "deformable_surface/contact/pair_list.h"
 #include "deformable_surface/linear/block_sparse.h"
 
@@ -16,6 +18,7 @@ struct SelfContactParams {
   double thickness = 0.0;  // m: layers rest so far apart
   double rate = 0.0;       // 1/s: a spring's stiffness is the least mass of its pair times the square of it
   double damping = 0.05;   // of the springs, as a share of critical
+  double friction = 0.0;   // Coulomb's coefficient
 };
 
 /// The spring force of one pair.
@@ -29,7 +32,7 @@ struct SelfContactForce {
 /// alone, not on earlier calls.
 class SelfContact {
  public:
-  /// rest: (n) m; masses: (n) kg. Pairs that cross or touch at rest never act.
+  /// rest: (n) m; masses: (n) kg. Triangles that cross others at rest never act.
   SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses, const SelfContactParams& params);
 
   /// See SelfContactParams.
@@ -50,9 +53,21 @@ class SelfContact {
   /// Adds upper bounds of the row sums of the derivatives of all forces with respect to position (N/m) and velocity (N s/m).
   void addRowBounds(const Points& positions, std::vector<double>& stiffness, std::vector<double>& damping);
 
-  /// Shortens straight ways from `before` to `after` such that no two parts cross on them, at any time in between, if all points
-  /// go at constant speed. Only what brings two parts nearer is taken off; points that stay, stay. Returns those that were
-  /// stopped short, ascending, until the next call.
+  // Friction by FrictionLaw: the spring of a pair that sticks is as stiff, and damped, as the one that pushes it apart. anchors:
+  // of the pairs that stick, ascending; others begin to stick where they are.
+  void addFriction(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors, Points& forces);
+  /// J, in the springs of friction.
+  double frictionEnergy(const Points& positions, const std::vector<PairAnchor>& anchors);
+  /// Of the forces of friction, as addStiffness().
+  void addFrictionStiffness(const Points& positions, const Points& velocities, const std::vector<PairAnchor>& anchors,
+                            double step, BlockSparse& stiffness);
+  /// Where pairs stick from now on. Overwritten.
+  void moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors);
+
+  /// Changes straight ways from `before` to `after` such that no two parts cross on them, at any time in between, if all points
+  /// go at constant speed. Parts that would come too near first collide without bouncing, which keeps momentum; then what is left
+  /// of their approach is taken off. Points that stay, stay. Returns those whose ways were changed, ascending, until the next
+  /// call.
   const std::vector<Index>& limit(const Points& before, Points& after);
 
   /// Of all pairs nearer than their thickness.
@@ -60,6 +75,7 @@ class SelfContact {
   /// m, of the nearest pair; infinite if none is nearer than the thickness.
   double leastDistance(const Points& positions);
   Index numSearches() const { return list_.numSearches(); }
+  const PairList& pairs() const { return list_; }
 
  private:
   struct Near {
@@ -70,13 +86,33 @@ class SelfContact {
   // Across the gap of a pair: how far each of its points may go towards the other primitive.
   struct Plane {
     std::array<Index, 4> vertices;
-    std::array<Vec3, 4> towards;  // unit
-    std::array<double, 4> room;   // m
+    std::array<double, 4> weight;  // in the gap
+    Vec3 normal;                   // unit, along the gap
+    double share;                  // m, of the room that each of the two primitives may use up
+    std::array<double, 4> room;    // m
+
+    std::array<Vec3, 4> towards;  // unit, to the other primitive
   };
 
+  /// How the parts of a pair that touches have moved along each other.
+  struct Rub {
+    FrictionLaw law;
+    Vec3 normal;   // unit
+    Vec3 stretch;  // m
+    bool slides;
+    const PairAnchor* anchor;  // null: they have just met
+  };
+  Rub findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const;
+  /// m/s, along the surfaces.
+  static Vec3 findSliding(const Near& near, const Points& velocities);
+
+  static bool touches(const Near& near);
+  /// Adds the block, as seen by the gap, to those of its vertices.
+  static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
   const std::vector<Near>& measure(const Points& positions, double reach);
   double stiffness(const Pair& pair) const;
   Plane makePlane(const Near& near, const Points& before) const;
+  void collide(const Points& before, const Points& after, double farthest);
 
   PairList list_;
   const std::vector<double> masses_;
@@ -84,10 +120,12 @@ class SelfContact {
   Points measured_at_;
   double measured_reach_ = 0.0;
   std::vector<Near> near_;
-  Points ways_;  // m, less what all share
+  Points ways_;    // m, less what all share
+  Points wanted_;  // m, those before they are shortened
   std::vector<Plane> planes_;
   std::vector<char> is_cut_;
   std::vector<Index> cut_;
+  std::vector<PairAnchor> next_;
 };
 
 }  // namespace deformable_surface::contact

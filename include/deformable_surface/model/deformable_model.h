@@ -5,6 +5,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/types.h"
+#include "deformable_surface/contact/friction_anchors.h"
 #include "deformable_surface/linear/block_sparse.h"
 
 #include <limits>
@@ -29,8 +30,10 @@ struct ParticleTraits {
 
 /// What moves: everything that a snapshot must hold of the simulation points. World frame.
 struct State {
-  Points positions;   // (n x 3) m
-  Points velocities;  // (n x 3) m/s
+  Points positions;                                  // (n x 3) m
+  Points velocities;                                 // (n x 3) m/s
+  std::vector<contact::BodyAnchor> friction{};       // ascending by body, then point
+  std::vector<contact::PairAnchor> self_friction{};  // ascending
   // Of models whose points are oriented, else empty:
   Orientations orientations{};           // (n) unit, from the point's frame to the world: its z axis is the normal
   Points spins{};                        // (n x 3) angular velocity, rad/s

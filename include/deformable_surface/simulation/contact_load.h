@@ -12,6 +12,8 @@
 
 namespace deformable_surface::simulation {
 
+class FrictionLoad;
+
 /// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential
 /// m r^2 d^2 / 2. Being in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and
 /// at rest a point is as deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between
@@ -53,7 +55,10 @@ class ContactLoad : public solve::ExternalLoad {
     std::optional<bool> acts;  // in the whole of the step that was begun; none: before the first
   };
   const std::vector<Body>& all() const { return bodies_; }
-  void restore(const std::vector<Body>& bodies) { bodies_ = bodies; }
+  void restore(const std::vector<Body>& bodies) {
+    bodies_ = bodies;
+    forgetTouches();
+  }
   /// Before a step: which tools act in it; which points solid ones will pass over in it if they go on as they do, and which are
   /// free again; and from where tools that appear arrive. held: those that cannot be pushed. Returns whether any of this has
   /// changed anything.
@@ -80,7 +85,10 @@ class ContactLoad : public solve::ExternalLoad {
   void renumber(const std::vector<Index>& new_index);
 
   /// r, 1/s. Set once the stable step at rest is known.
-  void setRate(double rate) { rate_ = rate; }
+  void setRate(double rate) {
+    rate_ = rate;
+    forgetTouches();
+  }
   double rate() const { return rate_; }
 
   void addForces(double time, const model::State& state, Points& forces) const override;
@@ -93,27 +101,34 @@ class ContactLoad : public solve::ExternalLoad {
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
 
-  /// s of wall time that contact and friction have taken since the last call, but for energies and stiffness.
-  double takeSeconds() const { return std::exchange(seconds_, 0.0); }
-
-  /// Adds what each tool feels, friction included, to those of its id.
-  void addReactions(double time, const model::State& state, std::vector<ToolReaction>& reactions) const;
-  /// Appends the touches of the tool of that id, if it is one of these, as those of the tool in that place.
-  void appendContacts(double time, const model::State& state, const std::string& id, Index place,
-                      std::vector<Contact>& contacts) const;
-
- private:
-  friend class FrictionLoad;
+  /// A point that a tool acts on.
   struct Touch {
     Index point;
     double distance;  // m, from the tool's surface; negative inside
     Vec3 normal;      // outward
     Vec3 force;       // N, on the point, along the normal
   };
-  template <class Visit>
-  void forEachTouch(const Body& body, double time, const Points& positions, Visit&& visit) const;
+  /// Of the body in that place, for every point that it acts on, ascending; until the next call with another time or other
+  /// positions. Found once for all who ask.
+  const std::vector<Touch>& findTouches(std::size_t body, double time, const Points& positions) const;
+  double massOf(Index point) const { return masses_[point]; }
+
+  /// s of wall time that contact and friction have taken since the last call, but for energies and stiffness.
+  double takeSeconds() const { return std::exchange(seconds_, 0.0); }
+  void addSeconds(double seconds) const { seconds_ += seconds; }
+
+  /// Adds what each tool feels, friction included, to those of its id.
+  void addReactions(double time, const model::State& state, const FrictionLoad& friction,
+                    std::vector<ToolReaction>& reactions) const;
+  /// Appends the touches of the tool of that id, if it is one of these, as those of the tool in that place.
+  void appendContacts(double time, const model::State& state, const FrictionLoad& friction, const std::string& id, Index place,
+                      std::vector<Contact>& contacts) const;
+
+ private:
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
-  double potentialOf(const Body& body, double time, const Points& positions) const;
+  double potentialOf(std::size_t body, double time, const Points& positions) const;
+  void forgetTouches() { touches_.clear(); }
+  void listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const;
   double totalMass() const;
 
   const std::vector<double>& masses_;
@@ -123,42 +138,16 @@ class ContactLoad : public solve::ExternalLoad {
   std::string news_;
   mutable double seconds_ = 0.0;
   Points before_;  // m, of the last beginStep()
+  // What findTouches() has found.
+  struct Touches {
+    bool are_known = false;
+    std::vector<Touch> list;
+  };
+  mutable double touched_time_ = 0.0;     // s, at which
+  mutable Points touched_at_;             // m, and where
+  mutable std::vector<Touches> touches_;  // by body; empty: nothing yet
   std::vector<Passed> scratch_;
   std::vector<std::string> told_;  // ids of tools whose passing between points was told
-};
-
-/// Coulomb's friction of the points that a solid tool touches: mu F_n against the sliding velocity v, but at most m r v. The
-/// limit keeps it stable beside the contact's own rate r, and means that a point held by friction alone creeps, at the speed
-/// F / (m r) of the force F that pulls at it.
-class FrictionLoad : public solve::ExternalLoad {
- public:
-  explicit FrictionLoad(const ContactLoad& contact) : contact_(contact) {}
-
-  bool isEmpty() const;
-  void addForces(double time, const model::State& state, Points& forces) const override;
-  /// It takes energy but where a tool's own motion drags points along: at most friction times the tool's way.
-  double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
-  void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
-  void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
-                    std::vector<double>& damping) const override;
-
- private:
-  friend class ContactLoad;
-  /// The law at one touch, zero where the tool does not rub. Force, stiffness, work and row bounds all come from it.
-  struct Law {
-    Law(const ContactLoad& contact, const tool::ToolParams& tool, const ContactLoad::Touch& touch);
-    static double creepOf(const ContactLoad& contact, Index point);
-    Vec3 findForce(const Vec3& sliding) const;      // N
-    double findDamping(const Vec3& sliding) const;  // N s/m, the secant force / speed
-    double limit;                                   // N, mu F_n
-    double creep;                                   // N s/m, m r
-  };
-  /// Whether a tool has friction: it pushes, and has a coefficient.
-  static bool rubs(const tool::ToolParams& tool);
-  template <class Visit>
-  void forEachRub(double motion_time, double time, const Points& positions, Visit&& visit) const;
-
-  const ContactLoad& contact_;
 };
 
 }  // namespace deformable_surface::simulation

@@ -9,12 +9,14 @@ namespace deformable_surface::simulation {
 struct ContactParams {
   bool self = false;         // parts of the surface do not pass through each other
   OrAuto<double> thickness;  // m, > 0; auto = that of the material
+  double friction = 0.0;     // Coulomb's coefficient, >= 0
 };
 
 inline void visit(Fields& fields, ContactParams& p) {
   fields.flag("self", p.self, "parts of a mass-spring surface do not pass through each other");
   fields.number("thickness", p.thickness, "m", between(1e-9, kMaxLength),
                 "distance at which parts of the surface begin to push each other apart; `auto` = material.thickness");
+  fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient between parts of the surface");
 }
 
 }  // namespace deformable_surface::simulation

@@ -34,7 +34,10 @@ struct Statistics {
   double real_time_factor = 0.0;  // time step over time_total
   // M, rms distance from the cloud that is tracked; NaN: from none.
   double track_residual = std::numeric_limits<double>::quiet_NaN();
-  std::uint32_t track_points = 0;  // simulation points that it shows
+  std::uint32_t track_points = 0;                                  // simulation points that it shows
+  std::uint32_t self_contacts = 0;                                 // pairs of parts of the surface that push each other apart
+  double self_distance = std::numeric_limits<double>::infinity();  // m, of the nearest of them; infinite: there is none
+  std::uint32_t stopped_points = 0;  // simulation points that were stopped short in the last step, before parts met
   std::uint64_t state_hash = 0;
   std::vector<std::string> skipped;  // stages that were not run because nobody needed them
 };
@@ -76,6 +79,9 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("real_time_factor", s.real_time_factor);
   visitor("track_residual", s.track_residual);
   visitor("track_points", s.track_points);
+  visitor("self_contacts", s.self_contacts);
+  visitor("self_distance", s.self_distance);
+  visitor("stopped_points", s.stopped_points);
   visitor("state_hash", s.state_hash);
   visitor("skipped", s.skipped);
 }

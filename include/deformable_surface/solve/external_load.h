@@ -29,6 +29,10 @@ class ExternalLoad {
     return isConservative() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 
+  /// A solver has come to this state, and will go on from it: a load that remembers more than positions and velocities say puts
+  /// it into the state here. Evaluations read it, and change nothing.
+  virtual void remember(double /*time*/, model::State& /*state*/) const {}
+
   /// Adds a positive semidefinite approximation of minus the derivative of the forces: with respect to position, and divided by
   /// step with respect to velocity (step = 0: none).
   virtual void addStiffness(double /*time*/, const model::State& /*state*/, double /*step*/, BlockSparse& /*stiffness*/) const {}

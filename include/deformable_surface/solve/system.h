@@ -51,6 +51,10 @@ class System {
   void computeSlowForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
   void addLoadsOnAll(double time, const State& state, Points& forces) const;  // the same on held points too
+  /// See ExternalLoad: to be called by explicit integrators after each sub-step, by implicit ones after each step.
+  void remember(double time, State& state) const {
+    for (const ExternalLoad* load : loads_) load->remember(time, state);
+  }
   double boundSlowRate(const State& state) const { return model_.boundSlowRate(state); }
   /// False: the model's forces are a function of the positions alone.
   bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }

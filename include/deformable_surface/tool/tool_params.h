@@ -1,6 +1,7 @@
 // A rigid tool: what it is, what it does and where it goes.
 #pragma once
 
+#include "deformable_surface/base/or_auto.h"
 #include "deformable_surface/base/params.h"
 #include "deformable_surface/geometry/solid_params.h"
 #include "deformable_surface/tool/tool_modes.h"
@@ -25,7 +26,8 @@ struct ToolParams {
   std::string id;
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
-  double friction = 0.0;               // Coulomb's coefficient, >= 0
+  double friction = 0.0;               // Coulomb's coefficient, >= 0: of what sticks
+  OrAuto<double> kinetic_friction;     // the same of what slides, at most friction; auto = friction
   double strength = 0.0;               // >= 0; unit and meaning: kModes
   double reach = 0.0;                  // m, how far from its surface it is felt
   double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
@@ -63,6 +65,11 @@ inline void visit(Fields& fields, ToolParams& p) {
       "One of sphere, box, cylinder, cone, plane and mesh. `plane: {}` is solid below z = 0 of the tool's frame. A cone's tip is "
       "up.");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient of solid, and of cut (oriented particles)");
+  fields.number("kinetic_friction", p.kinetic_friction, "", between(0.0, 1e3),
+                "Coulomb coefficient of points that slide, at most `friction`; `auto` = friction");
+  fields.require(p.kinetic_friction.valueOr(p.friction) <= p.friction, "kinetic_friction",
+                 "found " + formatReal(p.kinetic_friction.valueOr(0.0)) + ", more than friction, " + formatReal(p.friction) +
+                     "; accepted: at most friction");
   fields.number("strength", p.strength, "", between(0.0, 1e12), describeStrengths());
   const ModeInfo& mode = infoOf(p.mode);
   fields.require(!mode.needs_strength || p.strength > 0.0, "strength",

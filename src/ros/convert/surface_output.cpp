@@ -59,6 +59,9 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.real_time_factor = statistics.real_time_factor;
   message.track_residual = statistics.track_residual;
   message.track_points = statistics.track_points;
+  message.self_contacts = statistics.self_contacts;
+  message.self_distance = statistics.self_distance;
+  message.stopped_points = statistics.stopped_points;
   message.state_hash = statistics.state_hash;
   message.skipped = statistics.skipped;
 }

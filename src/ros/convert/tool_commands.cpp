@@ -157,6 +157,7 @@ ToolParams readTool(const Tool& command) {
   tool.mode = mode->mode;
   tool.shape = readShape(command);
   tool.friction = command.friction;
+  if (command.kinetic_friction != 0.0) tool.kinetic_friction = command.kinetic_friction;
   tool.strength = command.strength;
   if (tool.mode == Mode::kAttract) tool.reach = findReach(tool.shape);
   return tool;

@@ -50,6 +50,7 @@ Tool readTool(IStream& stream) {
   stream.next(tool.twist);
   stream.next(tool.follow_frame);
   stream.next(tool.friction);
+  stream.next(tool.kinetic_friction);
   stream.next(tool.strength);
   return tool;
 }

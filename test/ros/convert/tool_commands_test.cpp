@@ -97,10 +97,12 @@ class ToolCommandsTest : public testing::Test {
 TEST_F(ToolCommandsTest, BecomeEveryPrimitiveAndPlane) {
   Tool tool = makeBall("ball", Vec3(1, 2, 3), 0.25);
   tool.friction = 0.5;
+  tool.kinetic_friction = 0.25;
   apply(tool);
   EXPECT_EQ(only().shape.kind, Solid::Kind::kSphere);
   EXPECT_EQ(only().shape.radius, 0.25);
   EXPECT_EQ(only().friction, 0.5);
+  EXPECT_EQ(only().kinetic_friction.valueOr(0.0), 0.25);
   EXPECT_EQ(only().mode, tool::Mode::kSolid);
   EXPECT_EQ(pose().position, Vec3(1, 2, 3));
 

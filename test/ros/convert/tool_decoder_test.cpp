@@ -43,6 +43,7 @@ ToolArray makeTools() {
   tool.twist.angular.z = 10.0;
   tool.follow_frame = true;
   tool.friction = 0.5;
+  tool.kinetic_friction = 0.25;
   tool.strength = 11.0;
   return message;
 }

@@ -1,0 +1,36 @@
+// What friction remembers: where points stick. Part of the state of a surface.
+#pragma once
+
+#include "deformable_surface/base/types.h"
+
+#include <array>
+#include <cstdint>
+
+namespace deformable_surface::contact {
+
+/// Where a point sticks to a rigid body, or is about to again.
+struct BodyAnchor {
+  std::uint64_t body;  // a hash of its name
+  Index point;
+  Vec3 place;   // m, in the body's frame
+  bool slides;  // the point was sliding when it was last looked at
+
+  bool isBefore(std::uint64_t other_body, Index other_point) const {
+    return body != other_body ? body < other_body : point < other_point;
+  }
+};
+
+/// Where two parts of the surface stick to each other.
+struct PairAnchor {
+  std::array<Index, 4> vertices;  // of the pair, see contact::Pair
+  bool is_edges;
+  std::array<double, 4> weight;  // of the vertices in the gap between both places
+  Vec3 offset;                   // m, that gap where nothing pulls
+  bool slides;
+
+  bool isBefore(const std::array<Index, 4>& other, bool other_is_edges) const {
+    return is_edges != other_is_edges ? other_is_edges : vertices < other;
+  }
+};
+
+}  // namespace deformable_surface::contact

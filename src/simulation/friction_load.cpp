@@ -1,0 +1,145 @@
+#include "deformable_surface/simulation/friction_load.h"
+
+#include "deformable_surface/base/hash.h"
+#include "deformable_surface/base/timer.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::simulation {
+namespace {
+
+using contact::BodyAnchor;
+
+bool rubs(const tool::ToolParams& tool) { return tool.friction > 0.0 && tool.mode != tool::Mode::kAttract; }
+
+std::uint64_t keyOf(const std::string& id) {
+  std::uint64_t hash = kHashBegin;
+  for (const char c : id) hash = mixHash(hash, static_cast<unsigned char>(c));
+  return hash;
+}
+
+const BodyAnchor* findAnchor(const std::vector<BodyAnchor>& anchors, std::uint64_t body, Index point) {
+  const auto at =
+      std::lower_bound(anchors.begin(), anchors.end(), point, [&](const BodyAnchor& a, Index p) { return a.isBefore(body, p); });
+  return at != anchors.end() && at->body == body && at->point == point ? &*at : nullptr;
+}
+
+Vec3 alongSurface(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * normal; }
+
+}  // namespace
+
+bool FrictionLoad::isEmpty() const {
+  return std::none_of(contact_.all().begin(), contact_.all().end(),
+                      [](const ContactLoad::Body& body) { return rubs(body.tool); });
+}
+
+FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, double time) const {
+  return {keyOf(tool.id), tool.friction, tool.kinetic_friction.valueOr(tool.friction), tool::interpolate(tool.path, time),
+          tool::findMotion(tool.path, time)};
+}
+
+FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const {
+  const Vec3& x = state.positions[touch.point];
+  const double mass = contact_.massOf(touch.point), rate = contact_.rate(), pressing = touch.force.norm();
+  const BodyAnchor* const anchor = findAnchor(state.friction, body.key, touch.point);
+  const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
+  return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, mass * rate * rate, mass * rate},
+          alongSurface(moved, touch.normal),
+          alongSurface(state.velocities[touch.point] - body.motion.velocityAt(x), touch.normal),
+          anchor && anchor->slides};
+}
+
+Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const {
+  const tool::ToolParams& tool = contact_.all()[body].tool;
+  return rubs(tool) ? findRub(beginRubbing(tool, time), state, touch).force() : Vec3::Zero();
+}
+
+void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
+  const Timer timer;
+  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
+    const tool::ToolParams& tool = contact_.all()[b].tool;
+    if (!rubs(tool)) continue;
+    const Rubbing body = beginRubbing(tool, time);
+    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions))
+      forces[touch.point] += findRub(body, state, touch).force();
+  }
+  contact_.addSeconds(timer.seconds());
+}
+
+double FrictionLoad::storedEnergyAt(double time, const model::State& state) const {
+  double sum = 0.0;
+  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
+    const tool::ToolParams& tool = contact_.all()[b].tool;
+    if (!rubs(tool)) continue;
+    const Rubbing body = beginRubbing(tool, time);
+    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
+      const Rub rub = findRub(body, state, touch);
+      const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
+      sum += 0.5 * force * force / rub.law.stiffness;
+    }
+  }
+  return sum;
+}
+
+double FrictionLoad::estimateWork(double from, double to, const model::State& before, const model::State& after) const {
+  double work = std::max(0.0, storedEnergyAt(from, before) - storedEnergyAt(to, after));
+  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
+    const tool::ToolParams& tool = contact_.all()[b].tool;
+    if (!rubs(tool)) continue;
+    const tool::Motion motion = tool::findMotion(tool.path, from);
+    for (const ContactLoad::Touch& touch : contact_.findTouches(b, to, after.positions))
+      work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
+  }
+  return work;
+}
+
+void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
+  if (!(step > 0.0)) return;
+  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
+    const tool::ToolParams& tool = contact_.all()[b].tool;
+    if (!rubs(tool)) continue;
+    const Rubbing body = beginRubbing(tool, time);
+    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
+      const Rub rub = findRub(body, state, touch);
+      // A point that has just come has no spring yet.
+      const double spring = findAnchor(state.friction, body.key, touch.point) ? rub.law.stiffness : 0.0;
+      const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
+      stiffness.add(touch.point, touch.point,
+                    share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()));
+    }
+  }
+}
+
+// Across the normal, where the contact's own stiffness does not act: that of friction is no larger, and need not be added to it.
+void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
+  for (const ContactLoad::Body& body : contact_.all())
+    for (Index i = 0; rubs(body.tool) && i < state.size(); ++i) damping[i] += contact_.massOf(i) * contact_.rate();
+}
+
+void FrictionLoad::remember(double time, model::State& state) const {
+  next_.clear();
+  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
+    const tool::ToolParams& tool = contact_.all()[b].tool;
+    if (!rubs(tool)) continue;
+    const Rubbing body = beginRubbing(tool, time);
+    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
+      Rub rub = findRub(body, state, touch);
+      const bool slides = rub.law.slide(rub.stretch, rub.sliding, rub.slides);
+      const Vec3 place = body.pose.orientation.conjugate() * (state.positions[touch.point] - rub.stretch - body.pose.position);
+      next_.push_back({body.key, touch.point, place, slides});
+    }
+  }
+  std::sort(next_.begin(), next_.end(), [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); });
+  state.friction = next_;
+}
+
+void renumberFriction(const std::vector<Index>& new_index, std::vector<BodyAnchor>& friction) {
+  for (BodyAnchor& anchor : friction) anchor.point = new_index[anchor.point];
+  friction.erase(std::remove_if(friction.begin(), friction.end(), [](const BodyAnchor& a) { return a.point < 0; }),
+                 friction.end());
+  std::sort(friction.begin(), friction.end(),
+            [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); });
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,198 @@
+#include "deformable_surface/simulation/friction_load.h"
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace deformable_surface::test {
+namespace {
+
+using Type = solve::IntegratorType;
+
+tool::ToolParams ball(double radius, const Vec3& from, const Vec3& to) {
+  tool::ToolParams tool;
+  tool.id = "ball";
+  tool.shape.radius = radius;
+  tool.path = {{0.0, from, Vec4(0.0, 0.0, 0.0, 1.0)}, {1.0, to, Vec4(0.0, 0.0, 0.0, 1.0)}};
+  return tool;
+}
+
+// One law: the stiffness is the secant of the force, the bound of rows is above it, and the work is done at the force's limit.
+TEST(FrictionLoad, ForceStiffnessWorkAndRowBoundsAreThoseOfOneLaw) {
+  const std::vector<double> masses = {0.3, 0.5};
+  tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
+  tool.friction = 0.4;
+  simulation::ContactLoad contact(masses);
+  const simulation::FrictionLoad friction(contact);
+  contact.setTools({tool});
+  contact.setRate(100.0);
+  model::State state;
+  state.positions = {Vec3(0.45, 0.0, 0.0), Vec3(0.0, 0.49, 0.0)};
+  for (const double speed : {1e-3, 0.1, 3.0}) {
+    state.velocities = {Vec3(0.0, speed, 0.0), Vec3(0.0, 0.0, speed)};
+    Points pushes(2, Vec3::Zero()), forces(2, Vec3::Zero());
+    contact.addForces(0.0, state, pushes);
+    friction.addForces(0.0, state, forces);
+    const double step = 0.01;
+    BlockSparse stiffness;
+    stiffness.begin(2);
+    friction.addStiffness(0.0, state, step, stiffness);
+    stiffness.finish();
+    std::vector<double> rows(2, 0.0), damping(2, 0.0);
+    friction.addRowBounds(0.0, state, rows, damping);
+    double limits = 0.0;
+    const tool::Motion motion = tool::findMotion(tool.path, 0.0);
+    for (int i = 0; i < 2; ++i) {
+      const Vec3 normal = pushes[i].normalized(), relative = state.velocities[i] - motion.velocityAt(state.positions[i]);
+      const Vec3 sliding = relative - relative.dot(normal) * normal;
+      Eigen::VectorXd slide = Eigen::VectorXd::Zero(6), product(6);
+      slide.segment<3>(3 * i) = sliding;
+      stiffness.multiply(slide, product);
+      EXPECT_LT((step * product.segment<3>(3 * i) + forces[i]).norm(), 1e-12 * forces[i].norm()) << speed;
+      EXPECT_GE(damping[i] * sliding.norm(), (1.0 - 1e-12) * forces[i].norm());
+      EXPECT_LE(forces[i].norm(), (1.0 + 1e-12) * tool.friction * pushes[i].norm());
+      limits += tool.friction * pushes[i].norm() * step * motion.velocityAt(state.positions[i]).norm();
+    }
+    EXPECT_NEAR(friction.estimateWork(0.0, step, state, state), limits, 0.05 * limits);
+  }
+}
+
+TEST(FrictionLoad, AToolThatDoesNotPushRubsNowhere) {
+  const std::vector<double> masses = {0.3};
+  tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
+  tool.mode = tool::Mode::kAttract;
+  tool.strength = 10.0;
+  tool.reach = 0.2;
+  tool.friction = 0.4;  // which scenes and commands refuse
+  simulation::ContactLoad contact(masses);
+  const simulation::FrictionLoad friction(contact);
+  contact.setTools({tool});
+  contact.setRate(100.0);
+  model::State state;
+  state.positions = {Vec3(0.45, 0.0, 0.0)};
+  state.velocities = {Vec3(0.0, 1.0, 0.0)};
+  EXPECT_TRUE(friction.isEmpty());
+  EXPECT_EQ(friction.estimateWork(0.0, 0.01, state, state), 0.0);
+  std::vector<double> rows(1, 0.0), damping(1, 0.0);
+  friction.addRowBounds(0.0, state, rows, damping);
+  EXPECT_EQ(damping[0], 0.0);
+}
+
+// A small stiff patch on an inclined plane with a coefficient of 0.4.
+struct Incline {
+  double angle = 0.0;  // rad
+  double friction = 0.4;
+  OrAuto<double> kinetic{};
+  Type integrator = Type::kVerlet;
+
+  simulation::Simulation make() const {
+    simulation::SceneParams p = hangingSheet();
+    p.pins.clear();
+    p.material.damping = 0.0;
+    p.material.young_modulus = 1e7;
+    p.simplification.target_points = 40;
+    p.activity.sleep = simulation::Sleep::kNever;
+    p.accuracy.estimate = false;
+    p.integrator.type = integrator;
+    p.gravity = 9.81 * Vec3(std::sin(angle), 0.0, -std::cos(angle));
+    tool::ToolParams plane = ball(0.1, Vec3::Zero(), Vec3::Zero());
+    plane.shape.kind = geometry::Solid::Kind::kPlane;
+    plane.path.resize(1);
+    plane.friction = friction;
+    plane.kinetic_friction = kinetic;
+    p.tools = {plane};
+    return simulation::Simulation(p, sheetCloud(10));
+  }
+};
+
+double meanPlace(const simulation::Simulation& s) {
+  double sum = 0.0;
+  for (const Vec3& x : s.state().positions) sum += x.x() / s.state().size();
+  return sum;
+}
+
+// How far the patch gets between two times, m.
+double slide(const Incline& incline, double from, double to) {
+  simulation::Simulation s = incline.make();
+  const double step = s.params().integrator.time_step;
+  run(s, static_cast<int>(std::lround(from / step)));
+  const double before = meanPlace(s);
+  run(s, static_cast<int>(std::lround((to - from) / step)));
+  return meanPlace(s) - before;
+}
+
+TEST(FrictionLoad, WhatSticksDoesNotCreep) {
+  for (const Type type : {Type::kVerlet, Type::kImplicit}) {
+    Incline incline;
+    incline.integrator = type;
+    incline.angle = std::atan(0.9 * 0.4);
+    // A micrometre a minute.
+    EXPECT_LT(std::abs(slide(incline, 2.0, 4.0)), 2.0 / 60.0 * 1e-6) << static_cast<int>(type);
+  }
+}
+
+TEST(FrictionLoad, APatchBeginsToSlideWithinHalfADegreeOfTheAngleOfFriction) {
+  const double half_degree = 0.5 * M_PI / 180.0;
+  Incline incline;
+  incline.angle = std::atan(0.4) - half_degree;
+  EXPECT_LT(slide(incline, 0.5, 1.5), 1e-5);
+  incline.angle = std::atan(0.4) + half_degree;
+  EXPECT_GT(slide(incline, 0.5, 1.5), 0.05);
+}
+
+TEST(FrictionLoad, APatchSlidesAsFarAsCoulombSays) {
+  for (const Type type : {Type::kVerlet, Type::kImplicit}) {
+    for (const double friction : {0.0, 0.2, 0.4}) {
+      Incline incline;
+      incline.integrator = type;
+      incline.friction = friction;
+      incline.angle = 0.6;
+      const double acceleration = 9.81 * (std::sin(0.6) - friction * std::cos(0.6));
+      const double expected = 0.5 * acceleration * (1.0 - 0.5 * 0.5);
+      EXPECT_NEAR(slide(incline, 0.5, 1.0), expected, 0.01 * expected) << friction << " " << static_cast<int>(type);
+    }
+  }
+}
+
+TEST(FrictionLoad, WhatSlidesHasTheKineticCoefficient) {
+  Incline incline;
+  incline.kinetic = 0.2;
+  incline.angle = std::atan(0.3);  // between both: it stays where it is put
+  EXPECT_LT(slide(incline, 0.5, 1.0), 1e-6);
+  incline.angle = std::atan(0.5);
+  const double acceleration = 9.81 * (std::sin(incline.angle) - 0.2 * std::cos(incline.angle));
+  const double expected = 0.5 * acceleration * (1.0 - 0.5 * 0.5);
+  EXPECT_NEAR(slide(incline, 0.5, 1.0), expected, 0.01 * expected);
+}
+
+TEST(FrictionLoad, AForkGoesOnFromWherePointsStick) {
+  Incline incline;
+  incline.angle = std::atan(0.5);
+  simulation::Simulation s = incline.make();
+  run(s, 30);
+  simulation::Simulation fork = s.fork();
+  const simulation::Snapshot snapshot = s.snapshot();
+  run(s, 20);
+  run(fork, 20);
+  EXPECT_EQ(s.stateHash(), fork.stateHash());
+  fork.restore(snapshot);
+  run(fork, 20);
+  EXPECT_EQ(s.stateHash(), fork.stateHash());
+}
+
+TEST(FrictionLoad, AToolCarriesWhatLiesOnItAsItMoves) {
+  Incline incline;
+  simulation::Simulation s = incline.make();
+  run(s, 50);
+  const double before = meanPlace(s);
+  tool::ToolParams plane = s.tools()[0];
+  plane.path = {{0.5, Vec3::Zero(), Vec4(0.0, 0.0, 0.0, 1.0)}, {1.5, Vec3(0.3, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  s.moveTool(plane.id, plane.path);
+  run(s, 120);
+  EXPECT_NEAR(meanPlace(s) - before, 0.3, 2e-3);  // it starts and stops at once, and slips for a moment
+}
+
+}  // namespace
+}  // namespace deformable_surface::test

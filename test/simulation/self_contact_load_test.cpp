@@ -1,0 +1,127 @@
+// Contact of a surface with itself in a simulation: nothing crosses, energy is not made, and runs can be continued and copied.
+#include "../../src/simulation/self_contact_load.h"
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "../support/contact_scenes.h"
+#include "../support/crossings.h"
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::Simulation;
+using Type = solve::IntegratorType;
+
+ContactScene makeScene(const std::string& name, std::uint32_t seed, double duration, Type type = Type::kVerlet) {
+  ContactSceneMaker maker(seed);
+  for (const auto& [known, make] : listContactScenes()) {
+    if (known != name) continue;
+    ContactScene scene = make(maker);
+    scene.params.duration = duration;
+    scene.params.integrator.type = type;
+    return scene;
+  }
+  throw InputError("contact scenes: found " + name);
+}
+
+struct Run {
+  int crossed = 0;    // looks at which any triangles cross
+  Index touched = 0;  // most pairs in contact
+};
+Run simulate(const ContactScene& scene) {
+  Run run;
+  Simulation s(scene.params, scene.cloud);
+  const std::vector<contact::Triangle> triangles = simulation::chooseContactTriangles(s.state().positions, s.model().triangles());
+  const int steps = static_cast<int>(std::lround(scene.params.duration / scene.params.integrator.time_step));
+  for (int k = 0; k < steps; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    EXPECT_TRUE(outcome.ok) << outcome.problem;
+    if (!outcome.ok) return run;
+    if (k % 4 != 3) continue;
+    run.crossed += !findCrossings(s.state().positions, triangles).empty();
+    run.touched = std::max(run.touched, static_cast<Index>(s.statistics().self_contacts));
+  }
+  return run;
+}
+
+TEST(SelfContactLoad, AFoldedTowelDoesNotCrossItself) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  const Run with = simulate(scene);
+  EXPECT_EQ(with.crossed, 0);
+  EXPECT_GT(with.touched, 10);
+  scene.params.contact.self = false;
+  EXPECT_GT(simulate(scene).crossed, 10);
+}
+
+TEST(SelfContactLoad, ATwistedStripAndAHeapDoNotCrossThemselves) {
+  for (const char* name : {"twist", "heap"}) {
+    const Run run = simulate(makeScene(name, 2, 0.8));
+    EXPECT_EQ(run.crossed, 0) << name;
+    EXPECT_GT(run.touched, 10) << name;
+  }
+}
+
+TEST(SelfContactLoad, ImplicitStepsDoNotCrossEither) {
+  const Run run = simulate(makeScene("fold", 3, 0.8, Type::kImplicit));
+  EXPECT_EQ(run.crossed, 0);
+  EXPECT_GT(run.touched, 10);
+}
+
+TEST(SelfContactLoad, ARunFromASnapshotAndAForkAreTheSame) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  scene.params.contact.friction = 0.3;
+  Simulation s(scene.params, scene.cloud);
+  run(s, 110);
+  ASSERT_GT(s.statistics().self_contacts, 0u);
+  const simulation::Snapshot snapshot = s.snapshot();
+  Simulation fork = s.fork();
+  run(s, 30);
+  run(fork, 30);
+  EXPECT_EQ(s.stateHash(), fork.stateHash());
+  const std::uint64_t hash = s.stateHash();
+  s.restore(snapshot);
+  run(s, 30);
+  EXPECT_EQ(s.stateHash(), hash);
+}
+
+TEST(SelfContactLoad, ResultsDoNotDependOnTheNumberOfThreads) {
+  ContactScene scene = makeScene("drop", 4, 0.6);
+  std::uint64_t hash = 0;
+  for (const Index threads : {1, 2, 3}) {
+    scene.params.threads = threads;
+    Simulation s(scene.params, scene.cloud);
+    run(s, 80);
+    if (threads > 1) EXPECT_EQ(s.stateHash(), hash) << threads;
+    hash = s.stateHash();
+  }
+}
+
+TEST(SelfContactLoad, NothingActsWhereNothingIsNear) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  Simulation s(scene.params, scene.cloud);
+  run(s, 1);
+  const std::vector<std::string> skipped = s.statistics().skipped;
+  EXPECT_EQ(std::count(skipped.begin(), skipped.end(), "self_contact"), 1);
+  EXPECT_EQ(s.statistics().self_contacts, 0u);
+}
+
+TEST(SelfContactLoad, ScenesThatItIsNotMadeForAreRefused) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  scene.params.mass_spring.tear_strain = 0.2;
+  EXPECT_THROW(Simulation(scene.params, scene.cloud), InputError);
+  scene = makeScene("fold", 1, 1.0);
+  Simulation s(scene.params, scene.cloud);
+  tool::ToolParams knife = s.tools()[0];
+  knife.id = "knife";
+  knife.mode = tool::Mode::kCut;
+  knife.friction = 0.0;
+  knife.shape.kind = geometry::Solid::Kind::kBox;
+  EXPECT_THROW(s.setTool(knife), InputError);
+  EXPECT_TRUE(s.step().ok);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
