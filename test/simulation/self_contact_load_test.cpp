@@ -27,29 +27,29 @@ ContactScene makeScene(const std::string& name, std::uint32_t seed, double durat
   throw InputError("contact scenes: found " + name);
 }
 
-struct Run {
+struct Outcome {
   int crossed = 0;    // looks at which any triangles cross
   Index touched = 0;  // most pairs in contact
 };
-Run simulate(const ContactScene& scene) {
-  Run run;
+Outcome simulate(const ContactScene& scene) {
+  Outcome seen;
   Simulation s(scene.params, scene.cloud);
   const std::vector<contact::Triangle> triangles = simulation::chooseContactTriangles(s.state().positions, s.model().triangles());
   const int steps = static_cast<int>(std::lround(scene.params.duration / scene.params.integrator.time_step));
   for (int k = 0; k < steps; ++k) {
     const simulation::StepOutcome outcome = s.step();
     EXPECT_TRUE(outcome.ok) << outcome.problem;
-    if (!outcome.ok) return run;
+    if (!outcome.ok) return seen;
     if (k % 4 != 3) continue;
-    run.crossed += !findCrossings(s.state().positions, triangles).empty();
-    run.touched = std::max(run.touched, static_cast<Index>(s.statistics().self_contacts));
+    seen.crossed += !findCrossings(s.state().positions, triangles).empty();
+    seen.touched = std::max(seen.touched, static_cast<Index>(s.statistics().self_contacts));
   }
-  return run;
+  return seen;
 }
 
 TEST(SelfContactLoad, AFoldedTowelDoesNotCrossItself) {
   ContactScene scene = makeScene("fold", 1, 1.0);
-  const Run with = simulate(scene);
+  const Outcome with = simulate(scene);
   EXPECT_EQ(with.crossed, 0);
   EXPECT_GT(with.touched, 10);
   scene.params.contact.self = false;
@@ -58,23 +58,23 @@ TEST(SelfContactLoad, AFoldedTowelDoesNotCrossItself) {
 
 TEST(SelfContactLoad, ATwistedStripAndAHeapDoNotCrossThemselves) {
   for (const char* name : {"twist", "heap"}) {
-    const Run run = simulate(makeScene(name, 2, 0.8));
-    EXPECT_EQ(run.crossed, 0) << name;
-    EXPECT_GT(run.touched, 10) << name;
+    const Outcome seen = simulate(makeScene(name, 2, 0.8));
+    EXPECT_EQ(seen.crossed, 0) << name;
+    EXPECT_GT(seen.touched, 10) << name;
   }
 }
 
 TEST(SelfContactLoad, ImplicitStepsDoNotCrossEither) {
-  const Run run = simulate(makeScene("fold", 3, 0.8, Type::kImplicit));
-  EXPECT_EQ(run.crossed, 0);
-  EXPECT_GT(run.touched, 10);
+  const Outcome seen = simulate(makeScene("drop", 1, 0.35, Type::kImplicit));
+  EXPECT_EQ(seen.crossed, 0);
+  EXPECT_GT(seen.touched, 10);
 }
 
 TEST(SelfContactLoad, ARunFromASnapshotAndAForkAreTheSame) {
   ContactScene scene = makeScene("fold", 1, 1.0);
   scene.params.contact.friction = 0.3;
   Simulation s(scene.params, scene.cloud);
-  run(s, 110);
+  run(s, 150);
   ASSERT_GT(s.statistics().self_contacts, 0u);
   const simulation::Snapshot snapshot = s.snapshot();
   Simulation fork = s.fork();
@@ -94,8 +94,8 @@ TEST(SelfContactLoad, ResultsDoNotDependOnTheNumberOfThreads) {
     scene.params.threads = threads;
     Simulation s(scene.params, scene.cloud);
     run(s, 80);
-    if (threads > 1) EXPECT_EQ(s.stateHash(), hash) << threads;
-    hash = s.stateHash();
+    if (threads == 1) hash = s.stateHash();
+    EXPECT_EQ(s.stateHash(), hash) << threads;
   }
 }
 
@@ -108,11 +108,8 @@ TEST(SelfContactLoad, NothingActsWhereNothingIsNear) {
   EXPECT_EQ(s.statistics().self_contacts, 0u);
 }
 
-TEST(SelfContactLoad, ScenesThatItIsNotMadeForAreRefused) {
+TEST(SelfContactLoad, KnivesAreRefused) {
   ContactScene scene = makeScene("fold", 1, 1.0);
-  scene.params.mass_spring.tear_strain = 0.2;
-  EXPECT_THROW(Simulation(scene.params, scene.cloud), InputError);
-  scene = makeScene("fold", 1, 1.0);
   Simulation s(scene.params, scene.cloud);
   tool::ToolParams knife = s.tools()[0];
   knife.id = "knife";
