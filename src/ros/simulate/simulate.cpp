@@ -87,6 +87,7 @@ class Run {
     if (!options.final_file.empty()) checkPointFile("--final", options.final_file);
     if (!options.filtered_file.empty()) checkPointFile("--filtered", options.filtered_file);
     if (!options.statistics_file.empty()) statistics_.emplace(options.statistics_file);
+    if (!options.wrenches_file.empty()) wrenches_file_.emplace(options.wrenches_file);
     if (!options.frames_directory.empty()) {
       frames_.emplace(options.frames_directory, options.frame_rate > 0.0 ? options.frame_rate : params_.output.publish_rate, dt);
     }
@@ -304,6 +305,7 @@ class Run {
     }
     writeState();
     if (statistics_) statistics_->add(simulation_->statistics());
+    if (wrenches_file_) wrenches_file_->add(*simulation_);
     ++steps_;
     progress_.update(runTime(), params_.duration);
   }
@@ -327,7 +329,9 @@ class Run {
       io::writePointFile(options_.final_file, makeOutputCloud(surface, simulation_->input()), surface.displacement);
     }
     if (statistics_) statistics_->finish();
+    if (wrenches_file_) wrenches_file_->finish();
     if (output_bag_) output_bag_->finish();
+    measure();
     if (options_.quiet && !options_.strict) return;
     if (bag_) noteBag();
     if (status_ == kDone) checkExpectations();
@@ -365,6 +369,19 @@ class Run {
          std::to_string(bag_->entries().size()) + " clouds and commands, from " + findTime(first_not_taken_) + " to " +
          findTime(bag_->entries().rbegin()->first) + " s after the first cloud; the run ended at " + formatShort(runTime()) +
          " s; --duration S sets its end");
+  }
+
+  // What there is not, such as the volume of an open surface, is a note.
+  void measure() {
+    for (const std::string& name : options_.measured) {
+      char text[32];
+      try {
+        std::snprintf(text, sizeof text, "%.17g", simulation::computeQuantity(name, *simulation_));
+        terminal_.out << "measured " << name << ' ' << text << '\n';
+      } catch (const InputError& error) {
+        for (const std::string& problem : error.problems()) note("--measure: " + problem);
+      }
+    }
   }
 
   void checkExpectations() {
@@ -413,6 +430,7 @@ class Run {
   SceneParams params_;
   ProgressBar progress_;
   std::optional<StatisticsFile> statistics_;
+  std::optional<WrenchesFile> wrenches_file_;
   std::optional<FrameFiles> frames_;
   std::optional<OutputBag> output_bag_;
 

@@ -54,7 +54,8 @@ void checkFilesDiffer(const SimulateOptions& options, const simulation::ScenePar
   const std::pair<const char*, std::string> outputs[] = {{"--final", options.final_file},
                                                          {"--filtered", options.filtered_file},
                                                          {"--statistics", options.statistics_file},
-                                                         {"--bag_out", options.bag_out}};
+                                                         {"--bag_out", options.bag_out},
+                                                         {"--wrenches", options.wrenches_file}};
   for (const auto& [option, output] : outputs) {
     if (output.empty()) continue;
     const auto refuse = [&, name = option, found = output](const std::string& why) {

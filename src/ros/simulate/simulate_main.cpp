@@ -1,10 +1,12 @@
 // The program `simulate`: signals, streams and nothing else.
+#include "serve.h"
 #include "simulate.h"
 
 #include <unistd.h>
 
 #include <csignal>
 #include <iostream>
+#include <string>
 
 namespace {
 
@@ -20,6 +22,7 @@ void onSignal(int number) {
 }  // namespace
 
 int main(int argc, char** argv) {
+  if (argc == 2 && argv[1] == std::string("--serve")) return deformable_surface::node::serve(STDIN_FILENO, STDOUT_FILENO);
   std::signal(SIGINT, onSignal);
   std::signal(SIGTERM, onSignal);
   return deformable_surface::node::simulate({argv + 1, argv + argc},

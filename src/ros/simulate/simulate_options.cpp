@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/params.h"
+#include "deformable_surface/simulation/scene_params.h"
 
 #include <algorithm>
 #include <cmath>
@@ -10,8 +11,9 @@
 namespace deformable_surface::node {
 namespace {
 
-const std::vector<std::string> kValueOptions{"--set",    "--duration", "--final",   "--filtered",   "--frames", "--frame_rate",
-                                             "--bag_in", "--topic",    "--bag_out", "--statistics", "--threads"};
+const std::vector<std::string> kValueOptions{"--set",        "--duration", "--final",  "--filtered", "--frames",
+                                             "--frame_rate", "--bag_in",   "--topic",  "--bag_out",  "--statistics",
+                                             "--threads",    "--wrenches", "--measure"};
 const std::vector<std::string> kFlags{"--quiet", "--strict", "--help"};
 
 std::string refuseUnknown(const std::string& option) {
@@ -35,6 +37,16 @@ void addTopic(const std::string& value, SimulateOptions& options, std::vector<st
   }
 }
 
+void addQuantity(const std::string& name, SimulateOptions& options, std::vector<std::string>& problems) {
+  const std::vector<std::string> known = simulation::expectQuantities();
+  if (std::find(known.begin(), known.end(), name) == known.end()) {
+    problems.push_back("--measure: found " + quote(name) + "; the nearest known one is " + nearestWord(name, known) +
+                       "; accepted: the quantities of expect, see docs/parameters.md");
+  } else {
+    options.measured.push_back(name);
+  }
+}
+
 void setFrameRate(const std::string& value, SimulateOptions& options, std::vector<std::string>& problems) {
   const Value number = parseNumber(value);
   const double rate = number.asReal() ? *number.asReal() : number.asInteger() ? static_cast<double>(*number.asInteger()) : 0.0;
@@ -53,7 +65,8 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
     options.topics[name] = std::string("/deformable_surface/") + name;
   const std::map<std::string, std::string*> texts{
       {"--final", &options.final_file},           {"--filtered", &options.filtered_file}, {"--frames", &options.frames_directory},
-      {"--statistics", &options.statistics_file}, {"--bag_in", &options.bag_in},          {"--bag_out", &options.bag_out}};
+      {"--statistics", &options.statistics_file}, {"--bag_in", &options.bag_in},          {"--bag_out", &options.bag_out},
+      {"--wrenches", &options.wrenches_file}};
   std::vector<std::string> problems, late_assignments;
   std::set<std::string> given;
 
@@ -88,6 +101,10 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
     const std::string& value = arguments[++i];
     if (argument == "--set") {
       options.assignments.push_back(value);
+      continue;
+    }
+    if (argument == "--measure") {
+      addQuantity(value, options, problems);
       continue;
     }
     if (argument == "--topic") {
@@ -134,9 +151,12 @@ std::string describeOptions() {
          "repeatable\n"
          "  --bag_out OUT.bag     what the node would publish, under /deformable_surface/, stamped in simulation time\n"
          "  --statistics FILE.csv one row per step\n"
+         "  --wrenches FILE.csv   one row per step and tool or pin: force and torque on it, as in the topic tool_wrenches\n"
+         "  --measure QUANTITY    print it after the last step with all digits; one of those of expect; repeatable\n"
          "  --threads N           worker threads; the result is the same for every N\n"
          "  --strict              exit status 4 if the scene's expectations are not kept\n"
-         "  --quiet               errors only\n\n"
+         "  --quiet               errors and measured quantities only\n"
+         "  --serve               only alone: run after run as a program asks for them on the standard input (docs/sweeps.md)\n\n"
          "What the scene expects of its own cloud and duration is looked at after the last step: each bound that is not kept\n"
          "is a note, with --strict an error.\n"
          "Exit status: 0 done; 2 the command line, the scene or an input file is wrong; 3 no sound step could be taken, and\n"

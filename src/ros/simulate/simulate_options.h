@@ -14,8 +14,10 @@ struct SimulateOptions {
   bool strict = false;  // expectations that are not kept are an error
   std::string scene;
   std::vector<std::string> assignments;  // KEY=VALUE of --set, then of --duration and --threads
-  std::string final_file, filtered_file, frames_directory, statistics_file, bag_in, bag_out;  // empty = not wanted
-  double frame_rate = 0.0;                                                                    // Hz; 0 = output.publish_rate
+  std::string final_file, filtered_file, frames_directory, statistics_file, bag_in, bag_out,
+      wrenches_file;                          // empty = not wanted
+  std::vector<std::string> measured;          // quantities, as in expect
+  double frame_rate = 0.0;                    // Hz; 0 = output.publish_rate
   std::map<std::string, std::string> topics;  // of bag_in: cloud_in, force, wrench, tools -> topic
   std::set<std::string> given_topics;         // those of the names that --topic gave
 };

@@ -18,6 +18,18 @@ namespace {
   throw InputError(file + ": cannot be written; accepted: a file in a folder that can be written, with room on the disk");
 }
 
+std::string formatExactly(double value) {
+  char text[32];
+  std::snprintf(text, sizeof text, "%.17g", value);
+  return text;
+}
+
+std::string nameStatistics() {
+  std::string header;
+  simulation::visitFields({}, [&](const std::string& name, const auto&) { header += (header.empty() ? "" : ",") + name; });
+  return header;
+}
+
 }  // namespace
 
 bool Pace::isDue(double time) {
@@ -27,12 +39,26 @@ bool Pace::isDue(double time) {
   return true;
 }
 
-StatisticsFile::StatisticsFile(const std::string& file) : name_(file), file_(file), stream_(file_.temporary()) {
-  std::string header;
-  simulation::visitFields({}, [&](const std::string& name, const auto&) { header += (header.empty() ? "" : ",") + name; });
-  stream_ << header << '\n';
+CsvFile::CsvFile(const std::string& file, const std::string& header) : name_(file), file_(file), stream_(file_.temporary()) {
+  add(header);
+}
+
+void CsvFile::add(const std::string& line) {
+  stream_ << line << '\n';
   check();
 }
+
+void CsvFile::finish() {
+  stream_.close();
+  check();
+  file_.keep();
+}
+
+void CsvFile::check() const {
+  if (!stream_) refuseFile(name_);
+}
+
+StatisticsFile::StatisticsFile(const std::string& file) : file_(file, nameStatistics()) {}
 
 void StatisticsFile::add(const simulation::Statistics& statistics) {
   std::string row;
@@ -40,27 +66,31 @@ void StatisticsFile::add(const simulation::Statistics& statistics) {
     using Field = std::decay_t<decltype(value)>;
     if (!row.empty()) row += ',';
     if constexpr (std::is_same<Field, double>::value) {
-      char text[32];
-      std::snprintf(text, sizeof text, "%.17g", value);
-      row += text;
+      row += formatExactly(value);
     } else if constexpr (std::is_integral<Field>::value) {
       row += std::to_string(value);
     } else {
       for (std::size_t i = 0; i < value.size(); ++i) row += (i > 0 ? " " : "") + value[i];
     }
   });
-  stream_ << row << '\n';
-  check();
+  file_.add(row);
 }
 
-void StatisticsFile::finish() {
-  stream_.close();
-  check();
-  file_.keep();
-}
+WrenchesFile::WrenchesFile(const std::string& file)
+    : file_(file, "simulation_time,step,id,force_x,force_y,force_z,torque_x,torque_y,torque_z") {}
 
-void StatisticsFile::check() const {
-  if (!stream_) refuseFile(name_);
+void WrenchesFile::add(const simulation::Simulation& simulation) {
+  const std::string step = formatExactly(simulation.time()) + ',' + std::to_string(simulation.stepCount()) + ',';
+  const auto addAll = [&](const auto& reactions) {
+    for (const auto& reaction : reactions) {
+      std::string row = step + reaction.id;
+      for (const Vec3& vector : {reaction.force, reaction.torque})
+        for (const double value : {vector.x(), vector.y(), vector.z()}) row += ',' + formatExactly(value);
+      file_.add(row);
+    }
+  };
+  addAll(simulation.toolReactions());
+  addAll(simulation.pinReactions());
 }
 
 bool isFrameName(const std::string& name) {

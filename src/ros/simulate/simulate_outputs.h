@@ -30,11 +30,11 @@ class Pace {
   std::uint64_t count_ = 0;
 };
 
-/// One CSV row per step.
-class StatisticsFile {
+/// A table of lines.
+class CsvFile {
  public:
-  explicit StatisticsFile(const std::string& file);
-  void add(const simulation::Statistics& statistics);
+  CsvFile(const std::string& file, const std::string& header);
+  void add(const std::string& line);
   void finish();
 
  private:
@@ -43,6 +43,28 @@ class StatisticsFile {
   std::string name_;
   io::PendingFile file_;
   std::ofstream stream_;
+};
+
+/// One CSV row per step.
+class StatisticsFile {
+ public:
+  explicit StatisticsFile(const std::string& file);
+  void add(const simulation::Statistics& statistics);
+  void finish() { file_.finish(); }
+
+ private:
+  CsvFile file_;
+};
+
+/// One CSV row per step and tool or pin: what the surface does to it.
+class WrenchesFile {
+ public:
+  explicit WrenchesFile(const std::string& file);
+  void add(const simulation::Simulation& simulation);
+  void finish() { file_.finish(); }
+
+ private:
+  CsvFile file_;
 };
 
 /// frame_000000.ply, frame_000001.ply, ...

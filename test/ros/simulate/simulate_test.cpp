@@ -55,6 +55,8 @@ TEST_F(Simulate, RefusesWrongCommandLinesWithOneLineEach) {
       {{"--statistics", path("missing/out.csv")}, "folder"},
       {{"--bag_out", path("missing/out.bag")}, "folder"},
       {{"--bag_out", folder_.string()}, "no file"},
+      {{"--wrenches", path("missing/out.csv")}, "folder"},
+      {{"--measure", "min_zz"}, "min_z"},
       {{"--bag_in", path("missing.bag")}, "missing.bag"},
       {{"--final", path("a.ply"), "--final", path("b.ply")}, "twice"},
       {{"second.yaml"}, "second"}};
@@ -102,6 +104,25 @@ TEST_F(Simulate, WritesOneRowOfStatisticsPerStep) {
   const std::string header = text.substr(0, text.find('\n')), last = text.substr(text.rfind('\n', text.size() - 2) + 1);
   EXPECT_EQ(std::count(header.begin(), header.end(), ','), std::count(last.begin(), last.end(), ','));
   EXPECT_EQ(last.substr(0, last.find(',')), "0.10000000000000001");
+}
+
+TEST_F(Simulate, WritesARowOfWrenchesPerStepAndPin) {
+  EXPECT_EQ(run({"--set", "gravity=[0, 0, -9.81]", "--set", "pins=[{box: {min: [-1, -1, -1], max: [-0.4, 1, 1]}}]", "--wrenches",
+                 path("out.csv")}),
+            0)
+      << err_;
+  const std::string text = readFile(path("out.csv"));
+  EXPECT_EQ(countLines(text), 11u);
+  EXPECT_EQ(text.substr(0, text.find('\n')), "simulation_time,step,id,force_x,force_y,force_z,torque_x,torque_y,torque_z");
+  EXPECT_NE(text.find("\n0.01,1,pins[0],"), std::string::npos) << text;
+}
+
+TEST_F(Simulate, PrintsMeasuredQuantitiesWithAllDigitsAndTellsWhichThereAreNot) {
+  EXPECT_EQ(run({"--set", "gravity=[0, 0, -9.81]", "--measure", "min_z", "--measure", "volume_ratio"}), 0);
+  const std::size_t found = out_.find("measured min_z ");
+  ASSERT_NE(found, std::string::npos) << out_;
+  EXPECT_NEAR(std::stod(out_.substr(found + 15)), -0.5 * 9.81 * 0.01, 1e-6);
+  EXPECT_NE(out_.find("note: --measure: volume_ratio: found a surface with a boundary"), std::string::npos) << out_;
 }
 
 TEST_F(Simulate, StopsWithStatusThreeAndTheLastGoodState) {

@@ -1,0 +1,99 @@
+// `simulate --serve` as a program sees it: answers in order, files in the run's folder, nothing that outlives whoever asks.
+#include "../../../src/ros/simulate/serve.h"
+
+#include "simulate_fixture.h"
+
+#include <sys/wait.h>
+
+#include <chrono>
+#include <thread>
+
+namespace deformable_surface::node::test {
+namespace {
+
+// A server in a process of its own, and the ends of its pipes.
+class Serve : public Simulate {
+ protected:
+  void SetUp() override {
+    Simulate::SetUp();
+    int requests[2], answers[2];
+    ASSERT_EQ(pipe(requests), 0);
+    ASSERT_EQ(pipe(answers), 0);
+    server_ = fork();
+    if (server_ == 0) {
+      close(requests[1]);
+      close(answers[0]);
+      _exit(serve(requests[0], answers[1]));
+    }
+    close(requests[0]);
+    close(answers[1]);
+    requests_ = requests[1];
+    answers_ = answers[0];
+  }
+  void TearDown() override {
+    hangUp();
+    close(answers_);
+    Simulate::TearDown();
+  }
+
+  void ask(std::vector<std::string> arguments) {
+    arguments.insert(arguments.begin(), {folder_.string(), path("scene.yaml")});
+    std::string request;
+    for (const std::string& argument : arguments) request += argument + '\0';
+    request += '\0';
+    ASSERT_EQ(write(requests_, request.data(), request.size()), static_cast<ssize_t>(request.size()));
+  }
+  std::string answer() {
+    std::string line;
+    char c;
+    while (read(answers_, &c, 1) == 1 && c != '\n') line += c;
+    return line;
+  }
+  // Returns the exit status of the server.
+  int hangUp() {
+    if (requests_ < 0) return -1;
+    close(requests_);
+    requests_ = -1;
+    int status = 0;
+    EXPECT_EQ(waitpid(server_, &status, 0), server_);
+    return status;
+  }
+
+  pid_t server_ = 0;
+  int requests_ = -1, answers_ = -1;
+};
+
+TEST_F(Serve, RunsSceneAfterSceneWithTheResultsOfSimulate) {
+  ask({"--statistics", "a.csv"});
+  ask({"--duration", "0.105"});
+  ask({"--final", "b.ply"});
+  EXPECT_EQ(answer(), "0");
+  EXPECT_NE(readFile(path("a.csv")), "");
+  EXPECT_EQ(answer(), "2");
+  EXPECT_EQ(answer(), "0");
+  EXPECT_EQ(readFile(path("err")), "");
+  const std::string out = readFile(path("out")), said = out.substr(out.find("state hash"));
+  EXPECT_EQ(run({"--final", path("c.ply"), "--threads", "1"}), 0);  // more would be lost to the servers of later tests
+  EXPECT_EQ(said, out_.substr(out_.find("state hash")));
+  EXPECT_EQ(readFile(path("b.ply")), readFile(path("c.ply")));
+  EXPECT_EQ(hangUp(), 0);
+}
+
+TEST_F(Serve, TellsTheSentencesOfARefusedRunInItsFolder) {
+  ask({"--set", "material.thickness=-1"});
+  EXPECT_EQ(answer(), "2");
+  EXPECT_NE(readFile(path("err")).find("material.thickness: found -1; accepted"), std::string::npos);
+}
+
+TEST_F(Serve, EndsItsRunWithWhoeverAsked) {
+  ask({"--duration", "1000", "--frames", "frames"});
+  while (!fs::exists(path("frames/frame_000001.ply"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  EXPECT_NE(hangUp(), 0);
+  // What it wrote last is the last: nobody writes any more.
+  const int frames = countFiles(".ply");
+  std::this_thread::sleep_for(std::chrono::milliseconds(200));
+  EXPECT_EQ(countFiles(".ply"), frames);
+}
+
+}  // namespace
+}  // namespace deformable_surface::node::test
