@@ -6,6 +6,9 @@ find_package(PCL REQUIRED COMPONENTS common filters io segmentation)
 find_path(ASSIMP_INCLUDE_DIR assimp/Importer.hpp)
 find_library(ASSIMP_LIBRARY assimp)
 
+# The module of parameter sweeps, which the processes of a cluster import.
+catkin_python_setup()
+
 add_message_files(FILES DeformedUpdate.msg PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg
                   ToolStatus.msg ToolStatusArray.msg ToolWrench.msg ToolWrenchArray.msg)
 add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
@@ -79,7 +82,7 @@ install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINAT
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
                       scripts/launched_node.py scripts/look_at_scan.py scripts/modelling_client.py
                       scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
-                      scripts/tool_on_frame.py scripts/view_cloud.py
+                      scripts/sweep scripts/tool_on_frame.py scripts/view_cloud.py
                       DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install(FILES LICENSE nodelet_plugins.xml DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 
@@ -165,6 +168,13 @@ if(CATKIN_ENABLE_TESTING)
   # What the demo makes of a scan.
   add_test(NAME look_at_scan
            COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/scripts/look_at_scan_test.py)
+
+  # Parameter sweeps: plans and tables, and real clusters on this machine, of which that of Slurm skips itself without it.
+  foreach(case plan store simulator local scheduler slurm)
+    add_test(NAME sweep_${case}
+             COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/sweep/sweep_${case}_test.py)
+    set_tests_properties(sweep_${case} PROPERTIES SKIP_RETURN_CODE 77)
+  endforeach()
 
   # The window that these open; scripts/rviz_pictures looks at all of them. Skips itself without RViz.
   add_test(NAME window

@@ -28,14 +28,14 @@ debian_packages=(
   libros-rosgraph-msgs-dev
   librostest-dev python3-rostest libgtest-dev libgmock-dev
   libeigen3-dev libyaml-cpp-dev libpcl-dev libassimp-dev liburdf-dev
-  python3-matplotlib python3-numpy python3-yaml catkin-lint iproute2
+  python3-matplotlib python3-numpy python3-yaml python3-scipy python3-distributed python3-setuptools catkin-lint iproute2
 )
 noetic_packages=(
   build-essential ros-noetic-ros-base ros-noetic-dynamic-reconfigure ros-noetic-actionlib ros-noetic-actionlib-msgs
   ros-noetic-tf2-geometry-msgs ros-noetic-tf2-msgs ros-noetic-rosgraph-msgs ros-noetic-shape-msgs ros-noetic-visualization-msgs
   ros-noetic-diagnostic-updater ros-noetic-interactive-markers ros-noetic-nodelet ros-noetic-pluginlib ros-noetic-rosbag ros-noetic-rostest
   ros-noetic-urdf libgtest-dev libgmock-dev libeigen3-dev libyaml-cpp-dev libpcl-dev libassimp-dev
-  python3-matplotlib python3-numpy python3-yaml iproute2
+  python3-matplotlib python3-numpy python3-yaml python3-scipy python3-distributed python3-setuptools iproute2
 )
 debian_rviz_packages=(rviz)
 noetic_rviz_packages=(ros-noetic-rviz)

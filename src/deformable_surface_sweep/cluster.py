@@ -1,0 +1,62 @@
+"""Where runs are run: processes of this machine, a scheduler of Dask that is there, or workers that Slurm starts."""
+import contextlib
+import logging
+import os
+import shlex
+import subprocess
+import sys
+
+from .errors import SweepError
+
+
+@contextlib.contextmanager
+def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
+    """A client of Dask, and whether its workers see this machine's files. Closes what it started."""
+    import dask
+    from distributed import Client, LocalCluster
+    # Workers come and go, which the sweep itself tells where it matters.
+    logging.disable(logging.CRITICAL)
+    dask.config.set({"distributed.comm.timeouts.connect": "20s"})
+    with contextlib.ExitStack() as stack:
+        if scheduler or scheduler_file:
+            where = scheduler or scheduler_file
+            if scheduler_file and not os.path.exists(scheduler_file):
+                raise SweepError("--scheduler-file: found no file '%s'; accepted: that of a running dask-scheduler" % scheduler_file)
+            try:
+                client = Client(scheduler or None, scheduler_file=scheduler_file or None, timeout=20)
+            except (OSError, ValueError, TimeoutError) as error:
+                raise SweepError("found no scheduler at %s (%s); accepted: the address of a running dask-scheduler, as in "
+                                 "tcp://HOST:8786" % (where, " ".join(str(error).split()) or type(error).__name__))
+            stack.callback(client.close)
+            yield client, False
+            return
+        count = workers or len(os.sched_getaffinity(0))
+        options = {"n_workers": count, "threads_per_worker": 1, "memory_limit": 0}
+        if slurm is not None:
+            options.update(n_workers=0, host=find_host())
+        cluster = stack.enter_context(LocalCluster(processes=True, dashboard_address=None, **options))
+        client = stack.enter_context(Client(cluster))
+        if slurm is not None:
+            job = start_slurm(slurm, count, cluster.scheduler_address)
+            stack.callback(subprocess.run, ["scancel", job], stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+        yield client, slurm is None
+
+
+def find_host():
+    """The name by which other machines reach this one."""
+    return os.environ.get("SLURMD_NODENAME") or os.uname().nodename
+
+
+def start_slurm(options, count, address):
+    """Submits an array of workers that join the scheduler; returns the job."""
+    worker = [sys.executable, "-m", "distributed.cli.dask_worker", address, "--nthreads", "1", "--no-dashboard", "--memory-limit", "0",
+              "--death-timeout", "60"]
+    command = ["sbatch", "--parsable", "--array=0-%d" % (count - 1), "--job-name=sweep", "--output=/dev/null"] + shlex.split(options)
+    try:
+        done = subprocess.run(command + ["--wrap", " ".join(shlex.quote(word) for word in worker)], stdout=subprocess.PIPE,
+                              stderr=subprocess.PIPE, universal_newlines=True)
+    except OSError as error:
+        raise SweepError("--slurm: sbatch cannot be run (%s); accepted: a machine that submits jobs to Slurm" % error.strerror)
+    if done.returncode != 0:
+        raise SweepError("--slurm: sbatch refused the job: %s" % " ".join(done.stderr.split()))
+    return done.stdout.strip().split(";")[0]

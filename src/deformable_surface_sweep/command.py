@@ -1,0 +1,145 @@
+"""The command `sweep`: reads a plan, runs what has not been run, writes the table."""
+import argparse
+import json
+import os
+import signal
+import sys
+import time
+
+from .cluster import open_cluster
+from .documents import merge, find_files, set_by_path, to_text
+from .dry_run import describe_plan
+from .engine import Engine, Run
+from .errors import SweepError
+from .identity import Files, find_program, find_version, hash_run
+from .plan import Plan
+from .progress import Progress, describe_time
+from .store import Store, write_whole
+from .table import write_table
+
+RETRIED = ("failed", "timed out")
+DESCRIPTION = """Runs a scene with many values of its parameters and writes one table of the results. The same command goes on with a
+sweep that was stopped. Exit status: 0 all runs are done; 1 some were refused, failed or timed out; 2 the plan, the
+command line or the cluster is wrong; 130 interrupted. The plan and examples: docs/sweeps.md."""
+
+
+def parse_arguments(arguments):
+    parser = argparse.ArgumentParser("sweep", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("plan", metavar="PLAN.yaml")
+    parser.add_argument("--out", metavar="DIR", help="results (else the plan's name without .yaml, in this folder)")
+    parser.add_argument("--workers", metavar="N", type=int, default=0, help="runs at once on this machine (else its cores), or jobs of Slurm")
+    where = parser.add_mutually_exclusive_group()
+    where.add_argument("--scheduler", metavar="ADDRESS", default="", help="a dask-scheduler that runs, as in tcp://HOST:8786")
+    where.add_argument("--scheduler-file", metavar="FILE", default="", help="the file that dask-scheduler --scheduler-file wrote")
+    where.add_argument("--slurm", metavar="OPTIONS", help="start the workers with Slurm; options of sbatch, as in '--partition=cpu --time=60'")
+    parser.add_argument("--dry_run", action="store_true", help="only say how many runs, how long and how many bytes")
+    parser.add_argument("--retry", action="store_true", help="run again what failed or timed out before")
+    parser.add_argument("--simulate", metavar="PROGRAM", default="", help="the program (else that of the workspace), at the same path "
+                        "on every worker")
+    parser.add_argument("--quiet", action="store_true", help="errors only")
+    parsed = parser.parse_args(arguments)
+    if parsed.workers < 0 or (parsed.workers and (parsed.scheduler or parsed.scheduler_file)):
+        parser.error("--workers: found %d%s; accepted: a number above 0, for this machine or --slurm" %
+                     (parsed.workers, " with a scheduler that has its workers" if parsed.workers > 0 else ""))
+    if parsed.slurm is not None and not parsed.workers:
+        parser.error("--slurm: found without --workers; accepted: together with --workers N, the jobs to start")
+    parsed.out = parsed.out or os.path.splitext(os.path.basename(parsed.plan))[0]
+    return parsed
+
+
+class Sweep:
+    """A plan with the names of its runs and the inputs that they read."""
+
+    def __init__(self, options):
+        self.options = options
+        self.plan = Plan(options.plan)
+        self.program = find_program(options.simulate)
+        self.version = find_version(self.program)
+        self.files = Files()
+        self.inputs = {}  # name -> path
+        self.scene = self.add_input(self.plan.scene_file)
+        self.bag = self.add_input(self.files.resolve(self.plan.bag)) if self.plan.bag else ""
+        self.runs = [self.describe_run(run) for run in self.plan.runs]
+
+    def add_input(self, path):
+        """An input's name: the hash of what is in it, with the ending by which `simulate` knows its kind."""
+        name = self.files.hash(path) + os.path.splitext(path)[1]
+        self.inputs[name] = os.path.abspath(path)
+        return name
+
+    def describe_run(self, run):
+        document = merge(self.plan.scene, run)
+        files = {key: self.add_input(self.files.resolve(name)) for key, name in find_files(document)}
+        for key, name in files.items():
+            set_by_path(document, key, name)
+        name = hash_run(document, self.bag, self.plan.topics, self.plan.keep.describe(), self.version)
+        return Run(name, ["%s=%s" % (key, to_text(value)) for key, value in run.items() if key not in files], files)
+
+    def job(self):
+        """What all runs share."""
+        return {"program": self.options.simulate and self.program, "version": self.version, "scene": self.scene, "bag": self.bag,
+                "topics": self.plan.topics, "keep": self.plan.keep.describe(), "timeout": self.plan.timeout}
+
+
+def run_sweep(options):
+    sweep = Sweep(options)
+    if options.dry_run:
+        print(describe_plan(sweep))
+        return 0
+    store = Store(options.out)
+    records = store.read()
+    names = [run.name for run in sweep.runs]
+    todo = {run.name: run for run in sweep.runs
+            if run.name not in records or options.retry and records[run.name]["status"] in RETRIED}
+    for name in todo:
+        records.pop(name, None)
+    keep_plan(sweep, options.out)
+    progress = Progress(len(set(names)), len(set(names)) - len(todo), quiet=options.quiet)
+    if progress.done:
+        progress.say("%d of %d runs are there from before" % (progress.done, progress.total))
+
+    def take(name, result):
+        # A run whose workers die may end on another day: it is a row, and not kept as a result.
+        records[name] = store.add(name, result) if result.status != "lost" else {
+            "status": "lost", "problem": result.problem, "values": {}, "files": {}, "hash": ""}
+        progress.add(result.status)
+
+    begun = time.monotonic()
+    try:
+        if todo:
+            with open_cluster(options.scheduler, options.scheduler_file, options.slurm, options.workers) as (client, shares_files):
+                Engine(client, sweep.job(), sweep.inputs, shares_files, progress.say).run(todo.values(), take)
+    finally:
+        progress.finish()
+        store.close()
+        written = write_table(sweep.plan, names, records, options.out)
+    bad = [name for name in set(names) if records[name]["status"] != "done"]
+    progress.say("%s; %d runs in %s; %s" % (progress.describe_end(bad), len(todo), describe_time(time.monotonic() - begun), ", ".join(written)))
+    return 1 if bad else 0
+
+
+def keep_plan(sweep, out):
+    """The plan, its scene and the versions, beside the results."""
+    for source, name in ((sweep.plan.path, "plan.yaml"), (sweep.plan.scene_file, "scene.yaml")):
+        with open(source, "rb") as stream:
+            write_whole(os.path.join(out, name), stream.read())
+    import dask
+    import distributed
+    versions = {"simulate": sweep.version, "program": sweep.program, "python": sys.version.split()[0], "dask": dask.__version__,
+                "distributed": distributed.__version__, "scene": sweep.plan.scene_file, "plan": sweep.plan.path,
+                "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())}
+    write_whole(os.path.join(out, "versions.json"), (json.dumps(versions, indent=2) + "\n").encode())
+
+
+def main(arguments=None):
+    # An end that is asked for is an interrupt: what is finished gets its table.
+    signal.signal(signal.SIGTERM, signal.default_int_handler)
+    try:
+        return run_sweep(parse_arguments(arguments))
+    except SweepError as error:
+        for problem in error.problems:
+            print("sweep: %s" % problem, file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("sweep: interrupted; finished runs are kept, and the same command goes on with the others", file=sys.stderr)
+        return 130

@@ -1,0 +1,71 @@
+"""What runs in the processes of a cluster: batches of runs, each by a `simulate` that stays there. Everything comes as arguments; a
+worker and the sweep share no disk."""
+import atexit
+import os
+import queue
+import shutil
+import tempfile
+
+from .errors import SweepError
+from .identity import find_program, find_version
+from .simulator import Simulator
+from .store import write_whole
+
+
+class WrongWorker(Exception):
+    """This worker must not run this sweep; another one may."""
+
+
+simulators = {}  # program -> those that wait for a run; a worker of several threads has several
+folder = None    # of the files that came from the sweep; made with the first
+
+
+def describe_version(program):
+    """(version of simulate here, "") or ("", the sentence why there is none)."""
+    try:
+        return find_version(find_program(program)), ""
+    except SweepError as error:
+        return "", str(error)
+
+
+def keep_value(value):
+    """A task that only holds a value, for the tasks that read it: workers fetch it once each, and another has it when one dies."""
+    return value
+
+
+def place_file(name, content):
+    """The path of an input: a path is one already, bytes become a file with this name, which is their hash."""
+    global folder
+    if isinstance(content, str):
+        return content
+    if folder is None:
+        folder = tempfile.mkdtemp(prefix="sweep_inputs_")
+        atexit.register(shutil.rmtree, folder, ignore_errors=True)
+    path = os.path.join(folder, name)
+    if not os.path.exists(path):
+        write_whole(path, content)
+    return path
+
+
+def run_batch(job, runs, inputs):
+    """Results of the runs, in order. job: what they share; runs: (assignments KEY=VALUE, {KEY: input} of files); inputs: {name: path or
+    bytes}."""
+    version, problem = describe_version(job["program"])
+    if version != job["version"]:
+        raise WrongWorker(problem or "found simulate of another build, %s; accepted: that of the sweep, %s" % (version, job["version"]))
+    waiting = simulators.setdefault(job["program"], queue.Queue())
+    try:
+        simulator = waiting.get_nowait()
+    except queue.Empty:
+        simulator = Simulator(find_program(job["program"]))
+        atexit.register(simulator.close)
+    try:
+        return [run_one(simulator, job, assignments, files, inputs) for assignments, files in runs]
+    finally:
+        waiting.put(simulator)
+
+
+def run_one(simulator, job, assignments, files, inputs):
+    paths = {name: place_file(name, inputs[name]) for name in [job["scene"], *files.values()] + ([job["bag"]] if job["bag"] else [])}
+    assignments = assignments + ["%s=%s" % (key, paths[name]) for key, name in files.items()]
+    return simulator.run(paths[job["scene"]], assignments, paths.get(job["bag"], ""), job["topics"], job["keep"], job["timeout"])

@@ -1,0 +1,95 @@
+"""What the tests of sweeps share: a folder with a plan and a scene, the command, and a stand-in for `simulate` whose duration is known."""
+import csv
+import os
+import subprocess
+import sys
+import tempfile
+import time
+import unittest
+
+HERE = os.path.dirname(os.path.realpath(__file__))
+ROOT = os.path.join(HERE, "..", "..")
+STUB = os.path.join(HERE, "stub_simulate")
+SKIPPED = 77
+PATIENCE = 120.0  # s; only a test that fails takes that long
+sys.path.insert(0, os.path.join(ROOT, "src"))
+
+SCENE = """
+model: mass_spring
+cloud: {shape: sheet, points: 100}
+simplification: {target_points: 40}
+pins: [{box: {min: [-1, -1, -1], max: [-0.3, 1, 1]}}]
+duration: 0.1
+"""
+STUB_PLAN = """
+scene: scene.yaml
+set: {stub.seconds: %g}
+grid: {a: {from: 1, to: %d, steps: %d}}
+keep: {measure: [min_z]}
+"""
+
+
+def make_environment():
+    """Workers import the module of this repository."""
+    path = os.pathsep.join([os.path.join(ROOT, "src")] + os.environ.get("PYTHONPATH", "").split(os.pathsep))
+    return dict(os.environ, PYTHONPATH=path.rstrip(os.pathsep))
+
+
+class SweepCase(unittest.TestCase):
+    def setUp(self):
+        folder = tempfile.TemporaryDirectory()
+        self.addCleanup(folder.cleanup)
+        self.folder = folder.name
+        self.write("scene.yaml", SCENE)
+
+    def path(self, name):
+        return os.path.join(self.folder, name)
+
+    def write(self, name, text):
+        with open(self.path(name), "w") as stream:
+            stream.write(text)
+        return self.path(name)
+
+    def start(self, plan, *options, out="out"):
+        """The command under way; plan: text."""
+        command = [sys.executable, os.path.join(ROOT, "scripts", "sweep"), self.write("plan.yaml", plan), "--out", self.path(out)]
+        process = subprocess.Popen(command + list(options), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
+                                   env=make_environment())
+        self.addCleanup(end, process)
+        return process
+
+    def sweep(self, plan, *options, out="out", status=0):
+        """What the command said."""
+        process = self.start(plan, *options, out=out)
+        said, _ = process.communicate(timeout=PATIENCE)
+        self.assertEqual(process.returncode, status, said)
+        return said
+
+    def table(self, out="out"):
+        with open(os.path.join(self.folder, out, "table.csv"), newline="") as stream:
+            return list(csv.DictReader(stream))
+
+    def text(self, out="out"):
+        with open(os.path.join(self.folder, out, "table.csv")) as stream:
+            return stream.read()
+
+    def await_runs(self, number, out="out"):
+        """Until so many runs are kept."""
+        begin = time.monotonic()
+        while self.count_runs(out) < number:
+            self.assertLess(time.monotonic() - begin, PATIENCE)
+            time.sleep(0.02)
+
+    def count_runs(self, out="out"):
+        folder = os.path.join(self.folder, out, "runs")
+        count = 0
+        for name in os.listdir(folder) if os.path.isdir(folder) else []:
+            with open(os.path.join(folder, name)) as stream:
+                count += stream.read().count("\n")
+        return count
+
+
+def end(process):
+    if process.poll() is None:
+        process.kill()
+    process.communicate()
