@@ -8,6 +8,8 @@ import sys
 
 from .errors import SweepError
 
+THREADS_A_PROCESS = 8  # a run takes a few milliseconds of Python, one thread at a time
+
 
 @contextlib.contextmanager
 def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
@@ -16,14 +18,14 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
     from distributed import Client, LocalCluster
     # Workers come and go, which the sweep itself tells where it matters.
     logging.disable(logging.CRITICAL)
-    dask.config.set({"distributed.comm.timeouts.connect": "20s"})
+    dask.config.set({"distributed.comm.timeouts.connect": "10s"})
     with contextlib.ExitStack() as stack:
         if scheduler or scheduler_file:
             where = scheduler or scheduler_file
             if scheduler_file and not os.path.exists(scheduler_file):
                 raise SweepError("--scheduler-file: found no file '%s'; accepted: that of a running dask-scheduler" % scheduler_file)
             try:
-                client = Client(scheduler or None, scheduler_file=scheduler_file or None, timeout=20)
+                client = Client(scheduler or None, scheduler_file=scheduler_file or None, timeout=10)
             except (OSError, ValueError, TimeoutError) as error:
                 raise SweepError("found no scheduler at %s (%s); accepted: the address of a running dask-scheduler, as in "
                                  "tcp://HOST:8786" % (where, " ".join(str(error).split()) or type(error).__name__))
@@ -31,10 +33,13 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
             yield client, False
             return
         count = workers or len(os.sched_getaffinity(0))
-        options = {"n_workers": count, "threads_per_worker": 1, "memory_limit": 0}
-        if slurm is not None:
-            options.update(n_workers=0, host=find_host())
-        cluster = stack.enter_context(LocalCluster(processes=True, dashboard_address=None, **options))
+        if slurm is None:
+            # The threads of one process wait for their simulations; a process for each would take seconds to start.
+            processes = next(n for n in range(-(-count // THREADS_A_PROCESS), count + 1) if count % n == 0)
+            options = {"n_workers": processes, "threads_per_worker": count // processes, "processes": processes > 1}
+        else:
+            options = {"n_workers": 0, "processes": True, "host": find_host()}
+        cluster = stack.enter_context(LocalCluster(dashboard_address=None, memory_limit=0, **options))
         client = stack.enter_context(Client(cluster))
         if slurm is not None:
             job = start_slurm(slurm, count, cluster.scheduler_address)

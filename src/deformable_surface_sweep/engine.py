@@ -37,8 +37,8 @@ class Engine:
         self.under_way = {}     # future -> (runs, attempts)
         self.sent = {}          # name of an input -> the future that holds it
         self.refused = {}       # address of a worker -> its sentence
-        self.good = None        # addresses, once one was refused
-        self.slots, self.asked = 0, 0.0
+        self.good = []          # addresses of those that were found right
+        self.slots, self.asked = 0, -math.inf
         self.seconds, self.counted = 0.0, 0
 
     def run(self, todo, take):
@@ -62,16 +62,19 @@ class Engine:
 
     def count_slots(self):
         """Threads of the workers that may run this; asked for once a second."""
-        if self.slots and time.monotonic() - self.asked < 1.0:
+        if time.monotonic() - self.asked < 1.0:
             return
+        self.asked = time.monotonic()
         try:
             threads = self.client.nthreads()
-            if set(threads) - set(self.refused) - set(self.good or ()):
+            if set(threads) - set(self.refused) - set(self.good):
                 self.examine()
         except (OSError, TimeoutError, ValueError):
-            raise SweepError(LOSS)
+            # A worker that has died, of which the scheduler does not know yet, is no reason to end.
+            if self.client.status != "running":
+                raise SweepError(LOSS)
+            return
         self.slots = sum(count for worker, count in threads.items() if worker not in self.refused)
-        self.asked = time.monotonic()
         if threads and not self.slots:
             raise SweepError("found no worker that can run this; " + "; ".join(sorted(set(self.refused.values()))))
 
@@ -147,7 +150,7 @@ class Engine:
             raise SweepError("found a cluster that does not run batches (%s: %s); accepted: workers of this Python and Dask" %
                              (type(error).__name__, " ".join(str(error).split())))
         if not is_killed:
-            self.examine()
+            self.asked = -math.inf
             self.sent = {key: future for key, future in self.sent.items() if future.status != "error"}
         waiting.extendleft((run, attempts + 1) for run in reversed(runs))
 

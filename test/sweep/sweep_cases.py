@@ -92,4 +92,4 @@ class SweepCase(unittest.TestCase):
 def end(process):
     if process.poll() is None:
         process.kill()
-    process.communicate()
+        process.communicate()
