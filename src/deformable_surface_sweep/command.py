@@ -31,7 +31,7 @@ def parse_arguments(arguments):
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="ADDRESS", default="", help="a dask-scheduler that runs, as in tcp://HOST:8786")
     where.add_argument("--scheduler-file", metavar="FILE", default="", help="the file that dask-scheduler --scheduler-file wrote")
-    where.add_argument("--slurm", metavar="OPTIONS", help="start the workers with Slurm; options of sbatch, as in '--partition=cpu --time=60'")
+    where.add_argument("--slurm", metavar="OPTIONS", help="start the workers with Slurm; options of sbatch, as in --slurm='--partition=cpu --time=60'")
     parser.add_argument("--dry_run", action="store_true", help="only say how many runs, how long and how many bytes")
     parser.add_argument("--retry", action="store_true", help="run again what failed or timed out before")
     parser.add_argument("--simulate", metavar="PROGRAM", default="", help="the program (else that of the workspace), at the same path "

@@ -29,10 +29,11 @@ keep: {measure: [min_z]}
 """
 
 
-def make_environment():
+def make_environment(of=None):
     """Workers import the module of this repository."""
-    path = os.pathsep.join([os.path.join(ROOT, "src")] + os.environ.get("PYTHONPATH", "").split(os.pathsep))
-    return dict(os.environ, PYTHONPATH=path.rstrip(os.pathsep))
+    of = of or os.environ
+    path = os.pathsep.join([os.path.join(ROOT, "src")] + of.get("PYTHONPATH", "").split(os.pathsep))
+    return dict(of, PYTHONPATH=path.rstrip(os.pathsep))
 
 
 class SweepCase(unittest.TestCase):
@@ -50,11 +51,11 @@ class SweepCase(unittest.TestCase):
             stream.write(text)
         return self.path(name)
 
-    def start(self, plan, *options, out="out"):
-        """The command under way; plan: text."""
-        command = [sys.executable, os.path.join(ROOT, "scripts", "sweep"), self.write("plan.yaml", plan), "--out", self.path(out)]
+    def start(self, plan, *options, out="out", before=(), environment=None):
+        """The command under way; plan: text; before: words before the command, as of another host; environment: instead of this one's."""
+        command = list(before) + [sys.executable, os.path.join(ROOT, "scripts", "sweep"), self.write("plan.yaml", plan), "--out", self.path(out)]
         process = subprocess.Popen(command + list(options), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                                   env=make_environment())
+                                   env=make_environment(environment))
         self.addCleanup(end, process)
         return process
 
