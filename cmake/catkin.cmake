@@ -79,7 +79,7 @@ install(TARGETS ${libraries} deformable_surface_node deformable_surface_hand sim
 install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
 install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # They lie beside each other, since some use others.
-catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/example_client.py scripts/follow_points.py
+catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/draw_sweep.py scripts/example_client.py scripts/follow_points.py
                       scripts/launched_node.py scripts/look_at_scan.py scripts/modelling_client.py
                       scripts/play_tracked.py scripts/point_files.py scripts/publish_scan.py scripts/scan_clouds.py
                       scripts/sweep scripts/tool_on_frame.py scripts/view_cloud.py

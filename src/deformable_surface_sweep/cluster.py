@@ -39,7 +39,8 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
             options = {"n_workers": processes, "threads_per_worker": count // processes, "processes": processes > 1}
         else:
             options = {"n_workers": 0, "processes": True, "host": find_host()}
-        cluster = stack.enter_context(LocalCluster(dashboard_address=None, memory_limit=0, **options))
+        options.update(memory_limit=0, dashboard_address="127.0.0.1:0", worker_dashboard_address="127.0.0.1:0")
+        cluster = stack.enter_context(LocalCluster(**options))
         client = stack.enter_context(Client(cluster))
         if slurm is not None:
             job = start_slurm(slurm, count, cluster.scheduler_address)

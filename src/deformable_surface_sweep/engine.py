@@ -11,7 +11,7 @@ from .errors import SweepError
 from .simulator import Result
 from .worker import keep_value, run_batch
 
-BATCH_TIME = 1.0      # s of one worker in a batch: the scheduler's milliseconds are little beside it, and a death loses little
+BATCH_TIME = 0.25     # s of one worker in a batch: the milliseconds of the scheduler are little beside it, and a death loses little
 MOST_IN_BATCH = 200
 BATCHES_A_WORKER = 3  # one runs, one is there, one is on its way
 PATIENCE = 30.0       # s without a scheduler
