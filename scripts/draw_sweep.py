@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Draws one column of a sweep's table over each parameter that was swept, with the mean in bins and the first-order sensitivity: the
-share of the variance that is left when only that parameter is known [Saltelli 2008, sec. 1.2.5], by the variance of the means.
+share of the variance that this parameter explains alone [Saltelli 2008, sec. 1.2.5], by the variance of the means.
   draw_sweep.py TABLE.csv COLUMN OUT.png"""
 import csv
 import sys
