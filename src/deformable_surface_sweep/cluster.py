@@ -50,7 +50,7 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
 
 def find_host():
     """The name by which other machines reach this one."""
-    return os.environ.get("SLURMD_NODENAME") or os.uname().nodename
+    return os.uname().nodename
 
 
 def start_slurm(options, count, address):
