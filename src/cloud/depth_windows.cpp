@@ -14,6 +14,7 @@ namespace {
 constexpr Index kRowsPerTask = 8, kPlanesPerTask = 8192;
 constexpr Index kNoiseRadius = 3;      // of the windows that noise is measured in
 constexpr Index kSampledRows = 120;    // and at most so many rows of them, as many columns
+constexpr double kUnknowns = 3.0;      // of a plane
 constexpr double kFewestPixels = 6.0;  // of a window: twice the unknowns of a plane
 constexpr double kLeastFilled = 0.3;   // of a window: a little more than a quarter, which is left in the corner of an image
 constexpr double kLeastSpread = 0.05;  // of the determinant of a full window's spread: what stands in a line has no plane
@@ -93,6 +94,11 @@ struct Plane {
   double freedom = 0.0;
 
   double at(Index u, Index v) const { return at_zero + along_u * u + along_v * v; }
+  // At a pixel so many columns and rows from the middle of the window. A mean's deviation, and that of two slopes.
+  PixelPlane takeOff(Index u, Index v, Index radius) const {
+    const double share = (1.0 + 3.0 * (u * u + v * v) / (radius * (radius + 1.0))) / (freedom + kUnknowns);
+    return {along_u, along_v, deviation * std::sqrt(share)};
+  }
 };
 
 Plane fitPlane(const SummedImage& image, const NoiseProfile& noise, Index u, Index v, Index radius) {
@@ -109,7 +115,7 @@ Plane fitPlane(const SummedImage& image, const NoiseProfile& noise, Index u, Ind
   plane.along_u = a;
   plane.along_v = b;
   plane.deviation = noise.at(image.mean() + mean_w);
-  plane.freedom = s.n - 3.0;
+  plane.freedom = s.n - kUnknowns;
   plane.variance = std::max(0.0, ww - a * uw - b * vw) * s.n / plane.freedom;
   return plane;
 }
@@ -181,13 +187,15 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
 
   FittedDepths fitted;
   fitted.inverse_depth = image.inverse_depth;
+  fitted.planes.resize(planes.size());
   fitted.factor = markExplained(planes);
   const std::vector<Offset> offsets = listOffsets(radius);
   // What flies between two surfaces goes to the nearer one, so that it does not join them. Windows that contain it hold others
   // that fly, so those beside them are asked as well.
   const Index wide = radius + kBeside;
-  const auto findNearest = [&](Index u, Index v, double own) {
-    double nearest = own, least = std::numeric_limits<double>::infinity();
+  const auto takeNearest = [&](Index u, Index v, double& value, PixelPlane& taken) {
+    const double own = value;
+    double least = std::numeric_limits<double>::infinity();
     for (Index y = std::max(0, v - wide); y <= std::min(height - 1, v + wide); ++y) {
       for (Index x = std::max(0, u - wide); x <= std::min(width - 1, u + wide); ++x) {
         const Plane& plane = planes[std::size_t(y) * width + x];
@@ -195,10 +203,10 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
         const double there = plane.at(u, v), misfit = std::abs(there - own) / plane.deviation;
         if (!(there > 0.0 && misfit < least)) continue;
         least = misfit;
-        nearest = there;
+        value = there;
+        taken = plane.takeOff(x - u, y - v, radius);
       }
     }
-    return nearest;
   };
   const double unexplained = parallelSum(height, kRowsPerTask, [&](Index begin, Index end) {
     double count = 0.0;
@@ -206,6 +214,7 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
       for (Index u = 0; u < width; ++u) {
         double& value = fitted.inverse_depth[std::size_t(v) * width + u];
         if (!(value > 0.0)) continue;
+        PixelPlane& taken = fitted.planes[std::size_t(v) * width + u];
         const double own = value;
         double best = std::numeric_limits<double>::infinity();
         for (const Offset& offset : offsets) {
@@ -219,10 +228,12 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
           if (!(std::abs(misfit) < kOutlier && cost < best && there > 0.0)) continue;
           best = cost;
           value = there;
+          taken = plane.takeOff(offset.u, offset.v, radius);
         }
         if (best < std::numeric_limits<double>::infinity()) continue;
         count += 1.0;
-        value = findNearest(u, v, own);
+        taken.deviation = fitted.factor * noise.at(own);
+        takeNearest(u, v, value, taken);
       }
     }
     return count;

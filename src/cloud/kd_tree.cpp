@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
+#include "k_nearest.h"
 
 #include <algorithm>
 #include <cmath>
@@ -35,32 +36,6 @@ std::pair<Index, Index> countNodes(Index n) {
   const Index even = 2 * half + 1, odd = half + half_and_one + 1, next = 2 * half_and_one + 1;
   return {n <= kLeafSize ? 1 : (n % 2 == 0 ? even : odd), n % 2 == 0 ? odd : next};
 }
-
-// The k smallest neighbours seen so far, sorted. Insertion beats a heap at the few dozen neighbours that are asked for.
-class KNearest {
- public:
-  KNearest(Index k, std::vector<Neighbor>& out) : k_(static_cast<std::size_t>(k)), out_(out) { out_.clear(); }
-
-  double bound() const { return bound_; }
-
-  void add(double squared_distance, Index index) {
-    const Neighbor candidate{squared_distance, index};
-    if (out_.size() == k_) {
-      if (!(candidate < out_.back())) return;
-    } else {
-      out_.emplace_back();
-    }
-    std::size_t at = out_.size() - 1;
-    for (; at > 0 && candidate < out_[at - 1]; --at) out_[at] = out_[at - 1];
-    out_[at] = candidate;
-    if (out_.size() == k_) bound_ = out_.back().squared_distance;
-  }
-
- private:
-  std::size_t k_;
-  std::vector<Neighbor>& out_;
-  double bound_ = std::numeric_limits<double>::infinity();
-};
 
 // All neighbours within a fixed distance, unsorted.
 class InBall {

@@ -174,6 +174,11 @@ Points estimateNormals(const Points& positions, const Lists& neighbors) {
   return normals;
 }
 
+void faceEye(const Points& positions, const Vec3& eye, Points& normals) {
+  for (std::size_t i = 0; i < normals.size(); ++i)
+    if (normals[i].dot(eye - positions[i]) < 0.0) normals[i] = -normals[i];
+}
+
 OrientationRule orientNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_boundary,
                               const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals) {
   const Index n = static_cast<Index>(positions.size());

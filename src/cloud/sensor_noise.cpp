@@ -7,6 +7,7 @@
 #include <cmath>
 
 #include "depth_windows.h"
+#include "link_pixels.h"
 #include "scattered_windows.h"
 
 namespace deformable_surface::cloud {
@@ -62,6 +63,7 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
   noise.unexplained = fitted.unexplained;
   noise.window = 2 * radius + 1;
   noise.least_gap = findLeastGap(fitted.factor * noise.deviation, noise.window * noise.window);
+  noise.links = linkPixels(image, fitted);
   noise.surface = cloud.positions;
   for (Index v = 0; v < image.height; ++v) {
     for (Index u = 0; u < image.width; ++u) {

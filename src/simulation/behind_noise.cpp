@@ -34,6 +34,7 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   if (noise.surface.empty()) return input.viewpoint;
   for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
   s.dense.positions = std::move(noise.surface);
+  s.pixel_links = std::move(noise.links);
   const std::string window = noise.is_image ? formatShort(noise.window) + " x " + formatShort(noise.window) + " points"
                                             : "about " + formatShort(std::round(noise.window * noise.window)) + " points";
   s.notes.push_back("noise of " + formatLength(noise.deviation) + " along " +

@@ -43,6 +43,11 @@ bool isZero(const Vec3& v) { return v.isZero(0.0); }
 // what the neighbours in space show: returned if it is what the neighbours over the surface show as well, else empty.
 Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   const cloud::NeighborsParams& params = scene.neighbors;
+  if (!s.pixel_links.isEmpty() && params.geodesicness.is_auto) {
+    s.dense_neighbors =
+        cloud::findNeighbors(s.pixel_links, s.dense.point_of_input, s.dense.positions, 2 * params.k, scene.input.min_gap);
+    return {};
+  }
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
   if (params.areEuclidean() || s.is_thick) return {};
   cloud::SurfaceSides sides;
@@ -65,6 +70,7 @@ Parts findDenseParts(const SceneParams& params, const RestSurface& of) {
   const bool is_body = params.model == ModelKind::kElasticSolid && !params.elastic_solid.fill;
   RestSurface s;
   s.dense = dense;
+  s.pixel_links = of.pixel_links;
   s.is_thick = of.is_thick;
   Points normals;
   if (is_body) {
@@ -90,8 +96,11 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
   if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
   s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
-  const cloud::OrientationRule rule =
-      cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals);
+  cloud::OrientationRule rule = cloud::OrientationRule::kViewpoint;
+  if (s.pixel_links.isEmpty() || !s.dense.normals.empty() || !viewpoint)
+    rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals);
+  else
+    cloud::faceEye(s.dense.positions, *viewpoint, normals);
   // A given normal is taken as it is where it agrees with the side.
   if (!s.dense.normals.empty())
     for (Index i = 0; i < n; ++i)

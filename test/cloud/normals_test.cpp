@@ -290,5 +290,13 @@ TEST(EstimateNormals, RefusePointsThatAreNotFinite) {
   EXPECT_THROW(estimateNormals(points, neighbors), InputError);
 }
 
+TEST(Normals, FaceTheEyeOneByOne) {
+  const Points positions{Vec3(0.0, 0.0, 1.0), Vec3(0.5, 0.0, 2.0)};
+  Points normals{Vec3::UnitZ(), -Vec3::UnitZ()};
+  faceEye(positions, Vec3::Zero(), normals);
+  EXPECT_EQ(normals[0], Vec3(-Vec3::UnitZ()));
+  EXPECT_EQ(normals[1], Vec3(-Vec3::UnitZ()));
+}
+
 }  // namespace
 }  // namespace deformable_surface::cloud

@@ -74,6 +74,33 @@ TEST(SensorNoise, IsTakenFromTheSurfaceAndMakesNoGaps) {
   }
 }
 
+// Share of the pairs of neighbouring pixels of one kind that are linked.
+double findLinkedShare(const CameraFrame& frame, const PixelLinks& image, bool across_gaps) {
+  double linked = 0.0, count = 0.0;
+  for (Index p = 0; p < frame.size(); ++p) {
+    for (int d = 0; d < 8; ++d) {
+      const Index u = p % image.width + kPixelSteps[d][0], v = p / image.width + kPixelSteps[d][1];
+      if (u < 0 || u >= image.width || v < 0 || v >= image.height) continue;
+      const Index q = v * image.width + u;
+      if (!frame.isSeen(p) || !frame.isSeen(q) || test::areTrueNeighbors(frame, p, q) == across_gaps) continue;
+      linked += image.links[p] >> d & 1;
+      count += 1.0;
+    }
+  }
+  return linked / count;
+}
+
+TEST(SensorNoise, LinksPixelsOfOneSurfaceAndNoneAcrossAGap) {
+  const CameraFrame towel = take(test::makeTowel(1.0, 60.0), 0.1, 0.125);
+  const CameraFrame sheets = take(test::makeTwoSheets(1.0, 0.02), 0.1, 0.125);
+  const PixelLinks on_towel = findSensorNoise(towel.cloud, clean(towel.cloud)).links;
+  const PixelLinks on_sheets = findSensorNoise(sheets.cloud, clean(sheets.cloud)).links;
+  ASSERT_FALSE(on_towel.isEmpty() || on_sheets.isEmpty());
+  EXPECT_GT(findLinkedShare(towel, on_towel, false), 0.998);
+  EXPECT_GT(findLinkedShare(sheets, on_sheets, false), 0.998);
+  EXPECT_LT(findLinkedShare(sheets, on_sheets, true), 0.02);
+}
+
 TEST(SensorNoise, IsAtLeastWhatTheStepsOfDepthsMake) {
   // Of a slightly tilted plane most windows lie on one step.
   for (const double tilt : {10.0, 30.0}) {

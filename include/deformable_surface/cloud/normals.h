@@ -9,6 +9,9 @@ namespace deformable_surface::cloud {
 /// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
 Points estimateNormals(const Points& positions, const Lists& neighbors);
 
+/// Turns the normals of points that are seen from the eye towards it: of each point, whatever those beside it say.
+void faceEye(const Points& positions, const Vec3& eye, Points& normals);
+
 /// How a surface's outward side was decided, for the log.
 enum class OrientationRule { kInputNormals, kOutward, kViewpoint, kUp };
 

@@ -3,6 +3,7 @@
 
 #include "deformable_surface/cloud/clean.h"
 #include "deformable_surface/cloud/geodesic_cells.h"
+#include "deformable_surface/cloud/pixel_links.h"
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/deformable_model.h"
@@ -26,6 +27,7 @@ constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
 struct RestSurface {
   cloud::CleanCloud dense;         // finite distinct points on the surface; normals complete and consistently oriented
   Points off_surface;              // (dense) m, from there to where the input has them; empty: they are there
+  cloud::PixelLinks pixel_links;   // of an image whose points were moved onto the surface; else empty
   bool is_thick = false;           // the points fill their neighbourhoods: over the surface is where it is near in space
   Lists dense_neighbors;           // (dense) nearest first
   cloud::Simplification order;     // of the dense points: every coarser set of simulation points is a prefix of it

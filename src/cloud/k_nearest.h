@@ -1,0 +1,37 @@
+// The nearest of the neighbours that a search meets. A file of its own, because a tree and an image are searched alike. Private.
+#pragma once
+
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <limits>
+#include <vector>
+
+namespace deformable_surface::cloud {
+
+/// The k smallest neighbours seen so far, sorted. Insertion beats a heap at the few dozen neighbours that are asked for.
+class KNearest {
+ public:
+  KNearest(Index k, std::vector<Neighbor>& out) : k_(static_cast<std::size_t>(k)), out_(out) { out_.clear(); }
+
+  double bound() const { return bound_; }
+
+  void add(double squared_distance, Index index) {
+    const Neighbor candidate{squared_distance, index};
+    if (out_.size() == k_) {
+      if (!(candidate < out_.back())) return;
+    } else {
+      out_.emplace_back();
+    }
+    std::size_t at = out_.size() - 1;
+    for (; at > 0 && candidate < out_[at - 1]; --at) out_[at] = out_[at - 1];
+    out_[at] = candidate;
+    if (out_.size() == k_) bound_ = out_.back().squared_distance;
+  }
+
+ private:
+  std::size_t k_;
+  std::vector<Neighbor>& out_;
+  double bound_ = std::numeric_limits<double>::infinity();
+};
+
+}  // namespace deformable_surface::cloud

@@ -1,0 +1,117 @@
+#include "deformable_surface/cloud/pixel_links.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/parallel.h"
+#include "k_nearest.h"
+
+#include <algorithm>
+#include <string>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kBlock = 1024;  // points per task: a millisecond of work
+// Columns and rows that lists reach: of a surface seen at 80 degrees some thirty neighbours lie in seven times as many rows as
+// columns.
+constexpr Index kReach = 12;
+constexpr Index kAcross = 2 * kReach + 3;  // with a rim, which is never entered
+
+// The pixels around one that links lead to, nearer ones in the image first.
+class PixelSearch {
+ public:
+  PixelSearch(const PixelLinks& image, const std::vector<Index>& point, const Points& positions)
+      : image_(image), point_(point), positions_(positions) {
+    for (int d = 0; d < 8; ++d) {
+      to_pixel_[d] = kPixelSteps[d][1] * image.width + kPixelSteps[d][0];
+      to_place_[d] = kPixelSteps[d][1] * kAcross + kPixelSteps[d][0];
+    }
+    std::fill(unmet_, unmet_ + kAcross * kAcross, 0);
+    for (Index row = 1; row + 1 < kAcross; ++row) std::fill(unmet_ + row * kAcross + 1, unmet_ + (row + 1) * kAcross - 1, 1);
+  }
+
+  void run(Index pixel, KNearest& nearest) {
+    constexpr Index kMiddle = (kReach + 1) * (kAcross + 1);
+    const Vec3 origin = positions_[point_[pixel]];
+    std::copy(unmet_, unmet_ + kAcross * kAcross, is_unmet_);
+    is_unmet_[kMiddle] = 0;
+    Index count = 0;
+    queue_[count++] = {pixel, kMiddle, 0.0};
+    for (Index next = 0; next < count; ++next) {
+      const Met from = queue_[next];
+      if (from.squared_distance > nearest.bound()) continue;
+      for (unsigned left = image_.links[from.pixel]; left != 0; left &= left - 1) {
+        const int direction = __builtin_ctz(left);
+        const Index place = from.place + to_place_[direction];
+        if (!is_unmet_[place]) continue;
+        is_unmet_[place] = 0;
+        const Index to = from.pixel + to_pixel_[direction], i = point_[to];
+        if (i < 0) continue;
+        const double squared = (positions_[i] - origin).squaredNorm();
+        if (squared > nearest.bound()) continue;
+        nearest.add(squared, i);
+        queue_[count++] = {to, place, squared};
+      }
+    }
+  }
+
+ private:
+  struct Met {
+    Index pixel, place;  // in the image, and around the pixel that is searched around
+    double squared_distance;
+  };
+  const PixelLinks& image_;
+  const std::vector<Index>& point_;
+  const Points& positions_;
+  Index to_pixel_[8], to_place_[8];
+  char unmet_[kAcross * kAcross], is_unmet_[kAcross * kAcross];
+  Met queue_[kAcross * kAcross];
+};
+
+}  // namespace
+
+Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, const Points& positions, Index k, double min_gap) {
+  const Index n = static_cast<Index>(positions.size()), num_pixels = image.width * image.height;
+  if (static_cast<Index>(image.links.size()) != num_pixels || point.size() != image.links.size())
+    throw InputError("findNeighbors: " + std::to_string(image.links.size()) + " links and " + std::to_string(point.size()) +
+                     " points for " + std::to_string(num_pixels) + " pixels; the three numbers must be equal");
+  // Of pixels that share a point only the first counts.
+  std::vector<Index> own(num_pixels, -1), pixel(n, -1);
+  for (Index p = 0; p < num_pixels; ++p) {
+    if (point[p] < 0 || pixel[point[p]] >= 0) continue;
+    own[p] = point[p];
+    pixel[point[p]] = p;
+  }
+  PixelLinks joined;
+  if (min_gap > 0.0) {
+    joined = image;
+    for (Index p = 0; p < num_pixels; ++p) {
+      for (int d = 0; d < 8 && own[p] >= 0; ++d) {
+        const Index u = p % image.width + kPixelSteps[d][0], v = p / image.width + kPixelSteps[d][1];
+        if (u < 0 || u >= image.width || v < 0 || v >= image.height) continue;
+        const Index other = own[v * image.width + u];
+        if (other >= 0 && (positions[other] - positions[own[p]]).norm() <= min_gap) joined.links[p] |= 1 << d;
+      }
+    }
+  }
+  std::vector<std::vector<Index>> blocks((n + kBlock - 1) / kBlock);
+  Lists lists;
+  lists.offsets.resize(n + 1);
+  parallelFor(n, kBlock, [&](Index begin, Index end) {
+    PixelSearch search(min_gap > 0.0 ? joined : image, own, positions);
+    std::vector<Index>& items = blocks[begin / kBlock];
+    items.reserve(static_cast<std::size_t>(end - begin) * k);
+    std::vector<Neighbor> found;
+    for (Index i = begin; i < end; ++i) {
+      KNearest nearest(k, found);
+      if (pixel[i] >= 0) search.run(pixel[i], nearest);
+      for (const Neighbor& neighbor : found) items.push_back(neighbor.index);
+      lists.offsets[i + 1] = static_cast<Index>(found.size());
+    }
+  });
+  for (Index i = 0; i < n; ++i) lists.offsets[i + 1] += lists.offsets[i];
+  lists.items.reserve(lists.offsets[n]);
+  for (const std::vector<Index>& block : blocks) lists.items.insert(lists.items.end(), block.begin(), block.end());
+  return lists;
+}
+
+}  // namespace deformable_surface::cloud
