@@ -48,4 +48,13 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   return noise.is_seen ? input.eye() : input.viewpoint;
 }
 
+void warnOfNoisyBody(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
+  if (input.height < 2) return;  // no image
+  const cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
+  if (noise.links.isEmpty()) return;
+  s.warnings.push_back("the cloud is the image of a surface with noise of " + formatLength(noise.deviation) +
+                       ", which elastic_solid.fill: false takes for the thickness of a body (accepted: points all through the "
+                       "body; or input.noise 0, if they are)");
+}
+
 }  // namespace deformable_surface::simulation

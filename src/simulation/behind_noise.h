@@ -11,4 +11,7 @@ namespace deformable_surface::simulation {
 /// known.
 std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s);
 
+/// Warns if a cloud that is to be a body's volume is the noisy image of a surface.
+void warnOfNoisyBody(const InputParams& params, const cloud::PointCloud& input, RestSurface& s);
+
 }  // namespace deformable_surface::simulation

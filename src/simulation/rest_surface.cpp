@@ -420,6 +420,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
   const bool is_curve =
       params.model == ModelKind::kOrientedParticles && params.oriented_particles.mode == model::ParticleMode::kPlane;
   const std::optional<Vec3> viewpoint = is_body || is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
+  if (is_body) warnOfNoisyBody(params.input, input, s);
   if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, s), s);
   if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, s), s);
   if (params.model == ModelKind::kElasticSolid) {

@@ -80,10 +80,12 @@ Parts findSimulatedParts(const SceneParams& params, const RestSurface& s) {
   return findParts(n, s.model->stretchLinks());
 }
 
-void requireHeld(const SceneParams& params, const std::vector<char>& held) {
+// points: what the marks are of.
+void requireHeld(const SceneParams& params, const std::vector<char>& held, const char* points) {
   if (std::find(held.begin(), held.end(), 1) != held.end()) return;
   throw InputError(std::string("input.unheld: found ") + (params.input.unheld == Unheld::kDrop ? "drop" : "freeze") +
-                   ", but no pin, anchor or tool holds anything of the cloud; accepted: keep, or something that holds");
+                   ", but no pin, anchor or tool holds any of the " + count(static_cast<Index>(held.size()), points) +
+                   " at the beginning; accepted: keep, or something that holds one of them");
 }
 
 }  // namespace
@@ -122,13 +124,13 @@ std::vector<char> markHeldParts(const SceneParams& params, const Parts& parts, c
 
 void dropUnheld(const SceneParams& params, const Parts& parts, RestSurface& s) {
   const std::vector<char> held = markHeldParts(params, parts, s.dense.positions);
-  requireHeld(params, held);
+  requireHeld(params, held, "points of the cloud");
   leaveOut("input.unheld drop", parts, held, s);
 }
 
 void freezeUnheld(const SceneParams& params, RestSurface& s) {
   const std::vector<char> held = markHeldParts(params, findSimulatedParts(params, s), s.points);
-  requireHeld(params, held);
+  requireHeld(params, held, "simulation points");
   for (std::size_t i = 0; i < held.size(); ++i)
     if (!held[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
 }

@@ -105,6 +105,21 @@ TEST(CameraClouds, HaveNormalsTowardsTheCamera) {
   for (std::size_t i = 0; i < s.points.size(); ++i) EXPECT_LT(s.normals[i].dot(s.points[i]), 0.0);
 }
 
+TEST(CameraClouds, AreNoBodiesWhichIsSaid) {
+  const CameraFrame frame = take(makeTowel(1.0, 30.0), 0.2);
+  SceneParams scene = makeScene(300);
+  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.elastic_solid.fill = false;
+  const auto isWarned = [&](const cloud::PointCloud& cloud) {
+    const std::vector<std::string> warnings = simulation::buildRestSurface(scene, cloud).warnings;
+    return std::any_of(warnings.begin(), warnings.end(),
+                       [](const std::string& warning) { return warning.find("image of a surface") != std::string::npos; });
+  };
+  EXPECT_TRUE(isWarned(frame.cloud));
+  scene.input.noise = 0.0;
+  EXPECT_FALSE(isWarned(frame.cloud));
+}
+
 TEST(CameraClouds, AreNotToldApartBelowTheGapThatIsStated) {
   const CameraFrame frame = take(makeTwoSheets(1.0, 0.003), 0.0);
   const auto countAcross = [&](double min_gap) {
