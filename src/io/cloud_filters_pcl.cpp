@@ -18,6 +18,8 @@ using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 // A share of points is known to half a percent from as many, and each trial counts them all.
 constexpr std::size_t kMostForPlane = 10000;
 constexpr double kMissed = 1e-4;  // chance that a plane of min_share is not found
+// Nor is one of that share, which is large, where min_share is larger: the plane that is refused is the largest, too.
+constexpr double kLargeShare = 0.3;
 
 Vec3 findMiddle(const Points& points) {
   Vec3 sum = Vec3::Zero();
@@ -43,8 +45,8 @@ Cloud::Ptr toPcl(const Points& points, const Vec3& middle, std::size_t step) {
 std::optional<Plane> findLargestPlane(const Points& points, double distance, double min_share) {
   if (points.size() < 3) return std::nullopt;
   const Vec3 middle = findMiddle(points);
-  // Three points on the plane are found by a trial with the probability min_share^3.
-  const double all_on_plane = std::min(std::pow(min_share, 3), 1.0 - kMissed);
+  // Three points on the plane are found by a trial with the probability of their share, cubed.
+  const double all_on_plane = std::pow(std::min(min_share, kLargeShare), 3);
   pcl::SACSegmentation<pcl::PointXYZ> search;  // its random numbers begin alike each time
   search.setModelType(pcl::SACMODEL_PLANE);
   search.setMethodType(pcl::SAC_RANSAC);

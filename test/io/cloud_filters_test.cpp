@@ -248,6 +248,12 @@ TEST(FilterCloud, APlaneThatFewPointsLieOnStaysWhichTheNotesSay) {
   EXPECT_TRUE(cloud::areEqual(cloud, table.cloud));
   ASSERT_EQ(report.notices.size(), 2u);
   EXPECT_TRUE(contains(report.notices[1], "min_share")) << report.notices[1];
+  // The same plane is named, however much is asked for.
+  const auto beforeAccepted = [](const std::string& notice) { return notice.substr(0, notice.find("; accepted")); };
+  params.plane.min_share = 1.0;
+  const FilterReport all = filterCloud(params, cloud);
+  ASSERT_EQ(all.notices.size(), 2u);
+  EXPECT_EQ(beforeAccepted(all.notices[1]), beforeAccepted(report.notices[1]));
 }
 
 TEST(FilterCloud, PointsThatAreAloneGo) {
