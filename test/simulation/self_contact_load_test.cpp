@@ -65,7 +65,7 @@ TEST(SelfContactLoad, ATwistedStripAndAHeapDoNotCrossThemselves) {
 }
 
 TEST(SelfContactLoad, ImplicitStepsDoNotCrossEither) {
-  const Outcome seen = simulate(makeScene("twist", 2, 0.7, Type::kImplicit));
+  const Outcome seen = simulate(makeScene("drop", 1, 0.6, Type::kImplicit));
   EXPECT_EQ(seen.crossed, 0);
   EXPECT_GT(seen.touched, 10);
 }
