@@ -14,8 +14,8 @@ constexpr double kLeast = 0.5;
 constexpr double kOfRoom = 0.9;
 // Of a pair's thickness: parts as near as that may touch soon, however slow they are.
 constexpr double kWatched = 1.5;
-constexpr int kCollisions = 4;  // passes
-constexpr int kPasses = 2;      // of shortening by planes, before ways are scaled
+constexpr int kCollisions = 8;       // passes
+constexpr double kRounding = 1e-15;  // m
 
 }  // namespace
 
@@ -194,52 +194,112 @@ void SelfContact::moveAnchors(const Points& positions, const Points& velocities,
   anchors = next_;
 }
 
-// The plane across the gap separates two convex primitives. As long as the points of each stay on its side, the two never meet.
-// Each side may use up its share of the room between them beyond kLeast.
-SelfContact::Plane SelfContact::makePlane(const Near& near, const Points& before) const {
+SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& before) const {
   const Pair& pair = *near.pair;
-  const double share = 0.5 * kOfRoom * std::max(0.0, near.distance - kLeast * pair.thickness);
-  Plane plane;
-  plane.vertices = pair.vertices;
-  plane.weight = near.closest.weight;
-  plane.normal = near.closest.gap / near.distance;
-  plane.share = share;
+  Approach approach;
+  approach.vertices = pair.vertices;
+  approach.num_first = pair.numFirst();
+  approach.normal = near.closest.gap / near.distance;
+  approach.room = kOfRoom * std::max(0.0, near.distance - kLeast * pair.thickness);
   for (int v = 0; v < 4; ++v) {
-    const bool is_first = v < pair.numFirst();
-    plane.towards[v] = (is_first ? -1.0 : 1.0) * plane.normal;
-    // How far the point is behind the closest point of its primitive.
+    const bool is_first = v < approach.num_first;
     double behind = 0.0;
     for (int w = 0; w < 4; ++w)
-      if ((w < pair.numFirst()) == is_first)
-        behind += std::abs(near.closest.weight[w]) * plane.towards[v].dot(before[pair.vertices[w]] - before[pair.vertices[v]]);
-    plane.room[v] = std::max(0.0, behind) + share;
+      if ((w < approach.num_first) == is_first)
+        behind += std::abs(near.closest.weight[w]) * approach.normal.dot(before[pair.vertices[v]] - before[pair.vertices[w]]);
+    approach.behind[v] = std::max(0.0, is_first ? behind : -behind);
   }
-  return plane;
+  return approach;
 }
 
-// Pairs that would use up more than their room exchange momentum until they do not, one after the other: plastic impacts, which
-// take energy. No point gets farther than the farthest would have: pairs that were not looked at stay apart.
-void SelfContact::collide(const Points& before, const Points& after, double farthest) {
-  for (int pass = 0; pass < kCollisions; ++pass) {
-    for (const Plane& plane : planes_) {
-      double approach = 0.0, mobility = 0.0;
-      for (int v = 0; v < 4; ++v) {
-        const Index i = plane.vertices[v];
-        approach -= plane.weight[v] * plane.normal.dot(ways_[i]);
-        if (after[i] != before[i]) mobility += plane.weight[v] * plane.weight[v] / masses_[i];
+// A plane across the gap separates two convex primitives. If the point of the first that comes farthest towards the second and
+// the point of the second that comes farthest towards the first use up less than the gap, a plane in between stays in between, as
+// it moves along. What both share does not count.
+SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
+  Worst worst{-1, -1, -approach.room};
+  double first = 0.0, second = 0.0;
+  for (int v = 0; v < 4; ++v) {
+    const double along = approach.normal.dot(ways_[approach.vertices[v]]);
+    if (v < approach.num_first) {
+      const double nearing = -along - approach.behind[v];
+      if (worst.first < 0 || nearing > first) {
+        worst.first = approach.vertices[v];
+        first = nearing;
       }
-      if (!(approach > 2.0 * plane.share) || !(mobility > 0.0)) continue;
-      const double momentum = (approach - 2.0 * plane.share) / mobility;
-      for (int v = 0; v < 4; ++v) {
-        const Index i = plane.vertices[v];
-        if (after[i] == before[i]) continue;
-        ways_[i] += momentum * plane.weight[v] / masses_[i] * plane.normal;
-        is_cut_[i] = 1;
+    } else {
+      const double nearing = along - approach.behind[v];
+      if (worst.second < 0 || nearing > second) {
+        worst.second = approach.vertices[v];
+        second = nearing;
       }
     }
   }
-  for (Vec3& way : ways_)
-    if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());
+  worst.excess += first + second;
+  return worst;
+}
+
+// Pairs that would use up more than their room exchange momentum until they do not, one after the other.
+void SelfContact::collide() {
+  for (int pass = 0; pass < kCollisions; ++pass) {
+    bool is_done = true;
+    for (const Approach& approach : approaches_) {
+      const Worst worst = findWorst(approach);
+      const double mobility = mobility_[worst.first] + mobility_[worst.second];
+      if (!(worst.excess > 0.0) || !(mobility > 0.0)) continue;
+      is_done = false;
+      // A little more than needed, so that this comes to an end.
+      const double momentum = (worst.excess + (1.0 - kOfRoom) * approach.room) / mobility;
+      ways_[worst.first] += mobility_[worst.first] * momentum * approach.normal;
+      ways_[worst.second] -= mobility_[worst.second] * momentum * approach.normal;
+      is_cut_[worst.first] = is_cut_[worst.second] = 1;
+    }
+    if (is_done) return;
+  }
+}
+
+// Zones of pairs that still come too near go on as one, with the momentum that they have, or stay where a point of theirs does.
+// Zones that then come too near others become one with them, until none does.
+void SelfContact::stopTogether() {
+  const auto find = [&](Index i) {
+    while (zone_[i] != i) i = zone_[i] = zone_[zone_[i]];
+    return i;
+  };
+  const Index n = static_cast<Index>(ways_.size());
+  bool has_zones = false;
+  for (bool is_done = false; !is_done;) {
+    is_done = true;
+    for (const Approach& approach : approaches_) {
+      if (!(findWorst(approach).excess > kRounding)) continue;
+      if (!has_zones) {
+        zone_.resize(n);
+        for (Index i = 0; i < n; ++i) zone_[i] = i;
+        has_zones = true;
+      }
+      for (const Index v : approach.vertices) {
+        const Index a = find(approach.vertices[0]), b = find(v);
+        if (a == b) continue;
+        zone_[std::max(a, b)] = std::min(a, b);
+        is_done = false;
+      }
+    }
+    if (is_done) return;
+    // The motion of a zone is kept at its first point.
+    zone_motion_.assign(n, Vec3::Zero());
+    zone_mass_.assign(n, 0.0);
+    for (Index i = 0; i < n; ++i) {
+      const Index zone = find(i);
+      zone_motion_[zone] += masses_[i] * ways_[i];
+      zone_mass_[zone] += mobility_[i] > 0.0 ? masses_[i] : std::numeric_limits<double>::infinity();
+    }
+    for (Index i = 0; i < n; ++i) {
+      const Index zone = find(i);
+      if (zone_mass_[zone] == masses_[i]) continue;  // alone
+      const Vec3 motion = std::isfinite(zone_mass_[zone]) ? Vec3(zone_motion_[zone] / zone_mass_[zone]) : Vec3::Zero();
+      if (ways_[i] == motion) continue;
+      ways_[i] = motion;
+      is_cut_[i] = 1;
+    }
+  }
 }
 
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after) {
@@ -262,33 +322,20 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
   }
   // Pairs that are farther apart cannot use up their room.
   const double reach = kLeast * list_.thickness() + 2.0 / kOfRoom * std::sqrt(farthest);
-  planes_.clear();
+  approaches_.clear();
   for (const Near& near : measure(before, reach))
-    if (near.distance < reach && near.distance > 0.0) planes_.push_back(makePlane(near, before));
-  if (planes_.empty()) return cut_;
+    if (near.distance < reach && near.distance > 0.0) approaches_.push_back(makeApproach(near, before));
+  if (approaches_.empty()) return cut_;
   is_cut_.assign(n, 0);
-  collide(before, after, farthest);
-  wanted_ = ways_;
-  for (int pass = 0; pass <= kPasses; ++pass) {
-    for (const Plane& plane : planes_) {
-      for (int v = 0; v < 4; ++v) {
-        const Index i = plane.vertices[v];
-        const double nearing = plane.towards[v].dot(ways_[i]);
-        if (!(nearing > plane.room[v])) continue;
-        is_cut_[i] = 1;
-        if (pass < kPasses) {
-          ways_[i] -= (nearing - plane.room[v]) * plane.towards[v];
-        } else {
-          ways_[i] *= plane.room[v] / nearing;
-        }
-      }
-    }
-  }
+  mobility_.resize(n);
+  for (Index i = 0; i < n; ++i) mobility_[i] = after[i] == before[i] ? 0.0 : 1.0 / masses_[i];
+  collide();
+  // Pairs that were not looked at stay apart if no point gets farther than the farthest would have.
+  for (Vec3& way : ways_)
+    if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());
+  stopTogether();
   for (Index i = 0; i < n; ++i) {
     if (is_cut_[i] == 0) continue;
-    // Several planes after another may squeeze a point out between them: what stops it would then do work on it.
-    const double gained = ways_[i].squaredNorm() - wanted_[i].dot(ways_[i]);
-    if (gained > 0.0) ways_[i] *= std::max(0.0, 1.0 - gained / ways_[i].squaredNorm());
     after[i] = before[i] + shared + ways_[i];
     cut_.push_back(i);
   }

@@ -251,7 +251,8 @@ TEST(OrientedParticlesStates, ParticlesMayComeAndGo) {
     evaluate(particles, s, forces, torques);
     EXPECT_LT(largest(forces), 1e-9);
     Points fresh, fresh_torques;
-    const State moved = {perturb(s.positions, 0.1 * kSpacing), s.velocities, s.orientations, s.spins, s.traits};
+    State moved = s;
+    moved.positions = perturb(s.positions, 0.1 * kSpacing);
     evaluate(particles, moved, forces, torques);
     evaluate(makeModel(s.size(), {}), moved, fresh, fresh_torques);
     EXPECT_TRUE(areSame(forces, fresh));

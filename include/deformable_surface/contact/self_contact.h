@@ -65,9 +65,9 @@ class SelfContact {
   void moveAnchors(const Points& positions, const Points& velocities, std::vector<PairAnchor>& anchors);
 
   /// Changes straight ways from `before` to `after` such that no two parts cross on them, at any time in between, if all points
-  /// go at constant speed. Parts that would come too near first collide without bouncing, which keeps momentum; then what is left
-  /// of their approach is taken off. Points that stay, stay. Returns those whose ways were changed, ascending, until the next
-  /// call.
+  /// go at constant speed. Parts that would come too near collide without bouncing; where that does not suffice, they go on
+  /// together. Both take energy and keep momentum. Points that stay, stay, and stop what would go on with them. Returns those
+  /// whose ways were changed, ascending, until the next call.
   const std::vector<Index>& limit(const Points& before, Points& after);
 
   /// Of all pairs nearer than their thickness.
@@ -83,15 +83,18 @@ class SelfContact {
     Closest closest;
     double distance;
   };
-  // Across the gap of a pair: how far each of its points may go towards the other primitive.
-  struct Plane {
+  // A near pair, seen along its gap.
+  struct Approach {
     std::array<Index, 4> vertices;
-    std::array<double, 4> weight;  // in the gap
-    Vec3 normal;                   // unit, along the gap
-    double share;                  // m, of the room that each of the two primitives may use up
-    std::array<double, 4> room;    // m
-
-    std::array<Vec3, 4> towards;  // unit, to the other primitive
+    int num_first;
+    Vec3 normal;                   // unit, from the second primitive to the first
+    std::array<double, 4> behind;  // m, how far each point is behind the closest point of its primitive
+    double room;                   // m, that the two primitives together may use up
+  };
+  // Of the points that come farthest towards the other primitive.
+  struct Worst {
+    Index first, second;
+    double excess;  // m, beyond the room; positive: the pair is to be stopped
   };
 
   /// How the parts of a pair that touches have moved along each other.
@@ -111,8 +114,10 @@ class SelfContact {
   static void addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix);
   const std::vector<Near>& measure(const Points& positions, double reach);
   double stiffness(const Pair& pair) const;
-  Plane makePlane(const Near& near, const Points& before) const;
-  void collide(const Points& before, const Points& after, double farthest);
+  Approach makeApproach(const Near& near, const Points& before) const;
+  Worst findWorst(const Approach& approach) const;
+  void collide();
+  void stopTogether();
 
   PairList list_;
   const std::vector<double> masses_;
@@ -120,9 +125,12 @@ class SelfContact {
   Points measured_at_;
   double measured_reach_ = 0.0;
   std::vector<Near> near_;
-  Points ways_;    // m, less what all share
-  Points wanted_;  // m, those before they are shortened
-  std::vector<Plane> planes_;
+  Points ways_;                   // m, less what all share
+  std::vector<double> mobility_;  // 1/kg, zero of points that stay
+  std::vector<Approach> approaches_;
+  Points zone_motion_;             // kg m
+  std::vector<double> zone_mass_;  // kg; infinite: it stays
+  std::vector<Index> zone_;        // by point: another point of its zone, or itself
   std::vector<char> is_cut_;
   std::vector<Index> cut_;
   std::vector<PairAnchor> next_;
