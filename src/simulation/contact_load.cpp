@@ -75,6 +75,7 @@ double ContactLoad::totalMass() const { return std::accumulate(masses_.begin(), 
 
 void ContactLoad::listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const {
   touches.clear();
+  touches.reserve(positions.size());
   const ToolParams& tool = body.tool;
   auto passed = body.passed.begin();
   if (!body.acts.value_or(tool::isActive(tool, time))) return;

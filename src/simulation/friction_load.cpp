@@ -123,6 +123,7 @@ void FrictionLoad::remember(double time, model::State& state) const {
     const tool::ToolParams& tool = contact_.all()[b].tool;
     if (!rubs(tool)) continue;
     const Rubbing body = beginRubbing(tool, time);
+    next_.reserve(next_.size() + state.positions.size());
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
       Rub rub = findRub(body, state, touch);
       const bool slides = rub.law.slide(rub.stretch, rub.sliding, rub.slides);

@@ -53,9 +53,9 @@ Changes Simulation::Impl::apply(const Command& command) {
 }
 
 // What happens from now on has not been tried.
-void Simulation::Impl::leaveTrial(const std::string& how) {
+void Simulation::Impl::leaveTrial(const char* how) {
   if (!(dynamics().params().accuracy.position_error > 0.0)) return;
-  const std::string why = how + ", which was not tried";
+  const std::string why = std::string(how) + ", which was not tried";
   const double share = dynamics().membraneShare();
   if (share < 1.0) {
     trial_notice = "the membrane, of which " + formatReal(share) + " of the stated stiffness acted, has all of it again: " + why;

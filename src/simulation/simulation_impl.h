@@ -62,7 +62,7 @@ struct Simulation::Impl {
   const Dynamics& dynamics() const { return run.dynamics(); }
 
   Changes apply(const Command& command);
-  void leaveTrial(const std::string& how);
+  void leaveTrial(const char* how);
   void reset();
 
   StepOutcome step();

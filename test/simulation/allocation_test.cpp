@@ -61,7 +61,6 @@ TEST(Allocation, NoStepWithToolsInMotionAllocatesAfterTheFirst) {
   plate.id = "plate";
   plate.shape.kind = geometry::Solid::Kind::kBox;
   plate.shape.size = Vec3(0.4, 0.4, 0.01);
-  plate.friction = 0.3;
   plate.path = {{0.0, Vec3(0.5, 0.0, 0.05), Vec4(0.0, 0.0, 0.0, 1.0)}, {1.0, Vec3(0.5, 0.0, -0.15), Vec4(0.0, 0.0, 1.0, 0.0)}};
   knife.id = "knife";
   knife.mode = tool::Mode::kCut;
@@ -70,6 +69,26 @@ TEST(Allocation, NoStepWithToolsInMotionAllocatesAfterTheFirst) {
   p.tools = {plate, knife};
   simulation::Simulation s(p, sheetCloud());
   run(s, 60);
+  ASSERT_GT(s.toolReactions()[0].contacts, 0);
+  EXPECT_EQ(countAllocations(s, 20), 0);
+}
+
+// The places where points stick are listed in the state: a step in which more points touch than ever before makes the list
+// longer.
+TEST(Allocation, NoStepWithFrictionAllocatesWhileNoMorePointsTouch) {
+  simulation::SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.material.damping = 20.0;
+  p.activity.sleep = simulation::Sleep::kNever;
+  tool::ToolParams plate;
+  plate.id = "plate";
+  plate.shape.kind = geometry::Solid::Kind::kBox;
+  plate.shape.size = Vec3(0.4, 0.4, 0.01);
+  plate.friction = 0.3;
+  plate.path = {{0.0, Vec3(0.5, 0.0, 0.05), Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.5, 0.0, -0.05), Vec4(0.0, 0.0, 0.0, 1.0)}};
+  p.tools = {plate};
+  simulation::Simulation s(p, sheetCloud());
+  run(s, 200);
   ASSERT_GT(s.toolReactions()[0].contacts, 0);
   EXPECT_EQ(countAllocations(s, 20), 0);
 }
