@@ -173,7 +173,7 @@ AccuracyScene makeSolid(const std::string& name, const Vec3& size, Index points)
   shape.height = size.z();
   shape.jitter = 0.2;
   scene.cloud = io::makeShape(shape);
-  scene.params.model = simulation::ModelKind::kElasticSolid;
+  scene.params.model = "elastic_solid";
   scene.params.material.young_modulus = 1e5;
   scene.params.material.poisson_ratio = 0.3;
   scene.params.material.density = 1000.0;

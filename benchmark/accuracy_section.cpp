@@ -26,7 +26,7 @@ std::vector<Setting> chooseSettings(const AccuracyScene& scene, double substep) 
     return settings;
   }
   settings.push_back({"default", IntegratorType::kAuto, 0.01});
-  if (scene.params.model == simulation::ModelKind::kElasticSolid) {
+  if (scene.params.model == "elastic_solid") {
     for (double part : {1.0, 0.5, 0.25}) settings.push_back({"verlet", IntegratorType::kVerlet, part * substep});
     // Of a body of thousands of points a solution to six digits is most of the work.
     for (double step : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0})
@@ -93,7 +93,7 @@ void runAccuracySection(const Options& options, Report& report) {
       // The truth at the simulation points, and what the transfer makes of it.
       Points there(rest.points.size()), carried;
       for (std::size_t i = 0; i < there.size(); ++i) there[i] = truth.dense[rest.dense_index[i]];
-      if (scene.params.model != simulation::ModelKind::kElasticSolid) {
+      if (scene.params.model != "elastic_solid") {
         rest.transfer.apply(there, carried);
       } else if (rest.points.size() == rest.dense.positions.size()) {
         carried = there;

@@ -20,17 +20,17 @@ constexpr int kSteps = 3;           // the first makes what later ones keep
 
 struct Model {
   const char* name;
-  simulation::ModelKind kind;
+  std::string kind;
   CloudParams::Shape shape;
   model::Membrane membrane = model::Membrane::kTriangles;
   model::Bending bending = model::Bending::kNone;
 };
-const Model kModels[] = {{"springs", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice, model::Membrane::kSprings},
-                         {"triangles", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice},
-                         {"triangles and curvature", simulation::ModelKind::kMassSpring, CloudParams::Shape::kLattice,
-                          model::Membrane::kTriangles, model::Bending::kCurvature},
-                         {"oriented particles", simulation::ModelKind::kOrientedParticles, CloudParams::Shape::kLattice},
-                         {"elastic solid", simulation::ModelKind::kElasticSolid, CloudParams::Shape::kBar}};
+const Model kModels[] = {{"springs", "mass_spring", CloudParams::Shape::kLattice, model::Membrane::kSprings},
+                         {"triangles", "mass_spring", CloudParams::Shape::kLattice},
+                         {"triangles and curvature", "mass_spring", CloudParams::Shape::kLattice, model::Membrane::kTriangles,
+                          model::Bending::kCurvature},
+                         {"oriented particles", "oriented_particles", CloudParams::Shape::kLattice},
+                         {"elastic solid", "elastic_solid", CloudParams::Shape::kBar}};
 
 SceneParams makeScene(const Model& model, Index n) {
   SceneParams scene;
@@ -46,8 +46,8 @@ SceneParams makeScene(const Model& model, Index n) {
   scene.gravity.setZero();
   scene.integrator.type = solve::IntegratorType::kVerlet;
   scene.integrator.time_step = kTimeStep;
-  if (model.kind == simulation::ModelKind::kElasticSolid) scene.cloud.jitter = 0.1;
-  if (model.kind == simulation::ModelKind::kOrientedParticles) {
+  if (model.kind == "elastic_solid") scene.cloud.jitter = 0.1;
+  if (model.kind == "oriented_particles") {
     // Stiff enough against bending that they stay a surface at every spacing.
     const double spacing = std::sqrt(2.0 / std::sqrt(3.0) / n);
     scene.material.bending_rigidity = 0.1 * scene.material.young_modulus * scene.material.thickness * spacing * spacing;
@@ -116,12 +116,12 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
       const double energy_error = std::abs(totalEnergy(simulation) - before) / stored;
 
       Points forces(n), torques(n);
-      const auto* particles = simulation.particles();
+      const bool is_oriented = simulation.model().isOriented();
       const Timing pass = measure(
           [&] {
             std::fill(forces.begin(), forces.end(), Vec3::Zero());
-            if (particles) {
-              particles->addForcesAndTorques(simulation.state(), forces, torques);
+            if (is_oriented) {
+              simulation.model().addForcesAndTorques(simulation.state(), forces, torques);
             } else {
               simulation.model().addForces(simulation.state(), forces);
             }
@@ -140,7 +140,7 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
       growth.sizes.push_back(n);
       growth.passes.push_back(pass.cpu);
       growth.steps.push_back(least / statistics.substeps);
-      if (kind.kind == simulation::ModelKind::kMassSpring)
+      if (kind.kind == "mass_spring")
         counted.push_back({std::string("force pass, ") + kind.name, n, countOf(kind, simulation.model(), &Counts::operations),
                            countOf(kind, simulation.model(), &Counts::bytes) + kPointBytes * n, pass.cpu});
     }

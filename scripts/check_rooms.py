@@ -30,6 +30,8 @@ ROOMS = {
     "ros/hand": [r"(?!ros/).*", r"ros/convert/.*"],
 }
 
+REGISTRY = "simulation/models/registry.cpp"
+
 LONGEST = 130  # characters of a line
 
 STANDARD = r"[a-z_0-9]+|([a-z]mmintrin|unistd|fcntl|sched)\.h|sys/\w+\.h"  # C++, the compiler's intrinsics, POSIX
@@ -52,27 +54,37 @@ def find_room(path):
     return next((room for room in ("/".join(parts[:2]), "/".join(parts[:1])) if room in ROOMS), None)
 
 
+def find_model(path):
+    """The model in whose folder a file lies, below model or simulation/models, or nothing."""
+    match = re.match(r"(?:model|simulation/models)/(\w+)/", path)
+    return match.group(1) if match else None
+
+
+def check_models(path, inner):
+    """Each model sees itself alone, and only the registry sees them all; parameters are seen by everyone."""
+    theirs = find_model(inner)
+    if theirs in (None, find_model(path)) or path == REGISTRY or re.fullmatch(PARAMETERS, inner):
+        return None
+    return "a model is seen from its own folders and from the registry only"
+
+
 def check_include(path, bracket, target, beside):
     """The rule that the include breaks, or nothing. `path` is the including file within its tree, as in "cloud/rings.cpp";
     `beside` says whether the target exists next to it."""
     prefix = "deformable_surface/"
     room = find_room(path)
     inner = target[len(prefix):] if target.startswith(prefix) else ""
+    if beside and bracket == '"' and (target.startswith("../") or path == REGISTRY):
+        inner = os.path.normpath(os.path.join(os.path.dirname(path), target))
     if not find_room(inner):
         if bracket == '"' and beside:
             return None if "/" not in target else "a file beside it is included by its bare name"
         if any(re.fullmatch(what, target) and re.fullmatch(who, path) for what, who in OUTSIDE):
             return None
         return "%s may not include this from outside the project" % room
-    if inner.startswith(room + "/"):
-        # The models lie in folders of their own and never see each other.
-        mine, theirs = path.split("/")[1:-1], inner.split("/")[1:-1]
-        if room == "model" and theirs and mine != theirs:
-            return "a model may not include another, nor the common part a model"
-        return None
-    if any(re.fullmatch(pattern, inner) for pattern in ROOMS[room]):
-        return None
-    return "%s may not include this" % room
+    if not inner.startswith(room + "/") and not any(re.fullmatch(pattern, inner) for pattern in ROOMS[room]):
+        return "%s may not include this" % room
+    return check_models(path, inner)
 
 
 def check_tree(repository):
@@ -132,7 +144,13 @@ def test_self():
         ("src/solve/b.cpp", ours % "model/x/b.h", refused),
         ("src/solve/c.cpp", ours % "cloud/kd_tree.h", refused),
         ("src/transfer/a.cpp", ours % "model/deformable_model.h", refused),
-        ("src/simulation/a.cpp", ours % "model/x/b.h", allowed),
+        ("src/simulation/a.cpp", ours % "model/x/b.h", refused),
+        ("src/simulation/a.cpp", ours % "model/x/b_params.h", allowed),
+        ("src/simulation/models/x/a.cpp", ours % "model/x/b.h", allowed),
+        ("src/simulation/models/x/a.cpp", ours % "model/y/b.h", refused),
+        ("src/simulation/models/x/a.cpp", ours % "simulation/b.h", allowed),
+        ("src/simulation/models/registry.cpp", ours % "model/x/b.h", allowed),
+        ("src/ros/node/f.cpp", ours % "model/x/b.h", refused),
         ("src/simulation/b.cpp", ours % "io/scene.h", refused),
         ("src/io/scene.cpp", "<yaml-cpp/yaml.h>", allowed),
         ("src/simulation/c.cpp", "<yaml-cpp/yaml.h>", refused),

@@ -43,7 +43,7 @@ cloud::PointCloud sampleBox(const Vec3& low, const Vec3& high, double spacing, S
 
 simulation::SceneParams makeScene(double damping) {
   simulation::SceneParams scene;
-  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.model = "elastic_solid";
   scene.material.young_modulus = kYoung;
   scene.material.poisson_ratio = kPoisson;
   scene.material.density = kDensity;

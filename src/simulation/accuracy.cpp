@@ -35,12 +35,6 @@ constexpr int kSettled = 25;    // steps of a probe that fits: the last ones see
 
 std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
 
-// What meets tools, and what tears, must be as stiff as stated; an equilibrium costs the same for any stiffness.
-bool maySoften(const SceneParams& params) {
-  return params.tools.empty() && params.mass_spring.tear_strain == 0.0 && params.integrator.type != IntegratorType::kStatic &&
-         params.mass_spring.stiffness == model::Stiffness::kMaterial;
-}
-
 // The softest membrane whose estimate stays below the wish, and how far the probe with it is from the one with the stated
 // stiffness.
 void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, AccuracyChoice& choice) {
@@ -126,7 +120,7 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
       if (probe.failed && mayChooseIntegrator(params)) tryVerlet(params, full, probe, choice);
       choice.take(probe.candidate);
       choice.is_met = !probe.failed;
-      if (choice.is_met && maySoften(params)) chooseMembrane(params, full, probe, choice);
+      if (choice.is_met && findModel(params.model).maySoften(params)) chooseMembrane(params, full, probe, choice);
       if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe, choice);
     }
     const std::string estimate = std::isfinite(choice.error) ? formatShort(choice.error) + " m" : "infinite";
@@ -162,7 +156,7 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   quiet.activity.sleep = Sleep::kNever;  // what is timed is a surface in motion
   quiet.output.resample = false;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, points));
-  if (params.accuracy.estimate) trial.estimateError();
+  if (params.accuracy.estimate && trial.dynamics().kind().traits().has_estimate) trial.estimateError();
   const auto step = [&] {
     const Timer timer;
     return trial.step().ok ? timer.seconds() : std::numeric_limits<double>::infinity();

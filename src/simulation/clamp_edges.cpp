@@ -1,5 +1,7 @@
 #include "clamp_edges.h"
 
+#include "deformable_surface/simulation/model_kind.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -106,10 +108,7 @@ std::vector<char> markClamping(const Points& points, const Lists& neighbors, con
   return clamping;
 }
 
-bool canClamp(const SceneParams& params) {
-  return params.model == ModelKind::kMassSpring && params.mass_spring.bending == model::Bending::kCurvature &&
-         params.material.bendingRigidity() > 0.0;
-}
+bool canClamp(const SceneParams& params) { return findModel(params.model).isPlate(params); }
 
 namespace {
 

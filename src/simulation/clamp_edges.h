@@ -30,7 +30,7 @@ ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>
 /// Which of the points inside, (n), belong to a patch that clamps: one wider than a row of points. spacing: of the points, m.
 std::vector<char> markClamping(const Points& points, const Lists& neighbors, const std::vector<char>& inside, double spacing);
 
-/// Whether pins can clamp: a mass-spring surface with a curvature energy. Without one nothing tells a clamp from a hinge.
+/// Whether pins can clamp: without a curvature energy nothing tells a clamp from a hinge.
 bool canClamp(const SceneParams& params);
 
 /// Finds where the scene's pins clamp, and marks what rides on them. full: the surface with the dense points that s is of.

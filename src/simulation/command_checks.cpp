@@ -25,8 +25,9 @@ void requirePath(const std::string& whose, const std::vector<tool::WaypointParam
 }
 
 void requireParticles(const Dynamics& dynamics) {
-  if (!dynamics.particles())
-    throw InputError("model: found one that has no particles to edit or to grow; accepted: oriented_particles");
+  if (!dynamics.kind().traits().has_population)
+    throw InputError("model: found one that has no particles to edit or to grow; accepted: " +
+                     listModels(&ModelTraits::has_population));
 }
 
 void checkCommand(const command::RemoveForce&, const Dynamics&) {}
@@ -96,8 +97,9 @@ void checkCommand(const command::SetParams& c, const Dynamics& dynamics) {
 }
 
 void checkCommand(const command::Observe&, const Dynamics& dynamics) {
-  if (dynamics.solid())
-    throw InputError("model: found elastic_solid, which has no sides that a cloud could show; accepted: a surface");
+  if (!dynamics.kind().traits().is_surface)
+    throw InputError("model: found " + dynamics.params().model +
+                     ", which has no sides that a cloud could show; accepted: a surface");
 }
 
 void checkCommand(const command::SetState& c, const Dynamics& dynamics) {

@@ -2,7 +2,6 @@
 
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/simd.h"
-#include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
 
 #include <algorithm>
@@ -15,7 +14,6 @@ namespace {
 
 constexpr double kResampleStretch = 1.5;  // of the rest spacing at which a point is inserted
 constexpr Index kBlock = 4096;
-constexpr Index kGone = -1;
 // Whether the input's rows are the dense points.
 bool isPlain(const std::vector<Index>& point_of_input, std::size_t num_dense) {
   bool is_plain = point_of_input.size() == num_dense;
@@ -37,14 +35,12 @@ const float kNaN = std::numeric_limits<float>::quiet_NaN();
 }  // namespace
 
 DeformedSurface::DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params,
-                                 const model::ElasticSolid* solid)
+                                 std::unique_ptr<CloudFollower> follower)
     : rest_(rest),
       input_(input),
       params_(params),
       first_input_(rest.dense.positions.size(), -1),
-      has_particles_(params.model == ModelKind::kOrientedParticles),
-      solid_(solid),
-      is_direct_(solid_ ? rest.solid_transfer.isEmpty() : has_particles_ && rest.points == rest.dense.positions),
+      follower_(std::move(follower)),
       is_plain_(rest.off_surface.empty() && isPlain(rest.dense.point_of_input, rest.dense.positions.size())) {
   for (Index i = input.size() - 1; i >= 0; --i)
     if (rest.dense.point_of_input[i] >= 0) first_input_[rest.dense.point_of_input[i]] = i;
@@ -58,9 +54,7 @@ void DeformedSurface::invalidate() {
 
 void DeformedSurface::reset() {
   invalidate();
-  ids_.clear();
-  point_of_id_.clear();
-  survivors_.reset();
+  if (follower_) follower_->reset();
   cut_.reset();
   frame_.forget();
   saved_inserted_.reset();
@@ -106,23 +100,19 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
     has_normals_ = with_normals;
     return surface_;
   }
-  if (has_particles_) followPopulation(state);
-  const transfer::Transfer& transfer = currentTransfer();
-  const Points& positions = !has_particles_ ? state.positions : first_positions_;
-  if (solid_) {
-    moveSolid(state, with_normals);
-  } else if (is_direct_) {
-    takeParticles(state, with_normals);
+  if (follower_) {
+    follower_->follow(state, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
   } else if (with_normals) {
-    transfer.apply(positions, dense_now_, dense_normals_now_);
+    currentTransfer().apply(state.positions, dense_now_, dense_normals_now_);
   } else {
-    transfer.apply(positions, dense_now_);
+    currentTransfer().apply(state.positions, dense_now_);
   }
-  if (with_normals && !solid_ && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
-  if (resampler_) moveInserted(positions, with_normals);
+  const bool is_surface = !follower_ || follower_->isSurface();
+  if (with_normals && is_surface && params_.transfer.normals == transfer::NormalMethod::kCovariance) analyseNormals();
+  if (resampler_) moveInserted(follower_ ? follower_->firstPositions(state) : state.positions, with_normals);
   expand(with_normals);
   if (resampler_) appendInserted(with_normals);
-  if (has_particles_) appendNewborn(state, with_normals);
+  if (follower_) follower_->append(state, first_input_, with_normals, surface_);
   is_made_ = true;
   has_normals_ = with_normals;
   return surface_;
@@ -130,7 +120,7 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
 
 // What a surface of points that are neither inserted, born nor gone is: its rows depend on the simulation points nearby alone.
 bool DeformedSurface::isInTiles() const {
-  return !has_particles_ && !solid_ && !resampler_ && params_.transfer.normals == transfer::NormalMethod::kGradient;
+  return !follower_ && !resampler_ && params_.transfer.normals == transfer::NormalMethod::kGradient;
 }
 
 void DeformedSurface::groupRows() {
@@ -182,10 +172,7 @@ void DeformedSurface::fillRows(Index begin, Index end, bool with_normals) {
   }
 }
 
-const transfer::Transfer& DeformedSurface::currentTransfer() const {
-  if (cut_) return cut_->transfer();
-  return survivors_ ? *survivors_ : rest_.transfer;
-}
+const transfer::Transfer& DeformedSurface::currentTransfer() const { return cut_ ? cut_->transfer() : rest_.transfer; }
 
 bool DeformedSurface::sever(const tool::BladeSweep& blade, const Points& before, const Points& after) {
   if (first_input_.empty()) return false;  // simulation points alone
@@ -215,60 +202,6 @@ void DeformedSurface::restoreCut(const std::shared_ptr<const CutTransfer::Memory
   cut_ = std::make_unique<CutTransfer>(rest_, params_.transfer);
   cut_->setMemory(saved, whole);
   whole_ = whole;
-}
-
-// Which particles of the beginning are left, and the operator that does without the others: a dense point follows those that are
-// left around it, but goes with the particle that it is nearest to.
-void DeformedSurface::followPopulation(const model::State& state) {
-  const Index first = static_cast<Index>(rest_.points.size());
-  bool is_same = ids_.size() == state.traits.size() && static_cast<Index>(point_of_id_.size()) == state.next_id;
-  for (std::size_t i = 0; is_same && i < ids_.size(); ++i) is_same = ids_[i] == state.traits[i].id;
-  if (!is_same) {
-    ids_.clear();
-    point_of_id_.assign(state.next_id, kGone);
-    for (const model::ParticleTraits& particle : state.traits) {
-      point_of_id_[particle.id] = static_cast<Index>(ids_.size());
-      ids_.push_back(particle.id);
-    }
-
-    std::vector<char> is_left(first);
-    for (Index id = 0; id < first; ++id) is_left[id] = point_of_id_[id] != kGone;
-    const bool all_left = std::count(is_left.begin(), is_left.end(), 1) == first;
-    is_gone_.assign(all_left ? 0 : rest_.dense.positions.size(), 0);
-    survivors_.reset();
-    if (!all_left && is_direct_) {
-      for (std::size_t d = 0; d < is_gone_.size(); ++d) is_gone_[d] = !is_left[d];
-    } else if (!all_left) {
-      const cloud::KdTree tree(rest_.points);
-      std::vector<cloud::Neighbor> nearest;
-      for (std::size_t d = 0; d < is_gone_.size(); ++d) {
-        tree.nearest(rest_.dense.positions[d], 1, nearest);
-        is_gone_[d] = !is_left[nearest.front().index];
-      }
-      survivors_ = std::make_unique<transfer::Transfer>(rest_.dense.positions, rest_.dense.normals, rest_.points, is_left,
-                                                        params_.transfer);
-    }
-  }
-  first_positions_ = rest_.points;
-  for (Index id = 0; id < first; ++id)
-    if (point_of_id_[id] != kGone) first_positions_[id] = state.positions[point_of_id_[id]];
-}
-
-void DeformedSurface::takeParticles(const model::State& state, bool with_normals) {
-  dense_now_ = first_positions_;
-  if (!with_normals) return;
-  dense_normals_now_.assign(dense_now_.size(), Eigen::Vector3f::UnitZ());
-  for (std::size_t id = 0; id < dense_now_.size(); ++id)
-    if (point_of_id_[id] != kGone) dense_normals_now_[id] = (state.orientations[point_of_id_[id]] * Vec3::UnitZ()).cast<float>();
-}
-
-void DeformedSurface::moveSolid(const model::State& state, bool with_normals) {
-  if (!is_direct_) {
-    rest_.solid_transfer.apply(state.positions, dense_now_, with_normals ? &dense_normals_now_ : nullptr);
-    return;
-  }
-  dense_now_ = state.positions;
-  if (with_normals) solid_->turnNormals(state, rest_.dense.normals, dense_normals_now_);
 }
 
 // Normals by covariance analysis of the deformed points, as published, on the side of the transferred ones.
@@ -315,10 +248,12 @@ void DeformedSurface::expand(bool with_normals) {
   surface_.displacement.resize(n);
   surface_.normals.resize(with_normals ? n : 0);
   surface_.source.clear();
+  static const std::vector<char> none;
+  const std::vector<char>& is_gone = follower_ ? follower_->gone() : none;
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
       const Index d = rest_.dense.point_of_input[i];
-      if (d < 0 || (!is_gone_.empty() && is_gone_[d])) {
+      if (d < 0 || (!is_gone.empty() && is_gone[d])) {
         surface_.positions[i].setConstant(kNaN);
         surface_.displacement[i] = kNaN;
         if (with_normals) surface_.normals[i].setConstant(kNaN);
@@ -339,20 +274,6 @@ void DeformedSurface::appendInserted(bool with_normals) {
     if (with_normals) surface_.normals.push_back(inserted_normals_now_[p]);
     const Index parent = resampler_->parents()[p].first;
     surface_.source.push_back(parent < num_dense ? first_input_[parent] : surface_.source[parent - num_dense]);
-  }
-}
-
-// Particles that were born, a row each for ever in the order of birth; they have no rest to be displaced from.
-void DeformedSurface::appendNewborn(const model::State& state, bool with_normals) {
-  for (std::size_t id = rest_.points.size(); id < point_of_id_.size(); ++id) {
-    const Index i = point_of_id_[id];
-    surface_.positions.push_back(i == kGone ? Vec3::Constant(kNaN) : state.positions[i]);
-    surface_.displacement.push_back(kNaN);
-    const Index ancestor = i == kGone ? 0 : state.traits[i].ancestor;
-    surface_.source.push_back(first_input_[rest_.dense_index[ancestor]]);
-    if (!with_normals) continue;
-    const Eigen::Vector3f nowhere = Eigen::Vector3f::Constant(kNaN);
-    surface_.normals.push_back(i == kGone ? nowhere : Eigen::Vector3f((state.orientations[i] * Vec3::UnitZ()).cast<float>()));
   }
 }
 

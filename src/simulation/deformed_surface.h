@@ -2,23 +2,23 @@
 // because nothing of it is needed for a step: it is made when somebody looks.
 #pragma once
 
-#include "deformable_surface/model/elastic_solid/elastic_solid.h"
+#include "deformable_surface/simulation/evolution.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/simulation.h"
 #include "deformable_surface/transfer/resample.h"
 
 #include <memory>
 
+#include "cloud_follower.h"
 #include "cut_transfer.h"
-#include "cutting.h"
 
 namespace deformable_surface::simulation {
 
 class DeformedSurface : public CutFollower {
  public:
-  /// All are kept by reference and stay what they are. solid: the model, if it is one, else null.
+  /// All are kept by reference and stay what they are. follower: of the model; null: the transfer of the rest surface.
   DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params,
-                  const model::ElasticSolid* solid);
+                  std::unique_ptr<CloudFollower> follower);
 
   /// At rest again: inserted points go.
   void reset();
@@ -48,9 +48,6 @@ class DeformedSurface : public CutFollower {
 
  private:
   const transfer::Transfer& currentTransfer() const;
-  void followPopulation(const model::State& state);
-  void moveSolid(const model::State& state, bool with_normals);
-  void takeParticles(const model::State& state, bool with_normals);
   void analyseNormals();
   Lists findFollowed() const;
   void moveInserted(const Points& positions, bool with_normals);
@@ -63,15 +60,12 @@ class DeformedSurface : public CutFollower {
   // Where the input's point is now that is this dense one.
   Vec3 placeRow(Index d) const { return rest_.off_surface.empty() ? dense_now_[d] : Vec3(dense_now_[d] + rest_.off_surface[d]); }
   void appendInserted(bool with_normals);
-  void appendNewborn(const model::State& state, bool with_normals);
 
   const RestSurface& rest_;
   const cloud::PointCloud& input_;
   const SceneParams& params_;
   std::vector<Index> first_input_;  // (dense) the first input point that each is
-  const bool has_particles_;
-  const model::ElasticSolid* const solid_;
-  const bool is_direct_;  // every dense point is a point of the model, where it is: none has to follow others
+  const std::unique_ptr<CloudFollower> follower_;
 
   // Points inserted where the surface is stretched.
   std::unique_ptr<transfer::Resampler> resampler_;
@@ -83,13 +77,6 @@ class DeformedSurface : public CutFollower {
   std::unique_ptr<CutTransfer> cut_;            // null: nothing is cut
   std::vector<std::pair<Index, Index>> whole_;  // the links that it was told of last
   bool is_following_ = false;                   // it is being told of others, or was interrupted there
-
-  // Of particles that are born and go: which of those at the beginning are left, and what moves with them.
-  std::vector<Index> ids_;                         // of the state that the rest below belongs to
-  std::vector<Index> point_of_id_;                 // its point now; -1: gone
-  std::vector<char> is_gone_;                      // (dense) its particle is gone
-  std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
-  Points first_positions_;                         // (m x 3) of the particles of the beginning
 
   // Of a surface that is made in tiles: of each its rows of the input, ascending. Without holes and coincident points (is_plain_)
   // these are the points themselves, and there is no list.

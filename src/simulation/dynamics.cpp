@@ -29,24 +29,20 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
     : params_(params),
       rest_(std::move(made.rest)),
       model_(std::move(made.model)),
-      particles_(dynamic_cast<model::OrientedParticles*>(model_.get())),
-      solid_(dynamic_cast<model::ElasticSolid*>(model_.get())),
+      kind_(findModel(params.model)),
+      evolution_(kind_.makeEvolution(*model_, *rest_, params_)),
       loads_(*model_, params),
       system_(*model_, loads_.acting(), held_, params.material.damping, &held_turns_),
       march_(system_, *model_, params_.integrator),
       activity_(params.activity, rest_->points, findSpacing(*rest_), params.integrator.time_step, *model_, canBeInParts()) {
   chosen_.made = params.material;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
-  if (particles_) life_ = std::make_unique<ParticleLife>(*particles_);
   if (params.contact.self) {
     const double thickness = params.contact.thickness.valueOr(params.material.thickness);
     loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, *model_, thickness, params.contact.friction);
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
-  if (solid_) loads_.forces.setDropped(solid_->across());
-  if (particles_ && params.oriented_particles.mode == model::ParticleMode::kPlane) loads_.forces.setDropped(Vec3::UnitY());
-  if (auto* mass_spring = dynamic_cast<model::MassSpring*>(model_.get()))
-    cutting_ = std::make_unique<Cutting>(*mass_spring, params.mass_spring.tear_strain);
+  loads_.forces.setDropped(rest_->across);
 }
 
 Dynamics::Dynamics(const SceneParams& params, RestSurface rest) : Dynamics(params, take(std::move(rest))) {
@@ -60,7 +56,7 @@ Dynamics::Made Dynamics::take(RestSurface&& rest) {
 }
 
 void Dynamics::reset() {
-  if (cutting_) cutting_->setCuts({});
+  evolution_->forget();
   State& points = now_.points;
   points.positions = rest_->points;
   points.velocities.assign(rest_->points.size(), Vec3::Zero());
@@ -74,12 +70,9 @@ void Dynamics::reset() {
   now_.clamp_edges = rest_->clamp_edges;
   placePins();
   placeAnchors();
-  if (particles_) {
-    life_ = std::make_unique<ParticleLife>(*particles_);
-    particles_->setSpacing(particles_->statedSpacing());  // what an earlier fit made of it is gone
-    for (Index i = 0; i < points.size(); ++i) points.traits[i].is_smooth = !rest_->creased[i];
-    if (params_.oriented_particles.fit) growth_notice_ = grow(params_.oriented_particles.growth).notice;
-  }
+  const Population begun = evolution_->begin(now_.pinned, points);
+  followPopulation(begun);
+  growth_notice_ = begun.notice;
   clampHeld();
   loads_.track.restore({});
   values_ = rest_->values;
@@ -117,7 +110,7 @@ std::vector<AnchorLoad::Anchor> Dynamics::makeAnchors() const {
 // On the points that are there.
 void Dynamics::placeAnchors() {
   loads_.anchors = AnchorLoad(makeAnchors());
-  if (!particles_) return;
+  if (!kind_.traits().has_population) return;
   const State& points = now_.points;
   std::vector<Index> index_of_id(points.next_id, -1);
   for (Index i = 0; i < points.size(); ++i) index_of_id[points.traits[i].id] = i;
@@ -129,15 +122,10 @@ void Dynamics::requireTools(const std::vector<tool::ToolParams>& tools) const {
     if (tool.shape.kind == geometry::Solid::Kind::kMesh && !tool.shape.mesh)
       throw InputError("tool " + quote(tool.id) +
                        " shape.mesh.file: found one that has not been read; accepted: vertices and triangles");
-  for (const tool::ToolParams& tool : tools)
-    if (cutting_ && tool.mode == tool::Mode::kCut && (params_.output.resample || params_.mass_spring.volume_stiffness > 0.0))
-      throw InputError("tool " + quote(tool.id) + " mode: found cut on a surface that " +
-                       (params_.output.resample ? "inserts points, which would not know their side" : "keeps its volume") +
-                       "; accepted: cut without output.resample and mass_spring.volume_stiffness");
-  for (const tool::ToolParams& tool : tools)
-    if (params_.contact.self && tool.mode == tool::Mode::kCut)
-      throw InputError("tool " + quote(tool.id) +
-                       " mode: found cut on a surface with contact.self; accepted: cut with contact.self: false");
+  for (const tool::ToolParams& tool : tools) {
+    const std::string problem = kind_.refuseTool(params_, tool);
+    if (!problem.empty()) throw InputError("tool " + quote(tool.id) + " " + problem);
+  }
 }
 
 void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
@@ -148,11 +136,10 @@ void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
   grips_.setTools(tools_);
 }
 
-// Knives cut springs without resistance; particles they push, too.
 void Dynamics::giveContactTools() {
   std::vector<tool::ToolParams> pushing = tools_;
-  const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
-  if (cutting_) pushing.erase(std::remove_if(pushing.begin(), pushing.end(), isKnife), pushing.end());
+  const auto passes = [&](const tool::ToolParams& tool) { return !evolution_->isPushedBy(tool); };
+  pushing.erase(std::remove_if(pushing.begin(), pushing.end(), passes), pushing.end());
   loads_.contact.setTools(pushing);
 }
 

@@ -3,9 +3,9 @@
 #pragma once
 
 #include "deformable_surface/base/interrupt.h"
-#include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/simulation/commands.h"
-#include "deformable_surface/simulation/particle_life.h"
+#include "deformable_surface/simulation/evolution.h"
+#include "deformable_surface/simulation/model_kind.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/tool_reaction.h"
 
@@ -15,7 +15,7 @@
 
 #include "active_part.h"
 #include "clamp_edges.h"
-#include "cutting.h"
+#include "cloud_follower.h"
 #include "dynamics_state.h"
 #include "parts.h"
 
@@ -105,8 +105,9 @@ class Dynamics {
   const SceneParams& params() const { return params_; }  // with the values of now where they may change
   const RestSurface& rest() const { return *rest_; }
   const model::DeformableModel& model() const { return *model_; }
-  const model::OrientedParticles* particles() const { return particles_; }  // the model, if it is this one
-  const model::ElasticSolid* solid() const { return solid_; }               // the same
+  const ModelKind& kind() const { return kind_; }
+  /// See ModelKind; of this model, which it keeps by reference.
+  std::unique_ptr<CloudFollower> makeFollower() const { return kind_.makeFollower(*rest_, params_, *model_); }
   const solve::System& system() const { return system_; }
   const LoadSet& loads() const { return loads_; }
   const Grips& grips() const { return grips_; }
@@ -118,7 +119,7 @@ class Dynamics {
   std::uint64_t stepCount() const { return steps_; }
   const model::State& state() const { return now_.points; }
   const std::vector<char>& pinned() const { return now_.pinned; }
-  const std::vector<char>& held() const { return held_; }  // (n) pinned, gripped or too cold
+  const std::vector<char>& held() const { return held_; }  // (n) pinned, gripped or held by the evolution
   const std::vector<tool::ToolParams>& tools() const { return tools_; }
   Index numOwnMaterial() const;
   /// Of the last step.
@@ -200,8 +201,7 @@ class Dynamics {
   void disturb(double size, Points& positions) const;
   Grips::Update updateGrips(double now, double dt);
   std::string live(double now, double dt);
-  ParticleLife::Changes grow(const model::GrowthParams& growth);
-  void followPopulation(const ParticleLife::Changes& population);
+  void followPopulation(const Population& population);
 
   // What is awake.
   bool canBeInParts() const;
@@ -224,10 +224,8 @@ class Dynamics {
   // Made once from the rest state: what forks share, and what each has for itself.
   const std::shared_ptr<const RestSurface> rest_;
   const std::unique_ptr<model::DeformableModel> model_;
-  model::OrientedParticles* const particles_;
-  model::ElasticSolid* const solid_;
-  std::unique_ptr<ParticleLife> life_;  // null: no particles
-  std::unique_ptr<Cutting> cutting_;    // null: nothing that can be cut
+  const ModelKind& kind_;
+  const std::unique_ptr<Evolution> evolution_;
 
   // What a DynamicsState holds: as it is, or as the memories of those that it acts by.
   DynamicsState::Motion now_;
@@ -236,7 +234,7 @@ class Dynamics {
   std::vector<PointValues> values_;
   LoadSet loads_;
   Grips grips_;
-  std::vector<char> held_, held_turns_;  // pinned, gripped or too cold
+  std::vector<char> held_, held_turns_;  // pinned, gripped or held by the evolution
   solve::System system_;
   solve::TimeMarch march_;
   Activity activity_;
@@ -257,7 +255,6 @@ class Dynamics {
 
   std::uint64_t revision_ = 0;
   std::string growth_notice_;
-  bool is_hot_ = false;  // some particles are above the ambient temperature
   Index last_substeps_ = 0;
   LooseParts loose_;               // of static steps
   bool has_said_stopped_ = false;  // since the last reset

@@ -217,14 +217,14 @@ Changes Dynamics::perform(const command::SetState& c) {
   part_march_ = {};
   activity_.reset();
   const Index first = static_cast<Index>(rest_->points.size());
-  if (particles_ && (now_.points.size() != first || now_.points.next_id != first)) activity_.leaveParts();
+  if (kind_.traits().has_population && (now_.points.size() != first || now_.points.next_id != first)) activity_.leaveParts();
   Changes changes;
   changes.motion = changes.moved = true;
   return changes;
 }
 
 Changes Dynamics::perform(const command::EditParticles& c) {
-  const ParticleLife::Changes population = life_->edit(c.edit, now_.points, now_.pinned, now_.pinned_turns);
+  const Population population = evolution_->edit(c.edit, now_.points, now_.pinned, now_.pinned_turns);
   followPopulation(population);
   grips_.keepOnPins(now_.pinned);
   model_->adopt(now_.points);
@@ -236,20 +236,16 @@ Changes Dynamics::perform(const command::EditParticles& c) {
 
 Changes Dynamics::perform(const command::Fit& c) {
   Changes changes;
-  changes.notice = grow(c.growth).notice;
+  const Population grown = evolution_->fit(c.growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
+  followPopulation(grown);
+  changes.notice = grown.notice;
   model_->adopt(now_.points);  // the particles of before may have moved
   changes.motion = changes.everywhere = changes.moved = true;
   return changes;
 }
 
-ParticleLife::Changes Dynamics::grow(const model::GrowthParams& growth) {
-  const ParticleLife::Changes population = life_->fit(growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
-  followPopulation(population);
-  return population;
-}
-
 // Everything that is by point follows.
-void Dynamics::followPopulation(const ParticleLife::Changes& population) {
+void Dynamics::followPopulation(const Population& population) {
   if (!population.new_index.empty()) {
     loads_.forces.renumber(population.new_index);
     loads_.anchors.renumber(population.new_index);

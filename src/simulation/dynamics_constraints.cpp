@@ -1,4 +1,4 @@
-// Which points of a dynamics are held: pins, those that go along a path, where they clamp, and what is too cold to move.
+// Which points of a dynamics are held: pins, those that go along a path, where they clamp, and what the evolution holds.
 #include "dynamics.h"
 
 #include <algorithm>
@@ -78,15 +78,7 @@ void Dynamics::clampHeld() {
   held_ = now_.pinned;
   held_turns_ = now_.pinned_turns;
   if (model_->setHeld(now_.pinned, now_.clamp_edges)) march_.restart();
-  const double cold = params_.oriented_particles.hold_below;
-  if (!life_ || !(cold > 0.0)) return;
-  State& points = now_.points;
-  for (Index i = 0; i < points.size(); ++i) {
-    if (points.traits[i].temperature >= cold) continue;
-    held_[i] = held_turns_[i] = 1;
-    points.velocities[i].setZero();
-    points.spins[i].setZero();
-  }
+  evolution_->hold(now_.points, held_, held_turns_);
 }
 
 }  // namespace deformable_surface::simulation

@@ -19,7 +19,7 @@ void Dynamics::keepHolding(DynamicsState::Holding& holding) const {
   holding.integrator = params_.integrator.type;
   holding.grips = grips_.all();
   holding.bodies = loads_.contact.all();
-  if (cutting_) holding.cuts = cutting_->cuts();
+  holding.evolution = evolution_->memory();
   holding.tracked = loads_.track.seen();
   holding.may_touch_itself = loads_.self_contact && loads_.self_contact->mayAct();
 }
@@ -33,14 +33,12 @@ DynamicsState Dynamics::save() const {
   saved.settings.values = values_;
   saved.settings.gravity = loads_.gravity.gravity;
   saved.settings.damping = system_.damping();
-  saved.settings.spacing = particles_ ? particles_->lattice().spacing : 0.0;
   saved.settings.physics = findPhysics(params_);
   return saved;
 }
 
 void Dynamics::restore(const DynamicsState& saved, bool to_look) {
   const DynamicsState::Settings& settings = saved.settings;
-  if (particles_ && particles_->lattice().spacing != settings.spacing) particles_->setSpacing(settings.spacing);
   tools_ = settings.tools;
   values_ = settings.values;
   setPhysics(settings.physics, params_);
@@ -55,7 +53,7 @@ void Dynamics::restore(const DynamicsState& saved, bool to_look) {
 // Of a step that is refused; of a snapshot, after its settings.
 void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   const auto& [waiting, motion, holding, settings] = saved;
-  if (cutting_) cutting_->setCuts(holding.cuts);
+  evolution_->setMemory(holding.evolution);
   now_ = motion;
   model_->adopt(now_.points);
   placeAnchors();

@@ -46,7 +46,7 @@ std::vector<PinReaction> Dynamics::pinReactions() const {
 bool Dynamics::hasSnapped() const {
   // Many times what falling asleep may leave of a motion.
   constexpr double kStretched = 1e-3;
-  if (params_.model != ModelKind::kMassSpring || !activity_.isAsleep()) return false;
+  if (!kind_.traits().can_snap || !activity_.isAsleep()) return false;
   if (!loads_.gravity.isEmpty() || !loads_.pressure.isEmpty() || !loads_.track.isEmpty()) return false;
   if (!params_.anchors.empty()) return false;
   if (!loads_.forces.active(now_.points).empty()) return false;

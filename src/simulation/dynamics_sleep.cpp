@@ -3,18 +3,15 @@
 #include "dynamics.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::simulation {
 
 using solve::IntegratorType;
 
-// An equilibrium couples everything, and parts that sleep would not feel others that come to lie on them. Of particles only what
-// moves is in parts, not what they live through.
+// An equilibrium couples everything, and parts that sleep would not feel others that come to lie on them.
 bool Dynamics::canBeInParts() const {
-  if (params_.integrator.type == IntegratorType::kStatic || params_.contact.self) return false;
-  if (!particles_) return true;
-  const model::OrientedParticlesParams& p = params_.oriented_particles;
-  return !(p.yield_curvature > 0.0) && !(p.hold_below > 0.0);
+  return params_.integrator.type != IntegratorType::kStatic && !params_.contact.self && evolution_->maySleepInParts();
 }
 
 bool Dynamics::maySleep() const {
@@ -22,10 +19,7 @@ bool Dynamics::maySleep() const {
   if (params_.activity.sleep == Sleep::kAuto && params_.integrator.type == IntegratorType::kExplicitEuler) return false;
   if (!loads_.track.seen().empty()) return false;
   if (params_.output.resample) return false;  // what is inserted can ask for more in the next step
-  if (!life_) return true;
-  const model::OrientedParticlesParams& particles = params_.oriented_particles;
-  if (particles.spin > 0.0) return false;  // axes turn where nothing else does
-  return !is_hot_ && !particles.stretching && particles.growing == model::Growing::kNone;
+  return evolution_->maySleep();
 }
 
 void Dynamics::wakeAll() {
@@ -54,7 +48,7 @@ void Dynamics::setParts() {
 
 // Elements that come and go are those at these positions.
 void Dynamics::followPartners(const Points& positions) {
-  if (!activity_.isInParts() || !particles_) return;
+  if (!activity_.isInParts() || !std::isfinite(model_->maxPartMotion())) return;
   State there;
   there.positions = positions;
   there.traits = now_.points.traits;

@@ -15,6 +15,7 @@ std::size_t bytesInside(const tool::ToolParams& tool) { return bytesOf(tool.path
 std::size_t bytesInside(const NamedForces::Named& force) { return bytesOf(force.points) + bytesOf(force.shares); }
 std::size_t bytesInside(const ContactLoad::Body& body) { return bytesInside(body.tool) + bytesOf(body.passed); }
 std::size_t bytesInside(const Grips::Grip& grip) { return bytesInside(grip.tool) + bytesOf(grip.points) + bytesOf(grip.places); }
+std::size_t bytesInside(const std::shared_ptr<const Evolution::Memory>& evolution) { return evolution ? evolution->bytes() : 0; }
 std::size_t bytesInside(const Activity::Memory& activity) { return bytesOf(activity.quiet) + bytesOf(activity.moves); }
 std::size_t bytesInside(const model::State& s) {
   return bytesOf(s.positions) + bytesOf(s.velocities) + bytesOf(s.orientations) + bytesOf(s.spins) + bytesOf(s.traits) +
@@ -37,12 +38,11 @@ std::size_t sumInside(const Parts&... parts) {
 std::size_t DynamicsState::bytes() const {
   const auto& [steps, forces, watched, activity, march, part_march, has_part] = waiting;
   const auto& [points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed] = motion;
-  const auto& [integrator, grips, bodies, cuts, tracked, may_touch_itself] = holding;
-  const auto& [tools, values, gravity, damping, spacing, physics] = settings;
+  const auto& [integrator, grips, bodies, evolution, tracked, may_touch_itself] = holding;
+  const auto& [tools, values, gravity, damping, physics] = settings;
   return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
          sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
-         sumInside(integrator, grips, bodies, cuts, tracked, may_touch_itself) +
-         sumInside(tools, values, gravity, damping, spacing, physics);
+         sumInside(integrator, grips, bodies, evolution, tracked, may_touch_itself) + sumInside(tools, values, gravity, damping, physics);
 }
 
 }  // namespace deformable_surface::simulation

@@ -2,7 +2,7 @@
 // that is refused gives back.
 #pragma once
 
-#include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/simulation/evolution.h"
 #include "deformable_surface/simulation/grips.h"
 #include "deformable_surface/simulation/region_material.h"
 #include "deformable_surface/simulation/run_time_params.h"
@@ -38,7 +38,7 @@ struct DynamicsState {
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;
     std::vector<Grips::Grip> grips;
     std::vector<ContactLoad::Body> bodies;
-    std::vector<model::MassSpring::Link> cuts;
+    std::shared_ptr<const Evolution::Memory> evolution;
     std::vector<TrackLoad::Seen> tracked;
     bool may_touch_itself = false;  // in the last step
   };
@@ -48,7 +48,6 @@ struct DynamicsState {
     std::vector<PointValues> values;  // (n) what points are made of that are not as everywhere; empty if the model is another
     Vec3 gravity = Vec3::Zero();      // m/s^2
     double damping = 0.0;             // 1/s
-    double spacing = 0.0;             // m, of particles, which a fit may have found; else 0
     RunTimePhysics physics;           // of the scene
   };
 

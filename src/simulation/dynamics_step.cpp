@@ -50,8 +50,7 @@ Dynamics::Outcome Dynamics::takeStep(const Request& request) {
   try {
     std::optional<InterruptScope> scope;
     if (interrupt_) scope.emplace(*interrupt_);
-    std::string news;
-    if (life_) news = live(now, dt);
+    const std::string news = live(now, dt);
     if (!has_woken_) woken_ = wakeForStep(now, dt);
     for (const std::string& notice : {woken_.notice, news}) appendNotice(outcome.notice, notice);
     carryOut(request, scope, outcome);
@@ -116,7 +115,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     outcome.contact_seconds = contact_timer.seconds();
   }
 
-  const bool may_be_cut = cutting_ && cutting_->beginStep(tools_, now, points.positions);
+  evolution_->beginStep(now, tools_, points.positions);
 
   if (is_static) {
     findLoose(now + dt);
@@ -150,8 +149,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, model_->triangles()));
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
   }
-  outcome.has_cut = may_be_cut && cutting_->endStep(tools_, now, dt, points.positions, cut_follower_);
-  const bool has_flowed = solid_ && solid_->flow(dt, points);
+  const auto [has_cut, has_flowed] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
+  outcome.has_cut = has_cut;
   Changes changes;
   // What was kept of the whole surface is worth nothing of one that is cut.
   changes.parts = changes.motion = outcome.has_cut;
@@ -252,16 +251,12 @@ Grips::Update Dynamics::updateGrips(double now, double dt) {
   return update;
 }
 
-// Particles cool, go and are born; those that are too cold are held.
+// Before the step: what of the model changes beside the motion.
 std::string Dynamics::live(double now, double dt) {
-  const double interval = params_.oriented_particles.growth_interval;
-  const bool looks = std::floor((now + 1e-6 * dt) / interval) > std::floor((now - (1.0 - 1e-6) * dt) / interval);
-  const ParticleLife::Changes population = life_->update(now, dt, looks, tools_, now_.points);
-  // Heat changes the energy of bonds, and so does flow.
-  is_hot_ = population.are_hot || population.has_flowed;
-  if (is_hot_) march_.restart();
-  followPopulation(population);
-  return population.notice;
+  const Evolution::Change change = evolution_->beforeStep(now, dt, tools_, now_.points);
+  if (change.has_energy) march_.restart();
+  followPopulation(change.population);
+  return change.population.notice;
 }
 
 }  // namespace deformable_surface::simulation

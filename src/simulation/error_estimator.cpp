@@ -5,18 +5,14 @@
 
 #include <algorithm>
 #include <cmath>
-#include <iterator>
 #include <limits>
+#include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
 
 using solve::IntegratorType;
 
-// The copies have one point for so many of the simulation's: doubled spacing, an eighth of the cost of explicit steps.
-constexpr Index kRatio = 4;
-// Of a solid: doubled spacing in space, a sixteenth of the cost. Fewer points than the other carry no shape of a body.
-constexpr Index kSolidRatio = 8, kFewestOfSolid = 100;
 constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
 // At least, even if the copy happened to take hardly more sub-steps than the other, as in the first steps near a tool.
 constexpr double kLeastFineness = 1.5;
@@ -47,63 +43,12 @@ bool isDamping(IntegratorType type) {
   return type == IntegratorType::kImplicit || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
 
-// Over the surface: the usable ones among the coarser points near each point of the level.
-Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& usable, const RestSurface& level, Index k) {
-  std::vector<Index> owner;
-  for (Index i : level.dense_index) owner.push_back(cells.owner[i]);
-  const Lists near = cloud::findChosenNear(cells, owner, level.points, k);
-  Lists followed;
-  for (Index i = 0; i < near.size(); ++i) {
-    std::copy_if(near.begin(i), near.end(i), std::back_inserter(followed.items), [&](Index j) { return usable[j] != 0; });
-    followed.offsets.push_back(static_cast<Index>(followed.items.size()));
-  }
-  return followed;
-}
-
 }  // namespace
 
 template <class Visit>
 void ErrorEstimator::forEachCopy(const Visit& visit) {
   for (Dynamics* copy : {shadow_.get(), twin_.get(), verlet_.get()})
     if (copy) visit(*copy);
-}
-
-// The copies' surface, whose points are some of the level's, and how the others follow them.
-RestSurface ErrorEstimator::takeCoarser(const SceneParams& coarse, const RestSurface& level) {
-  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(level.dense.positions.size());
-  is_simplified_ = n < num_full;
-  unresolved_ = 1.0 - static_cast<double>(n) / num_full;
-  RestSurface surface = buildCoarser(coarse, level, std::max(kCoarsestPoints, n / kRatio));
-  // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
-  std::vector<char> usable;
-  for (Index i : surface.dense_index) {
-    const auto found = std::lower_bound(level.dense_index.begin(), level.dense_index.end(), i);
-    const bool exists = found != level.dense_index.end() && *found == i;
-    common_.push_back(exists ? static_cast<Index>(found - level.dense_index.begin()) : Index{-1});
-    usable.push_back(exists ? 1 : 0);
-  }
-  Lists followed;
-  if (!coarse.neighbors.areEuclidean()) followed = findFollowed(surface.cells, usable, level, coarse.transfer.k);
-  refine_ = transfer::Transfer(level.points, level.normals, surface.points, usable, coarse.transfer,
-                               coarse.neighbors.areEuclidean() ? nullptr : &followed);
-  return surface;
-}
-
-// The error of a solid is that against its body: its own points are an arbitrary few of it.
-RestSurface ErrorEstimator::takeCoarserSolid(const SceneParams& coarse, const RestSurface& level,
-                                             const model::ElasticSolid& solid) {
-  const Index n = static_cast<Index>(level.points.size());
-  const Index points = std::max(n / (solid.isPlanar() ? kRatio : kSolidRatio), std::min(kFewestOfSolid, n / kRatio));
-  if (points < kCoarsestPoints)
-    throw InputError("found " + std::to_string(n) + " simulation points; accepted: at least " +
-                     std::to_string(kRatio * kCoarsestPoints));
-  is_solid_ = true;
-  is_simplified_ = !level.solid_transfer.isEmpty();
-  unresolved_ = 1.0 - static_cast<double>(level.dense_index.size()) / static_cast<double>(level.dense.positions.size());
-  RestSurface surface = buildCoarserSolid(coarse, level, solid.across(), points);
-  common_ = surface.dense_index;
-  refine_solid_ = std::move(surface.solid_transfer);
-  return surface;
 }
 
 ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params().integrator.time_step) {
@@ -114,11 +59,17 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   coarse.accuracy = AccuracyParams{};
   coarse.accuracy.estimate = false;
   coarse.output.resample = false;
-  const RestSurface surface = dynamics.solid() ? takeCoarserSolid(coarse, level, *dynamics.solid()) : takeCoarser(coarse, level);
+  CoarserLevel copies = dynamics.kind().makeCopies(coarse, level);
+  const RestSurface& surface = copies.surface;
+  common_ = std::move(copies.common);
+  refine_ = std::move(copies.refine);
+  is_body_ = copies.is_body;
+  is_simplified_ = copies.is_simplified;
+  unresolved_ = copies.unresolved;
   is_calibrated_ =
       static_cast<Index>(level.points.size()) >= kFewestCalibrated && (!is_simplified_ || 1.0 - unresolved_ <= kMostCalibrated);
   spacing_ = std::sqrt(surface.area / static_cast<double>(surface.points.size()));
-  disturbance_ = (is_simplified_ || is_solid_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
+  disturbance_ = (is_simplified_ || is_body_ ? kDisturbance : kDisturbanceOfFull) * spacing_;
   level_spacing_ = std::sqrt(level.area / static_cast<double>(level.points.size()));
   has_hinged_pins_ = level.has_hinged_pins;
   coarse_now_ = surface.points;
@@ -134,13 +85,13 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
     coarse.integrator.max_substeps = max_substeps;
     verlet_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
   }
-  if (!is_solid_ && params.mass_spring.bending == model::Bending::kCurvature)
+  if (dynamics.kind().mayDent(params))
     dents_ = DentWatch(params.material, level.points, dynamics.model().triangles(), level.area, num_full);
   reset();
 }
 
 ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
-    : is_solid_(other.is_solid_),
+    : is_body_(other.is_body_),
       is_simplified_(other.is_simplified_),
       has_hinged_pins_(other.has_hinged_pins_),
       is_calibrated_(other.is_calibrated_),
@@ -151,7 +102,6 @@ ErrorEstimator::ErrorEstimator(const ErrorEstimator& other)
       level_spacing_(other.level_spacing_),
       common_(other.common_),
       refine_(other.refine_),
-      refine_solid_(other.refine_solid_),
       shadow_(other.shadow_->fork()),
       twin_(other.twin_->fork()),
       verlet_(other.verlet_ ? other.verlet_->fork() : nullptr),
@@ -323,30 +273,26 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   // How far the simulation is from its shadow at the points of both, and what is lost where the others follow these.
   const Points& shadow = shadow_->state().positions;
   double apart = 0.0, lost = 0.0;
-  if (is_simplified_ || is_solid_) {
+  if (is_simplified_ || is_body_) {
     for (std::size_t i = 0; i < shadow.size(); ++i) {
       if (common_[i] < 0) continue;
       coarse_now_[i] = positions[common_[i]];
       apart = std::max(apart, (coarse_now_[i] - shadow[i]).norm());
     }
-    if (is_solid_) {
-      refine_solid_.apply(coarse_now_, refined_, nullptr);
-    } else {
-      refine_.apply(coarse_now_, refined_);
-    }
+    refine_(coarse_now_, refined_);
     lost = findLargestDistance(refined_, positions);
   }
 
   // An oscillating difference passes through zero, the error need not: the largest so far counts while damping lets it last.
   const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * level.system().damping() * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
-  hold(seen_.space, kSpaceFactor * (is_solid_ ? 1.0 : unresolved_) * apart);
+  hold(seen_.space, kSpaceFactor * (is_body_ ? 1.0 : unresolved_) * apart);
   hold(seen_.transfer, kSpaceFactor * unresolved_ * lost);
   if (type != IntegratorType::kStatic) hold(seen_.time, measureTime(type));
   hold(seen_.twin_distance, findLargestDistance(besideTwin().state().positions, twin_->state().positions));
 
   const bool was_chaotic = seen_.is_chaotic;
-  const double far = seen_.is_halved || is_solid_ ? kChaoticDistanceOfOthers : kChaoticDistance;
+  const double far = seen_.is_halved || is_body_ ? kChaoticDistanceOfOthers : kChaoticDistance;
   seen_.is_chaotic = seen_.twin_distance > far * spacing_;
   seen_.may_buckle = seen_.may_buckle || seen_.is_chaotic;
   if (!seen_.has_dented && buckling == Buckling::kLikely) {

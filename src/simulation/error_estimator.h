@@ -2,6 +2,7 @@
 // far it may be from the full surface. Apart from the dynamics, which knows nothing of it.
 #pragma once
 
+#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -10,9 +11,6 @@
 #include "dynamics.h"
 
 namespace deformable_surface::simulation {
-
-/// The order of removal is recorded down to this many points, for the coarser copies: fewer carry no shape.
-constexpr Index kCoarsestPoints = 16;
 
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
@@ -58,7 +56,7 @@ class ErrorEstimator {
   /// Whether the next equilibrium, the first since the last reset or given state, should be searched for twice: copies of fewer
   /// points may know nothing of others. The second search begins searchDisturbance() (m) from where the first did.
   bool wantsSecondSearch() const {
-    return is_simplified_ && !is_solid_ && !has_hinged_pins_ && !seen_.has_searched && !seen_.is_lost;
+    return is_simplified_ && !is_body_ && !has_hinged_pins_ && !seen_.has_searched && !seen_.is_lost;
   }
   double searchDisturbance() const;
   /// How far from the first the second search ended, m; infinity: it found none, 0: it was not worth while. As follow().
@@ -77,8 +75,6 @@ class ErrorEstimator {
   double total() const;
 
  private:
-  RestSurface takeCoarser(const SceneParams& coarse, const RestSurface& level);
-  RestSurface takeCoarserSolid(const SceneParams& coarse, const RestSurface& level, const model::ElasticSolid& solid);
   template <class Visit>
   void forEachCopy(const Visit& visit);
   void setState(const model::State& state);
@@ -107,17 +103,16 @@ class ErrorEstimator {
   Buckling judgeBuckling(const Dynamics& level);
 
   // Constants.
-  bool is_solid_ = false;
-  bool is_simplified_ = false;                  // the level has fewer points than the surface
-  bool has_hinged_pins_ = false;                // see RestSurface
-  bool is_calibrated_ = false;                  // see isCalibrated()
-  double unresolved_ = 1.0;                     // share of the surface's points that are no simulation points
-  double step_ = 0.0;                           // s
-  double disturbance_ = 0.0;                    // m, of the twin
-  double spacing_ = 0.0, level_spacing_ = 0.0;  // m, of the copies and of the simulation
-  std::vector<Index> common_;                   // (m) the level's point that each point of the copies is; -1: none
-  transfer::Transfer refine_;                   // from the copies' points to the level's
-  transfer::SolidTransfer refine_solid_;        // in its place, of a solid
+  bool is_body_ = false;                                // see CoarserLevel
+  bool is_simplified_ = false;                          // the level has fewer points than the surface
+  bool has_hinged_pins_ = false;                        // see RestSurface
+  bool is_calibrated_ = false;                          // see isCalibrated()
+  double unresolved_ = 1.0;                             // share of the surface's points that are no simulation points
+  double step_ = 0.0;                                   // s
+  double disturbance_ = 0.0;                            // m, of the twin
+  double spacing_ = 0.0, level_spacing_ = 0.0;          // m, of the copies and of the simulation
+  std::vector<Index> common_;                           // (m) the level's point that each point of the copies is; -1: none
+  std::function<void(const Points&, Points&)> refine_;  // from the copies' points to the level's
 
   // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
   // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.

@@ -3,12 +3,14 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/geometry/fitted_shape.h"
-#include "deformable_surface/model/oriented_particles/particle_triangles.h"
-#include "deformable_surface/model/oriented_particles/rest_shape.h"
+#include "deformable_surface/simulation/model_kind.h"
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <optional>
+
+#include "parts.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -32,38 +34,6 @@ double computeVolumeRatio(const Simulation& simulation) {
   // The rest state is not kept apart; the same input builds it again.
   const Simulation rest(simulation.params(), simulation.input());
   return simulation.model().enclosedVolume(simulation.state()) / rest.model().enclosedVolume(rest.state());
-}
-
-// Mean angle, rad, between x axes and the principal direction that they should turn to, as the normals of the neighbours tell it.
-// Of the particles that have neighbours all around and whose curvatures differ.
-double measurePrincipalAngle(const model::OrientedParticles& particles, const model::State& state) {
-  constexpr double kReach = 1.5;       // spacings: the first neighbours
-  constexpr Index kAllAround = 5;      // neighbours: at an edge there are fewer
-  constexpr double kDifferent = 0.01;  // of a turn of one radian from neighbour to neighbour
-  const double spacing = particles.lattice().spacing;
-  const bool is_signed = particles.params().principal == model::PrincipalDirection::kSigned;
-  const cloud::KdTree tree(state.positions);
-  std::vector<cloud::Neighbor> near;
-  double sum = 0.0, count = 0.0;
-  for (Index i = 0; i < state.size(); ++i) {
-    const Vec3 normal = state.orientations[i] * Vec3::UnitZ();
-    tree.withinRadius(state.positions[i], kReach * spacing, near);
-    if (static_cast<Index>(near.size()) <= kAllAround) continue;  // it is one of them
-    model::CurvatureFit fit(state.orientations[i]);
-    for (const cloud::Neighbor& j : near)
-      fit.add(1.0, state.positions[j.index] - state.positions[i], state.orientations[j.index] * Vec3::UnitZ() - normal);
-    const std::optional<Vec3> curvature = fit.solve();
-    if (!curvature) continue;
-    // Outwards, the least signed height is where the surface falls off most.
-    const model::PrincipalCurvatures k = model::findPrincipalCurvatures(*curvature);
-    const bool takes_larger = is_signed || std::abs(k.larger) < std::abs(k.smaller);
-    const double difference = is_signed ? k.larger - k.smaller : std::abs(std::abs(k.larger) - std::abs(k.smaller));
-    if (!(difference * spacing > kDifferent)) continue;
-    const double off = state.traits[i].turn - k.angle - (takes_larger ? 0.0 : 0.5 * kPi);
-    sum += std::abs(std::remainder(off, kPi));
-    count += 1.0;
-  }
-  return sum / count;
 }
 
 // How far a point is from the surface that the scene's cloud was made on, m.
@@ -128,29 +98,6 @@ std::optional<double> findFittedQuantity(const std::string& name, const Simulati
   return std::nullopt;
 }
 
-// Where the simulation points are beside the solid tools that there are now: the least signed distance, m, or how many lie on
-// one, by the share of a spacing up to which contact gives way.
-std::optional<double> findContactQuantity(const std::string& name, const Simulation& simulation) {
-  constexpr double kOnIt = 0.05;
-  if (name != "distance_to_tools_min" && name != "touching") return std::nullopt;
-  const model::OrientedParticles* particles = simulation.particles();
-  if (name == "touching" && !particles)
-    throw InputError("touching: found a model without particles; accepted: model: oriented_particles");
-  std::vector<double> nearest(simulation.state().positions.size(), std::numeric_limits<double>::infinity());
-  bool has_tool = false;
-  for (const tool::ToolParams& tool : simulation.tools()) {
-    if (tool.mode != tool::Mode::kSolid || !tool::isActive(tool, simulation.time())) continue;
-    has_tool = true;
-    const tool::Pose pose = tool::interpolate(tool.path, simulation.time());
-    for (std::size_t i = 0; i < nearest.size(); ++i)
-      nearest[i] = std::min(nearest[i], tool::findSignedDistance(tool.shape, pose, simulation.state().positions[i]).distance);
-  }
-  if (!has_tool) throw InputError(name + ": found no solid tool at the end; accepted: one at least");
-  if (name == "distance_to_tools_min") return *std::min_element(nearest.begin(), nearest.end());
-  const double on_it = kOnIt * particles->lattice().spacing;
-  return static_cast<double>(std::count_if(nearest.begin(), nearest.end(), [&](double d) { return std::abs(d) < on_it; }));
-}
-
 // Particles may all be gone: what counts them is then 0, what is measured of them is nothing.
 void requirePoints(const std::string& name, Index points) {
   static const char* const kCounts[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "born", "gone"};
@@ -161,46 +108,45 @@ void requirePoints(const std::string& name, Index points) {
                      std::to_string(least));
 }
 
-// What oriented particles make: kind of surface, distances to the nearest other particle, who came and went.
-std::optional<double> findParticleQuantity(const std::string& name, const Simulation& simulation) {
-  static const char* const kNames[] = {"components",   "boundary_loops",      "euler_characteristic", "isolated",
-                                       "spacing_mean", "spacing_cv",          "spacing_max",          "born",
-                                       "gone",         "principal_angle_mean"};
-  if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
-  const model::OrientedParticles* particles = simulation.particles();
-  if (!particles && (name == "components" || name == "isolated")) {
-    const model::ParticleTopology linked = model::measureTopology(simulation.state().size(), simulation.model().stretchLinks());
-    return name == "components" ? linked.components : linked.isolated;
-  }
-  if (!particles) throw InputError(name + ": found a model without particles; accepted: model: oriented_particles");
-  const model::State& state = simulation.state();
-  const Index first = simulation.numFirst();
-  if (name == "born") return state.next_id - first;
-  if (name == "gone") return state.next_id - state.size();
-  if (name == "principal_angle_mean") return measurePrincipalAngle(*particles, state);
-  if (name.rfind("spacing", 0) == 0) {
-    double sum = 0.0, squares = 0.0, largest = 0.0;
-    const Lists nearest = cloud::nearestNeighbors(state.positions, 1);
-    for (Index i = 0; i < nearest.size(); ++i) {
-      const double d = (state.positions[*nearest.begin(i)] - state.positions[i]).norm();
-      sum += d;
-      squares += d * d;
-      largest = std::max(largest, d);
-    }
-    const double n = nearest.size(), mean = sum / n;
-    if (name == "spacing_mean") return mean;
-    return name == "spacing_max" ? largest : std::sqrt(std::max(0.0, squares / n - mean * mean)) / mean;
-  }
-  particles->refreshDisplay(state);
-  const bool chains = particles->params().mode == model::ParticleMode::kPlane;
-  const model::ParticleTopology topology = chains ? model::measureTopology(state.size(), particles->stretchLinks())
-                                                  : model::measureTopology(state.size(), particles->triangles());
-  if (name == "components") return topology.components;
-  if (name == "boundary_loops") return topology.boundary_loops;
-  return name == "isolated" ? topology.isolated : topology.euler_characteristic;
+// Of the solid tools that there are now: the distances of the simulation points from the nearest, m.
+std::optional<double> findContactQuantity(const std::string& name, const Simulation& simulation) {
+  if (name != "distance_to_tools_min") return std::nullopt;
+  const std::vector<double> nearest = findToolDistances(name, simulation);
+  return *std::min_element(nearest.begin(), nearest.end());
+}
+
+// Of points without a link, and of what links connect.
+std::optional<double> findLinkQuantity(const std::string& name, const Simulation& simulation) {
+  if (name != "components" && name != "isolated") return std::nullopt;
+  const Parts parts = findParts(simulation.state().size(), simulation.model().stretchLinks());
+  const std::ptrdiff_t isolated = std::count(parts.size.begin(), parts.size.end(), 1);
+  return static_cast<double>(name == "isolated" ? isolated : parts.count() - isolated);
+}
+
+// What only some models have.
+void refuseOthers(const std::string& name) {
+  static const char* const kNames[] = {"boundary_loops", "euler_characteristic", "spacing_mean",
+                                       "spacing_cv",     "spacing_max",          "born",
+                                       "gone",           "principal_angle_mean", "touching"};
+  if (std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames))
+    throw InputError(name + ": found a model without particles; accepted: model: " + listModels(&ModelTraits::has_population));
 }
 
 }  // namespace
+
+std::vector<double> findToolDistances(const std::string& name, const Simulation& simulation) {
+  std::vector<double> nearest(simulation.state().positions.size(), std::numeric_limits<double>::infinity());
+  bool has_tool = false;
+  for (const tool::ToolParams& tool : simulation.tools()) {
+    if (tool.mode != tool::Mode::kSolid || !tool::isActive(tool, simulation.time())) continue;
+    has_tool = true;
+    const tool::Pose pose = tool::interpolate(tool.path, simulation.time());
+    for (std::size_t i = 0; i < nearest.size(); ++i)
+      nearest[i] = std::min(nearest[i], tool::findSignedDistance(tool.shape, pose, simulation.state().positions[i]).distance);
+  }
+  if (!has_tool) throw InputError(name + ": found no solid tool at the end; accepted: one at least");
+  return nearest;
+}
 
 double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> statistic = findStatistic(name, simulation.statistics())) return *statistic;
@@ -211,7 +157,9 @@ double computeQuantity(const std::string& name, Simulation& simulation) {
   if (const std::optional<double> distance = findDistanceQuantity(name, simulation)) return *distance;
   if (const std::optional<double> fitted = findFittedQuantity(name, simulation)) return *fitted;
   if (const std::optional<double> contact = findContactQuantity(name, simulation)) return *contact;
-  if (const std::optional<double> particles = findParticleQuantity(name, simulation)) return *particles;
+  if (const std::optional<double> own = findModel(simulation.params().model).findQuantity(name, simulation)) return *own;
+  if (const std::optional<double> linked = findLinkQuantity(name, simulation)) return *linked;
+  refuseOthers(name);
 
   const Surface& surface = simulation.surface(false);
   double max_displacement = 0.0, sum = 0.0, sum_of_squares = 0.0, count = 0.0;

@@ -1,6 +1,7 @@
 #include "integrator_choice.h"
 
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/simulation/model_kind.h"
 
 #include <algorithm>
 #include <cmath>
@@ -22,7 +23,7 @@ const char* nameOf(IntegratorType type) { return type == IntegratorType::kImplic
 }  // namespace
 
 bool mayChooseIntegrator(const SceneParams& params) {
-  return params.integrator.type == IntegratorType::kAuto && params.model == ModelKind::kMassSpring;
+  return params.integrator.type == IntegratorType::kAuto && findModel(params.model).traits().is_tuned;
 }
 
 void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice) {

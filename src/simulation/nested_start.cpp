@@ -25,7 +25,6 @@ Points follow(const SceneParams& params, const RestSurface& fine, const RestSurf
 
 Points findNestedStart(const SceneParams& params, const RestSurface& level, const std::atomic<bool>* interrupt) {
   const Index n = static_cast<Index>(level.points.size());
-  if (params.model == ModelKind::kElasticSolid) return {};  // its points are carried along by another transfer
   if (n < kFewestPoints * kRatios[0] || level.dense.positions.empty()) return {};
   SceneParams coarse = params;
   coarse.accuracy = AccuracyParams{};
@@ -52,7 +51,7 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
       if (outcome.report.is_quasi_newton) break;
     }
   } catch (const InputError&) {
-    return {};  // so few points span no surface
+    return {};  // so few points span no surface, or the model has no such surfaces
   }
   return follow(params, level, known, known_now);
 }

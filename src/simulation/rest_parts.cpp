@@ -3,7 +3,6 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/space_order.h"
-#include "deformable_surface/model/mass_spring/mass_spring.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -17,8 +16,7 @@ namespace {
 
 constexpr Index kPinPoints = 3;  // that hold a pinned region: fewer would let it turn
 
-// Spacings of the points from which on a pinned band is of several rows, and up to which it is of one.
-constexpr double kBandOfRows = 0.8, kBandOfOneRow = 0.5;
+constexpr double kBandOfRows = 0.8;  // spacings of the points from which on a pinned band is of several rows
 
 constexpr double kClearMargin = 1.3;  // of geodesic neighbours: below it the coupling across a gap may be some per cent
 constexpr Index kGapShare = 1000;     // fewer points at gaps than this part of all are holes of the sampling
@@ -56,6 +54,18 @@ void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
     s.notes.push_back("the sampling hardly resolves the narrowest gap: " + count(found.num_at_gaps, "points lie at gaps, the ") +
                       "narrowest of which are " + formatReal(std::round(100.0 * found.margin) / 100.0) +
                       " times as wide as what counts as surface");
+}
+
+std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
+                                     RestSurface& s) {
+  if (params.areEuclidean()) return {};
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesicness);
+  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
+  neighbors = std::move(found.lists);
+  noteGaps(found, s);
+  // Where there is no gap, detours are those of paths from point to point, and weights by them would only make fits narrower.
+  if (!hasGaps(found, s)) return {};
+  return cloud::geodesicWeights(graph, points, neighbors);
 }
 
 std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense) {
@@ -111,27 +121,10 @@ Points pointsIn(const PinParams& pin, const Points& points) {
 
 bool isBandOfRows(const Points& points, double spacing) { return !(measureBand(points) < kBandOfRows * spacing); }
 
+double measureBand(const Points& points, const PinParams& pin) { return measureBand(pointsIn(pin, points)); }
+
 bool isBandOfRows(const Points& points, const PinParams& pin, double spacing) {
   return isBandOfRows(pointsIn(pin, points), spacing);
-}
-
-// Copies of fewer points know no better.
-void findHingedPins(const SceneParams& params, const Points& dense, RestSurface& s) {
-  if (params.model != ModelKind::kMassSpring || s.points.size() >= dense.size()) return;
-  const auto& surface = static_cast<const model::MassSpring&>(*s.model);
-  if (surface.hasCurvature() && surface.numHinged() == 0) return;
-  const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
-  const double full_spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
-  for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    const double full = measureBand(pointsIn(params.pins[p], dense)), band = measureBand(pointsIn(params.pins[p], s.points));
-    if (full < kBandOfRows * full_spacing || band > kBandOfOneRow * spacing) continue;
-    s.has_hinged_pins = true;
-    s.warnings.push_back("pins[" + std::to_string(p) + "] holds a band " + formatShort(full) +
-                         " m wide, which clamps the cloud but is narrower than the spacing of the simulation points, " +
-                         formatShort(spacing) +
-                         " m, and a hinge to them, by which no error can be estimated: a wider pin or "
-                         "more simulation points clamp these, too");
-  }
 }
 
 void applyPins(const SceneParams& params, RestSurface& s) {

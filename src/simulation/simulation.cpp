@@ -25,7 +25,7 @@ bool isOne(const Command& command) {
 Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen)
     : shared_input(std::make_shared<const cloud::PointCloud>(std::move(cloud))),
       run(params, std::move(rest)),
-      surface(dynamics().rest(), input, dynamics().params(), dynamics().solid()),
+      surface(dynamics().rest(), input, dynamics().params(), dynamics().makeFollower()),
       notes(dynamics().rest().notes),
       scene_hash(identify(dynamics().rest(), params)),
       choice(std::move(chosen)) {
@@ -34,7 +34,7 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
   try {
-    if (params.accuracy.estimate && !dynamics().particles()) run.estimateError();
+    if (params.accuracy.estimate && dynamics().kind().traits().has_estimate) run.estimateError();
   } catch (const InputError& problem) {
     notes.push_back(std::string("no error estimate, because its coarser copies cannot be built: ") + problem.what());
   }
@@ -200,7 +200,6 @@ Statistics Simulation::statistics() const { return impl_->measure(); }
 std::uint64_t Simulation::stateHash() const { return hashState(state()); }
 const model::State& Simulation::state() const { return dynamics().state(); }
 const model::DeformableModel& Simulation::model() const { return dynamics().model(); }
-const model::OrientedParticles* Simulation::particles() const { return dynamics().particles(); }
 Index Simulation::numFirst() const { return static_cast<Index>(dynamics().rest().points.size()); }
 bool Simulation::isAsleep() const { return dynamics().activity().isAsleep(); }
 bool Simulation::isLeftAlone() const { return isAsleep() && dynamics().loads().forces.all().empty() && tools().empty(); }

@@ -25,7 +25,7 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
 Simulation::Impl::Impl(const Impl& other, bool to_view)
     : shared_input(other.shared_input),
       run(other.run, to_view),
-      surface(dynamics().rest(), input, dynamics().params(), dynamics().solid()),
+      surface(dynamics().rest(), input, dynamics().params(), dynamics().makeFollower()),
       notes(other.notes),
       scene_hash(other.scene_hash),
       choice(other.choice),

@@ -6,6 +6,7 @@
 #include "deformable_surface/simulation/contact_load.h"
 
 #include <algorithm>
+#include <cmath>
 
 #include "rest_parts.h"
 
@@ -73,10 +74,10 @@ Parts findBeginningParts(const model::DeformableModel& model, const Points& poin
 }
 
 // Of a surface that has no model yet, by the edges that will be its springs.
-Parts findSimulatedParts(const SceneParams& params, const RestSurface& s) {
+Parts findSimulatedParts(const RestSurface& s) {
   const Index n = static_cast<Index>(s.points.size());
   if (!s.model) return findParts(n, linksOf(s.rings.ring));
-  if (params.model == ModelKind::kOrientedParticles) return findBeginningParts(*s.model, s.points);
+  if (std::isfinite(s.model->maxPartMotion())) return findBeginningParts(*s.model, s.points);
   return findParts(n, s.model->stretchLinks());
 }
 
@@ -129,14 +130,14 @@ void dropUnheld(const SceneParams& params, const Parts& parts, RestSurface& s) {
 }
 
 void freezeUnheld(const SceneParams& params, RestSurface& s) {
-  const std::vector<char> held = markHeldParts(params, findSimulatedParts(params, s), s.points);
+  const std::vector<char> held = markHeldParts(params, findSimulatedParts(s), s.points);
   requireHeld(params, held, "simulation points");
   for (std::size_t i = 0; i < held.size(); ++i)
     if (!held[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
 }
 
 void noteUnheld(const SceneParams& params, RestSurface& s) {
-  const Parts parts = findSimulatedParts(params, s);
+  const Parts parts = findSimulatedParts(s);
   const std::vector<char> held = markHeldParts(params, parts, s.points);
   std::vector<char> is_loose, is_held(parts.count(), 0);
   for (std::size_t i = 0; i < held.size(); ++i) {

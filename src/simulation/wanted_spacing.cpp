@@ -1,5 +1,7 @@
 #include "wanted_spacing.h"
 
+#include "deformable_surface/simulation/model_kind.h"
+
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include <algorithm>
@@ -40,7 +42,7 @@ double measureExtent(const Points& points, const PinParams& pin) {
 // Whom those pins hold at whose edges bending is concentrated (n).
 std::vector<char> findClamped(const SceneParams& params, const Points& dense, double area) {
   std::vector<char> clamped(dense.size(), 0);
-  if (params.mass_spring.bending != model::Bending::kCurvature || !(params.material.bendingRigidity() > 0.0)) return clamped;
+  if (!findModel(params.model).isPlate(params)) return clamped;
   const double spacing = std::sqrt(area / static_cast<double>(dense.size()));
   for (const PinParams& pin : params.pins) {
     if (!isBandOfRows(dense, pin, spacing) || measureExtent(dense, pin) > kSmallPin * std::sqrt(area)) continue;

@@ -11,7 +11,6 @@
 namespace deformable_surface::test {
 namespace {
 
-using simulation::ModelKind;
 using simulation::Simulation;
 using solve::IntegratorType;
 
@@ -89,7 +88,7 @@ TEST(Fork, GoesOnBitForBitWithEveryMethod) {
 
 TEST(Fork, OfOrientedParticlesGoesOnBitForBit) {
   simulation::SceneParams p = sceneFor(IntegratorType::kAuto);
-  p.model = ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.material.bending_rigidity = 0.05;
   p.material.damping = 5.0;

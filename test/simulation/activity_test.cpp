@@ -314,7 +314,7 @@ TEST(Activity, ExplicitEulerSleepsOnlyWhenToldTo) {
 
 TEST(Activity, OrientedParticlesSleepAsAWholeAndWake) {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.material.damping = 10.0;
   p.material.thickness = 0.01;
   p.gravity.setZero();

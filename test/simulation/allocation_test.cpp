@@ -156,7 +156,7 @@ TEST(Allocation, NoStepOfAnElasticSolidAllocatesAfterTheFirst) {
   using Type = solve::IntegratorType;
   for (Type type : {Type::kVerlet, Type::kImplicit, Type::kStatic}) {
     simulation::SceneParams p;
-    p.model = simulation::ModelKind::kElasticSolid;
+    p.model = "elastic_solid";
     p.integrator.type = type;
     p.cloud.shape = simulation::CloudParams::Shape::kBar;
     p.cloud.points = 400;
@@ -180,7 +180,7 @@ TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
   for (Type type : {Type::kVerlet, Type::kStatic})
     for (const double yield : {0.0, 0.5}) {
       simulation::SceneParams p = hangingSheet();
-      p.model = simulation::ModelKind::kOrientedParticles;
+      p.model = "oriented_particles";
       p.integrator.type = type;
       p.simplification = {};
       p.simplification.method = cloud::SimplificationMethod::kNone;

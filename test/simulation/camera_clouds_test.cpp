@@ -108,7 +108,7 @@ TEST(CameraClouds, HaveNormalsTowardsTheCamera) {
 TEST(CameraClouds, AreNoBodiesWhichIsSaid) {
   const CameraFrame frame = take(makeTowel(1.0, 30.0), 0.2);
   SceneParams scene = makeScene(300);
-  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.model = "elastic_solid";
   scene.elastic_solid.fill = false;
   const auto isWarned = [&](const cloud::PointCloud& cloud) {
     const std::vector<std::string> warnings = simulation::buildRestSurface(scene, cloud).warnings;

@@ -246,7 +246,7 @@ TEST(Cutting, WhatCannotBeCutSaysSo) {
   p.mass_spring.volume_stiffness = 1.0;
   EXPECT_EQ(checkParams(p).size(), 1u);
   p.mass_spring.volume_stiffness = 0.0;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   EXPECT_EQ(checkParams(p).size(), 1u);
 }
 

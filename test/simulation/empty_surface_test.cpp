@@ -28,7 +28,7 @@ tool::ToolParams makeTool(const std::string& id, Mode mode, double radius) {
 
 SceneParams makeScene(solve::IntegratorType type = solve::IntegratorType::kAuto) {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.oriented_particles.spacing = 0.1;
   p.oriented_particles.stretching = true;

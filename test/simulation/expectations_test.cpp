@@ -4,6 +4,8 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/shapes.h"
 
+#include "particles.h"
+
 #include <gtest/gtest.h>
 
 #include <limits>
@@ -74,7 +76,7 @@ TEST(Expectations, KnowEveryNameThatTheSchemaKnows) {
   SceneParams params = makeFallingSheet();
   params.cloud.shape = CloudParams::Shape::kSphere;
   Simulation simulation = runSteps(params, 1);
-  params.model = ModelKind::kOrientedParticles;
+  params.model = "oriented_particles";
   params.tools.push_back(makeBall(10.0));
   Simulation particles = runSteps(params, 1);
   for (const std::string& name : expectQuantities()) {
@@ -99,7 +101,7 @@ TEST(Expectations, MeasureWhatKindOfSurfaceParticlesAre) {
   params.cloud.points = 400;
   params.simplification = {};
   params.simplification.method = cloud::SimplificationMethod::kNone;
-  params.model = ModelKind::kOrientedParticles;
+  params.model = "oriented_particles";
   params.oriented_particles.rest_shape = model::RestShape::kFlat;
   params.gravity.setZero();
   Simulation sphere = runSteps(params, 1);
@@ -149,7 +151,7 @@ TEST(Expectations, MeasureDistancesToTheNearestSphereAndTorus) {
 
 TEST(Expectations, MeasureWhatLiesOnASolidTool) {
   SceneParams params;
-  params.model = ModelKind::kOrientedParticles;
+  params.model = "oriented_particles";
   params.cloud.shape = CloudParams::Shape::kLattice;
   params.cloud.points = 300;
   params.simplification.method = cloud::SimplificationMethod::kNone;
@@ -157,7 +159,7 @@ TEST(Expectations, MeasureWhatLiesOnASolidTool) {
   Simulation bare = runSteps(params, 1);
   EXPECT_THROW(computeQuantity("distance_to_tools_min", bare), InputError);
   EXPECT_THROW(computeQuantity("touching", bare), InputError);
-  const double spacing = bare.particles()->lattice().spacing;
+  const double spacing = latticeOf(bare).spacing;
   // The middle of the sheet is under the ball; a tool that only carries is none to lie on.
   params.tools = {makeBall(0.3 + 0.2 * spacing), makeBall(0.0)};
   params.tools[1].id = "hand";
@@ -184,7 +186,7 @@ TEST(Expectations, MeasureHowFarAxesAreFromThePrincipalDirections) {
   params.cloud.wavelength = 2.0;
   params.simplification = {};
   params.simplification.method = cloud::SimplificationMethod::kNone;
-  params.model = ModelKind::kOrientedParticles;
+  params.model = "oriented_particles";
   params.oriented_particles.rest_shape = model::RestShape::kFlat;
   params.oriented_particles.hold_below = 1.0;  // nobody is warm: the surface stays as it is
   params.oriented_particles.spin = 1e-9;

@@ -21,7 +21,7 @@ using Shape = simulation::CloudParams::Shape;
 
 SceneParams makeBallScene(Index points = 1200) {
   SceneParams scene;
-  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.model = "elastic_solid";
   scene.elastic_solid.fill = true;
   scene.cloud.shape = Shape::kSphere;
   scene.cloud.points = points;

@@ -46,7 +46,7 @@ struct Fit {
 
 Simulation growThrough(const TestSurface& samples, double spacing, const Fit& fit) {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   p.material.bending_rigidity = fit.rigidity * p.material.young_modulus * p.material.thickness * spacing * spacing;

@@ -172,7 +172,7 @@ TEST(MovingPins, HaveAnErrorEstimate) {
 }
 
 TEST(MovingPins, CarryParticlesAndSolids) {
-  for (const simulation::ModelKind model : {simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
+  for (const std::string model : {"oriented_particles", "elastic_solid"}) {
     simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.5, Vec3(0.02, 0.0, 0.0), kUpright}});
     // A planar solid stays in its plane.
     SCOPED_TRACE(static_cast<int>(model));
@@ -189,7 +189,7 @@ TEST(MovingPins, CarryParticlesAndSolids) {
 
 TEST(MovingPins, TurnsAreRefusedWithAHeldOrientation) {
   simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {1.0, Vec3::Zero(), Vec4(1.0, 0.0, 0.0, 0.0)}});
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   EXPECT_TRUE(checkParams(p).empty());
   p.pins[1].orientation = true;
   ASSERT_EQ(checkParams(p).size(), 1u);

@@ -20,7 +20,7 @@ constexpr Fitting kFittings[] = {Fitting::kNone, Fitting::kAtStart, Fitting::kLa
 
 SceneParams makeParams(Fitting fitting) {
   SceneParams p;
-  p.model = ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   p.oriented_particles.spacing = kSpacing;

@@ -13,7 +13,7 @@ namespace {
 constexpr double kSpacing = 0.1;
 
 /// A flat sheet of particles at rest in z = 0.
-Simulation makeSheet(ModelKind kind = ModelKind::kOrientedParticles) {
+Simulation makeSheet(const std::string& kind = "oriented_particles") {
   cloud::PointCloud input;
   for (int j = 0; j < 8; ++j)
     for (int i = 0; i < 8; ++i) input.positions.emplace_back(kSpacing * (i + 0.5 * (j % 2)), kSpacing * std::sqrt(0.75) * j, 0.0);
@@ -156,7 +156,7 @@ TEST(ParticleEditing, AHoleIsGrownOverByAFit) {
 }
 
 TEST(ParticleEditing, SpringsHaveNoParticles) {
-  Simulation s = makeSheet(ModelKind::kMassSpring);
+  Simulation s = makeSheet("mass_spring");
   EXPECT_THROW(s.editParticles(ParticleEdit()), InputError);
   EXPECT_THROW(s.fit(model::GrowthParams()), InputError);
 }

@@ -2,6 +2,7 @@
 #include "deformable_surface/simulation/simulation.h"
 
 #include "clouds.h"
+#include "particles.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@ namespace {
 
 simulation::SceneParams particleSheet() {
   simulation::SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   return p;
@@ -32,7 +33,7 @@ TEST(ParticleLife, AKnifeHeatsWhatItTouchesToItsTemperatureOrMeltsIt) {
     Index touched = 0;
     for (Index i = 0; i < s.state().size(); ++i) {
       const double far = (before[i] - p.tools[0].path[0].position).norm();
-      const double reach = 0.2 + 0.5 * s.particles()->lattice().spacing;
+      const double reach = 0.2 + 0.5 * latticeOf(s).spacing;
       EXPECT_EQ(s.state().traits[i].temperature, far > reach      ? 0.0
                                                  : strength > 0.0 ? strength
                                                                   : p.oriented_particles.melting)

@@ -15,7 +15,7 @@ constexpr double kSpacing = 0.05;
 
 simulation::SceneParams freePatch() {
   simulation::SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   p.oriented_particles.spacing = kSpacing;

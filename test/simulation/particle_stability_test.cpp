@@ -14,7 +14,7 @@ constexpr double kSpacing = 0.05;
 
 simulation::SceneParams patchScene() {
   simulation::SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.oriented_particles.spacing = kSpacing;
   p.material.damping = 1.0;

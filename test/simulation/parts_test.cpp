@@ -145,8 +145,8 @@ TEST(Parts, ThatNothingHoldsAreLeftOutWhereThatIsAsked) {
 }
 
 TEST(Parts, OfAllKindsAreFrozenOrLeftOut) {
-  for (const simulation::ModelKind model : {simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
-    const bool is_body = model == simulation::ModelKind::kElasticSolid;
+  for (const std::string model : {"oriented_particles", "elastic_solid"}) {
+    const bool is_body = model == "elastic_solid";
     Points points;
     for (int piece = 0; piece < 2; ++piece)
       for (int i = 0; i < 8; ++i)
@@ -220,7 +220,7 @@ TEST(Parts, OfBodiesAreKeptOrLeftOutToo) {
       for (int j = 0; j < 4; ++j)
         for (int k = 0; k < 4; ++k) points.emplace_back(0.1 * i + 3.0 * piece, 0.1 * j, 0.1 * k);
   SceneParams p;
-  p.model = simulation::ModelKind::kElasticSolid;
+  p.model = "elastic_solid";
   p.accuracy.estimate = false;
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.input.keep_parts = 1;

@@ -2,6 +2,7 @@
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/expectations.h"
+#include "particles.h"
 
 #include <gtest/gtest.h>
 
@@ -26,7 +27,7 @@ cloud::PointCloud patch(Index rows = 14, Index columns = 14) {
 
 SceneParams scene() {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   p.oriented_particles.spacing = kSpacing;
@@ -49,7 +50,7 @@ TEST(Population, SpacingAutoIsThatOfALatticeWhateverItsEdges) {
     SceneParams p = scene();
     p.oriented_particles.spacing = {};
     const Simulation s(p, patch(rows, 196 / rows));
-    EXPECT_NEAR(s.particles()->lattice().spacing, kSpacing, 1e-3 * kSpacing) << rows;
+    EXPECT_NEAR(latticeOf(s).spacing, kSpacing, 1e-3 * kSpacing) << rows;
   }
 }
 
@@ -127,7 +128,7 @@ TEST(Population, WhatLiesBelowTheFlatLatticesEnergyIsNotTakenForABlowUp) {
     for (int i = 0; i < 12; ++i) grid.positions.emplace_back(0.01f * i, 0.01f * j, (0.01f * i) * (0.01f * j));
   grid.width = 144;
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   Simulation s(p, grid);
@@ -147,18 +148,18 @@ TEST(Population, TheSpacingThatAFitFindsGoesWithSnapshotsForksAndResets) {
   for (Index id = 90; id < 94; ++id) edit.ids.push_back(id);
   s.editParticles(edit);
   const simulation::Snapshot before = s.snapshot();
-  const double stated = s.particles()->lattice().spacing;
+  const double stated = latticeOf(s).spacing;
   s.fit(s.params().oriented_particles.growth);
-  const double fitted = s.particles()->lattice().spacing;
+  const double fitted = latticeOf(s).spacing;
   ASSERT_NE(fitted, stated);
   const simulation::Snapshot after = s.snapshot();
-  EXPECT_EQ(s.fork().particles()->lattice().spacing, fitted);
+  EXPECT_EQ(latticeOf(s.fork()).spacing, fitted);
   s.restore(before);
-  EXPECT_EQ(s.particles()->lattice().spacing, stated);
+  EXPECT_EQ(latticeOf(s).spacing, stated);
   s.restore(after);
-  EXPECT_EQ(s.particles()->lattice().spacing, fitted);
+  EXPECT_EQ(latticeOf(s).spacing, fitted);
   s.reset();
-  EXPECT_EQ(s.particles()->lattice().spacing, stated);
+  EXPECT_EQ(latticeOf(s).spacing, stated);
 }
 
 TEST(Population, HeatIsCarriedByToolsAndCoolsExponentially) {
@@ -289,7 +290,7 @@ TEST(Population, ASnapshotBringsBackWhoHasGone) {
 // A jittered sphere that is flat at rest flies apart, births fill the gaps, and fly off in turn.
 TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.cloud.shape = simulation::CloudParams::Shape::kSphere;
   p.cloud.points = 500;
   p.cloud.radius = 0.5;

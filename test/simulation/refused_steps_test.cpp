@@ -16,7 +16,6 @@
 namespace deformable_surface::test {
 namespace {
 
-using simulation::ModelKind;
 using simulation::SceneParams;
 using simulation::Simulation;
 using tool::Mode;
@@ -100,7 +99,7 @@ Scene makeSheetScene(std::mt19937& draw) {
 
 Scene makeParticleScene(std::mt19937& draw) {
   SceneParams p;
-  p.model = ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.integrator.time_step = 0.002;
   p.integrator.max_iterations = 20;
@@ -124,7 +123,7 @@ Scene makeParticleScene(std::mt19937& draw) {
 
 Scene makeSolidScene(std::mt19937& draw) {
   SceneParams p;
-  p.model = ModelKind::kElasticSolid;
+  p.model = "elastic_solid";
   p.cloud.shape = simulation::CloudParams::Shape::kBar;
   p.cloud.points = 120 + static_cast<Index>(draw() % 60);
   p.cloud.size = Vec2(0.4, 0.1);

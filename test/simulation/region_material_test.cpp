@@ -180,7 +180,7 @@ TEST(Regions, WhatCannotBeIsRefusedAndNothingChanges) {
   EXPECT_EQ(s.numOwnMaterial(), 0);
 
   SceneParams particles = hangingSheet();
-  particles.model = simulation::ModelKind::kOrientedParticles;
+  particles.model = "oriented_particles";
   particles.material.bending_rigidity = 0.05;
   Simulation of_particles(particles, sheetCloud());
   change.young_modulus = 1e6;

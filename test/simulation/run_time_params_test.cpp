@@ -97,7 +97,7 @@ TEST(RunTimeParams, OthersAndWrongOnesAreRefusedAndNothingChanges) {
   EXPECT_EQ(s.stateHash(), plain.stateHash());
 
   SceneParams particles = hangingSheet();
-  particles.model = simulation::ModelKind::kOrientedParticles;
+  particles.model = "oriented_particles";
   particles.material.bending_rigidity = 0.05;
   Simulation of_particles(particles, sheetCloud());
   particles.material.young_modulus *= 2.0;

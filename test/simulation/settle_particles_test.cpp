@@ -3,6 +3,7 @@
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
 #include "deformable_surface/simulation/expectations.h"
+#include "particles.h"
 
 #include <gtest/gtest.h>
 
@@ -16,7 +17,7 @@ constexpr Index kSide = 20;
 // Without damping and without weight, so that nothing hides a force that is left.
 simulation::SceneParams unloaded(model::RestShape rest, double spacing) {
   simulation::SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   p.material.damping = 0.0;
@@ -121,7 +122,7 @@ TEST(SettleParticles, WhatIsTooSoftToStayASurfaceOnlyBecomesEven) {
   simulation::SceneParams p = unloaded(model::RestShape::kAuto, 0.1);
   p.material.bending_rigidity = 1e-3 * p.material.young_modulus * p.material.thickness * 0.1 * 0.1;
   simulation::Simulation s(p, unevenSphere(400));
-  for (const Vec3& x : s.state().positions) EXPECT_NEAR(x.norm(), 1.0, 0.2 * s.particles()->lattice().spacing);
+  for (const Vec3& x : s.state().positions) EXPECT_NEAR(x.norm(), 1.0, 0.2 * latticeOf(s).spacing);
   const auto says = [](const std::string& note) { return note.find("crumpled") != std::string::npos; };
   EXPECT_TRUE(std::any_of(s.buildNotes().begin(), s.buildNotes().end(), says));
 }

@@ -180,8 +180,7 @@ TEST(Simulation, IsNotBuiltToTheEndWhenThatIsInterrupted) {
   cloud::PointCloud cloud;
   for (int row = 0; row < 100; ++row)
     for (int column = 0; column < 100; ++column) cloud.positions.emplace_back(0.01 * column, 0.01 * row, 0.0);
-  for (const auto kind :
-       {simulation::ModelKind::kMassSpring, simulation::ModelKind::kOrientedParticles, simulation::ModelKind::kElasticSolid}) {
+  for (const auto kind : {"mass_spring", "oriented_particles", "elastic_solid"}) {
     SceneParams params;
     params.model = kind;
     std::atomic<bool> flag{true};
@@ -384,7 +383,7 @@ TEST(Simulation, APinOnAPointThatBelongsToNoSurfaceIsNamed) {
 
 TEST(Simulation, CreasesAreUnorientedParticlesAlsoAfterAReset) {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.creases.resize(1);
   p.creases[0].region.min = Vec3(0.45, -1.0, -1.0);

@@ -17,7 +17,7 @@ constexpr double kTolerance = kSleepTolerance;
 // A hexagonal sheet of particles at rest, poked near a corner from the sixth step on.
 SceneParams pokedSheet() {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.gravity.setZero();
   p.material.young_modulus = 500.0;
   p.material.thickness = 1e-3;

@@ -18,7 +18,7 @@ constexpr double kTolerance = kSleepTolerance;
 // A slab of jelly that lies on a table it sticks to, poked near a corner from the sixth step on.
 SceneParams pokedSlab() {
   SceneParams p;
-  p.model = simulation::ModelKind::kElasticSolid;
+  p.model = "elastic_solid";
   p.cloud.shape = simulation::CloudParams::Shape::kBar;
   p.cloud.points = 2700;
   p.cloud.size = Vec2(0.6, 0.6);

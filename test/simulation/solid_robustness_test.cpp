@@ -18,7 +18,7 @@ using simulation::Simulation;
 
 SceneParams makeScene() {
   SceneParams scene;
-  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.model = "elastic_solid";
   scene.material.poisson_ratio = 0.3;
   scene.accuracy.estimate = false;
   return scene;

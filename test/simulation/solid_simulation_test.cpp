@@ -16,7 +16,7 @@ using simulation::Simulation;
 // A bar of soft rubber, clamped at x = 0.
 SceneParams makeBarScene(Index points = 600) {
   SceneParams scene;
-  scene.model = simulation::ModelKind::kElasticSolid;
+  scene.model = "elastic_solid";
   scene.cloud.shape = simulation::CloudParams::Shape::kBar;
   scene.cloud.points = points;
   scene.cloud.size = Vec2(0.4, 0.1);

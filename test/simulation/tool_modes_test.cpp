@@ -9,10 +9,9 @@
 namespace deformable_surface::test {
 namespace {
 
-using simulation::ModelKind;
 using tool::Mode;
 
-constexpr ModelKind kModels[] = {ModelKind::kMassSpring, ModelKind::kOrientedParticles, ModelKind::kElasticSolid};
+constexpr const char* kModels[] = {"mass_spring", "oriented_particles", "elastic_solid"};
 
 tool::ToolParams makeTool(Mode mode) {
   tool::ToolParams tool;
@@ -25,7 +24,7 @@ tool::ToolParams makeTool(Mode mode) {
 }
 
 /// The field of the first problem; empty: none.
-std::string problemOf(ModelKind model, const tool::ToolParams& tool) {
+std::string problemOf(const std::string& model, const tool::ToolParams& tool) {
   const std::vector<simulation::ToolProblem> problems = simulation::findToolProblems(model, tool);
   return problems.empty() ? "" : problems[0].field;
 }
@@ -44,20 +43,20 @@ TEST(ToolModes, WhatAModeDoesNotUseIsRefusedInSentencesThatNameIt) {
   struct Use {
     const char* field;
     double tool::ToolParams::*value;
-    bool (*is_used)(ModelKind, Mode);
+    bool (*is_used)(const std::string&, Mode);
   };
   const Use uses[] = {{"friction", &tool::ToolParams::friction,
-                       [](ModelKind model, Mode mode) {
-                         return mode == Mode::kSolid || (mode == Mode::kCut && model == ModelKind::kOrientedParticles);
+                       [](const std::string& model, Mode mode) {
+                         return mode == Mode::kSolid || (mode == Mode::kCut && model == "oriented_particles");
                        }},
                       {"strength", &tool::ToolParams::strength,
-                       [](ModelKind model, Mode mode) {
+                       [](const std::string& model, Mode mode) {
                          return mode == Mode::kAttract || mode == Mode::kMove || mode == Mode::kHeat ||
-                                (mode == Mode::kCut && model == ModelKind::kOrientedParticles);
+                                (mode == Mode::kCut && model == "oriented_particles");
                        }},
-                      {"reach", &tool::ToolParams::reach, [](ModelKind, Mode mode) { return mode == Mode::kAttract; }}};
+                      {"reach", &tool::ToolParams::reach, [](const std::string&, Mode mode) { return mode == Mode::kAttract; }}};
   int refused = 0;
-  for (const ModelKind model : kModels)
+  for (const std::string model : kModels)
     for (const tool::ModeInfo& info : tool::kModes) {
       const tool::ToolParams good = makeTool(info.mode);
       if (problemOf(model, good) == "mode") continue;
@@ -77,18 +76,17 @@ TEST(ToolModes, WhatAModeDoesNotUseIsRefusedInSentencesThatNameIt) {
 }
 
 TEST(ToolModes, ModesThatAModelDoesNotHaveAreNamed) {
-  const std::vector<simulation::ToolProblem> problems =
-      simulation::findToolProblems(ModelKind::kMassSpring, makeTool(Mode::kErase));
+  const std::vector<simulation::ToolProblem> problems = simulation::findToolProblems("mass_spring", makeTool(Mode::kErase));
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_EQ(problems[0].sentence, "found erase, which mass_spring does not have; accepted: solid, attract, move, cut");
 }
 
 TEST(ToolModes, APlaneIsNoKnife) {
   tool::ToolParams knife = makeTool(Mode::kCut);
-  EXPECT_EQ(problemOf(ModelKind::kMassSpring, knife), "");
+  EXPECT_EQ(problemOf("mass_spring", knife), "");
   knife.shape.kind = geometry::Solid::Kind::kPlane;
-  EXPECT_EQ(problemOf(ModelKind::kMassSpring, knife), "shape");
-  EXPECT_EQ(problemOf(ModelKind::kOrientedParticles, knife), "");  // a hot floor
+  EXPECT_EQ(problemOf("mass_spring", knife), "shape");
+  EXPECT_EQ(problemOf("oriented_particles", knife), "");  // a hot floor
 }
 
 TEST(ToolModes, ScenesAndCommandsAreRefusedAlike) {

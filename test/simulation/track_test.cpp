@@ -155,7 +155,7 @@ TEST(Track, WorksWithEveryMethodAndWithParticles) {
     EXPECT_GT(largestError(s, 0.0), 0.02) << static_cast<int>(type);
   }
   SceneParams p = trackedSheet();
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.material.bending_rigidity = 0.01;
   p.material.damping = 5.0;
   Simulation s(p, sheetCloud());

@@ -101,7 +101,7 @@ TEST(Viewer, ShowsPointsThatWereInserted) {
 
 TEST(Viewer, ShowsParticlesThatGo) {
   SceneParams p;
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.gravity.setZero();
   p.simplification.target_points = 150;
   tool::ToolParams eraser = makeTool("eraser", tool::Mode::kErase);

@@ -210,7 +210,7 @@ TEST(WantedSpacing, MoreLoadsThanATenthOfThePointsKeepNoneAndThatIsTold) {
 
 TEST(WantedSpacing, ParticlesKeepNoneForLoads) {
   SceneParams p = makeScene();
-  p.model = simulation::ModelKind::kOrientedParticles;
+  p.model = "oriented_particles";
   p.cloud.points = 1000;
   p.simplification.target_points = 100;
   p.simplification.density = cloud::PointDensity::kUniform;

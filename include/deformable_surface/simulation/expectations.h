@@ -16,6 +16,10 @@ namespace deformable_surface::simulation {
 /// is not: the volume of an open surface, a distance to no tool.
 double computeQuantity(const std::string& name, Simulation& simulation);
 
+/// The signed distances (m) of the simulation points from the nearest of the solid tools that there are now. Throws InputError,
+/// of the quantity of that name, if there is none.
+std::vector<double> findToolDistances(const std::string& name, const Simulation& simulation);
+
 /// One sentence for each bound of params().expect that does not hold; NaN holds none.
 std::vector<std::string> checkExpectations(Simulation& simulation);
 

@@ -36,6 +36,7 @@ struct RestSurface {
   cloud::GeodesicCells cells;      // of the simulation points on the dense ones; empty if neighbourhoods are Euclidean
   cloud::Rings rings;              // of the simulation points
   double area = 0.0;               // m^2, of the dense surface
+  Vec3 across = Vec3::Zero();      // unit normal of the plane in which alone its points move; zero: they move in space
   bool closed = false;             // the dense surface has no boundary
   std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out
   transfer::Transfer transfer;
@@ -65,10 +66,6 @@ RestSurface buildTrial(const SceneParams& params, const RestSurface& full, Index
 /// The same surface with about target simulation points, from the recorded order: model and pins, without dense points or
 /// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
 RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);
-
-/// The same of an elastic solid, on the farthest of its simulation points; across: of its model. Its dense points are those of
-/// `of`: dense_index and solid_transfer are of them. Masses are those of the hull of so few points. Throws InputError.
-RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, const Vec3& across, Index target);
 
 /// A coarser surface or solid once more, for another simulation: the same points with a model of its own, at a fraction of the
 /// cost.

@@ -6,13 +6,11 @@
 #include "deformable_surface/cloud/neighbors_params.h"
 #include "deformable_surface/cloud/simplification_params.h"
 #include "deformable_surface/geometry/region_params.h"
-#include "deformable_surface/model/elastic_solid/elastic_solid_params.h"
-#include "deformable_surface/model/mass_spring/mass_spring_params.h"
 #include "deformable_surface/model/material_params.h"
-#include "deformable_surface/model/oriented_particles/oriented_particles_params.h"
 #include "deformable_surface/simulation/activity_params.h"
 #include "deformable_surface/simulation/contact_params.h"
 #include "deformable_surface/simulation/input_filter_params.h"
+#include "deformable_surface/simulation/model_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/tool/robot_params.h"
@@ -28,14 +26,12 @@
 
 namespace deformable_surface::simulation {
 
-enum class ModelKind { kMassSpring, kOrientedParticles, kElasticSolid };
-
 /// A field of a tool and what is wrong with it: "found ...; accepted: ...".
 struct ToolProblem {
   std::string field, sentence;
 };
 /// What a model refuses of a tool: a mode that it does not have, and fields that the mode does not use.
-std::vector<ToolProblem> findToolProblems(ModelKind model, const tool::ToolParams& tool);
+std::vector<ToolProblem> findToolProblems(const std::string& model, const tool::ToolParams& tool);
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
 struct CloudParams {
@@ -146,16 +142,13 @@ struct ExpectParams {
   double min = 0.0, max = 0.0;
 };
 
-struct SceneParams {
-  ModelKind model = ModelKind::kMassSpring;
+struct SceneParams : ModelOptions {
+  std::string model = kDefaultModel;  // the name of one of the registry (model_kind.h)
   std::string frame_id;
   CloudParams cloud;
   model::MaterialParams material;
   cloud::NeighborsParams neighbors;
   cloud::SimplificationParams simplification;
-  model::MassSpringParams mass_spring;
-  model::OrientedParticlesParams oriented_particles;
-  model::ElasticSolidParams elastic_solid;
   transfer::TransferParams transfer;
   solve::IntegratorParams integrator;
   AccuracyParams accuracy;
@@ -415,81 +408,27 @@ inline void visit(Fields& fields, InputParams& p) {
 }
 
 /// Why a scene's model cannot have this change; empty if it can.
-inline std::string findMaterialProblem(const SceneParams& p, const MaterialChangeParams& change) {
-  if (p.model != ModelKind::kMassSpring)
-    return "found values of a material by region, but only mass_spring surfaces have them; accepted: none";
-  if (!change.young_modulus.is_auto && p.mass_spring.stiffness == model::Stiffness::kUniform)
-    return "young_modulus: found one with mass_spring.stiffness: uniform; accepted: material";
-  const bool is_plate = p.mass_spring.bending == model::Bending::kCurvature && p.material.bendingRigidity() > 0.0;
-  if (!change.bending_rigidity.is_auto && !is_plate)
-    return "bending_rigidity: found one where nothing bends by it; accepted: mass_spring.bending: curvature and a "
-           "material.bending_rigidity above 0";
-  return "";
-}
+std::string findMaterialProblem(const SceneParams& p, const MaterialChangeParams& change);
 
-/// Whether a mass-spring surface can come apart in this scene.
-inline bool canBeCut(const SceneParams& p) {
-  const auto isKnife = [](const tool::ToolParams& tool) { return tool.mode == tool::Mode::kCut; };
-  return p.model == ModelKind::kMassSpring &&
-         (p.mass_spring.tear_strain > 0.0 || std::any_of(p.tools.begin(), p.tools.end(), isKnife));
-}
+// What the models of the registry say of a scene (src/simulation/scene_rules.cpp).
+void visitModelName(Fields& fields, std::string& model);
+void visitModelOptions(Fields& fields, SceneParams& p);
+/// What the scene asks of its model that this has not.
+void requireModel(Fields& fields, const SceneParams& p);
 
 inline void visit(Fields& fields, SceneParams& p) {
-  fields.required().choice("model", p.model,
-                           {{"mass_spring", ModelKind::kMassSpring},
-                            {"oriented_particles", ModelKind::kOrientedParticles},
-                            {"elastic_solid", ModelKind::kElasticSolid}},
-                           "the model");
+  visitModelName(fields, p.model);
   fields.text("frame_id", p.frame_id, "frame of the outputs; empty = the cloud's frame");
   fields.section("cloud", p.cloud, "The cloud of `simulate`. The node subscribes to `~cloud_in` instead.");
   fields.section("material", p.material, "Material in SI units.");
   fields.section("neighbors", p.neighbors, "How neighbours are chosen.");
   fields.section("simplification", p.simplification, "Number of simulation points. All other points follow them.");
-  const bool is_chosen = p.model == ModelKind::kMassSpring && p.simplification.method == cloud::SimplificationMethod::kDelaunay;
-  fields.require(p.simplification.density == cloud::PointDensity::kUniform || is_chosen, "simplification.density",
-                 "found adaptive where no points are chosen by it; accepted: uniform, or model: mass_spring with "
-                 "simplification.method: delaunay");
-  fields.section("mass_spring", p.mass_spring, "Options of the mass-spring model (docs/mass_spring.md).");
+  visitModelOptions(fields, p);
   fields.section("transfer", p.transfer, "Interpolation from the simulation points to the full cloud.");
-  fields.require(p.model == ModelKind::kMassSpring || p.mass_spring.tear_strain == 0.0, "mass_spring.tear_strain",
-                 "found one, but the model is another; accepted: 0, or model: mass_spring");
-  const bool pure_springs = p.mass_spring.membrane == model::Membrane::kSprings;
-  // What a rounded 1/3 in a file may differ from it.
-  constexpr double kThirdTolerance = 1e-3;
-  fields.require(!pure_springs || std::abs(p.material.poisson_ratio - 1.0 / 3.0) <= kThirdTolerance, "material.poisson_ratio",
-                 "found " + formatReal(p.material.poisson_ratio) +
-                     " with mass_spring.membrane: springs; accepted: 1/3, which pure springs have by construction");
-  fields.require(p.material.bending_poisson_ratio.is_auto ||
-                     (p.model == ModelKind::kMassSpring && p.mass_spring.bending == model::Bending::kCurvature &&
-                      p.material.bendingRigidity() > 0.0),
-                 "material.bending_poisson_ratio",
-                 "found one where nothing bends by it; accepted: auto, or model: mass_spring with mass_spring.bending: "
-                 "curvature and a bending_rigidity above 0");
-  fields.require(p.mass_spring.damping == model::Damping::kAlongSpring || p.material.spring_damping > 0.0, "mass_spring.damping",
-                 "found relative_velocity with material.spring_damping: 0, which damps nothing; accepted: along_spring, or a "
-                 "spring_damping above 0");
-  fields.require(p.model == ModelKind::kMassSpring || !(p.material.spring_damping > 0.0), "material.spring_damping",
-                 "found " + formatReal(p.material.spring_damping) + " with a model that has no springs; accepted: 0");
-  fields.section("oriented_particles", p.oriented_particles, "Options of oriented particles (docs/oriented_particles.md).");
-  fields.section("elastic_solid", p.elastic_solid, "Options of elastic solids (docs/elastic_solid.md).");
-  const bool is_solid = p.model == ModelKind::kElasticSolid;
-  fields.require(!is_solid || p.material.spring_damping == 0.0, "material.spring_damping",
-                 "found one, but elastic_solid has no springs; accepted: 0");
   fields.section("integrator", p.integrator, "Time integration.");
-  const bool has_method = p.integrator.type == solve::IntegratorType::kAuto ||
-                          p.integrator.type == solve::IntegratorType::kVerlet ||
-                          p.integrator.type == solve::IntegratorType::kStatic;
-  fields.require(p.model != ModelKind::kOrientedParticles || has_method, "integrator.type",
-                 "found one that oriented_particles has not; accepted: auto, verlet, static");
   fields.section("accuracy", p.accuracy, "Accuracy target or step budget; at most one of the two (docs/accuracy_control.md).");
   fields.section("activity", p.activity, "Sleeping: regions at rest are not computed (docs/activity.md).");
   fields.section("contact", p.contact, "Contact of the surface with itself (docs/contact.md).");
-  fields.require(p.model == ModelKind::kMassSpring || !p.contact.self, "contact.self",
-                 "found true, but only mass_spring has triangles that meet; accepted: false");
-  fields.require(p.model == ModelKind::kMassSpring || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
-                 "found a wish, but only mass_spring has its points chosen by the error; accepted: 0");
-  fields.require(!is_solid || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
-                 "found a wish, which is not built for elastic_solid; accepted: 0");
   const std::string stated = describeStatedNumber(p.simplification);
   fields.require(stated.empty() || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy", stated);
   fields.vector("gravity", p.gravity, "m/s^2", between(-1e6, 1e6), "gravity, in gravity_frame");
@@ -497,23 +436,9 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.number("viscous_drag", p.viscous_drag, "N s/m^3", between(0.0, 1e9),
                 "viscous drag: force per current area and normal velocity, against the motion");
   fields.number("pressure", p.pressure, "Pa", between(-1e12, 1e12), "pressure on the current area, along the outward normal");
-  fields.require(!is_solid || p.viscous_drag == 0.0, "viscous_drag",
-                 "found one, but the points of elastic_solid have no sides; accepted: 0");
-  fields.require(!is_solid || p.pressure == 0.0, "pressure",
-                 "found one, but the points of elastic_solid have no sides; accepted: 0");
   fields.list("pins", p.pins, "Each pin constrains the simulation points whose rest position lies in a closed box or sphere.");
-  for (std::size_t i = 0; i < p.pins.size(); ++i)
-    fields.require(!p.pins[i].orientation || p.model == ModelKind::kOrientedParticles,
-                   "pins[" + std::to_string(i) + "].orientation",
-                   "found true, but only oriented_particles have an orientation; accepted: false");
   fields.list("creases", p.creases, "Particles in these regions at rest keep their spacing but have no smoothness forces.");
-  fields.require(p.creases.empty() || p.model == ModelKind::kOrientedParticles, "creases",
-                 "found some, but only oriented_particles have an orientation; accepted: none");
   fields.list("regions", p.regions, "Regions with another material, by rest position. A later region overrides an earlier one.");
-  for (std::size_t i = 0; i < p.regions.size(); ++i) {
-    const std::string problem = findMaterialProblem(p, p.regions[i].material);
-    fields.require(problem.empty(), "regions[" + std::to_string(i) + "]", problem);
-  }
   fields.list("anchors", p.anchors, "Springs between a point of the surface and a fixed target.");
   fields.list("forces", p.forces, "Named forces on the surface near a point.");
   std::set<std::string> ids;
@@ -531,28 +456,17 @@ inline void visit(Fields& fields, SceneParams& p) {
     fields.require(id.empty() || ids.insert(id).second, "tools[" + std::to_string(i) + "].id",
                    "found " + quote(id) + " a second time; accepted: a name of its own");
   }
-  for (std::size_t i = 0; i < p.tools.size(); ++i)
-    for (const ToolProblem& problem : findToolProblems(p.model, p.tools[i]))
-      fields.require(false, "tools[" + std::to_string(i) + "]." + problem.field, problem.sentence);
   fields.number("duration", p.duration, "s", between(1e-9, 1e9), "for `simulate`: simulated time, a multiple of the time step");
   fields.integer("threads", p.threads, "", between(0, 1024),
                  "number of threads; 0 = all cores. Results do not depend on it. Nodelets of one manager have a number each");
   fields.section("output", p.output, "Published clouds.");
-  fields.require(!is_solid || !p.output.resample, "output.resample",
-                 "found true, but points are inserted in surfaces only; accepted: false");
   fields.section("input", p.input, "Input clouds.");
-  fields.require(p.model != ModelKind::kElasticSolid || p.input.policy != InputPolicy::kTrack, "input.policy",
-                 "found track, but an elastic_solid has no sides that a cloud could show; accepted: ignore, replace");
   fields.text("save_directory", p.save_directory, "directory for `~save`; empty = `~save` is off");
+  requireModel(fields, p);
   fields.flag("diagnostics", p.diagnostics, "publish `/diagnostics`");
   std::vector<NamedBounds> bounds;
   for (const ExpectParams& expect : p.expect) bounds.push_back({expect.quantity, expect.min, expect.max});
   fields.bounds("expect", bounds, expectQuantities(), "bounds that a test checks after the run");
-  fields.require(
-      !p.output.resample || !canBeCut(p), "output.resample",
-      "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");
-  fields.require(!p.contact.self || !canBeCut(p), "contact.self",
-                 "found true on a surface that is to be cut or torn, whose sides would begin in contact; accepted: false");
   p.expect.clear();
   for (const NamedBounds& bound : bounds) p.expect.push_back({bound.name, bound.min, bound.max});
 }

@@ -5,7 +5,6 @@
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/point_cloud.h"
 #include "deformable_surface/cloud/rings.h"
-#include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/commands.h"
 #include "deformable_surface/simulation/scene_params.h"
@@ -175,12 +174,10 @@ class Simulation {
   // For display and simulation_points output.
   const model::State& state() const;
   const model::DeformableModel& model() const;
-  /// The model if it is that of oriented particles, else null.
-  const model::OrientedParticles* particles() const;
   bool isAwake(Index simulation_point) const;  // false: it is left out of the steps, see docs/activity.md
   bool isAsleep() const;                       // all of it: steps pass in no time
   bool isLeftAlone() const;                    // asleep, without forces and tools: only a command can wake it
-  /// Whether a mass-spring surface rests in another shape than its own though nothing loads it: asleep, stretched, without
+  /// Whether the surface rests in another shape than its own though nothing loads it: asleep, stretched, without
   /// gravity, pressure, forces, anchors, touching tools and pins that hold it elsewhere than at rest.
   bool hasSnapped() const;
   Index numFirst() const;                                // simulation points at time 0

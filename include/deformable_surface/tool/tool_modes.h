@@ -11,7 +11,7 @@ namespace deformable_surface::tool {
 /// What a tool does; see docs/tools.md.
 enum class Mode { kSolid, kAttract, kMove, kErase, kCut, kHeat };
 
-/// Which fields a mode reads with a model; the others must not be given.
+/// Which fields a mode reads; the others must not be given.
 struct ModeUse {
   bool is_known = false;  // the model has this mode
   bool friction = false, strength = false, reach = false;
@@ -22,9 +22,9 @@ struct ModeInfo {
   const char* name;   // in scenes; in messages in capitals
   std::uint8_t code;  // in messages
   const char* meaning;
-  const char* strength;  // its unit and meaning; null: no model uses it
-  bool needs_strength;   // it does nothing with 0
-  ModeUse mass_spring, oriented_particles, elastic_solid;
+  const char* strength;        // its unit and meaning; null: no model uses it
+  bool needs_strength;         // it does nothing with 0
+  ModeUse everywhere;          // with every model; a model may have more (ModelKind::useOf())
   std::array<float, 3> color;  // red, green, blue
 };
 
@@ -33,15 +33,13 @@ inline constexpr ModeUse kUnknown{}, kPlain{true}, kRubs{true, true}, kStrong{tr
 
 /// In the order of Mode.
 inline constexpr ModeInfo kModes[] = {
-    {Mode::kSolid, "solid", 0, "pushes the surface out", nullptr, false, kRubs, kRubs, kRubs, {0.6f, 0.6f, 0.6f}},
+    {Mode::kSolid, "solid", 0, "pushes the surface out", nullptr, false, kRubs, {0.6f, 0.6f, 0.6f}},
     {Mode::kAttract,
      "attract",
      1,
      "pulls the surface to the tool's surface",
      "N/m, shared among all points by mass",
      true,
-     kReaches,
-     kReaches,
      kReaches,
      {0.2f, 0.4f, 0.9f}},
     {Mode::kMove,
@@ -52,19 +50,8 @@ inline constexpr ModeInfo kModes[] = {
      "force in N at which the grip slips, 0 = never",
      false,
      kStrong,
-     kStrong,
-     kStrong,
      {0.2f, 0.8f, 0.3f}},
-    {Mode::kErase,
-     "erase",
-     3,
-     "deletes the particles inside (oriented particles)",
-     nullptr,
-     false,
-     kUnknown,
-     kPlain,
-     kUnknown,
-     {0.9f, 0.9f, 0.9f}},
+    {Mode::kErase, "erase", 3, "deletes the particles inside (oriented particles)", nullptr, false, kUnknown, {0.9f, 0.9f, 0.9f}},
     {Mode::kCut,
      "cut",
      4,
@@ -72,8 +59,6 @@ inline constexpr ModeInfo kModes[] = {
      "particles)",
      "K above ambient, 0 = the melting temperature (oriented particles)",
      false,
-     kPlain,
-     kRubsHot,
      kUnknown,
      {0.9f, 0.8f, 0.1f}},
     {Mode::kHeat,
@@ -83,8 +68,6 @@ inline constexpr ModeInfo kModes[] = {
      "particles)",
      "K above ambient",
      true,
-     kUnknown,
-     kStrong,
      kUnknown,
      {0.9f, 0.3f, 0.1f}},
 };

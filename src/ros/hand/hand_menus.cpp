@@ -6,6 +6,7 @@
 #include "deformable_surface/SelectRegion.h"
 #include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
+#include "deformable_surface/simulation/model_kind.h"
 #include "deformable_surface/tool/tool_modes.h"
 
 #include <std_srvs/SetBool.h>
@@ -56,9 +57,12 @@ void Hand::makeMenus() {
 
   const auto mode_menu = tool_menu_.insert("Mode");
   for (const tool::ModeInfo& info : tool::kModes) {
-    // What is no surface of particles may be any of the other two.
-    const bool is_of_both = info.mass_spring.is_known && info.elastic_solid.is_known;
-    if (!(isOfParticles() ? info.oriented_particles.is_known : is_of_both)) continue;
+    // What is no surface of particles may be of any other model.
+    const auto hasIt = [&](const simulation::ModelKind* kind) {
+      return kind->traits().has_population != isOfParticles() || kind->useOf(info).is_known;
+    };
+    const std::vector<const simulation::ModelKind*>& kinds = simulation::modelKinds();
+    if (!std::all_of(kinds.begin(), kinds.end(), hasIt)) continue;
     std::string title = info.name;
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
     tool_menu_.insert(mode_menu, title, [this, mode = info.code](const Feedback& feedback) {

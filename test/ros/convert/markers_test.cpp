@@ -301,7 +301,7 @@ TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
   for (int i = 0; i < 100; ++i) input.positions.emplace_back(0.1 * (i % 10) + 0.05 * (i / 10 % 2), 0.087 * (i / 10), 0.0);
   input.width = 100;
   simulation::SceneParams params;
-  params.model = simulation::ModelKind::kOrientedParticles;
+  params.model = "oriented_particles";
   params.gravity.setZero();
   simulation::Simulation simulation(params, input);
   SimulationMarkers markers(simulation, "map");

@@ -1,4 +1,4 @@
-#include "deformable_surface/simulation/particle_life.h"
+#include "particle_life.h"
 
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/cloud/kd_tree.h"
@@ -76,7 +76,7 @@ void ParticleLife::heat(double time, double step, const std::vector<ToolParams>&
   }
 }
 
-void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, State& state, Changes& changes) const {
+void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, State& state, Population& changes) const {
   is_gone_.assign(state.positions.size(), 0);
   inside_.assign(state.positions.size(), 0);
   for (const ToolParams& tool : tools) {
@@ -96,7 +96,7 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
   takeOut(is_gone_, state, changes);
 }
 
-void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Changes& changes) {
+void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Population& changes) {
   Index kept = 0;
   for (const char gone : is_gone) changes.new_index.push_back(gone ? -1 : kept++);
   keepThose(changes.new_index, state.positions);
@@ -156,18 +156,35 @@ Index ParticleLife::countDebris(const State& state) const {
   return debris;
 }
 
-ParticleLife::Changes ParticleLife::update(double time, double step, bool looks, const std::vector<ToolParams>& tools,
-                                           State& state) const {
-  Changes changes;
+Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
+  has_told_debris_ = false;
+  model_.setSpacing(model_.statedSpacing());  // what an earlier fit made of it is gone
+  for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
+  const model::OrientedParticlesParams& params = scene_.oriented_particles;
+  return params.fit ? fit(params.growth, pinned, true, state) : Population();
+}
+
+Evolution::Change ParticleLife::beforeStep(double time, double step, const std::vector<ToolParams>& tools, State& state) {
+  Change change;
   heat(time, step, tools, state);
   model_.turnAxes(step, state);
-  changes.has_flowed = model_.flow(state);
-  changes.are_hot = std::any_of(state.traits.begin(), state.traits.end(),
-                                [](const model::ParticleTraits& particle) { return particle.temperature > 0.0; });
-  remove(time, tools, state, changes);
+  const bool has_flowed = model_.flow(state);
+  // Heat changes the energy of bonds, and so does flow.
+  is_hot_ = std::any_of(state.traits.begin(), state.traits.end(),
+                        [](const model::ParticleTraits& particle) { return particle.temperature > 0.0; }) ||
+            has_flowed;
+  change.has_energy = is_hot_;
+  remove(time, tools, state, change.population);
+  const double interval = scene_.oriented_particles.growth_interval;
+  const bool looks = std::floor((time + 1e-6 * step) / interval) > std::floor((time - (1.0 - 1e-6) * step) / interval);
+  if (looks) grow(state, change.population);
+  return change;
+}
+
+void ParticleLife::grow(State& state, Population& changes) const {
   const model::OrientedParticlesParams& params = model_.params();
   const bool grows = params.stretching || params.growing != model::Growing::kNone;
-  if (!grows || !looks || state.size() == 0 || state.size() >= params.growth.max_particles) return changes;
+  if (!grows || state.size() == 0 || state.size() >= params.growth.max_particles) return;
   const model::GrowthParams growth = growthParams();
   std::vector<model::NewParticle> newborn;
   std::vector<char> flags(state.positions.size(), model::kGrowsNothing);
@@ -180,13 +197,13 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
       for (char& flag : flags) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
     newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
   }
-  if (newborn.empty()) return changes;
+  if (newborn.empty()) return;
   if (const Index debris = countDebris(state); debris > kMostDebris) {
     if (!std::exchange(has_told_debris_, true))
       changes.notice = "growth has run away and rests: found " + std::to_string(debris) +
                        " pieces of newborn particles alone, which have come loose from the surface; accepted: up to " +
                        std::to_string(kMostDebris);
-    return changes;
+    return;
   }
   model::leaveOutCrowded(state.positions, growth.clearance * model_.lattice().spacing, newborn);
   for (const model::NewParticle& particle : newborn) {
@@ -196,11 +213,42 @@ ParticleLife::Changes ParticleLife::update(double time, double step, bool looks,
   }
   if (state.size() >= growth.max_particles)
     changes.notice = "growth has reached oriented_particles.growth.max_particles, " + std::to_string(growth.max_particles);
-  return changes;
 }
 
-ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
-                                        State& state) {
+void ParticleLife::hold(State& state, std::vector<char>& held, std::vector<char>& held_turns) const {
+  const double cold = scene_.oriented_particles.hold_below;
+  if (!(cold > 0.0)) return;
+  for (Index i = 0; i < state.size(); ++i) {
+    if (state.traits[i].temperature >= cold) continue;
+    held[i] = held_turns[i] = 1;
+    state.velocities[i].setZero();
+    state.spins[i].setZero();
+  }
+}
+
+bool ParticleLife::maySleep() const {
+  const model::OrientedParticlesParams& params = scene_.oriented_particles;
+  if (params.spin > 0.0) return false;  // axes turn where nothing else does
+  return !is_hot_ && !params.stretching && params.growing == model::Growing::kNone;
+}
+
+bool ParticleLife::maySleepInParts() const {
+  const model::OrientedParticlesParams& params = scene_.oriented_particles;
+  return !(params.yield_curvature > 0.0) && !(params.hold_below > 0.0);
+}
+
+std::shared_ptr<const Evolution::Memory> ParticleLife::memory() const {
+  const double now = model_.lattice().spacing;
+  if (!spacing_ || spacing_->value != now) spacing_ = std::make_shared<const Spacing>(now);
+  return spacing_;
+}
+
+void ParticleLife::setMemory(const std::shared_ptr<const Memory>& saved) {
+  const double spacing = static_cast<const Spacing&>(*saved).value;
+  if (model_.lattice().spacing != spacing) model_.setSpacing(spacing);
+}
+
+Population ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, bool is_start, State& state) {
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
   const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;
@@ -212,7 +260,7 @@ ParticleLife::Changes ParticleLife::fit(const model::GrowthParams& given, const 
   };
   const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax);
 
-  Changes changes;
+  Population changes;
   const std::size_t before = state.positions.size();
   for (const model::NewParticle& particle : grown.added) append(particle, state);
   state.positions = grown.positions;

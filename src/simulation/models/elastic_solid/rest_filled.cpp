@@ -11,7 +11,7 @@
 #include <cmath>
 #include <numeric>
 
-#include "rest_parts.h"
+#include "rest.h"
 
 namespace deformable_surface::simulation {
 namespace {

@@ -1,7 +1,7 @@
 // Edits of single particles by a user: the checks, and what they change. Apart from what happens to particles by themselves.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
-#include "deformable_surface/simulation/particle_life.h"
+#include "particle_life.h"
 
 #include <cmath>
 #include <limits>
@@ -53,8 +53,8 @@ Index findAncestor(const State& state, const Vec3& position) {
 
 }  // namespace
 
-ParticleLife::Changes ParticleLife::edit(const ParticleEdit& edit, State& state, std::vector<char>& pinned,
-                                         std::vector<char>& pinned_turns) const {
+Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vector<char>& pinned,
+                              std::vector<char>& pinned_turns) {
   using Action = ParticleAction;
   const bool adds = edit.action == Action::kAdd, moves = edit.action == Action::kMove, turns = edit.action == Action::kOrient;
   if (adds) requireCount("ids", edit.ids.size(), 0);
@@ -76,7 +76,7 @@ ParticleLife::Changes ParticleLife::edit(const ParticleEdit& edit, State& state,
   const std::vector<Index> points = findPoints(state, edit.ids);
 
   State edited = state;
-  Changes changes;
+  Population changes;
   for (std::size_t k = 0; k < count; ++k) {
     if (adds) {
       model::ParticleTraits traits;

@@ -41,15 +41,37 @@ Cutting::Cutting(model::MassSpring& model, double tear_strain) : model_(model), 
   longest_ = *std::max_element(lengths.begin(), lengths.end());
 }
 
-bool Cutting::beginStep(const std::vector<tool::ToolParams>& tools, double time, const Points& positions) {
+void Cutting::setCuts(const std::vector<Link>& cuts) {
+  model_.setCuts(cuts);
+  cuts_.reset();
+  if (cuts.empty()) return;
+  auto kept = std::make_shared<Cuts>();
+  kept->links = model_.cuts();
+  cuts_ = std::move(kept);
+}
+
+// Also where an interrupt may have left the model between two.
+void Cutting::setMemory(const std::shared_ptr<const Memory>& saved) {
+  cuts_ = std::static_pointer_cast<const Cuts>(saved);
+  model_.setCuts(cuts_ ? cuts_->links : std::vector<Link>());
+}
+
+void Cutting::beginStep(double time, const std::vector<tool::ToolParams>& tools, const Points& positions) {
   const bool has_knife =
       std::any_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return isKnife(tool, time); });
   if (has_knife) before_ = positions;
-  return has_knife || tear_strain_ > 0.0;
+  may_cut_ = has_knife || tear_strain_ > 0.0;
 }
 
-bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, double step, const Points& positions,
-                      CutFollower* follower) {
+Evolution::AfterStep Cutting::endStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state,
+                                      CutFollower* follower) {
+  AfterStep after;
+  after.has_cut = may_cut_ && cutLinks(time, step, tools, state.positions, follower);
+  return after;
+}
+
+bool Cutting::cutLinks(double time, double step, const std::vector<tool::ToolParams>& tools, const Points& positions,
+                       CutFollower* follower) {
   found_.clear();
   if (model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
   bool has_parted = false;
@@ -71,7 +93,7 @@ bool Cutting::endStep(const std::vector<tool::ToolParams>& tools, double time, d
     found_.insert(found_.end(), model_.cuts().begin(), model_.cuts().end());
     std::sort(found_.begin(), found_.end());
     found_.erase(std::unique(found_.begin(), found_.end()), found_.end());
-    model_.setCuts(found_);
+    setCuts(found_);
   }
   if (follower && (has_cut || has_parted)) follower->followLinks(model_.stretchLinks());
   return has_cut;

@@ -1,4 +1,4 @@
-// From a cloud to an elastic solid: like rest_surface.cpp, but a body has neither rings nor tangent planes.
+// From a cloud to an elastic solid: a body has neither rings nor tangent planes.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/cloud/farthest_points.h"
@@ -12,14 +12,17 @@
 #include <cmath>
 #include <numeric>
 
-#include "rest_parts.h"
+#include "../../behind_noise.h"
+#include "../../rest_steps.h"
+#include "rest.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kAutoPoints = 5000;  // simulation points that auto keeps: a soft bar of them moves in real time on one core
-constexpr double kFlat = 0.02;       // of the spacing: rms distance from a plane below which a cloud lies in it
-constexpr Index kLocal = 12;         // neighbours that show whether a point lies in a body or on a surface
+constexpr Index kSolidRatio = 8, kFewestOfSolid = 100;  // of copies: doubled spacing in space; fewer carry no shape of a body
+constexpr double kFlat = 0.02;  // of the spacing: rms distance from a plane below which a cloud lies in it
+constexpr Index kLocal = 12;    // neighbours that show whether a point lies in a body or on a surface
 constexpr double kThin = 0.25;  // their spread across over that along: a curved surface has less, the face of a body about a half
 constexpr double kLoneSide = 0.25;  // how far the neighbours' middle lies off a point on the outside, over their distance
 
@@ -138,18 +141,6 @@ void noteGravityAcross(const SceneParams& params, const Vec3& across, RestSurfac
 
 }  // namespace
 
-std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
-                                     RestSurface& s) {
-  if (params.areEuclidean()) return {};
-  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesicness);
-  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
-  neighbors = std::move(found.lists);
-  noteGaps(found, s);
-  // Where there is no gap, detours are those of paths from point to point, and weights by them would only make fits narrower.
-  if (!hasGaps(found, s)) return {};
-  return cloud::geodesicWeights(graph, points, neighbors);
-}
-
 Index findSolidTarget(const cloud::SimplificationParams& how, Index of) {
   if (how.method == cloud::SimplificationMethod::kNone) return of;
   return how.target_points > 0 ? how.target_points : kAutoPoints;
@@ -165,6 +156,7 @@ void finishSolid(const SceneParams& params, const Lists& neighbors, const std::v
   const double volume = std::accumulate(solid->volumes().begin(), solid->volumes().end(), 0.0);
   s.model = std::move(solid);
   s.solid_neighbors = neighbors;
+  s.across = across;
   applyPins(params, s);
   const bool is_planar = !across.isZero(0.0);
   if (is_planar) noteGravityAcross(params, across, s);
@@ -177,7 +169,7 @@ void finishSolid(const SceneParams& params, const Lists& neighbors, const std::v
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 
-void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSurface& s) {
+void buildRestSolid(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
   std::vector<double> detours = keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
@@ -208,7 +200,11 @@ void buildRestSolid(const SceneParams& params, const cloud::PointCloud&, RestSur
                                                findFollowed(params, cells, s.dense.positions, s.points));
 }
 
-RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, const Vec3& across, Index target) {
+namespace {
+
+// On the farthest of the simulation points, of which its dense_index and solid_transfer are. Masses are those of the hull of so
+// few points. InputError if these span no body.
+RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, Index target) {
   RestSurface s;
   s.dense_index =
       cloud::orderByDistance(of.points, of.solid_neighbors, target, choosePinPoints(params, of.points)).keepCount(target);
@@ -216,12 +212,49 @@ RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, 
     s.points.push_back(of.points[i]);
     s.normals.push_back(of.normals[i]);
   }
-  const Index k = countNeighbors(params, across);
+  const Index k = countNeighbors(params, of.across);
   cloud::GeodesicCells cells;
   if (!params.neighbors.areEuclidean()) cells = cloud::findGeodesicCells(of.points, of.solid_neighbors, s.dense_index, k);
-  finishSolid(params, params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors, {}, across,
+  finishSolid(params, params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors, {}, of.across,
               model::Outline::kRough, s);
   s.solid_transfer = transfer::SolidTransfer(of.points, of.normals, s.points, findFollowed(params, cells, of.points, s.points));
+  return s;
+}
+
+}  // namespace
+
+CoarserLevel makeSolidCopies(const SceneParams& params, const RestSurface& level) {
+  const Index n = static_cast<Index>(level.points.size());
+  const bool is_planar = !level.across.isZero(0.0);
+  const Index points = std::max(n / (is_planar ? kCoarserRatio : kSolidRatio), std::min(kFewestOfSolid, n / kCoarserRatio));
+  if (points < kCoarsestPoints)
+    throw InputError("found " + std::to_string(n) + " simulation points; accepted: at least " +
+                     std::to_string(kCoarserRatio * kCoarsestPoints));
+  CoarserLevel copies;
+  copies.is_body = true;
+  copies.is_simplified = !level.solid_transfer.isEmpty();
+  copies.unresolved = 1.0 - static_cast<double>(level.dense_index.size()) / static_cast<double>(level.dense.positions.size());
+  copies.surface = buildCoarserSolid(params, level, points);
+  copies.common = copies.surface.dense_index;
+  copies.refine = [transfer = std::move(copies.surface.solid_transfer)](const Points& coarse, Points& fine) {
+    transfer.apply(coarse, fine, nullptr);
+  };
+  return copies;
+}
+
+RestSurface makeSolidRest(const SceneParams& params, const cloud::PointCloud& input) {
+  RestSurface s = cleanInput(input);
+  if (params.elastic_solid.fill) {
+    const std::optional<Vec3> viewpoint = moveOntoSurface(params.input, input, s);
+    leaveOutParts(params, findNeighbors, s);
+    Points estimated = findNeighbors(params, s);
+    completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+    buildFilledSolid(params, s);
+  } else {
+    warnOfNoisyBody(params.input, input, s);
+    leaveOutParts(params, findBodyNeighbors, s);
+    buildRestSolid(params, s);
+  }
   return s;
 }
 

@@ -1,0 +1,47 @@
+#include "deformable_surface/simulation/model_kind.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/simulation/evolution.h"
+
+#include "cloud_follower.h"
+#include "rest_parts.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+[[noreturn]] void refuse(const char* what, const ModelKind& kind) {
+  throw InputError(std::string("found ") + kind.name() + ", which has no " + what + "; accepted: another model");
+}
+
+}  // namespace
+
+RestSurface ModelKind::makeTrial(const SceneParams&, const RestSurface&, Index) const { refuse("trials", *this); }
+
+RestSurface ModelKind::makeCoarser(const SceneParams&, const RestSurface&, Index) const { refuse("coarser copies", *this); }
+
+CoarserLevel ModelKind::makeCopies(const SceneParams&, const RestSurface&) const { refuse("coarser copies", *this); }
+
+RestSurface ModelKind::copyCoarser(const SceneParams& params, const RestSurface& of) const {
+  RestSurface s;
+  s.area = of.area;
+  s.across = of.across;
+  s.closed = of.closed;
+  s.points = of.points;
+  s.normals = of.normals;
+  s.dense_index = of.dense_index;
+  s.rings = of.rings;
+  s.model = of.model->clone();
+  applyPins(params, s);
+  return s;
+}
+
+std::unique_ptr<CloudFollower> ModelKind::makeFollower(const RestSurface&, const SceneParams&,
+                                                       const model::DeformableModel&) const {
+  return nullptr;
+}
+
+std::unique_ptr<Evolution> ModelKind::makeEvolution(model::DeformableModel&, const RestSurface&, const SceneParams&) const {
+  return std::make_unique<Evolution>();
+}
+
+}  // namespace deformable_surface::simulation

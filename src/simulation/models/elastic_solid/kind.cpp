@@ -1,0 +1,77 @@
+#include "kind.h"
+
+#include "deformable_surface/model/elastic_solid/elastic_solid.h"
+#include "deformable_surface/simulation/evolution.h"
+
+#include "../../cloud_follower.h"
+#include "rest.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+using model::ElasticSolid;
+
+/// The points of the body as the transfer of solids moves them, or as they are where each is simulated.
+class SolidFollower : public CloudFollower {
+ public:
+  SolidFollower(const RestSurface& rest, const ElasticSolid& solid) : rest_(rest), solid_(solid) {}
+  void follow(const model::State& state, Points& dense, std::vector<Eigen::Vector3f>* normals) override {
+    if (!rest_.solid_transfer.isEmpty()) return rest_.solid_transfer.apply(state.positions, dense, normals);
+    dense = state.positions;
+    if (normals) solid_.turnNormals(state, rest_.dense.normals, *normals);
+  }
+
+ private:
+  const RestSurface& rest_;
+  const ElasticSolid& solid_;
+};
+
+class Flow : public Evolution {
+ public:
+  explicit Flow(ElasticSolid& solid) : solid_(solid) {}
+  AfterStep endStep(double, double step, const std::vector<tool::ToolParams>&, model::State& state, CutFollower*) override {
+    AfterStep after;
+    after.has_flowed = solid_.flow(step, state);
+    return after;
+  }
+
+ private:
+  ElasticSolid& solid_;
+};
+
+class ElasticSolidKind : public ModelKind {
+ public:
+  const char* name() const override { return "elastic_solid"; }
+  ModelTraits traits() const override {
+    ModelTraits traits;
+    traits.has_estimate = true;
+    return traits;
+  }
+  void visitOptions(Fields& fields, SceneParams& p) const override {
+    fields.section("elastic_solid", p.elastic_solid, "Options of elastic solids (docs/elastic_solid.md).");
+  }
+
+  RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index, const Choose&) const override {
+    return makeSolidRest(params, input);
+  }
+  CoarserLevel makeCopies(const SceneParams& params, const RestSurface& level) const override {
+    return makeSolidCopies(params, level);
+  }
+
+  std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams&,
+                                              const model::DeformableModel& model) const override {
+    return std::make_unique<SolidFollower>(rest, static_cast<const ElasticSolid&>(model));
+  }
+  std::unique_ptr<Evolution> makeEvolution(model::DeformableModel& model, const RestSurface&, const SceneParams&) const override {
+    return std::make_unique<Flow>(static_cast<ElasticSolid&>(model));
+  }
+};
+
+}  // namespace
+
+const ModelKind& elasticSolidKind() {
+  static const ElasticSolidKind kind;
+  return kind;
+}
+
+}  // namespace deformable_surface::simulation

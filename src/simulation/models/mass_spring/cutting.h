@@ -1,0 +1,49 @@
+// What knives and tears do to a mass-spring surface in a step. Apart from the order of a step, because most surfaces are never
+// cut.
+#pragma once
+
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+#include "deformable_surface/simulation/evolution.h"
+
+namespace deformable_surface::simulation {
+
+class Cutting : public Evolution {
+ public:
+  /// model is kept by reference. tear_strain: l / l0 - 1 at which links tear, 0: never.
+  Cutting(model::MassSpring& model, double tear_strain);
+
+  void forget() override { setCuts({}); }
+  void beginStep(double time, const std::vector<tool::ToolParams>& tools, const Points& positions) override;
+  /// Cuts the links that knives went through and those that are stretched too far, and tells the follower.
+  AfterStep endStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state,
+                    CutFollower* follower) override;
+  /// Knives cut springs without resistance.
+  bool isPushedBy(const tool::ToolParams& tool) const override { return tool.mode != tool::Mode::kCut; }
+  std::shared_ptr<const Memory> memory() const override { return cuts_; }
+  void setMemory(const std::shared_ptr<const Memory>& saved) override;
+
+ private:
+  using Link = model::MassSpring::Link;
+
+  struct Cuts : Memory {
+    std::vector<Link> links;
+    std::size_t bytes() const override { return links.size() * sizeof(Link); }
+  };
+
+  void setCuts(const std::vector<Link>& cuts);
+  bool cutLinks(double time, double step, const std::vector<tool::ToolParams>& tools, const Points& positions,
+                CutFollower* follower);
+  void cut(const tool::BladeSweep& blade, const Points& positions, const std::vector<Link>& links);
+  void tear(const Points& positions);
+
+  model::MassSpring& model_;
+  const double tear_strain_;
+  double spacing_ = 0.0, longest_ = 0.0;  // m, mean and largest length of links at rest
+  std::shared_ptr<const Cuts> cuts_;      // those of the model; null: none
+  bool may_cut_ = false;                  // in this step
+  Points before_;                         // m, when a step with a knife began last
+  std::vector<Link> found_;               // in this step
+  std::vector<char> is_cut_;              // (links) scratch
+};
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,245 @@
+#include "rest.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/model/mass_spring/mass_spring.h"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <numeric>
+#include <utility>
+
+#include "../../behind_noise.h"
+#include "../../clamp_edges.h"
+#include "../../parts.h"
+#include "../../rest_parts.h"
+#include "../../rest_steps.h"
+#include "../../unheld.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the number asked for: one of so many may be missing
+constexpr int kMaxPrunings = 5;        // passes that drop points which belong to no surface; each can uncover a few more
+constexpr double kBandOfOneRow = 0.5;  // spacings of the points up to which a pinned band is of one row
+
+// Fewer points can fall into more parts than the cloud has: of those only the largest, and what is held, are wanted, too.
+std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
+  std::vector<char> wanted(s.points.size(), 1);
+  const bool drops = params.input.unheld == Unheld::kDrop;
+  if (params.input.keep_parts == 0 && !drops) return wanted;
+  const Parts parts = findParts(static_cast<Index>(s.points.size()), linksOf(s.rings.ring));
+  if (params.input.keep_parts > 0) wanted = markLargest(parts, params.input.keep_parts);
+  if (!drops) return wanted;
+  const std::vector<char> held = markHeldParts(params, parts, s.points);
+  for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = wanted[i] && held[i];
+  return wanted;
+}
+
+// Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
+// ride along. Returns how many.
+Index connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
+              RestSurface& s) {
+  const Index before = static_cast<Index>(kept.size());
+  for (int pruning = 0;; ++pruning) {
+    takePoints(dense, kept, s);
+    // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
+    const Index k = params.neighbors.k;
+    const bool is_euclidean = params.neighbors.areEuclidean();
+    if (!is_euclidean) s.cells = cloud::findGeodesicCells(dense.positions, dense_neighbors, kept, k);
+    const Lists neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : s.cells.neighbors;
+    if (kept.size() < dense.positions.size()) {
+      const Points fine = std::move(s.normals);
+      s.normals = cloud::estimateNormals(s.points, neighbors);
+      for (std::size_t i = 0; i < kept.size(); ++i)
+        if (s.normals[i].dot(fine[i]) < 0.0) s.normals[i] = -s.normals[i];
+    }
+    s.rings = cloud::buildRings(s.points, s.normals, neighbors);
+    const std::vector<char> is_wanted = markWanted(params, s);
+    std::vector<Index> rest;
+    for (std::size_t i = 0; i < kept.size(); ++i)
+      if (is_wanted[i] && s.rings.area[i] > 0.0 && s.rings.ring.count(static_cast<Index>(i)) >= 2) rest.push_back(kept[i]);
+    if (rest.size() == kept.size() || pruning == kMaxPrunings) break;
+    kept = std::move(rest);
+    if (kept.size() < 3) break;
+  }
+  if (kept.size() < 3 || s.rings.triangles.empty())
+    throw InputError(
+        "cloud: its " + count(static_cast<Index>(dense.positions.size()), "distinct points span no surface (") +
+        count(static_cast<Index>(kept.size()), "have a ring of neighbours); accepted: at least 3 that are not in line"));
+  return before - static_cast<Index>(kept.size());
+}
+
+// Pins whose band clamps the surface of these points and is but one row of the simulation points, which turn about it: sets
+// has_hinged_pins and warns. Copies of fewer points know no better.
+void findHingedPins(const SceneParams& params, const Points& dense, const model::MassSpring& surface, RestSurface& s) {
+  if (s.points.size() >= dense.size()) return;
+  if (surface.hasCurvature() && surface.numHinged() == 0) return;
+  const double spacing = std::sqrt(s.area / static_cast<double>(s.points.size()));
+  const double full_spacing = std::sqrt(s.area / static_cast<double>(dense.size()));
+  for (std::size_t p = 0; p < params.pins.size(); ++p) {
+    const double full = measureBand(dense, params.pins[p]), band = measureBand(s.points, params.pins[p]);
+    if (!isBandOfRows(dense, params.pins[p], full_spacing) || band > kBandOfOneRow * spacing) continue;
+    s.has_hinged_pins = true;
+    s.warnings.push_back("pins[" + std::to_string(p) + "] holds a band " + formatShort(full) +
+                         " m wide, which clamps the cloud but is narrower than the spacing of the simulation points, " +
+                         formatShort(spacing) +
+                         " m, and a hinge to them, by which no error can be estimated: a wider pin or "
+                         "more simulation points clamp these, too");
+  }
+}
+
+// Model and pins on the simulation points. full: the surface with the dense points that they are of.
+void buildModel(const SceneParams& params, const RestSurface& full, RestSurface& s) {
+  applyPins(params, s);
+  if (full.dense.positions.empty()) {
+    s.pinned = full.pinned;
+    s.clamp_edges = full.clamp_edges;
+  } else if (!params.pins.empty() && canClamp(params)) {
+    clampPins(params, full, s);
+  }
+  auto made = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
+                                                  params.mass_spring, s.pinned, s.clamp_edges);
+  const model::MassSpring& surface = *made;
+  if (surface.numMassRaised() > 0)
+    s.notes.push_back(
+        count(surface.numMassRaised(), "points had next to no area; their mass was raised to a thousandth of the median"));
+  if (surface.numWithoutBending() > 0)
+    s.notes.push_back(count(surface.numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
+  s.model = std::move(made);
+  s.values = findRegionValues(params.regions, s.points);
+  if (!params.regions.empty()) s.model->setMaterial(findShares(params.material, params.material, s.values));
+  if (!full.dense.positions.empty()) findHingedPins(params, full.dense.positions, surface, s);
+}
+
+// Coarser copies may lose a region, which their error then shows.
+void requireRegions(const SceneParams& params, const RestSurface& s) {
+  for (std::size_t r = 0; r < params.regions.size(); ++r)
+    if (std::none_of(s.points.begin(), s.points.end(), [&](const Vec3& p) { return params.regions[r].region.contains(p); }))
+      throw InputError(
+          "regions[" + std::to_string(r) + "]: the shape holds none of the " +
+          count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
+}
+
+// Simulation points of a full surface with masses, model and pins. area: finds that of the dense points, m^2.
+void finishSurface(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area, RestSurface& s) {
+  // As many as were asked for, but for a twentieth, also where some belong to no surface.
+  const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
+  const Index asked = static_cast<Index>(kept.size());
+  Index dropped = connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
+  for (Index more = 0, refills = 0; !is_by_threshold && refills < kMaxRefills; ++refills) {
+    const Index missing = asked - static_cast<Index>(s.points.size());
+    if (missing * kCountTolerance <= asked || asked + more >= s.order.num_points) break;
+    more += missing;
+    dropped = connect(params, s.dense, s.dense_neighbors, s.order.keepCount(asked + more), s);
+  }
+  if ((asked - static_cast<Index>(s.points.size())) * kCountTolerance > asked)
+    s.notes.push_back(count(asked, "simulation points were chosen, of which ") +
+                      count(static_cast<Index>(s.points.size()),
+                            "are left: the others belong to no surface, or to no part "
+                            "that is kept"));
+  if (dropped > 0)
+    s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
+  // The area of the full surface; where every point is simulated it is that of the rings.
+  const bool is_all = s.points.size() == s.dense.positions.size();
+  s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
+  buildModel(params, s, s);
+}
+
+// Over the surface: the usable ones among the coarser points near each point of the level.
+Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& usable, const RestSurface& level, Index k) {
+  std::vector<Index> owner;
+  for (Index i : level.dense_index) owner.push_back(cells.owner[i]);
+  const Lists near = cloud::findChosenNear(cells, owner, level.points, k);
+  Lists followed;
+  for (Index i = 0; i < near.size(); ++i) {
+    std::copy_if(near.begin(i), near.end(i), std::back_inserter(followed.items), [&](Index j) { return usable[j] != 0; });
+    followed.offsets.push_back(static_cast<Index>(followed.items.size()));
+  }
+  return followed;
+}
+
+}  // namespace
+
+RestSurface makeMassSpringRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
+                               const ModelKind::Choose& choose) {
+  RestSurface s = cleanInput(input);
+  const std::optional<Vec3> viewpoint = moveOntoSurface(params.input, input, s);
+  leaveOutParts(params, findNeighbors, s);
+  Points estimated = findNeighbors(params, s);
+  cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+  std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
+  const auto measureArea = [&] {
+    return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
+  };
+  if (choose) {
+    s.area = measureArea();
+    kept = s.order.keepCount(choose(s));
+  }
+  const double known = s.area;
+  finishSurface(
+      params, std::move(kept), [&] { return choose ? known : measureArea(); }, s);
+  requireRegions(params, s);
+  followSimulationPoints(params, s);
+  return s;
+}
+
+RestSurface makeMassSpringTrial(const SceneParams& params, const RestSurface& full, Index points) {
+  RestSurface s;
+  s.dense = full.dense;
+  s.dense_neighbors = full.dense_neighbors;
+  s.order = full.order;
+  s.closed = full.closed;
+  finishSurface(
+      params, full.order.keepCount(points), [&] { return full.area; }, s);
+  return s;
+}
+
+RestSurface makeCoarserMassSpring(const SceneParams& params, const RestSurface& of, Index target) {
+  RestSurface s;
+  s.area = of.area;
+  s.closed = of.closed;
+  connect(params, of.dense, of.dense_neighbors, of.order.keepCount(target), s);
+  buildModel(params, of, s);
+  return s;
+}
+
+CoarserLevel makeMassSpringCopies(const SceneParams& params, const RestSurface& level) {
+  CoarserLevel copies;
+  const Index n = static_cast<Index>(level.points.size()), num_full = static_cast<Index>(level.dense.positions.size());
+  copies.is_simplified = n < num_full;
+  copies.unresolved = 1.0 - static_cast<double>(n) / num_full;
+  copies.surface = makeCoarserMassSpring(params, level, std::max(kCoarsestPoints, n / kCoarserRatio));
+  const RestSurface& surface = copies.surface;
+  // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
+  std::vector<char> usable;
+  for (Index i : surface.dense_index) {
+    const auto found = std::lower_bound(level.dense_index.begin(), level.dense_index.end(), i);
+    const bool exists = found != level.dense_index.end() && *found == i;
+    copies.common.push_back(exists ? static_cast<Index>(found - level.dense_index.begin()) : Index{-1});
+    usable.push_back(exists ? 1 : 0);
+  }
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  Lists followed;
+  if (!is_euclidean) followed = findFollowed(surface.cells, usable, level, params.transfer.k);
+  copies.refine = [transfer = transfer::Transfer(level.points, level.normals, surface.points, usable, params.transfer,
+                                                 is_euclidean ? nullptr : &followed)](const Points& coarse, Points& fine) {
+    transfer.apply(coarse, fine);
+  };
+  return copies;
+}
+
+RestSurface copyCoarserMassSpring(const SceneParams& params, const RestSurface& of) {
+  RestSurface s;
+  s.area = of.area;
+  s.closed = of.closed;
+  s.points = of.points;
+  s.normals = of.normals;
+  s.dense_index = of.dense_index;
+  s.rings = of.rings;
+  buildModel(params, of, s);
+  return s;
+}
+
+}  // namespace deformable_surface::simulation

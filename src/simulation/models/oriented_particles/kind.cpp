@@ -1,0 +1,70 @@
+#include "kind.h"
+
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+
+#include "follower.h"
+#include "particle_life.h"
+#include "quantities.h"
+#include "rest.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+using model::OrientedParticles;
+
+class OrientedParticlesKind : public ModelKind {
+ public:
+  const char* name() const override { return "oriented_particles"; }
+  ModelTraits traits() const override {
+    ModelTraits traits;
+    traits.is_surface = traits.is_oriented = traits.has_population = traits.is_timed = true;
+    return traits;
+  }
+
+  void visitOptions(Fields& fields, SceneParams& p) const override {
+    fields.section("oriented_particles", p.oriented_particles, "Options of oriented particles (docs/oriented_particles.md).");
+  }
+  void checkScene(Fields& fields, const SceneParams& p) const override {
+    using solve::IntegratorType;
+    const IntegratorType type = p.integrator.type;
+    const bool has_method = type == IntegratorType::kAuto || type == IntegratorType::kVerlet || type == IntegratorType::kStatic;
+    fields.require(has_method, "integrator.type", "found one that oriented_particles has not; accepted: auto, verlet, static");
+  }
+  tool::ModeUse useOf(const tool::ModeInfo& mode) const override {
+    switch (mode.mode) {
+      case tool::Mode::kErase: return tool::kPlain;
+      case tool::Mode::kCut: return tool::kRubsHot;
+      case tool::Mode::kHeat: return tool::kStrong;
+      default: return mode.everywhere;
+    }
+  }
+
+  RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
+                       const Choose& choose) const override {
+    return makeParticlesRest(params, input, coarsest, choose);
+  }
+  RestSurface makeTrial(const SceneParams& params, const RestSurface& full, Index points) const override {
+    return makeParticlesTrial(params, full, points);
+  }
+
+  std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,
+                                              const model::DeformableModel&) const override {
+    return std::make_unique<ParticleFollower>(rest, params.transfer);
+  }
+  std::unique_ptr<Evolution> makeEvolution(model::DeformableModel& model, const RestSurface& rest,
+                                           const SceneParams& params) const override {
+    return std::make_unique<ParticleLife>(static_cast<OrientedParticles&>(model), rest.creased, params);
+  }
+  std::optional<double> findQuantity(const std::string& name, const Simulation& simulation) const override {
+    return findParticleQuantity(name, static_cast<const OrientedParticles&>(simulation.model()), simulation);
+  }
+};
+
+}  // namespace
+
+const ModelKind& orientedParticlesKind() {
+  static const OrientedParticlesKind kind;
+  return kind;
+}
+
+}  // namespace deformable_surface::simulation

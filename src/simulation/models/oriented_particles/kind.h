@@ -1,0 +1,10 @@
+// What surfaces of oriented particles bring to a simulation. For the registry alone.
+#pragma once
+
+#include "deformable_surface/simulation/model_kind.h"
+
+namespace deformable_surface::simulation {
+
+const ModelKind& orientedParticlesKind();
+
+}  // namespace deformable_surface::simulation

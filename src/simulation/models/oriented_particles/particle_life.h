@@ -1,0 +1,62 @@
+// What happens to oriented particles between steps: they cool and are heated, are born where there is room and go where tools
+// take them. Apart from their model, which knows forces only.
+#pragma once
+
+#include "deformable_surface/model/oriented_particles/growth.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+#include "deformable_surface/simulation/evolution.h"
+#include "deformable_surface/simulation/scene_params.h"
+
+namespace deformable_surface::simulation {
+
+class ParticleLife : public Evolution {
+ public:
+  /// All are kept by reference. creased (n): particles of the beginning that are not smooth.
+  ParticleLife(model::OrientedParticles& model, const std::vector<char>& creased, const SceneParams& scene)
+      : model_(model), creased_(creased), scene_(scene) {}
+
+  Population begin(const std::vector<char>& pinned, model::State& state) override;
+  /// Temperatures, then who goes, then who is born. Nobody is born while several pieces of the surface consist of newborns alone:
+  /// what is born closes a gap between its parents, so that such pieces have come loose, and growth would only feed them.
+  Change beforeStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) override;
+  /// Those that are too cold to move.
+  void hold(model::State& state, std::vector<char>& held, std::vector<char>& held_turns) const override;
+  bool maySleep() const override;
+  /// Only what moves is in parts, not what particles live through.
+  bool maySleepInParts() const override;
+  std::shared_ptr<const Memory> memory() const override;
+  void setMemory(const std::shared_ptr<const Memory>& saved) override;
+
+  /// Sec. 7 of [Szeliski 1991], with relaxation in between. is_start: all take the shape that is found for their rest shape, and
+  /// the model the spacing with which it has no tension; else the new ones alone take theirs.
+  Population fit(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start, model::State& state) override;
+  Population edit(const ParticleEdit& edit, model::State& state, std::vector<char>& pinned,
+                  std::vector<char>& pinned_turns) override;
+
+ private:
+  struct Spacing : Memory {
+    explicit Spacing(double spacing) : value(spacing) {}
+    std::size_t bytes() const override { return sizeof(Spacing); }
+    const double value;  // m, which a fit may have found
+  };
+
+  static void takeOut(const std::vector<char>& is_gone, model::State& state, Population& changes);
+  void grow(model::State& state, Population& changes) const;
+  void requireRoom(const model::State& state, const std::vector<Index>& placed) const;
+  void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
+  void remove(double time, const std::vector<tool::ToolParams>& tools, model::State& state, Population& changes) const;
+  void append(const model::NewParticle& particle, model::State& state) const;
+  model::GrowthParams growthParams() const;
+
+  Index countDebris(const model::State& state) const;
+
+  model::OrientedParticles& model_;
+  const std::vector<char>& creased_;
+  const SceneParams& scene_;
+  bool is_hot_ = false;  // some particles are above the ambient temperature, or have flowed, before the last step
+  mutable std::shared_ptr<const Spacing> spacing_;  // that was given out last
+  mutable bool has_told_debris_ = false;
+  mutable std::vector<char> is_gone_, inside_;  // scratch
+};
+
+}  // namespace deformable_surface::simulation

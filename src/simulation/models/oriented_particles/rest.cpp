@@ -1,0 +1,183 @@
+#include "rest.h"
+
+#include "deformable_surface/base/error.h"
+#include "deformable_surface/base/median.h"
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/links.h"
+#include "deformable_surface/model/oriented_particles/oriented_particles.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "../../behind_noise.h"
+#include "../../rest_parts.h"
+#include "../../rest_steps.h"
+#include "settle_particles.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+// Of a curve in the plane y = 0: across the line through the two nearest neighbours, on the side of +z, where none are given. No
+// boundary.
+cloud::Boundary completeCurveNormals(RestSurface& s) {
+  const Points& x = s.dense.positions;
+  for (Index i = 0; s.dense.normals.size() < x.size(); ++i) {
+    const Index* near = s.dense_neighbors.begin(i);
+    const Vec3 along =
+        x[near[0]] - (s.dense_neighbors.count(i) > 1 && (x[near[1]] - x[i]).dot(x[near[0]] - x[i]) < 0.0 ? x[near[1]] : x[i]);
+    Vec3 normal(-along.z(), 0.0, along.x());
+    if (normal.z() < 0.0) normal = -normal;
+    s.dense.normals.push_back(normal.norm() > 0.0 ? Vec3(normal.normalized()) : Vec3::UnitZ());
+  }
+  return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0), std::vector<float>(x.size(), 0.0f)};
+}
+
+// Of points to the nearest other one.
+double findMedianDistance(const Points& points) {
+  const Lists nearest = cloud::nearestNeighbors(points, 1);
+  std::vector<double> distances;
+  for (Index i = 0; i < nearest.size(); ++i)
+    if (nearest.count(i) > 0) distances.push_back((points[*nearest.begin(i)] - points[i]).norm());
+  return distances.empty() ? 0.0 : findMedian(std::move(distances));
+}
+
+// Edge of the equilateral triangle whose area is that of the mean triangle between the simulation points: of a hexagonal lattice
+// its spacing, edges or none. 0 if they span none.
+double findLatticeSpacing(Index k, const RestSurface& s) {
+  const cloud::Rings rings = cloud::buildRings(s.points, s.normals, cloud::nearestNeighbors(s.points, k));
+  double area = 0.0, count = 0.0;
+  for (const double a : rings.area) area += a;
+  for (const cloud::Triangle& triangle : rings.triangles) count += triangle.weight;
+  return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
+}
+
+// What will make particles move or come apart from the beginning.
+void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
+  constexpr double kFar = 1.3;  // of the spacing, either way: bonds of that length are broken or crushed
+  // Of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
+  constexpr double kSoftest = 0.02;
+  s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
+  const double median = findMedianDistance(s.points);
+  if (!params.oriented_particles.restsAsCloud() && !(median < kFar * spacing && spacing < kFar * median))
+    s.warnings.push_back("the cloud's nearest neighbours are " + formatShort(median) +
+                         " m apart (median): such particles fly or fall apart (integrator.type static lets them settle)");
+  const model::MaterialParams& m = params.material;
+  constexpr double kTheirs = 1.0 / 3.0,
+                   kNoted = 0.05;  // Poisson's ratio of a lattice; nearer the difference is below that of its defects
+  if (!(std::abs(m.poisson_ratio - kTheirs) <= kNoted))
+    s.notes.push_back("material.poisson_ratio " + formatShort(m.poisson_ratio) +
+                      " counts in bending_rigidity: auto only: a surface of "
+                      "particles has 1/3");
+  const double stiffness = m.young_modulus * m.thickness * spacing * spacing;
+  if (m.bendingRigidity() < kSoftest * stiffness)
+    s.warnings.push_back("material.bending_rigidity " + formatShort(m.bendingRigidity()) +
+                         " N m is below a fiftieth of E h a^2, " + formatShort(kSoftest * stiffness) +
+                         " N m with this spacing a: the particles may crumple instead of staying a surface; a larger "
+                         "bending_rigidity, a smaller young_modulus or a smaller spacing keeps them flat");
+}
+
+// Brings the particles to rest where the cloud is, and takes that for the rest shape. What is at rest stays to the bit.
+void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
+  const double spacing = model.lattice().spacing;
+  model::OrientedParticles attraction = model;
+  attraction.leaveOnlyAttraction();
+  model::State state;
+  state.positions = s.points;
+  model.beginAtRest(state);
+  for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
+  const Settled settled = settleParticles(s.dense, attraction, s.pinned, s.pinned_turns, model, state);
+  if (!(settled.largest > 0.0)) return;
+  s.points = state.positions;
+  for (Index i = 0; i < state.size(); ++i) s.normals[i] = state.orientations[i] * Vec3::UnitZ();
+  model.setRest(state);
+  s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
+                    formatShort(settled.largest / spacing) + ") before time 0 until they were " +
+                    (settled.is_near ? "at rest as the cloud's shape"
+                                     : "even; they are not at rest, for the only rest that was found is a "
+                                       "crumpled one: material.bending_rigidity is too small, or particles lie on others") +
+                    "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are)");
+}
+
+// Oriented particles on the simulation points, which need not be a surface yet.
+void buildParticles(const SceneParams& params, RestSurface& s) {
+  const Index m = static_cast<Index>(s.points.size());
+  double spacing = 0.0;
+  if (params.oriented_particles.spacing.is_auto) {
+    if (params.oriented_particles.mode == model::ParticleMode::kPlane) {
+      spacing = findMedianDistance(s.points);
+    } else {
+      spacing = findLatticeSpacing(params.neighbors.k, s);
+    }
+    if (!(spacing > 0.0))
+      throw InputError("oriented_particles.spacing: found auto, but the " +
+                       count(m, "points span no surface; accepted: a number"));
+  }
+  // What is near in space and apart over the surface at rest stays without forces.
+  Lists apart;
+  if (!params.neighbors.areEuclidean()) apart = cloud::findRefusedPairs(s.points, s.cells.neighbors);
+  if (!apart.items.empty())
+    s.notes.push_back(count(static_cast<Index>(apart.items.size() / 2),
+                            "pairs of particles are apart over the surface: no forces act between them"));
+  auto particles =
+      std::make_unique<model::OrientedParticles>(s.points, s.normals, spacing, params.material, params.oriented_particles, apart);
+  s.creased.assign(m, 0);
+  for (std::size_t c = 0; c < params.creases.size(); ++c) {
+    bool holds_any = false;
+    for (Index i = 0; i < m; ++i)
+      if (params.creases[c].region.contains(s.points[i])) s.creased[i] = holds_any = true;
+    if (!holds_any)
+      throw InputError("creases[" + std::to_string(c) + "]: the shape holds none of the " +
+                       count(m, "particles at rest; accepted: a shape that holds at least one"));
+  }
+  if (params.oriented_particles.mode == model::ParticleMode::kPlane) s.across = Vec3::UnitY();
+  s.area = m * particles->lattice().area_per_particle;
+  noteUnrest(params, particles->lattice().spacing, s);
+  model::OrientedParticles& model = *particles;
+  s.model = std::move(particles);
+  applyPins(params, s);
+  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.fit) takeCloudAsRest(model, s);
+}
+
+// Makes these dense points particles.
+void takeParticles(const SceneParams& params, std::vector<Index> kept, RestSurface& s) {
+  std::sort(kept.begin(), kept.end());
+  takePoints(s.dense, kept, s);
+  if (!params.neighbors.areEuclidean())
+    s.cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, kept, 2 * params.neighbors.k);
+  buildParticles(params, s);
+}
+
+}  // namespace
+
+RestSurface makeParticlesRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
+                              const ModelKind::Choose& choose) {
+  RestSurface s = cleanInput(input);
+  const bool is_curve = params.oriented_particles.mode == model::ParticleMode::kPlane;
+  const std::optional<Vec3> viewpoint = is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
+  leaveOutParts(params, findNeighbors, s);
+  Points estimated = findNeighbors(params, s);
+  cloud::Boundary boundary =
+      is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+  std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
+  if (choose) {
+    s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
+    kept = s.order.keepCount(choose(s));
+  }
+  takeParticles(params, std::move(kept), s);
+  followSimulationPoints(params, s);
+  return s;
+}
+
+RestSurface makeParticlesTrial(const SceneParams& params, const RestSurface& full, Index points) {
+  RestSurface s;
+  s.dense = full.dense;
+  s.dense_neighbors = full.dense_neighbors;
+  s.closed = full.closed;
+  takeParticles(params, full.order.keepCount(points), s);
+  return s;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,13 @@
+// From a cloud to a surface of oriented particles. Private to this model.
+#pragma once
+
+#include "deformable_surface/simulation/model_kind.h"
+
+namespace deformable_surface::simulation {
+
+// See ModelKind.
+RestSurface makeParticlesRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
+                              const ModelKind::Choose& choose);
+RestSurface makeParticlesTrial(const SceneParams& params, const RestSurface& full, Index points);
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,192 @@
+#include "rest_steps.h"
+
+#include "deformable_surface/cloud/geodesics.h"
+#include "deformable_surface/cloud/links.h"
+#include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/simulation/model_kind.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "accuracy.h"
+#include "parts.h"
+#include "rest_parts.h"
+#include "unheld.h"
+#include "wanted_spacing.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few per cent of real time on one core
+// Of simulation points, at least, for one loaded point that is kept: a load on more of them acts everywhere, and what is left
+// would sample nothing, above all in the error estimate's copies of a quarter of the points.
+constexpr Index kPointsPerLoad = 10;
+// Of simulation points, at least, for one corner that is kept, if there are more corners than of any clean outline of few points.
+constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
+
+bool isZero(const Vec3& v) { return v.isZero(0.0); }
+
+// The parts of the dense points: what links between neighbours connect, over the surface or in the body.
+Parts findDenseParts(const SceneParams& params, const FindNeighbors& find, const RestSurface& of) {
+  const cloud::CleanCloud& dense = of.dense;
+  const Index n = static_cast<Index>(dense.positions.size());
+  RestSurface s;
+  s.dense = dense;
+  s.pixel_links = of.pixel_links;
+  s.is_thick = of.is_thick;
+  Points normals = find(params, s);
+  if (normals.empty()) normals = cloud::estimateNormals(dense.positions, s.dense_neighbors);
+  const cloud::LinkRule rule(dense.positions, normals, s.dense_neighbors);
+  std::vector<std::pair<Index, Index>> links;
+  for (Index i = 0; i < n; ++i)
+    for (const Index* j = s.dense_neighbors.begin(i); j != s.dense_neighbors.end(i); ++j)
+      if (rule.accepts(i, *j)) links.emplace_back(i, *j);
+  return findParts(n, links);
+}
+
+// How many simulation points a threshold leaves, before they are chosen: rings of that diameter in a hexagonal lattice.
+Index expectPoints(double threshold, double area) {
+  const double spacing = 0.5 * threshold;
+  const double points = area / (0.5 * std::sqrt(3.0) * spacing * spacing);
+  return points < kMaxIndex ? static_cast<Index>(points) : kMaxIndex;
+}
+
+// Adds the points at which loads act to those that are kept. fewest: how many simulation points there are at least.
+void keepLoadedPoints(const SceneParams& params, Index fewest, std::vector<Index>& kept, RestSurface& s) {
+  if (!findModel(params.model).traits().is_tuned) return;  // its points keep to their lattice
+  const std::vector<Index> loaded = chooseLoadedPoints(params, s.dense.positions);
+  const Index num_loaded = static_cast<Index>(loaded.size());
+  if (num_loaded <= fewest / kPointsPerLoad) {
+    kept.insert(kept.end(), loaded.begin(), loaded.end());
+  } else {
+    s.notes.push_back(count(num_loaded, "points of the cloud are loaded, more than a tenth of ") +
+                      count(fewest, "simulation points: loads act on the nearest of these"));
+  }
+}
+
+// Of simplification.density: adaptive. Empty where that is even spacing.
+std::vector<double> wantSpacing(const SceneParams& params, const std::vector<char>& is_boundary, Index target, RestSurface& s) {
+  std::vector<double> wanted = findWantedSpacing(params, is_boundary, target, s);
+  if (wanted.empty()) {
+    s.notes.push_back("simplification.density adaptive: no small pin clamps, no force acts on a point: points are spaced evenly");
+  } else {
+    const auto [least, largest] = std::minmax_element(wanted.begin(), wanted.end());
+    s.notes.push_back("simplification.density adaptive: simulation points are to be " + formatShort(*least) + " to " +
+                      formatShort(*largest) + " mean spacings apart");
+  }
+  return wanted;
+}
+
+}  // namespace
+
+Points findNeighbors(const SceneParams& scene, RestSurface& s) {
+  const cloud::NeighborsParams& params = scene.neighbors;
+  if (!s.pixel_links.isEmpty() && params.geodesicness.is_auto) {
+    s.dense_neighbors =
+        cloud::findNeighbors(s.pixel_links, s.dense.point_of_input, s.dense.positions, 2 * params.k, scene.input.min_gap);
+    return {};
+  }
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
+  if (params.areEuclidean() || s.is_thick) return {};
+  cloud::SurfaceSides sides;
+  const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
+  sides.oriented = is_given;
+  sides.normals = is_given ? s.dense.normals : cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
+  const Points& positions = s.dense.positions;
+  const cloud::GeodesicGraph graph =
+      cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesicness, scene.input.min_gap);
+  cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
+  s.dense_neighbors = std::move(found.lists);
+  noteGaps(found, s);
+  return is_given || found.num_refused > 0 ? Points{} : std::move(sides.normals);
+}
+
+Points findBodyNeighbors(const SceneParams& params, RestSurface& s) {
+  s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
+  keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
+  return Points(s.dense.positions.size(), Vec3::Zero());
+}
+
+void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s) {
+  if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, find, s), s);
+  if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, find, s), s);
+}
+
+cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
+  cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
+  s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
+  cloud::OrientationRule rule = cloud::OrientationRule::kViewpoint;
+  if (s.pixel_links.isEmpty() || !s.dense.normals.empty() || !viewpoint)
+    rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals);
+  else
+    cloud::faceEye(s.dense.positions, *viewpoint, normals);
+  // A given normal is taken as it is where it agrees with the side.
+  if (!s.dense.normals.empty())
+    for (Index i = 0; i < n; ++i)
+      if (s.dense.normals[i].dot(normals[i]) > 0.0) normals[i] = s.dense.normals[i];
+  s.dense.normals = std::move(normals);
+  static const char* const kRules[] = {"the input's normals", "outward (closed surface)", "towards the viewpoint", "+z"};
+  s.notes.push_back(std::string("normals point by ") + kRules[static_cast<int>(rule)]);
+  return boundary;
+}
+
+std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
+                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  const cloud::SimplificationParams& how = params.simplification;
+  const bool by_threshold =
+      how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
+  Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
+  if (how.method == cloud::SimplificationMethod::kNone) target = n;
+  s.order.num_points = n;
+  const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
+  if (last < n) {
+    Index expected = target;
+    if (by_threshold) expected = expectPoints(how.threshold.value, estimateArea(s, params.neighbors.k, boundary.is_boundary));
+    const bool is_tried = params.accuracy.position_error > 0.0 || params.accuracy.step_budget > 0.0;
+    const Index fewest = std::min(n, is_tried ? std::min(expected, kFewestTried) : expected);
+    std::vector<Index> kept = protected_points;
+    keepLoadedPoints(params, fewest, kept, s);
+    std::vector<double> wanted;
+    if (how.density == cloud::PointDensity::kAdaptive)
+      wanted = wantSpacing(params, boundary.is_boundary, std::min(expected, n), s);
+    cloud::limitCorners(std::max(kCornersOfFew, std::min(expected, n) / kPointsPerCorner), boundary);
+    s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, kept, s.dense_neighbors,
+                              boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? 0 : target, wanted);
+    if (s.order.num_left_out > 0)
+      s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
+                        count(s.order.num_left_out_points,
+                              "points, are too small for so few simulation points, and ride along "
+                              "with the nearest ones"));
+  }
+  return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
+}
+
+void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s) {
+  s.dense_index = kept;
+  s.points.clear();
+  s.normals.clear();
+  for (Index i : kept) {
+    s.points.push_back(dense.positions[i]);
+    s.normals.push_back(dense.normals[i]);
+  }
+}
+
+void followSimulationPoints(const SceneParams& params, RestSurface& s) {
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
+  s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1),
+                                  params.transfer, is_euclidean ? nullptr : &followed);
+  if (s.transfer.numDegenerate() > 0)
+    s.notes.push_back(
+        count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
+  s.notes.push_back(count(static_cast<Index>(s.dense.positions.size()), "points, ") +
+                    count(static_cast<Index>(s.points.size()), "simulation points, ") +
+                    count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
+                    count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
+}
+
+}  // namespace deformable_surface::simulation

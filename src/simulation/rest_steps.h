@@ -1,0 +1,36 @@
+// The steps from a cloud to simulation points that several models take, in their order. Private.
+#pragma once
+
+#include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/simulation/rest_surface.h"
+
+#include <functional>
+#include <optional>
+
+namespace deformable_surface::simulation {
+
+/// Finds s.dense_neighbors, and returns normals of the dense points, or none if they are to be estimated from these.
+using FindNeighbors = std::function<Points(const SceneParams& params, RestSurface& s)>;
+/// The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
+/// what the neighbours in space show: returned if it is what the neighbours over the surface show as well, else empty.
+Points findNeighbors(const SceneParams& params, RestSurface& s);
+/// The same in space, or over a body. The normals are zero, to which every link is flat.
+Points findBodyNeighbors(const SceneParams& params, RestSurface& s);
+
+/// Leaves out of the dense points the parts that input.keep_parts and input.unheld do not keep.
+void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s);
+
+/// Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent
+/// side. Returns the boundary.
+cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s);
+
+/// Records the order of removal as far as it is needed and returns the simulation points. coarsest: see buildRestSurface().
+std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
+                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s);
+/// Makes these dense points the simulation points.
+void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s);
+
+/// The transfer from the simulation points to the dense ones, and the note that counts both.
+void followSimulationPoints(const SceneParams& params, RestSurface& s);
+
+}  // namespace deformable_surface::simulation
