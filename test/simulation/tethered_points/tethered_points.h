@@ -1,0 +1,76 @@
+// A model of a program's own, as small as one can be: points on springs to where they were at rest. The mechanics.
+#pragma once
+
+#include "deformable_surface/model/deformable_model.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace deformable_surface::test {
+
+/// Force on point i: -stiffness (x_i - X_i). Points do not feel each other.
+class TetheredPoints : public model::DeformableModel {
+ public:
+  /// rest: (n x 3) m; mass: kg of each point; stiffness: N/m.
+  TetheredPoints(Points rest, double mass, double stiffness)
+      : rest_(std::move(rest)), masses_(rest_.size(), mass), stiffness_(stiffness) {}
+
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<TetheredPoints>(*this); }
+  const std::vector<double>& masses() const override { return masses_; }
+  bool forcesReadVelocities() const override { return false; }
+  void addForces(const model::State& state, Points& forces) const override {
+    for (std::size_t i = 0; i < rest_.size(); ++i) forces[i] -= stiffness_ * (state.positions[i] - rest_[i]);
+  }
+  double elasticEnergy(const model::State& state) const override {
+    double energy = 0.0;
+    for (std::size_t i = 0; i < rest_.size(); ++i) energy += 0.5 * stiffness_ * (state.positions[i] - rest_[i]).squaredNorm();
+    return energy;
+  }
+  void addStiffness(const model::State&, double, model::Hessian, BlockSparse& stiffness) const override {
+    for (Index i = 0; i < static_cast<Index>(rest_.size()); ++i) stiffness.add(i, i, stiffness_ * Mat3::Identity());
+  }
+  void addRowBounds(const model::State&, std::vector<double>& stiffness, std::vector<double>&) const override {
+    for (double& bound : stiffness) bound += stiffness_;
+  }
+  bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override {
+    for (const Index i : points) marked[i] = 1;
+    return true;
+  }
+  Part makePart(const std::vector<char>& wanted) const override {
+    Part part;
+    Points rest;
+    for (std::size_t i = 0; i < rest_.size(); ++i) {
+      if (!wanted[i]) continue;
+      part.points.push_back(static_cast<Index>(i));
+      rest.push_back(rest_[i]);
+    }
+    part.model = std::make_unique<TetheredPoints>(std::move(rest), masses_.empty() ? 0.0 : masses_[0], stiffness_);
+    return part;
+  }
+
+  // It has no sides, no links and no lengths.
+  void computeAreaVectors(const model::State& state, Points& area_vectors) const override {
+    area_vectors.assign(state.positions.size(), Vec3::Zero());
+  }
+  bool isClosed() const override { return false; }
+  double enclosedVolume(const model::State&) const override { return 0.0; }
+  void computeVolumeGradient(const model::State& state, Points& gradient) const override {
+    gradient.assign(state.positions.size(), Vec3::Zero());
+  }
+  double maxStretch(const model::State&) const override { return 0.0; }
+  void computePointStrain(const model::State& state, std::vector<double>& strain) const override {
+    strain.assign(state.positions.size(), 0.0);
+  }
+  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links_; }
+  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
+  const std::vector<model::WeightedTriangle>& triangles() const override { return no_triangles_; }
+
+ private:
+  Points rest_;
+  std::vector<double> masses_;
+  double stiffness_;
+  std::vector<std::pair<Index, Index>> no_links_;
+  std::vector<model::WeightedTriangle> no_triangles_;
+};
+
+}  // namespace deformable_surface::test
