@@ -42,7 +42,8 @@ std::size_t DynamicsState::bytes() const {
   const auto& [tools, values, gravity, damping, physics] = settings;
   return sizeof(DynamicsState) + sumInside(steps, forces, watched, activity, march, part_march, has_part) +
          sumInside(points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed) +
-         sumInside(integrator, grips, bodies, evolution, tracked, may_touch_itself) + sumInside(tools, values, gravity, damping, physics);
+         sumInside(integrator, grips, bodies, evolution, tracked, may_touch_itself) +
+         sumInside(tools, values, gravity, damping, physics);
 }
 
 }  // namespace deformable_surface::simulation
