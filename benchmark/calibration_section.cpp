@@ -67,7 +67,7 @@ std::string runScene(Index seed) {
   Simulation simulation(scene.params, scene.cloud);
 
   double area = 0.0;
-  for (const model::WeightedTriangle& t : simulation.model().triangles()) {
+  for (const model::WeightedTriangle& t : trianglesOf(simulation.model())) {
     const Points& x = simulation.state().positions;
     area += 0.5 * t.weight * (x[t.corner[1]] - x[t.corner[0]]).cross(x[t.corner[2]] - x[t.corner[0]]).norm();
   }

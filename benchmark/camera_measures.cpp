@@ -54,7 +54,7 @@ SetUp setUp(const cloud::PointCloud& cloud, const Neighborhoods& how) {
   made.pieces = findSizes(made.rest.dense_neighbors);
   made.pieces.erase(std::find_if(made.pieces.begin(), made.pieces.end(), [](Index size) { return size < kPiecePoints; }),
                     made.pieces.end());
-  cloud::labelComponents(made.numSimulated(), made.rest.model->stretchLinks(), made.parts);
+  cloud::labelComponents(made.numSimulated(), stretchLinksOf(*made.rest.model), made.parts);
   const cloud::Boundary boundary =
       cloud::findBoundary(dense.positions, dense.normals, made.rest.dense_neighbors, params.neighbors.k);
   made.corners = static_cast<Index>(std::count(boundary.is_corner.begin(), boundary.is_corner.end(), 1));

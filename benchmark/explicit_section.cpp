@@ -98,7 +98,7 @@ void runExplicitSection(const Options& options, Report& report) {
                   show(run.cpu / kDuration), showPercent(run.spread), show(rmsDistance(end, reference)),
                   show(rmsDistance(at_4, reference)), show(1e6 * pass.cpu),
                   show(1e9 * pass.cpu / static_cast<double>(end.size())),
-                  show(1e9 * pass.cpu / static_cast<double>(timed.model().stretchLinks().size())),
+                  show(1e9 * pass.cpu / static_cast<double>(stretchLinksOf(timed.model()).size())),
                   std::to_string(run.repetitions), showHash(timed.stateHash()), sheet.printed});
     }
   }

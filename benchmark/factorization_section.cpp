@@ -29,7 +29,7 @@ BlockSparse makeMatrix(Shape shape, Index points) {
   const Index n = surface.state().size();
   BlockSparse matrix;
   matrix.begin(n);
-  surface.model().addStiffness(surface.state(), 0.0, model::Hessian::kPositive, matrix);
+  surface.model().stiffnessMatrix()->addStiffness(surface.state(), 0.0, model::Hessian::kPositive, matrix);
   for (Index i = 0; i < n; ++i) matrix.add(i, i, surface.model().masses()[i] / (kStep * kStep) * Mat3::Identity());
   matrix.finish();
   return matrix;

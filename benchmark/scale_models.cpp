@@ -64,8 +64,8 @@ constexpr Counts kSpring{31.0, 56.0}, kTriangle{90.0, 264.0}, kFit{45.0 * 17.0 +
 constexpr double kPointBytes = 32.0 + 2.0 * 24.0;  // of a point: its copy, its force read and written
 
 double countOf(const Model& kind, const model::DeformableModel& model, double Counts::*what) {
-  const double springs = static_cast<double>(model.stretchLinks().size()),
-               triangles = static_cast<double>(model.triangles().size());
+  const double springs = static_cast<double>(stretchLinksOf(model).size()),
+               triangles = static_cast<double>(trianglesOf(model).size());
   const double n = static_cast<double>(model.masses().size());
   double sum = kind.membrane == model::Membrane::kSprings ? springs * kSpring.*what : triangles * kTriangle.*what;
   if (kind.bending == model::Bending::kCurvature) sum += n * kFit.*what;
@@ -116,12 +116,12 @@ void measureModels(const Options& options, Report& report, std::vector<CountedSt
       const double energy_error = std::abs(totalEnergy(simulation) - before) / stored;
 
       Points forces(n), torques(n);
-      const bool is_oriented = simulation.model().isOriented();
+      const bool is_oriented = isOriented(simulation.model());
       const Timing pass = measure(
           [&] {
             std::fill(forces.begin(), forces.end(), Vec3::Zero());
             if (is_oriented) {
-              simulation.model().addForcesAndTorques(simulation.state(), forces, torques);
+              simulation.model().orientedPoints()->addForcesAndTorques(simulation.state(), forces, torques);
             } else {
               simulation.model().addForces(simulation.state(), forces);
             }

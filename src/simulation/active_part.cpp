@@ -13,11 +13,12 @@ ActivePart::Made ActivePart::make(const model::DeformableModel& whole, const std
   for (Index i = 0; i < n; ++i)
     if (moving[i]) movers.push_back(i);
   std::vector<char> wanted = moving, beside(moving.size(), 0);
-  whole.markPartners(movers, wanted);
+  const model::Partition& partition = *whole.partition();
+  partition.markPartners(movers, wanted);
   for (Index i = 0; i < n; ++i)
     if (wanted[i] && !moving[i]) wall.push_back(i);
-  whole.markPartners(wall, beside);
-  made.part = whole.makePart(wanted);
+  partition.markPartners(wall, beside);
+  made.part = partition.makePart(wanted);
   for (const Index i : made.part.points)
     made.kind.push_back(moving[i] ? (beside[i] ? Kind::kRim : Kind::kMoving) : (wanted[i] ? Kind::kWall : Kind::kBehind));
   return made;
@@ -42,7 +43,7 @@ ActivePart::ActivePart(Made made, const SceneParams& params, const LoadSet& load
   for (std::size_t k = 0; k < points_.size(); ++k) new_index_[points_[k]] = static_cast<Index>(k);
   state_.positions.resize(points_.size());
   state_.velocities.resize(points_.size());
-  if (model_->isOriented()) {
+  if (isOriented(*model_)) {
     state_.orientations.resize(points_.size());
     state_.spins.resize(points_.size());
     state_.traits.resize(points_.size());
@@ -64,7 +65,7 @@ solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, cons
     state_.velocities[k] = moves ? state.velocities[i] : Vec3::Zero();
     fixed_[k] = held[i];
     held_[k] = !moves || held[i];
-    if (!model_->isOriented()) continue;
+    if (!isOriented(*model_)) continue;
     state_.orientations[k] = state.orientations[i];
     state_.spins[k] = moves ? state.spins[i] : Vec3::Zero();
     state_.traits[k] = state.traits[i];
@@ -83,7 +84,7 @@ void ActivePart::put(State& state) const {
     if (!isMoving(static_cast<Index>(k))) continue;
     state.positions[points_[k]] = state_.positions[k];
     state.velocities[points_[k]] = state_.velocities[k];
-    if (!model_->isOriented()) continue;
+    if (!isOriented(*model_)) continue;
     state.orientations[points_[k]] = state_.orientations[k];
     state.spins[points_[k]] = state_.spins[k];
   }
@@ -113,7 +114,7 @@ bool ActivePart::hasMoved(const Points& since, double distance) const {
 
 double ActivePart::findHits(double time, double acceleration, double speed, double spacing, std::vector<Index>& hits) {
   hits.clear();
-  const bool is_oriented = model_->isOriented();
+  const bool is_oriented = isOriented(*model_);
   if (is_oriented) {
     system_.computeForcesAndTorquesOnAll(time, state_, forces_on_all_, torques_on_all_);
   } else {
@@ -128,7 +129,7 @@ double ActivePart::findHits(double time, double acceleration, double speed, doub
     if (fixed_[k]) continue;
     if (kind_[k] == Kind::kWall) {
       double pushed = forces_on_all_[k].norm() / model_->masses()[k];
-      if (is_oriented) pushed = std::max(pushed, spacing * torques_on_all_[k].norm() / model_->inertias()[k]);
+      if (is_oriented) pushed = std::max(pushed, spacing * torques_on_all_[k].norm() / model_->orientedPoints()->inertias()[k]);
       if (!(pushed <= acceleration)) {
         hits.push_back(points_[k]);
       } else {

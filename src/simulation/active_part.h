@@ -51,7 +51,7 @@ class ActivePart {
   enum class Kind : char { kMoving, kRim, kWall, kBehind };  // rim: moving beside the wall
   struct Made {
     std::vector<char> moving;
-    model::DeformableModel::Part part;
+    model::Partition::Part part;
     std::vector<Kind> kind;
   };
   void putFriction(std::vector<contact::BodyAnchor>& friction) const;

@@ -49,7 +49,7 @@ Activity::Activity(const ActivityParams& params, const Points& points, double sp
       quiet_steps_(static_cast<std::int32_t>(std::min(1e9, std::ceil(quiet_time_ / step)))),
       look_steps_(std::max<std::int32_t>(1, quiet_steps_ / kLooks)) {
   std::vector<char> none(points.size(), 0);
-  if (in_parts && model.markPartners({}, none)) {
+  if (in_parts && model.partition() && model.partition()->markPartners({}, none)) {
     std::vector<Index> all(points.size());
     std::iota(all.begin(), all.end(), 0);
     split(points, all.begin(), all.end(), tiles_);
@@ -175,7 +175,7 @@ void Activity::addRing() {
   needed_points_.clear();
   for (const Index t : ring_) needed_points_.insert(needed_points_.end(), tiles_.begin(t), tiles_.end(t));
   std::fill(marked_.begin(), marked_.end(), 0);
-  model_.markPartners(needed_points_, marked_);
+  model_.partition()->markPartners(needed_points_, marked_);
   ring_.clear();
   for (std::size_t i = 0; i < marked_.size(); ++i) {
     if (!marked_[i] || needed_[tile_of_[i]]) continue;

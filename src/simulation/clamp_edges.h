@@ -1,4 +1,4 @@
-// Where a held patch ends: its region says so, and seldom at a point. What a model makes of it: DeformableModel::setHeld().
+// Where a held patch ends: its region says so, and seldom at a point. What a model makes of it: model::Clamping().
 #pragma once
 
 #include "deformable_surface/simulation/rest_surface.h"

@@ -62,7 +62,7 @@ void Dynamics::reset() {
   points.velocities.assign(rest_->points.size(), Vec3::Zero());
   points.friction.clear();
   points.self_friction.clear();
-  model_->beginAtRest(points);
+  beginAtRest(*model_, points);
   activity_.reset();
   steps_ = 0;
   now_.pinned = rest_->pinned;
@@ -150,7 +150,9 @@ bool Dynamics::applyMaterial() {
   for (model::PointMaterial& point : now) point.stretching *= now_.membrane_share;
   if (shares_.empty()) shares_ = findShares(chosen_.made, chosen_.made, rest_->values);
   if (now == shares_) return false;
-  model_->setMaterial(now);
+  if (!model_->pointMaterials())
+    throw InputError("material: found values that differ from those the model was made with; accepted: those, for this model");
+  model_->pointMaterials()->setMaterial(now);
   shares_ = std::move(now);
   return true;
 }
@@ -169,7 +171,7 @@ void Dynamics::findContactRate() {
   State at_rest;
   at_rest.positions = rest_->points;
   at_rest.velocities.assign(rest_->points.size(), Vec3::Zero());
-  model_->beginAtRest(at_rest);
+  beginAtRest(*model_, at_rest);
   // The points at rest have clamps of their own: particles may have gone and come since.
   std::vector<char> now_held = rest_->pinned, now_held_turns = rest_->pinned_turns;
   held_.swap(now_held);
@@ -177,7 +179,7 @@ void Dynamics::findContactRate() {
   const double stable = march_.findStableStep(0.0, at_rest);
   held_.swap(now_held);
   held_turns_.swap(now_held_turns);
-  model_->adopt(now_.points);
+  adopt(*model_, now_.points);
   setContactRate(kContactRate * 2.0 / (std::isfinite(stable) ? stable : params_.integrator.time_step));
 }
 

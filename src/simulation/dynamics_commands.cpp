@@ -195,7 +195,7 @@ Changes Dynamics::perform(const command::SetParams& c) {
 Changes Dynamics::perform(const command::Observe& c) {
   constexpr double kReach = 3.0;  // spacings that a surface lags behind by at most; beyond it lies something else
   Points normals;
-  model_->computeAreaVectors(now_.points, normals);
+  computeAreaVectors(*model_, now_.points, normals);
   for (Vec3& normal : normals) normal.normalize();
   loads_.track.observe(*c.cloud, now_.points, normals, params_.input.track_distance.valueOr(kReach * activity_.spacing()));
   Changes changes;
@@ -211,7 +211,7 @@ Changes Dynamics::perform(const command::SetState& c) {
   if (!c.state.plastic.empty()) {
     now_.points.plastic = c.state.plastic;
     now_.points.dissipated = c.state.dissipated;
-    model_->adopt(now_.points);
+    adopt(*model_, now_.points);
   }
   part_.reset();
   part_march_ = {};
@@ -227,7 +227,7 @@ Changes Dynamics::perform(const command::EditParticles& c) {
   const Population population = evolution_->edit(c.edit, now_.points, now_.pinned, now_.pinned_turns);
   followPopulation(population);
   grips_.keepOnPins(now_.pinned);
-  model_->adopt(now_.points);
+  adopt(*model_, now_.points);
   Changes changes;
   changes.motion = changes.everywhere = changes.moved = true;
   for (Index id = now_.points.next_id - population.born; id < now_.points.next_id; ++id) changes.added.push_back(id);
@@ -239,7 +239,7 @@ Changes Dynamics::perform(const command::Fit& c) {
   const Population grown = evolution_->fit(c.growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
   followPopulation(grown);
   changes.notice = grown.notice;
-  model_->adopt(now_.points);  // the particles of before may have moved
+  adopt(*model_, now_.points);  // the particles of before may have moved
   changes.motion = changes.everywhere = changes.moved = true;
   return changes;
 }
@@ -258,7 +258,7 @@ void Dynamics::followPopulation(const Population& population) {
   if (population.new_index.empty() && population.born == 0) return;
   now_.pinned.resize(now_.points.positions.size(), 0);
   now_.pinned_turns.resize(now_.points.positions.size(), 0);
-  model_->adopt(now_.points);
+  adopt(*model_, now_.points);
   loads_.track.restore({});
   part_.reset();
   activity_.leaveParts();

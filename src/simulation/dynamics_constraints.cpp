@@ -40,7 +40,7 @@ std::vector<Index> Dynamics::findClamps(const std::vector<char>& inside, const C
   if (!canClamp(params_)) return {};
   const std::vector<char> clamping = markClamping(rest_->points, rest_->rings.ring, inside, activity_.spacing());
   const ClampEdges found = findClampEdges(
-      {rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, model_->triangles()}, clamping, contains);
+      {rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, trianglesOf(*model_)}, clamping, contains);
   std::vector<Index> riding;
   for (const Index i : found.riding) {
     if (now_.pinned[i]) continue;
@@ -77,7 +77,8 @@ void Dynamics::endClamps() {
 void Dynamics::clampHeld() {
   held_ = now_.pinned;
   held_turns_ = now_.pinned_turns;
-  if (model_->setHeld(now_.pinned, now_.clamp_edges)) march_.restart();
+  model::Clamping* const clamping = model_->clamping();
+  if (clamping && clamping->setHeld(now_.pinned, now_.clamp_edges)) march_.restart();
   evolution_->hold(now_.points, held_, held_turns_);
 }
 

@@ -55,7 +55,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   const auto& [waiting, motion, holding, settings] = saved;
   evolution_->setMemory(holding.evolution);
   now_ = motion;
-  model_->adopt(now_.points);
+  adopt(*model_, now_.points);
   placeAnchors();
   clampHeld();
   now_.points = motion.points;  // cold particles may have been moving
@@ -82,9 +82,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
 }
 
 std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
-  std::unique_ptr<model::DeformableModel> model = model_->clone();
-  if (!model) throw InputError("model: found one that cannot be copied; accepted: one of this package");
-  std::unique_ptr<Dynamics> fork(new Dynamics(params_, Made{rest_, std::move(model)}));
+  std::unique_ptr<Dynamics> fork(new Dynamics(params_, Made{rest_, model_->clone()}));
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;

@@ -55,7 +55,7 @@ bool Dynamics::hasSnapped() const {
   std::vector<ToolReaction> reactions(tools_.size());
   loads_.contact.addReactions(time(), now_.points, loads_.friction, reactions);
   if (std::any_of(reactions.begin(), reactions.end(), [](const ToolReaction& r) { return r.contacts > 0; })) return false;
-  return model_->maxStretch(now_.points) > kStretched;
+  return maxStretchOf(*model_, now_.points) > kStretched;
 }
 
 }  // namespace deformable_surface::simulation

@@ -38,7 +38,7 @@ void Dynamics::followLoads() {
 
 // An attraction that all points share, a grip that lets go at a force, and a pressure inside ask for all points.
 void Dynamics::setParts() {
-  const bool is_blown = params_.pressure != 0.0 && model_->isClosed();
+  const bool is_blown = params_.pressure != 0.0 && isClosed(*model_);
   const bool only_wholly = is_blown || std::any_of(tools_.begin(), tools_.end(), [](const tool::ToolParams& tool) {
                              return tool.mode == tool::Mode::kAttract || (tool.mode == tool::Mode::kMove && tool.strength > 0.0);
                            });
@@ -48,11 +48,11 @@ void Dynamics::setParts() {
 
 // Elements that come and go are those at these positions.
 void Dynamics::followPartners(const Points& positions) {
-  if (!activity_.isInParts() || !std::isfinite(model_->maxPartMotion())) return;
+  if (!activity_.isInParts() || !std::isfinite(model_->partition()->maxPartMotion())) return;
   State there;
   there.positions = positions;
   there.traits = now_.points.traits;
-  if (model_->followPartners(there)) now_.followed = positions;
+  if (model_->innerState()->followPartners(there)) now_.followed = positions;
 }
 
 void Dynamics::makePart() {
@@ -106,7 +106,7 @@ solve::TimeMarch::Outcome Dynamics::advance(double now) {
     solve::TimeMarch::Outcome taken = part_->step(now, now_.points, held_, held_turns_);
     if (!taken.ok && interrupt_ && *interrupt_) return taken;
     if (!taken.ok) break;
-    if (!now_.followed.empty() && part_->hasMoved(now_.followed, model_->maxPartMotion())) {
+    if (!now_.followed.empty() && part_->hasMoved(now_.followed, model_->partition()->maxPartMotion())) {
       if (is_new) break;  // too far in one step
       part_.reset();
       continue;

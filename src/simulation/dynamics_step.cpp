@@ -146,7 +146,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   outcome.search_seconds = search_timer.seconds();
   if (!contact.isEmpty()) {
     const Timer contact_timer;
-    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, model_->triangles()));
+    appendNotice(outcome.notice, contact.endStep(now, dt, points, held_, trianglesOf(*model_)));
     outcome.contact_seconds += contact_timer.seconds() + contact.takeSeconds() + (part_ ? part_->takeContactSeconds() : 0.0);
   }
   const auto [has_cut, has_flowed] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
@@ -201,10 +201,11 @@ bool Dynamics::beginElsewhere(const Request& request) {
   return true;
 }
 
-// The parts without an equilibrium. Bonds of particles come and go within a step: they count as one part.
+// The parts without an equilibrium. Without links, or where these come and go within a step (particles), all points count as one
+// part.
 void Dynamics::findLoose(double time) {
   const Index n = now_.points.size();
-  loose_.follow(n, system_.isOriented() ? nullptr : &model_->stretchLinks());
+  loose_.follow(n, system_.isOriented() || !model_->links() ? nullptr : &model_->links()->stretchLinks());
   load_stiffness_.assign(n, 0.0);
   load_damping_.assign(n, 0.0);
   forces_on_all_.assign(n, Vec3::Zero());
@@ -213,7 +214,7 @@ void Dynamics::findLoose(double time) {
     load->addRowBounds(time, now_.points, load_stiffness_, load_damping_);
     load->addForces(time, now_.points, forces_on_all_);
   }
-  model_->confine(forces_on_all_);
+  system_.confine(forces_on_all_);
   loose_.find(held_, load_stiffness_, forces_on_all_, now_.points.positions, loads_.contact, time);
 }
 

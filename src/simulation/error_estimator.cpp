@@ -86,7 +86,7 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
     verlet_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
   }
   if (dynamics.kind().mayDent(params))
-    dents_ = DentWatch(params.material, level.points, dynamics.model().triangles(), level.area, num_full);
+    dents_ = DentWatch(params.material, level.points, trianglesOf(dynamics.model()), level.area, num_full);
   reset();
 }
 

@@ -28,12 +28,12 @@ std::optional<double> findStatistic(const std::string& name, const Statistics& s
 }
 
 double computeVolumeRatio(const Simulation& simulation) {
-  if (!simulation.model().isClosed()) {
+  if (!isClosed(simulation.model())) {
     throw InputError("volume_ratio: found a surface with a boundary, which encloses no volume; accepted: a closed surface");
   }
   // The rest state is not kept apart; the same input builds it again.
   const Simulation rest(simulation.params(), simulation.input());
-  return simulation.model().enclosedVolume(simulation.state()) / rest.model().enclosedVolume(rest.state());
+  return simulation.model().sides()->enclosedVolume(simulation.state()) / rest.model().sides()->enclosedVolume(rest.state());
 }
 
 // How far a point is from the surface that the scene's cloud was made on, m.
@@ -118,7 +118,7 @@ std::optional<double> findContactQuantity(const std::string& name, const Simulat
 // Of points without a link, and of what links connect.
 std::optional<double> findLinkQuantity(const std::string& name, const Simulation& simulation) {
   if (name != "components" && name != "isolated") return std::nullopt;
-  const Parts parts = findParts(simulation.state().size(), simulation.model().stretchLinks());
+  const Parts parts = findParts(simulation.state().size(), stretchLinksOf(simulation.model()));
   const std::ptrdiff_t isolated = std::count(parts.size.begin(), parts.size.end(), 1);
   return static_cast<double>(name == "isolated" ? isolated : parts.count() - isolated);
 }

@@ -37,20 +37,20 @@ double GravityLoad::potential(double, const State& state) const {
 }
 
 void PressureLoad::addForces(double, const State& state, Points& forces) const {
-  if (model_.isClosed()) {
-    model_.computeVolumeGradient(state, area_);
+  if (isClosed(model_)) {
+    model_.sides()->computeVolumeGradient(state, area_);
   } else {
-    model_.computeAreaVectors(state, area_);
+    computeAreaVectors(model_, state, area_);
   }
   for (std::size_t i = 0; i < forces.size(); ++i) forces[i] += pressure_ * area_[i];
 }
 
 double PressureLoad::potential(double, const State& state) const {
-  return model_.isClosed() ? -pressure_ * model_.enclosedVolume(state) : 0.0;
+  return isClosed(model_) ? -pressure_ * model_.sides()->enclosedVolume(state) : 0.0;
 }
 
 double PressureLoad::estimateWork(double, double, const State& before, const State& after) const {
-  if (model_.isClosed()) return 0.0;
+  if (isClosed(model_)) return 0.0;
   const Index n = before.size();
   between_ = before;  // areas may be those of particles, which their orientations tell
   for (Index i = 0; i < n; ++i) between_.positions[i] = 0.5 * (before.positions[i] + after.positions[i]);
@@ -59,14 +59,14 @@ double PressureLoad::estimateWork(double, double, const State& before, const Sta
   const std::pair<const State*, double> places[] = {{&before, 1.0 / 6.0}, {&between_, 4.0 / 6.0}, {&after, 1.0 / 6.0}};
   double work = 0.0;
   for (const auto& [state, weight] : places) {
-    model_.computeAreaVectors(*state, area_);
+    computeAreaVectors(model_, *state, area_);
     for (Index i = 0; i < n; ++i) work += weight * pressure_ * area_[i].dot(after.positions[i] - before.positions[i]);
   }
   return work;
 }
 
 void DragLoad::addForces(double, const State& state, Points& forces) const {
-  model_.computeAreaVectors(state, area_);
+  computeAreaVectors(model_, state, area_);
   for (std::size_t i = 0; i < forces.size(); ++i) {
     const double area = area_[i].norm();
     if (area > 0.0) forces[i] -= drag_ * state.velocities[i].dot(area_[i]) / area * area_[i];
@@ -75,7 +75,7 @@ void DragLoad::addForces(double, const State& state, Points& forces) const {
 
 void DragLoad::addStiffness(double, const State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  model_.computeAreaVectors(state, area_);
+  computeAreaVectors(model_, state, area_);
   for (Index i = 0; i < state.size(); ++i) {
     const double area = area_[i].norm();
     stiffness.add(i, i, area > 0.0 ? Mat3(drag_ / (step * area) * area_[i] * area_[i].transpose()) : Mat3::Zero());
@@ -83,7 +83,7 @@ void DragLoad::addStiffness(double, const State& state, double step, BlockSparse
 }
 
 void DragLoad::addRowBounds(double, const State& state, std::vector<double>&, std::vector<double>& damping) const {
-  model_.computeAreaVectors(state, area_);
+  computeAreaVectors(model_, state, area_);
   for (Index i = 0; i < state.size(); ++i) damping[i] += drag_ * area_[i].norm();
 }
 

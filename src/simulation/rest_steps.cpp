@@ -185,7 +185,7 @@ void followSimulationPoints(const SceneParams& params, RestSurface& s) {
         count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));
   s.notes.push_back(count(static_cast<Index>(s.dense.positions.size()), "points, ") +
                     count(static_cast<Index>(s.points.size()), "simulation points, ") +
-                    count(static_cast<Index>(s.model->stretchLinks().size() + s.model->bendLinks().size()), "links, ") +
+                    count(static_cast<Index>(stretchLinksOf(*s.model).size() + bendLinksOf(*s.model).size()), "links, ") +
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 

@@ -89,7 +89,7 @@ std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const 
 }
 
 SelfContactLoads::SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness, double friction)
-    : contact(rest, chooseContactTriangles(rest, model.triangles()), model.masses(), makeParams(thickness, friction)),
+    : contact(rest, chooseContactTriangles(rest, trianglesOf(model)), model.masses(), makeParams(thickness, friction)),
       rubs_(friction > 0.0) {}
 
 // Where the loads do not act the limit still does: parts that come faster than was foreseen are stopped, not bounced.

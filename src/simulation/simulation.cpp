@@ -89,7 +89,7 @@ StepOutcome Simulation::Impl::step() {
     if (now + 1e-6 * dt >= dynamics().params().duration) leaveTrial("its time has come to an end");
     outcome.notice = std::exchange(trial_notice, {});
     const std::shared_ptr<const CutTransfer::Memory> severed = surface.saveCut();
-    const auto giveBack = [&] { surface.restoreCut(severed, dynamics().model().stretchLinks()); };
+    const auto giveBack = [&] { surface.restoreCut(severed, stretchLinksOf(dynamics().model())); };
     try {
       taken = run.takeStep();
     } catch (...) {
@@ -209,7 +209,7 @@ const std::vector<char>& Simulation::pinned() const { return dynamics().pinned()
 
 void Simulation::computeSimulationNormals(Points& normals) const {
   const Points& at_rest = dynamics().rest().normals;
-  model().computeAreaVectors(state(), normals);
+  computeAreaVectors(model(), state(), normals);
   for (std::size_t i = 0; i < normals.size(); ++i) {
     const double area = normals[i].norm();
     normals[i] = area > 0.0 ? Vec3(normals[i] / area) : at_rest[std::min(i, at_rest.size() - 1)];

@@ -26,13 +26,13 @@ void Simulation::Impl::measureState() {
   const model::DeformableModel& model = now.model();
   statistics.points = static_cast<std::uint32_t>(input.positions.size());
   statistics.simulation_points = static_cast<std::uint32_t>(state.size());
-  statistics.springs = static_cast<std::uint32_t>(model.stretchLinks().size() + model.bendLinks().size());
+  statistics.springs = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());
   statistics.awake = 0;
   for (Index i = 0; i < state.size(); ++i) statistics.awake += !now.held()[i] && now.activity().isMoving(i);
   statistics.kinetic_energy = now.system().kineticEnergy(state);
   statistics.elastic_energy = model.elasticEnergy(state);
   statistics.potential_energy = now.system().loadPotential(now.time(), state);
-  statistics.max_stretch = model.maxStretch(state);
+  statistics.max_stretch = maxStretchOf(model, state);
   double squared_speed = 0.0;
   for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
   statistics.max_speed = std::sqrt(squared_speed);

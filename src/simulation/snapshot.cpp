@@ -49,7 +49,7 @@ Looks Simulation::Impl::saveLooks() const {
 
 void Simulation::Impl::restoreLooks(const Looks& saved) {
   softening = saved.softening;
-  surface.restoreCut(saved.severed, dynamics().model().stretchLinks());
+  surface.restoreCut(saved.severed, stretchLinksOf(dynamics().model()));
   // What a viewer has made of the same positions is as good as before.
   if (!is_viewer || seen_revision != saved.surface_revision) surface.invalidate();
   if (is_viewer) seen_revision = saved.surface_revision;

@@ -49,8 +49,8 @@ Parts findBeginningParts(const model::DeformableModel& model, const Points& poin
   const std::unique_ptr<model::DeformableModel> begun = model.clone();
   model::State state;
   state.positions = points;
-  begun->beginAtRest(state);
-  begun->followPartners(state);
+  beginAtRest(*begun, state);
+  begun->innerState()->followPartners(state);
   const Index n = static_cast<Index>(points.size());
   Parts parts;
   parts.label.assign(n, -1);
@@ -62,7 +62,7 @@ Parts findBeginningParts(const model::DeformableModel& model, const Points& poin
     // Ring by ring.
     while (!front.empty()) {
       std::vector<char> marked(n, 0);
-      begun->markPartners(front, marked);
+      begun->partition()->markPartners(front, marked);
       front.clear();
       for (Index i = 0; i < n; ++i)
         if (marked[i] && parts.label[i] < 0) front.push_back(i);
@@ -77,8 +77,8 @@ Parts findBeginningParts(const model::DeformableModel& model, const Points& poin
 Parts findSimulatedParts(const RestSurface& s) {
   const Index n = static_cast<Index>(s.points.size());
   if (!s.model) return findParts(n, linksOf(s.rings.ring));
-  if (std::isfinite(s.model->maxPartMotion())) return findBeginningParts(*s.model, s.points);
-  return findParts(n, s.model->stretchLinks());
+  if (s.model->partition() && std::isfinite(s.model->partition()->maxPartMotion())) return findBeginningParts(*s.model, s.points);
+  return findParts(n, stretchLinksOf(*s.model));
 }
 
 // points: what the marks are of.

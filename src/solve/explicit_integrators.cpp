@@ -31,6 +31,21 @@ const std::vector<Index>& stopShort(const MotionLimit& limit, const System& syst
   return stopped;
 }
 
+// J, put into the free points as held points in motion collided with them: the others only lose. wanted (n x 3) m: where all were
+// going.
+double findCollisionWork(const System& system, const Points& before, const Points& wanted, double dt,
+                         const std::vector<Index>& stopped, const Points& after) {
+  double work = 0.0;
+  bool has_held = false;
+  for (const Index i : stopped) {
+    has_held = has_held || system.isHeld(i);
+    if (!system.isHeld(i))
+      work +=
+          0.5 * system.masses()[i] / (dt * dt) * ((after[i] - before[i]).squaredNorm() - (wanted[i] - before[i]).squaredNorm());
+  }
+  return has_held ? std::max(0.0, work) : 0.0;
+}
+
 }  // namespace
 
 Index countSubsteps(double step, double max_substep) {
@@ -220,7 +235,9 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       predicted_.velocities[i] = carrying;
     }
     if (limit) {
+      if (!carried_.empty()) wanted_ = state.positions;
       stopped = &stopShort(*limit, system, before_, dt, state);
+      if (!carried_.empty()) report.collision_work += findCollisionWork(system, before_, wanted_, dt, *stopped, state.positions);
       for (const Index i : *stopped)
         if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
     }

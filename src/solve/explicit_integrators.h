@@ -48,9 +48,9 @@ class VelocityVerlet : public Integrator {
   Points forces_, forces_with_slow_;                   // loads included
   State predicted_;
   std::vector<std::pair<Index, Vec3>> carried_;  // held points in motion and their velocities, m/s
-  Points before_;                                // m, at the beginning of a sub-step, where motion is limited
-  std::vector<double> kick_, drift_;             // (3 n) dt / 2 over mass, and dt; zero on held points
-  std::vector<double> mass_;                     // (3 n) kg, zero on held points; empty without damping
+  Points before_, wanted_;            // m, at the beginning of a sub-step and at its end without a limit, where motion is limited
+  std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
+  std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping
 };
 
 }  // namespace deformable_surface::solve

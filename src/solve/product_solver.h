@@ -10,7 +10,7 @@
 namespace deformable_surface::solve {
 
 /// Solves (K + W) d = -g on the free points by conjugate gradients [Hestenes and Stiefel 1952], K the stiffness of the model and
-/// the loads, W weights by point. Preconditioned by the springs that the model tells of (DeformableModel::couplings()) and W, as
+/// the loads, W weights by point. Preconditioned by the springs that the model tells of (StiffnessProducts) and W, as
 /// far as a cycle over coarser springs inverts them: these know no direction, so that no rotation of the body makes them worse,
 /// and what they differ by bounds the number of products however long the step and however stiff the body.
 class ProductSolver {

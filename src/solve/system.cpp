@@ -36,7 +36,7 @@ void System::computeForcesAndTorques(double time, const State& state, Points& fo
   endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   torques.assign(state.positions.size(), Vec3::Zero());
-  model_.addForcesAndTorques(state, forces, torques);
+  model_.orientedPoints()->addForcesAndTorques(state, forces, torques);
   addLoads(time, state, forces);
   for (Index i = 0; held_turns_ && i < state.size(); ++i)
     if (isTurnHeld(i)) torques[i].setZero();
@@ -46,26 +46,29 @@ void System::computeForcesAndTorquesOnAll(double time, const State& state, Point
   endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
   torques.assign(state.positions.size(), Vec3::Zero());
-  model_.addForcesAndTorques(state, forces, torques);
+  model_.orientedPoints()->addForcesAndTorques(state, forces, torques);
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
-  model_.confine(forces);
+  confine(forces);
 }
 
 void System::computeFastForces(const State& state, Points& forces) const {
   endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
-  model_.addFastForces(state, forces);
+  if (const model::SplitForces* split = model_.splitForces())
+    split->addFastForces(state, forces);
+  else
+    model_.addForces(state, forces);
 }
 
 void System::computeSlowForces(const State& state, Points& forces) const {
   endIfInterrupted();
   forces.assign(state.positions.size(), Vec3::Zero());
-  model_.addSlowForces(state, forces);
+  model_.splitForces()->addSlowForces(state, forces);
 }
 
 void System::addLoadsOnAll(double time, const State& state, Points& forces) const {
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
-  model_.confine(forces);
+  confine(forces);
 }
 
 void System::addLoads(double time, const State& state, Points& forces) const {
@@ -82,7 +85,7 @@ void System::computeConservativeForces(double time, const State& state, Points& 
   model_.addForces(at_rest_, forces);
   for (const ExternalLoad* load : loads_)
     if (load->isConservative()) load->addForces(time, at_rest_, forces);
-  model_.confine(forces);
+  confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i]) forces[i].setZero();
 }
@@ -144,7 +147,7 @@ void System::computeSteadyLoads(double time, const State& state, Points& forces)
     load->addForces(time, state, forces);
     load->addRowBounds(time, state, row_stiffness_, row_damping_);
   }
-  model_.confine(forces);
+  confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i] || row_stiffness_[i] > 0.0) forces[i].setZero();
 }
@@ -163,21 +166,22 @@ double System::kineticEnergy(const State& state) const {
 
 void System::addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const {
   endIfInterrupted();
-  model_.addStiffness(state, step, hessian, stiffness);
+  if (const model::StiffnessMatrix* matrix = model_.stiffnessMatrix()) matrix->addStiffness(state, step, hessian, stiffness);
   for (const ExternalLoad* load : loads_) load->addStiffness(time, state, step, stiffness);
 }
 
 void System::computeStiffnessProduct(const Points& v, Points& product) const {
   endIfInterrupted();
   product.assign(v.size(), Vec3::Zero());
-  model_.addStiffnessProduct(v, product);
-  model_.confine(product);
+  model_.stiffnessProducts()->addStiffnessProduct(v, product);
+  confine(product);
   for (std::size_t i = 0; i < product.size(); ++i)
     if (held_[i]) product[i].setZero();
 }
 
 double System::rankOneStiffness(const State& state, Points& v) const {
-  const double coefficient = model_.rankOneStiffness(state, v);
+  const model::StiffnessMatrix* matrix = model_.stiffnessMatrix();
+  const double coefficient = matrix ? matrix->rankOneStiffness(state, v) : 0.0;
   if (coefficient > 0.0)
     for (std::size_t i = 0; i < v.size(); ++i)
       if (held_[i]) v[i].setZero();
@@ -197,7 +201,7 @@ double System::computeForcesAndLargest(double time, const State& state, Points& 
     squared = std::max({squared, forces[i].squaredNorm(), loads_alone_[i].squaredNorm()});
     forces[i] += loads_alone_[i];
   }
-  model_.confine(forces);
+  confine(forces);
   for (std::size_t i = 0; i < forces.size(); ++i)
     if (held_[i]) forces[i].setZero();
   return std::sqrt(squared);
@@ -238,7 +242,8 @@ double System::loadStiffness(double time, const State& state) const {
 }
 
 bool System::hasElasticityAlone(double time, const State& state) const {
-  return model_.knowsCouplings() && !motion_limit_ && !dissipatesInForces() && !hasStiffnessProducts() &&
+  const model::StiffnessMatrix* matrix = model_.stiffnessMatrix();
+  return matrix && matrix->knowsCouplings() && !motion_limit_ && !dissipatesInForces() && !hasStiffnessProducts() &&
          !(loadStiffness(time, state) > 0.0);
 }
 

@@ -123,7 +123,7 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
 
 // Estimates the stable step anew when the surface is no longer what it was measured on.
 void TimeMarch::refreshStableStep(double time, const State& state) {
-  const double stretch = model_.maxStretch(state);
+  const double stretch = maxStretchOf(model_, state);
   // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
   if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory)
     return;
@@ -188,7 +188,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     Integrator& verlet = integrator(IntegratorType::kVerlet);
     verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
     const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
-    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state);
+    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state) + report.collision_work;
     dissipated_ += report.dissipated;
     add(report, total);
     if (left <= kPortion || !report.finite) return total;

@@ -76,7 +76,7 @@ class ElasticSolidPart : public testing::TestWithParam<Variant> {
 constexpr double kRounding = 1e-12;
 
 TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
-  const model::DeformableModel::Part part = whole.makePart(wanted);
+  const model::Partition::Part part = whole.makePart(wanted);
   ASSERT_TRUE(part.model);
   ASSERT_LT(part.points.size(), 0.6 * rest.size());
   State partial;
@@ -92,8 +92,8 @@ TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
   Points product(rest.size(), Vec3::Zero()), partial_product(part.points.size(), Vec3::Zero());
   whole.prepareStiffness(state, Hessian::kExact);
   whole.addStiffnessProduct(motion, product);
-  part.model->prepareStiffness(partial, Hessian::kExact);
-  part.model->addStiffnessProduct(partial_motion, partial_product);
+  part.model->stiffnessProducts()->prepareStiffness(partial, Hessian::kExact);
+  part.model->stiffnessProducts()->addStiffnessProduct(partial_motion, partial_product);
   EXPECT_LT(compare(product, partial_product, part.points), kRounding);
 
   for (std::size_t k = 0; k < part.points.size(); ++k) EXPECT_EQ(part.model->masses()[k], whole.masses()[part.points[k]]);
@@ -102,7 +102,7 @@ TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
 
 // What moves in the part changes the energy of the part as it changes that of the whole.
 TEST_P(ElasticSolidPart, HasTheEnergyOfWhatItMoves) {
-  const model::DeformableModel::Part part = whole.makePart(wanted);
+  const model::Partition::Part part = whole.makePart(wanted);
   State partial;
   for (const Index i : part.points) partial.positions.push_back(state.positions[i]);
   partial.velocities.assign(part.points.size(), Vec3::Zero());

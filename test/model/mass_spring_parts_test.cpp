@@ -52,7 +52,7 @@ class MassSpringParts : public testing::TestWithParam<Variant> {
 
   // Some of the points are wanted, fewer than all are in the part, and their forces are the same.
   void checkPart() {
-    const model::DeformableModel::Part part = whole->makePart(wanted);
+    const model::Partition::Part part = whole->makePart(wanted);
     ASSERT_TRUE(part.model);
     ASSERT_LT(part.points.size(), surface.points.size());
     State partial;
@@ -74,10 +74,12 @@ class MassSpringParts : public testing::TestWithParam<Variant> {
     };
     using Model = model::DeformableModel;
     compare("force", [](const Model& m, const State& s, Points& f) { m.addForces(s, f); });
-    compare("fast force", [](const Model& m, const State& s, Points& f) { m.addFastForces(s, f); });
-    compare("slow force", [](const Model& m, const State& s, Points& f) { m.addSlowForces(s, f); });
-    compare("area", [](const Model& m, const State& s, Points& f) { m.computeAreaVectors(s, f); });
-    EXPECT_EQ(part.model->hasSlowForces(), whole->hasSlowForces());
+    compare("area", [](const Model& m, const State& s, Points& f) { m.sides()->computeAreaVectors(s, f); });
+    ASSERT_EQ(part.model->splitForces() != nullptr, whole->splitForces() != nullptr);
+    if (whole->splitForces()) {
+      compare("fast force", [](const Model& m, const State& s, Points& f) { m.splitForces()->addFastForces(s, f); });
+      compare("slow force", [](const Model& m, const State& s, Points& f) { m.splitForces()->addSlowForces(s, f); });
+    }
     EXPECT_EQ(part.model->forcesReadVelocities(), whole->forcesReadVelocities());
     for (std::size_t k = 0; k < part.points.size(); ++k) EXPECT_EQ(part.model->masses()[k], whole->masses()[part.points[k]]);
   }

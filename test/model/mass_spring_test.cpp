@@ -82,7 +82,7 @@ TEST_P(MassSpringVariants, FastForcesAndThenSlowOnesAreAllForcesBitForBit) {
   for (Vec3& v : state.velocities) v = randomVector(generator);
   Points parts(state.positions.size(), Vec3::Zero());
   mass_spring->addFastForces(state, parts);
-  if (mass_spring->hasSlowForces()) mass_spring->addSlowForces(state, parts);
+  if (mass_spring->hasCurvature()) mass_spring->addSlowForces(state, parts);
   EXPECT_EQ(parts, forcesAt(*mass_spring, state));
 }
 

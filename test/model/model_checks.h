@@ -103,7 +103,7 @@ inline void checkStiffnessIsTheDerivative(const DeformableModel& model, const Po
   const Index n = static_cast<Index>(rest.size());
   BlockSparse stiffness;
   stiffness.begin(n);
-  model.addStiffness(stateAt(rest), 0.0, model::Hessian::kExact, stiffness);
+  model.stiffnessMatrix()->addStiffness(stateAt(rest), 0.0, model::Hessian::kExact, stiffness);
   stiffness.finish();
   std::mt19937 generator(5);
   const double h = 1e-6 * length_scale;
@@ -118,7 +118,7 @@ inline void checkStiffnessIsTheDerivative(const DeformableModel& model, const Po
   Eigen::VectorXd product;
   stiffness.multiply(direction, product);
   Points rank_one;
-  const double coefficient = model.rankOneStiffness(stateAt(rest), rank_one);
+  const double coefficient = model.stiffnessMatrix()->rankOneStiffness(stateAt(rest), rank_one);
   if (coefficient > 0.0) {
     const Eigen::Map<const Eigen::VectorXd> v(rank_one.data()->data(), 3 * n);
     product += coefficient * v.dot(direction) * v;
@@ -138,7 +138,7 @@ inline Eigen::MatrixXd dampingMatrix(const DeformableModel& model, const Points&
   for (int with_step = 0; with_step < 2; ++with_step) {
     BlockSparse stiffness;
     stiffness.begin(static_cast<Index>(positions.size()));
-    model.addStiffness(stateAt(positions), with_step * step, model::Hessian::kPositive, stiffness);
+    model.stiffnessMatrix()->addStiffness(stateAt(positions), with_step * step, model::Hessian::kPositive, stiffness);
     stiffness.finish();
     matrix[with_step] = makeDense(stiffness);
   }
@@ -164,7 +164,7 @@ inline void checkStiffnessIsPositive(const DeformableModel& model, const Points&
   const Index n = static_cast<Index>(deformed.size());
   BlockSparse stiffness;
   stiffness.begin(n);
-  model.addStiffness(stateAt(deformed), 0.0, model::Hessian::kPositive, stiffness);
+  model.stiffnessMatrix()->addStiffness(stateAt(deformed), 0.0, model::Hessian::kPositive, stiffness);
   stiffness.finish();
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(makeDense(stiffness), Eigen::EigenvaluesOnly);
   EXPECT_GT(solver.eigenvalues().minCoeff(), -1e-9 * solver.eigenvalues().maxCoeff());
@@ -175,7 +175,7 @@ inline void checkRowBoundsHold(const DeformableModel& model, const Points& rest)
   const Index n = static_cast<Index>(rest.size());
   BlockSparse stiffness;
   stiffness.begin(n);
-  model.addStiffness(stateAt(rest), 0.0, model::Hessian::kPositive, stiffness);
+  model.stiffnessMatrix()->addStiffness(stateAt(rest), 0.0, model::Hessian::kPositive, stiffness);
   stiffness.finish();
   std::vector<double> rows(n, 0.0), damping(n, 0.0);
   model.addRowBounds(stateAt(rest), rows, damping);

@@ -26,7 +26,7 @@ inline Points solveStatics(const model::DeformableModel& model, const std::vecto
 }
 
 /// Springs between consecutive points, all of one stiffness.
-class Chain : public model::DeformableModel {
+class Chain : public model::DeformableModel, public model::StiffnessMatrix {
  public:
   Chain(const Points& rest, double stiffness, double mass_per_point) : masses_(rest.size(), mass_per_point) {
     std::vector<std::pair<Index, Index>> links;
@@ -34,6 +34,8 @@ class Chain : public model::DeformableModel {
     const std::vector<double> k(links.size(), stiffness);
     springs_ = model::Springs(links, rest, k);
   }
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<Chain>(*this); }
+  const model::StiffnessMatrix* stiffnessMatrix() const override { return this; }
   const std::vector<double>& masses() const override { return masses_; }
   void addForces(const State& s, Points& forces) const override {
     PaddedPoints positions;
@@ -47,21 +49,10 @@ class Chain : public model::DeformableModel {
   void addRowBounds(const State&, std::vector<double>& k, std::vector<double>& c) const override {
     springs_.addRowBounds(true, 0.0, k, c);
   }
-  void computeAreaVectors(const State& s, Points& a) const override { a.assign(s.positions.size(), Vec3::Zero()); }
-  bool isClosed() const override { return false; }
-  double enclosedVolume(const State&) const override { return 0.0; }
-  void computeVolumeGradient(const State& s, Points& g) const override { g.assign(s.positions.size(), Vec3::Zero()); }
-  double maxStretch(const State& s) const override { return springs_.maxStretch(s); }
-  void computePointStrain(const State& s, std::vector<double>& strain) const override { strain.assign(s.positions.size(), 0.0); }
-  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return springs_.links(); }
-  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return none_; }
-  const std::vector<model::WeightedTriangle>& triangles() const override { return no_triangles_; }
 
  private:
   std::vector<double> masses_;
   model::Springs springs_;
-  std::vector<std::pair<Index, Index>> none_;
-  std::vector<model::WeightedTriangle> no_triangles_;
 };
 
 }  // namespace deformable_surface::test

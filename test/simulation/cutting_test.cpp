@@ -40,18 +40,19 @@ TEST(Cutting, AKnifePartsTheSheetAlongItsWayAndNowhereElse) {
     simulation::SceneParams p = stillSheet();
     p.tools[0] = knife(thickness);
     simulation::Simulation s(p, sheetCloud());
-    const std::size_t links = s.model().stretchLinks().size();
+    const std::size_t links = stretchLinksOf(s.model()).size();
     run(s, 12);
     EXPECT_EQ(simulation::computeQuantity("components", s), 2.0) << thickness;
     EXPECT_EQ(simulation::computeQuantity("isolated", s), 0.0) << thickness;
     std::size_t near = 0;
-    for (const auto& [a, b] : s.model().stretchLinks()) EXPECT_EQ(isLeft(s.state().positions[a]), isLeft(s.state().positions[b]));
+    for (const auto& [a, b] : stretchLinksOf(s.model()))
+      EXPECT_EQ(isLeft(s.state().positions[a]), isLeft(s.state().positions[b]));
     const simulation::Simulation whole(stillSheet(), sheetCloud());
-    for (const auto& [a, b] : whole.model().stretchLinks())
+    for (const auto& [a, b] : stretchLinksOf(whole.model()))
       near += isLeft(whole.state().positions[a]) != isLeft(whole.state().positions[b]);
     // Beside what crosses, only links of triangles that crossed on both sides of them go.
-    EXPECT_GE(links - near, s.model().stretchLinks().size());
-    EXPECT_GT(s.model().stretchLinks().size(), links - near - 6) << thickness;
+    EXPECT_GE(links - near, stretchLinksOf(s.model()).size());
+    EXPECT_GT(stretchLinksOf(s.model()).size(), links - near - 6) << thickness;
   }
 }
 
@@ -62,7 +63,7 @@ TEST(Cutting, AKnifeThatJumpsAKilometreThroughItCutsAsOneThatGoesSlowly) {
   run(s, 1);
   run(slow, 12);
   EXPECT_EQ(simulation::computeQuantity("components", s), 2.0);
-  EXPECT_EQ(s.model().stretchLinks(), slow.model().stretchLinks());
+  EXPECT_EQ(stretchLinksOf(s.model()), stretchLinksOf(slow.model()));
 }
 
 // Its flat lies in the sheet: for the whole of its length it is near each link.
@@ -76,7 +77,7 @@ TEST(Cutting, AKnifeThatSlidesAlongItsFlatCutsTheSameInOneStepAsInMany) {
   p.tools[0].path[1].time = 10.0 * p.integrator.time_step;
   simulation::Simulation slow(p, sheetCloud());
   run(slow, 10);
-  EXPECT_EQ(fast.model().stretchLinks(), slow.model().stretchLinks());
+  EXPECT_EQ(stretchLinksOf(fast.model()), stretchLinksOf(slow.model()));
 }
 
 TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
@@ -203,7 +204,7 @@ TEST(Cutting, SpringsAreCutAsTrianglesAre) {
   simulation::Simulation s(p, sheetCloud());
   run(s, 12);
   EXPECT_EQ(simulation::computeQuantity("components", s), 2.0);
-  for (const auto* links : {&s.model().stretchLinks(), &s.model().bendLinks()})
+  for (const auto* links : {&stretchLinksOf(s.model()), &bendLinksOf(s.model())})
     for (const auto& [a, b] : *links) EXPECT_EQ(isLeft(s.state().positions[a]), isLeft(s.state().positions[b]));
 }
 
@@ -213,13 +214,13 @@ TEST(Tearing, BeginsBeyondTheStrainAndNotBefore) {
     p.tools.clear();
     p.mass_spring.tear_strain = 0.1;
     simulation::Simulation s(p, sheetCloud());
-    const std::size_t links = s.model().stretchLinks().size();
+    const std::size_t links = stretchLinksOf(s.model()).size();
     // All of the sheet stretched along y; in one step only its free edges can have drawn in.
     model::State state = s.state();
     for (Vec3& x : state.positions) x.y() *= 1.0 + strain;
     s.setState(state);
     run(s, 1);
-    EXPECT_EQ(s.model().stretchLinks().size() < links, strain > 0.1) << strain;
+    EXPECT_EQ(stretchLinksOf(s.model()).size() < links, strain > 0.1) << strain;
   }
 }
 
@@ -227,13 +228,13 @@ TEST(Tearing, WithoutALimitNothingIsCutHoweverFarItIsPulled) {
   simulation::SceneParams p = stillSheet();
   p.tools.clear();
   simulation::Simulation s(p, sheetCloud());
-  const std::size_t links = s.model().stretchLinks().size();
+  const std::size_t links = stretchLinksOf(s.model()).size();
   model::State state = s.state();
   for (std::size_t i = 0; i < state.positions.size(); ++i)
     if (!s.pinned()[i]) state.positions[i].x() *= 2.0;
   s.setState(state);
   run(s, 20);
-  EXPECT_EQ(s.model().stretchLinks().size(), links);
+  EXPECT_EQ(stretchLinksOf(s.model()).size(), links);
 }
 
 TEST(Cutting, WhatCannotBeCutSaysSo) {

@@ -81,9 +81,8 @@ void askForEverything(Simulation& s) {
   s.computeSimulationNormals(normals);
   EXPECT_TRUE(normals.empty());
   std::vector<double> values;
-  s.model().computePointStrain(s.state(), values);
-  s.model().computePointStress(s.state(), values);
-  s.model().refreshDisplay(s.state());
+  computePointStrain(s.model(), s.state(), values);
+  s.model().links()->refreshDisplay(s.state());
   for (const char* name : {"components", "boundary_loops", "isolated"})
     EXPECT_EQ(simulation::computeQuantity(name, s), 0.0) << name;
   EXPECT_EQ(simulation::computeQuantity("gone", s), simulation::computeQuantity("born", s) + 25.0);

@@ -159,7 +159,7 @@ TEST(Expectations, MeasureWhatLiesOnASolidTool) {
   Simulation bare = runSteps(params, 1);
   EXPECT_THROW(computeQuantity("distance_to_tools_min", bare), InputError);
   EXPECT_THROW(computeQuantity("touching", bare), InputError);
-  const double spacing = latticeOf(bare).spacing;
+  const double spacing = test::latticeOf(bare).spacing;
   // The middle of the sheet is under the ball; a tool that only carries is none to lie on.
   params.tools = {makeBall(0.3 + 0.2 * spacing), makeBall(0.0)};
   params.tools[1].id = "hand";

@@ -223,7 +223,7 @@ TEST(SharedGarments, SpringsOfAShirtThatLiesFlatDoNotJoinItsFrontToItsBack) {
     if (!is_auto) scene.neighbors.geodesicness = kEuclidean;
     const Simulation s(scene, asCloud(points));
     double far = 0.0, all = 0.0;
-    for (const auto& [i, j] : s.model().stretchLinks()) {
+    for (const auto& [i, j] : stretchLinksOf(s.model())) {
       const double length = (s.state().positions[j] - s.state().positions[i]).norm();
       far += measureWays(edges, points, i, 3.0 * length).count(j) == 0;
       all += 1.0;
@@ -268,7 +268,7 @@ simulation::Dynamics makeTrueShirt(const SceneParams& scene, const cloud::PointC
   }
   s.pinned_turns.assign(n, 0);
   s.model = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, false, scene.material, scene.mass_spring);
-  s.model->setHeld(s.pinned, {});
+  s.model->clamping()->setHeld(s.pinned, {});
   return simulation::Dynamics(scene, std::move(s));
 }
 

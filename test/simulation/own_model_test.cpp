@@ -17,7 +17,8 @@ using simulation::Simulation;
 const TetheredPointsKind kKind;
 const bool kIsRegistered = (simulation::registerModel(kKind), true);
 
-constexpr double kYoung = 2e4;  // Pa
+constexpr double kYoung = 2e4;    // Pa
+constexpr double kDamping = 9.0;  // 1/s, next to critical
 
 simulation::SceneParams tethered() {
   simulation::SceneParams p = hangingSheet();
@@ -44,7 +45,7 @@ TEST(OwnModel, IsNamedByScenesThatItsRulesAccept) {
   simulation::SceneParams stiff = tethered();
   stiff.material.young_modulus = 1e9;
   ASSERT_EQ(checkParams(stiff).size(), 1u);
-  EXPECT_EQ(checkParams(stiff)[0], "material.young_modulus: found one that no tether has; accepted: up to 10000000.0");
+  EXPECT_EQ(checkParams(stiff)[0], "material.young_modulus: found one that no tether has; accepted: up to 1.0e+07");
 }
 
 TEST(OwnModel, IsRefusedWhatItDoesNotHave) {
@@ -70,9 +71,9 @@ TEST(OwnModel, IsRefusedWhatItDoesNotHave) {
 
 TEST(OwnModel, SagsByItsWeightOverItsStiffnessWherePinsDoNotHoldIt) {
   simulation::SceneParams p = tethered();
-  p.material.damping = 20.0;
+  p.material.damping = kDamping;
   Simulation s(p, sheetCloud(10));
-  run(s, 200);
+  run(s, 300);
   const double sag = p.material.density * 9.81 / kYoung;
   for (Index i = 0; i < s.state().size(); ++i)
     EXPECT_NEAR(s.state().positions[i].z(), s.pinned()[i] ? 0.0 : -sag, 1e-3 * sag) << i;
@@ -83,10 +84,10 @@ TEST(OwnModel, SagsByItsWeightOverItsStiffnessWherePinsDoNotHoldIt) {
 TEST(OwnModel, ImplicitAndStaticStepsUseItsStiffness) {
   for (const auto type : {solve::IntegratorType::kImplicit, solve::IntegratorType::kStatic}) {
     simulation::SceneParams p = tethered();
-    p.material.damping = 20.0;
+    p.material.damping = kDamping;
     p.integrator.type = type;
     Simulation s(p, sheetCloud(10));
-    run(s, type == solve::IntegratorType::kStatic ? 1 : 200);
+    run(s, type == solve::IntegratorType::kStatic ? 1 : 300);
     const double sag = p.material.density * 9.81 / kYoung;
     EXPECT_NEAR(s.surface(false).positions.back().z(), -sag, 1e-2 * sag);
   }
@@ -125,7 +126,8 @@ TEST(OwnModel, IsPushedByToolsAndSleepsAtRest) {
   ball.path = {{0.0, Vec3(0.6, 0.5, 0.5), Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.6, 0.5, 0.1), Vec4(0.0, 0.0, 0.0, 1.0)}};
   s.setTool(ball);
   run(s, 80);
-  EXPECT_LT(simulation::computeQuantity("min_z", s), -0.02);
+  // Contact gives way as the tethers do.
+  EXPECT_LT(simulation::computeQuantity("min_z", s), -0.01);
 }
 
 }  // namespace

@@ -54,7 +54,7 @@ Sight look(Simulation& s) {
               now.error_estimate,
               s.state().size(),
               s.forceIds().size(),
-              s.model().stretchLinks().size(),
+              stretchLinksOf(s.model()).size(),
               s.pinned(),
               0.0,
               0.0};

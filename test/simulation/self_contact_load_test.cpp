@@ -34,7 +34,8 @@ struct Outcome {
 Outcome simulate(const ContactScene& scene) {
   Outcome seen;
   Simulation s(scene.params, scene.cloud);
-  const std::vector<contact::Triangle> triangles = simulation::chooseContactTriangles(s.state().positions, s.model().triangles());
+  const std::vector<contact::Triangle> triangles =
+      simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
   const int steps = static_cast<int>(std::lround(scene.params.duration / scene.params.integrator.time_step));
   for (int k = 0; k < steps; ++k) {
     const simulation::StepOutcome outcome = s.step();

@@ -80,7 +80,7 @@ TEST(Stress, AKeptVolumeOfAnyStiffness) {
     p.simplification.target_points = 200;
     p.forces.push_back({"push", Vec3(0.0, 0.0, 0.5), Vec3(0.0, 0.0, -1.0), 0.2, 0.0, 1e300});
     Simulation s(p, asCloud(makeSphere(400, 0.5).points));
-    const double volume = s.model().enclosedVolume(s.state());
+    const double volume = s.model().sides()->enclosedVolume(s.state());
     for (int k = 0; k < 20; ++k) {
       const simulation::StepOutcome outcome = s.step();
       ASSERT_TRUE(outcome.ok) << outcome.problem;
@@ -88,7 +88,7 @@ TEST(Stress, AKeptVolumeOfAnyStiffness) {
       ASSERT_LT(totalEnergy(s), 1.0) << "step " << k;
     }
     if (volume_stiffness >= 1e5) {
-      EXPECT_NEAR(s.model().enclosedVolume(s.state()) / volume, 1.0, 1e-3);
+      EXPECT_NEAR(s.model().sides()->enclosedVolume(s.state()) / volume, 1.0, 1e-3);
     }
   }
 }

@@ -7,11 +7,13 @@ namespace deformable_surface::test {
 
 using model::State;
 
-class Oscillators : public model::DeformableModel {
+class Oscillators : public model::DeformableModel, public model::StiffnessMatrix {
  public:
   Oscillators(std::vector<double> stiffness, double mass, double viscosity = 0.0)
       : stiffness_(std::move(stiffness)), masses_(stiffness_.size(), mass), viscosity_(viscosity) {}
 
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<Oscillators>(*this); }
+  const model::StiffnessMatrix* stiffnessMatrix() const override { return this; }
   const std::vector<double>& masses() const override { return masses_; }
   bool forcesReadVelocities() const override { return viscosity_ > 0.0; }
   void addForces(const State& s, Points& forces) const override {
@@ -33,32 +35,22 @@ class Oscillators : public model::DeformableModel {
       c[i] += viscosity_;
     }
   }
-  void computeAreaVectors(const State& s, Points& a) const override { a.assign(s.positions.size(), Vec3::Zero()); }
-  bool isClosed() const override { return false; }
-  double enclosedVolume(const State&) const override { return 0.0; }
-  void computeVolumeGradient(const State& s, Points& g) const override { g.assign(s.positions.size(), Vec3::Zero()); }
-  double maxStretch(const State&) const override { return 0.0; }
-  void computePointStrain(const State& s, std::vector<double>& strain) const override { strain.assign(s.positions.size(), 0.0); }
-  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links_; }
-  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
-  const std::vector<model::WeightedTriangle>& triangles() const override { return no_triangles_; }
 
   mutable int evaluations = 0;  // of the forces
 
  private:
   std::vector<double> stiffness_, masses_;
   double viscosity_;
-  std::vector<std::pair<Index, Index>> no_links_;
-  std::vector<model::WeightedTriangle> no_triangles_;
 };
 
 /// The same with further springs to the origin whose forces are slow.
-class SlowerOscillators : public Oscillators {
+class SlowerOscillators : public Oscillators, public model::SplitForces {
  public:
   SlowerOscillators(std::vector<double> stiffness, double slow_stiffness, double mass, double viscosity = 0.0)
       : Oscillators(std::move(stiffness), mass, viscosity), slow_stiffness_(slow_stiffness) {}
 
-  bool hasSlowForces() const override { return true; }
+  std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<SlowerOscillators>(*this); }
+  const model::SplitForces* splitForces() const override { return this; }
   void addForces(const State& s, Points& forces) const override {
     addFastForces(s, forces);
     addSlowForces(s, forces);
@@ -68,6 +60,7 @@ class SlowerOscillators : public Oscillators {
     ++slow_evaluations;
     for (std::size_t i = 0; i < forces.size(); ++i) forces[i] -= slow_stiffness_ * s.positions[i];
   }
+  double boundSlowRate(const State&) const override { return 0.0; }
 
   double elasticEnergy(const State& s) const override {
     double sum = Oscillators::elasticEnergy(s);

@@ -45,7 +45,9 @@ double measureLargest(const Points& a, const Points& b) {
 class Secretive : public model::MassSpring {
  public:
   explicit Secretive(const model::MassSpring& of) : model::MassSpring(of) {}
-  bool findCouplings(const State&, double, std::vector<Coupling>&, std::vector<Coupling>&) const override { return false; }
+  bool findCouplings(const State&, double, std::vector<model::Coupling>&, std::vector<model::Coupling>&) const override {
+    return false;
+  }
 };
 
 // There an iteration of Newton's method costs as much as hundreds of these.

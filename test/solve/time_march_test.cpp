@@ -12,14 +12,18 @@ namespace deformable_surface::test {
 namespace {
 
 // Its stable step is what it says, and a change of its stretch makes that be asked for.
-class KnownStep : public SlowerOscillators {
+class KnownStep : public SlowerOscillators, public model::Links {
  public:
   explicit KnownStep(double stiffness) : SlowerOscillators({stiffness}, 1e-3, 1.0) {}
   double findStableStep(const State&) const override {
     ++num_estimates;
     return stable_step;
   }
+  const model::Links* links() const override { return this; }
+  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links; }
+  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links; }
   double maxStretch(const State&) const override { return stretch; }
+  void computePointStrain(const State& s, std::vector<double>& strain) const override { strain.assign(s.positions.size(), 0.0); }
 
   void change(double step) {
     stable_step = step;
@@ -27,6 +31,7 @@ class KnownStep : public SlowerOscillators {
   }
   double stable_step = 0.01, stretch = 0.0;
   mutable int num_estimates = 0;
+  std::vector<std::pair<Index, Index>> no_links;
 };
 
 struct March {

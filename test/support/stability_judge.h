@@ -63,7 +63,7 @@ class StabilityJudge {
   // Work of the pressure on an open surface along a straight way, by the trapezoidal rule in small parts.
   double pressureWork(const model::State& before) const {
     const double pressure = simulation_.params().pressure;
-    if (pressure == 0.0 || simulation_.model().isClosed()) return 0.0;
+    if (pressure == 0.0 || isClosed(simulation_.model())) return 0.0;
     const model::State& after = simulation_.state();
     constexpr int kParts = 16;
     double work = 0.0;
@@ -73,7 +73,7 @@ class StabilityJudge {
       for (Index i = 0; i < before.size(); ++i)
         between.positions[i] += static_cast<double>(part) / kParts * (after.positions[i] - before.positions[i]);
       Points area;
-      simulation_.model().computeAreaVectors(between, area);
+      computeAreaVectors(simulation_.model(), between, area);
       for (Index i = 0; i < before.size(); ++i) work += weight * pressure * area[i].dot(after.positions[i] - before.positions[i]);
     }
     return work;

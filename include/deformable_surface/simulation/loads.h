@@ -34,7 +34,7 @@ class PressureLoad : public solve::ExternalLoad {
   PressureLoad(const model::DeformableModel& model, double pressure) : model_(model), pressure_(pressure) {}
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
-  bool isConservative() const override { return model_.isClosed(); }
+  bool isConservative() const override { return isClosed(model_); }
   /// Exact by Simpson's rule: along a straight way the area is quadratic.
   double estimateWork(double from, double to, const State& before, const State& after) const override;
   void setPressure(double pressure) { pressure_ = pressure; }

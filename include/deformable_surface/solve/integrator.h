@@ -19,8 +19,9 @@ struct SolveReport {
   double residual = 0.0;         // N, the largest unbalanced force on a free point
   double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them
   bool is_out_of_iterations = false;  // one of these took max_iterations; the others came no nearer
-  double dissipated = 0.0;   // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
-  double time_forces = 0.0;  // s of wall time in force evaluations
+  double dissipated = 0.0;  // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
+  double collision_work = 0.0;  // J, that held points in motion put into the others where a MotionLimit stops them; of Verlet
+  double time_forces = 0.0;     // s of wall time in force evaluations
 };
 
 /// Serves one system: what it remembers between steps (forces, a matrix's pattern) is that system's.

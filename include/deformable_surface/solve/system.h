@@ -20,11 +20,12 @@ class System {
   Index size() const { return static_cast<Index>(model_.masses().size()); }
   const std::vector<double>& masses() const { return model_.masses(); }
   bool isHeld(Index i) const { return held_[i] != 0; }
-  bool isOriented() const { return model_.isOriented(); }
-  const std::vector<double>& inertias() const { return model_.inertias(); }
+  bool isOriented() const { return model::isOriented(model_); }
+  /// Of oriented points.
+  const std::vector<double>& inertias() const { return model_.orientedPoints()->inertias(); }
   bool isTurnHeld(Index i) const { return held_turns_ && (*held_turns_)[i] != 0; }
-  /// See DeformableModel.
-  bool hasStiffness() const { return model_.hasStiffness(); }
+  /// Whether there is an implicit method.
+  bool hasStiffness() const { return model_.stiffnessMatrix() || model_.stiffnessProducts(); }
   double damping() const { return damping_; }
   void setDamping(double damping) { damping_ = damping; }
   /// From now on integrators shorten their steps by this; null, as in the beginning: by nothing. Kept by reference.
@@ -39,14 +40,14 @@ class System {
   void computeForces(double time, const State& state, Points& forces) const;
   /// The same on held points too: what those that hold them have to bear.
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
-  /// The same as the first, and the torques, N m, of a model that isOriented(): (n x 3), overwritten, zero on points that do not
+  /// The same as the first, and the torques, N m, of oriented points: (n x 3), overwritten, zero on points that do not
   /// turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
   /// The same on held points too, and on those that do not turn.
   void computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const;
-  /// Forces in parts: the fast and the slow ones of the model alone (see DeformableModel), on held points too, overwritten; and
-  /// the loads added, zero on held points.
-  bool hasSlowForces() const { return model_.hasSlowForces(); }
+  /// Forces in parts: the fast and the slow ones of the model alone (see SplitForces), on held points too, overwritten; and the
+  /// loads added, zero on held points.
+  bool hasSlowForces() const { return model_.splitForces() != nullptr; }
   void computeFastForces(const State& state, Points& forces) const;
   void computeSlowForces(const State& state, Points& forces) const;
   void addLoads(double time, const State& state, Points& forces) const;
@@ -55,7 +56,7 @@ class System {
   void remember(double time, State& state) const {
     for (const ExternalLoad* load : loads_) load->remember(time, state);
   }
-  double boundSlowRate(const State& state) const { return model_.boundSlowRate(state); }
+  double boundSlowRate(const State& state) const { return hasSlowForces() ? model_.splitForces()->boundSlowRate(state) : 0.0; }
   /// False: the model's forces are a function of the positions alone.
   bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }
   /// Only those that have a potential: the material's elastic ones and those of conservative loads. Velocities are not read.
@@ -88,21 +89,29 @@ class System {
   /// The derivative -dF/dx - dF/dv / step on all points (also held ones); that of the loads is positive semidefinite in any case.
   void addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const;
 
-  /// Of a model that hasStiffnessProducts(), see there; the products are zero on held points, v is zero there. Those of the loads
+  /// Of a model with StiffnessProducts, see there; the products are zero on held points, v is zero there. Those of the loads
   /// are in addStiffness().
-  bool hasStiffnessProducts() const { return model_.hasStiffnessProducts(); }
-  void prepareStiffness(const State& state, model::Hessian hessian) const { model_.prepareStiffness(state, hessian); }
-  void computeStiffnessProduct(const Points& v, Points& product) const;
-  using Coupling = model::DeformableModel::Coupling;
-  const std::vector<Coupling>& couplings() const { return model_.couplings(); }
-  bool findCouplings(const State& state, double support, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
-    return model_.findCouplings(state, support, along, across);
+  bool hasStiffnessProducts() const { return model_.stiffnessProducts() != nullptr; }
+  void prepareStiffness(const State& state, model::Hessian hessian) const {
+    model_.stiffnessProducts()->prepareStiffness(state, hessian);
   }
-  void computeAreaVectors(const State& state, Points& area_vectors) const { model_.computeAreaVectors(state, area_vectors); }
+  void computeStiffnessProduct(const Points& v, Points& product) const;
+  using Coupling = model::Coupling;
+  const std::vector<Coupling>& couplings() const { return model_.stiffnessProducts()->couplings(); }
+  /// See StiffnessMatrix.
+  bool findCouplings(const State& state, double support, std::vector<Coupling>& along, std::vector<Coupling>& across) const {
+    return model_.stiffnessMatrix() && model_.stiffnessMatrix()->findCouplings(state, support, along, across);
+  }
   /// See DeformableModel.
-  void confine(Points& forces) const { model_.confine(forces); }
+  void computeAreaVectors(const State& state, Points& area_vectors) const {
+    model::computeAreaVectors(model_, state, area_vectors);
+  }
+  /// See PlanarMotion.
+  void confine(Points& forces) const {
+    if (const model::PlanarMotion* planar = model_.planarMotion()) planar->confine(forces);
+  }
 
-  /// See DeformableModel; zero on held points.
+  /// See StiffnessMatrix; zero on held points.
   double rankOneStiffness(const State& state, Points& v) const;
 
   /// The size of the forces that have to balance, N: the largest internal force or load on any point, held ones included.

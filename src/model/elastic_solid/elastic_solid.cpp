@@ -253,7 +253,7 @@ void ElasticSolid::confine(Points& forces) const {
   for (Vec3& f : forces) f -= across().dot(f) * across();
 }
 
-bool ElasticSolid::computePointStress(const State& state, std::vector<double>& stress) const {
+void ElasticSolid::computePointStress(const State& state, std::vector<double>& stress) const {
   positions_.assign(state.positions);
   stress.resize(state.positions.size());
   parallelFor(passes_.size(), kBlock, [&](Index begin, Index end) {
@@ -266,7 +266,6 @@ bool ElasticSolid::computePointStress(const State& state, std::vector<double>& s
       stress[i] = std::sqrt(1.5) * sigma.norm();
     }
   });
-  return true;
 }
 
 void ElasticSolid::turnNormals(const State& state, const Points& normals, std::vector<Eigen::Vector3f>& turned) const {
@@ -287,14 +286,6 @@ void ElasticSolid::turnNormals(const State& state, const Points& normals, std::v
 
 void ElasticSolid::addRowBounds(const State&, std::vector<double>& stiffness, std::vector<double>&) const {
   for (std::size_t i = 0; i < row_bounds_.size(); ++i) stiffness[i] += row_bounds_[i];
-}
-
-void ElasticSolid::computeAreaVectors(const State& state, Points& area_vectors) const {
-  area_vectors.assign(state.positions.size(), Vec3::Zero());
-}
-
-void ElasticSolid::computeVolumeGradient(const State& state, Points& gradient) const {
-  gradient.assign(state.positions.size(), Vec3::Zero());
 }
 
 double ElasticSolid::maxStretch(const State& state) const {

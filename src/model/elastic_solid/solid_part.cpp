@@ -89,7 +89,7 @@ bool ElasticSolid::markPartners(const std::vector<Index>& points, std::vector<ch
 
 ElasticSolid::ElasticSolid(SolidRest rest) : passes_(std::move(rest)) {}
 
-DeformableModel::Part ElasticSolid::makePart(const std::vector<char>& wanted) const {
+Partition::Part ElasticSolid::makePart(const std::vector<char>& wanted) const {
   if (plasticity_) return {};
   std::vector<Index> wanted_points;
   for (Index i = 0; i < passes_.size(); ++i)

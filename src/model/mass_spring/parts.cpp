@@ -145,7 +145,7 @@ bool MassSpring::markPartners(const std::vector<Index>& points, std::vector<char
   return true;
 }
 
-DeformableModel::Part MassSpring::makePart(const std::vector<char>& wanted) const {
+Partition::Part MassSpring::makePart(const std::vector<char>& wanted) const {
   PartIndex index;
   for (Index i = 0; i < static_cast<Index>(wanted.size()); ++i)
     if (wanted[i]) index.wanted.push_back(i);

@@ -36,7 +36,7 @@ OrientedParticles::OrientedParticles(const OrientedParticles& whole, std::size_t
       lists_(whole.lists_.alike()),
       partners_(lists_) {}
 
-DeformableModel::Part OrientedParticles::makePart(const std::vector<char>& wanted) const {
+Partition::Part OrientedParticles::makePart(const std::vector<char>& wanted) const {
   std::vector<Index> wanted_points;
   for (Index i = 0; i < static_cast<Index>(wanted.size()); ++i)
     if (wanted[i]) wanted_points.push_back(i);

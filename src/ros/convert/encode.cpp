@@ -162,8 +162,8 @@ void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msg
   Points normals;
   simulation.computeSimulationNormals(normals);
   std::vector<double> strain, stress;
-  simulation.model().computePointStrain(simulation.state(), strain);
-  simulation.model().computePointStress(simulation.state(), stress);
+  computePointStrain(simulation.model(), simulation.state(), strain);
+  if (const model::Stresses* stresses = simulation.model().stresses()) stresses->computePointStress(simulation.state(), stress);
   std::vector<char> awake;
   for (Index i = 0; i < simulation.state().size(); ++i) awake.push_back(simulation.isAwake(i) && !simulation.pinned()[i]);
   encodeSimulationPoints({simulation.state().positions, normals, simulation.model().masses(), strain, awake, simulation.pinned(),

@@ -333,14 +333,14 @@ Marker makeAxesMarker(const std_msgs::Header& header, const Points& positions, c
 
 SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation, const std::string& frame_id) {
   const model::State& state = simulation.state();
-  simulation.model().refreshDisplay(state);
-  edges_ = collectEdges(simulation.model().triangles());
+  if (const model::Links* drawn = simulation.model().links()) drawn->refreshDisplay(state);
+  edges_ = collectEdges(trianglesOf(simulation.model()));
   if (state.positions.empty()) return;  // all particles are gone
   const Box box = findMainBox(state.positions);
   extent_ = box.extent();
   text_place_ = placeText(box, frame_id);
   // Without any link the extent shared among the points has to do.
-  const auto& links = edges_.empty() ? simulation.model().stretchLinks() : edges_;
+  const auto& links = edges_.empty() ? stretchLinksOf(simulation.model()) : edges_;
   for (const auto& [a, b] : links) spacing_ += (state.positions[a] - state.positions[b]).norm() / links.size();
   if (links.empty()) spacing_ = extent_ / state.positions.size();
 
@@ -359,12 +359,12 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
   const model::State& state = simulation.state();
   const model::DeformableModel& model = simulation.model();
   const Points& positions = state.positions;
-  const bool is_oriented = model.isOriented();
-  if (is_oriented) model.refreshDisplay(state);
+  const bool is_oriented = isOriented(model);
+  if (model.links()) model.links()->refreshDisplay(state);
   // Triangles come and go with particles, and go where a surface is cut.
-  if (is_oriented || model.triangles().size() != num_triangles_) edges_ = collectEdges(model.triangles());
-  num_triangles_ = model.triangles().size();
-  model.computePointStrain(state, strain_);
+  if (is_oriented || trianglesOf(model).size() != num_triangles_) edges_ = collectEdges(trianglesOf(model));
+  num_triangles_ = trianglesOf(model).size();
+  computePointStrain(model, state, strain_);
   displacement_.resize(positions.size());
   for (Index i = 0; i < state.size(); ++i)
     displacement_[i] = (positions[i] - findRest(state.traits.empty() ? i : state.traits[i].id)).norm();
@@ -372,11 +372,11 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
   const double width = kLineWidthShare * spacing_;
   markers.markers.clear();
   markers.markers.push_back(
-      makeLinksMarker(header, "stretch_springs", positions, model.stretchLinks(), strain_, kFullStrain, width));
+      makeLinksMarker(header, "stretch_springs", positions, stretchLinksOf(model), strain_, kFullStrain, width));
   markers.markers.push_back(
-      makeLinksMarker(header, "bending_springs", positions, model.bendLinks(), strain_, kFullStrain, width));
+      makeLinksMarker(header, "bending_springs", positions, bendLinksOf(model), strain_, kFullStrain, width));
   markers.markers.push_back(
-      makeSurfaceMarker(header, positions, model.triangles(), displacement_, kFullDisplacementShare * extent_));
+      makeSurfaceMarker(header, positions, trianglesOf(model), displacement_, kFullDisplacementShare * extent_));
   markers.markers.push_back(makeWireframeMarker(header, positions, edges_, width));
   markers.markers.push_back(makePinsMarker(header, positions, simulation.pinned(), kPinShare * spacing_));
   if (is_oriented) {

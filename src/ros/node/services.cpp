@@ -225,7 +225,7 @@ bool Services::select(const SelectRegionRequest& request, bool pinned, SelectReg
   return perform(response, [&] {
     if (!stepper_.simulation()) throw InputError(stepper_.obstacle());
     stepper_.requireFree();
-    if (request.orientation && !(pinned && stepper_.simulation()->model().isOriented()))
+    if (request.orientation && !(pinned && isOriented(stepper_.simulation()->model())))
       throw InputError("orientation: found true; accepted: with ~pin of oriented particles");
     if (request.follow_frame && (!pinned || request.orientation || request.header.frame_id.empty()))
       throw InputError("follow_frame: found true; accepted: with ~pin, a header.frame_id to follow and orientation false");

@@ -9,7 +9,7 @@
 namespace deformable_surface::test {
 
 /// Force on point i: -stiffness (x_i - X_i). Points do not feel each other.
-class TetheredPoints : public model::DeformableModel {
+class TetheredPoints : public model::DeformableModel, public model::StiffnessMatrix, public model::Partition {
  public:
   /// rest: (n x 3) m; mass: kg of each point; stiffness: N/m.
   TetheredPoints(Points rest, double mass, double stiffness)
@@ -17,6 +17,8 @@ class TetheredPoints : public model::DeformableModel {
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<TetheredPoints>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
+  const model::StiffnessMatrix* stiffnessMatrix() const override { return this; }
+  const model::Partition* partition() const override { return this; }
   bool forcesReadVelocities() const override { return false; }
   void addForces(const model::State& state, Points& forces) const override {
     for (std::size_t i = 0; i < rest_.size(); ++i) forces[i] -= stiffness_ * (state.positions[i] - rest_[i]);
@@ -48,29 +50,10 @@ class TetheredPoints : public model::DeformableModel {
     return part;
   }
 
-  // It has no sides, no links and no lengths.
-  void computeAreaVectors(const model::State& state, Points& area_vectors) const override {
-    area_vectors.assign(state.positions.size(), Vec3::Zero());
-  }
-  bool isClosed() const override { return false; }
-  double enclosedVolume(const model::State&) const override { return 0.0; }
-  void computeVolumeGradient(const model::State& state, Points& gradient) const override {
-    gradient.assign(state.positions.size(), Vec3::Zero());
-  }
-  double maxStretch(const model::State&) const override { return 0.0; }
-  void computePointStrain(const model::State& state, std::vector<double>& strain) const override {
-    strain.assign(state.positions.size(), 0.0);
-  }
-  const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return no_links_; }
-  const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
-  const std::vector<model::WeightedTriangle>& triangles() const override { return no_triangles_; }
-
  private:
   Points rest_;
   std::vector<double> masses_;
   double stiffness_;
-  std::vector<std::pair<Index, Index>> no_links_;
-  std::vector<model::WeightedTriangle> no_triangles_;
 };
 
 }  // namespace deformable_surface::test

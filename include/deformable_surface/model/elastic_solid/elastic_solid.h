@@ -18,7 +18,13 @@ namespace deformable_surface::model {
 /// second sum is what the first does not show: motions from point to point would else be free. F'_i is the fit of the nearest
 /// points with the same weights, for which the sum is least, so that its forces need no derivative of F'_i; it is zero for
 /// every affine motion. Rigid motions and uniform strains are exact.
-class ElasticSolid : public DeformableModel {
+class ElasticSolid : public DeformableModel,
+                     public PlanarMotion,
+                     public InnerState,
+                     public StiffnessProducts,
+                     public Partition,
+                     public Links,
+                     public Stresses {
  public:
   /// rest: (n x 3) m; neighbors: lists of some thirty (planar: sixteen), nearest first; detours: weight of each listed pair, or
   /// empty. across: unit normal of the plane that the points lie in, or zero for a body in space.
@@ -27,6 +33,12 @@ class ElasticSolid : public DeformableModel {
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<ElasticSolid>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
+  const StiffnessProducts* stiffnessProducts() const override { return this; }
+  const PlanarMotion* planarMotion() const override { return isPlanar() ? this : nullptr; }
+  const Partition* partition() const override { return this; }
+  const Links* links() const override { return this; }
+  const Stresses* stresses() const override { return this; }
+  InnerState* innerState() override { return this; }
   /// A planar solid takes nothing across its plane.
   void confine(Points& forces) const override;
   bool forcesReadVelocities() const override { return false; }
@@ -40,8 +52,6 @@ class ElasticSolid : public DeformableModel {
   /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): of the state only what has
   /// flowed counts, which may shorten lengths and so raise frequencies.
   double findStableStep(const State& state) const override;
-  void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
-  bool hasStiffnessProducts() const override { return true; }
   void prepareStiffness(const State& state, Hessian hessian) const override;
   void addStiffnessProduct(const Points& v, Points& product) const override;
   const std::vector<Coupling>& couplings() const override { return couplings_; }
@@ -51,20 +61,13 @@ class ElasticSolid : public DeformableModel {
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
   Part makePart(const std::vector<char>& wanted) const override;
 
-  /// A body has no sides to which pressure or drag could be applied: area vectors are zero, no volume is enclosed.
-  void computeAreaVectors(const State& state, Points& area_vectors) const override;
-  bool isClosed() const override { return false; }
-  double enclosedVolume(const State&) const override { return 0.0; }
-  void computeVolumeGradient(const State& state, Points& gradient) const override;
-
   double maxStretch(const State& state) const override;
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
   /// Of the Cauchy stress P F^T / det F, by the linear law of P.
-  bool computePointStress(const State& state, std::vector<double>& stress) const override;
+  void computePointStress(const State& state, std::vector<double>& stress) const override;
   /// Of points that are among each other's nearest: for display.
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
-  const std::vector<WeightedTriangle>& triangles() const override { return no_triangles_; }
 
   /// Normals (n x 3, unit or zero) at rest -> at the state: by the cofactors of F.
   void turnNormals(const State& state, const Points& normals, std::vector<Eigen::Vector3f>& turned) const;
@@ -95,7 +98,6 @@ class ElasticSolid : public DeformableModel {
   Index num_deficient_ = 0;
   std::vector<std::pair<Index, Index>> links_, no_links_;
   std::vector<double> lengths_;  // m, of links at rest
-  std::vector<WeightedTriangle> no_triangles_;
   // Scratch.
   mutable PaddedPoints positions_;
   mutable Points product_;

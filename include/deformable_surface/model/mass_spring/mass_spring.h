@@ -16,7 +16,14 @@ struct Rings;
 
 namespace deformable_surface::model {
 
-class MassSpring : public DeformableModel {
+class MassSpring : public DeformableModel,
+                   public Clamping,
+                   public PointMaterials,
+                   public SplitForces,
+                   public Partition,
+                   public StiffnessMatrix,
+                   public Sides,
+                   public Links {
  public:
   /// rest, normals (n x 3): the simulation points; rings: theirs. surface_area, m^2: of the full cloud, so that the masses sum
   /// to the surface's however few points are simulated. closed: it has no boundary. held, edges: see setHeld(). Throws
@@ -33,14 +40,21 @@ class MassSpring : public DeformableModel {
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<MassSpring>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
+  const StiffnessMatrix* stiffnessMatrix() const override { return this; }
+  /// The curvature energy's are slow: where a surface is thin beside the spacing of its points it bends slowly beside how it
+  /// stretches.
+  const SplitForces* splitForces() const override { return hasCurvature() ? this : nullptr; }
+  const Partition* partition() const override { return this; }
+  const Sides* sides() const override { return this; }
+  const Links* links() const override { return this; }
+  PointMaterials* pointMaterials() override { return this; }
+  Clamping* clamping() override { return this; }
   bool setHeld(const std::vector<char>& held, const std::vector<ClampEdge>& edges) override;
   /// Springs and triangles by the stretching of their ends or corners, curvature fits by the bending of their point (that of
   /// bending springs: by stretching), masses by density.
   void setMaterial(const std::vector<PointMaterial>& materials) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
-  /// The curvature energy's: where a surface is thin beside the spacing of its points it bends slowly beside how it stretches.
-  bool hasSlowForces() const override { return plate_.rigidity > 0.0; }
   void addFastForces(const State& state, Points& forces) const override;
   void addSlowForces(const State& state, Points& forces) const override;
   double boundSlowRate(const State& state) const override { return bending_.boundRate(state, masses_); }

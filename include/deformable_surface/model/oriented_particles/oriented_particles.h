@@ -13,7 +13,12 @@
 namespace deformable_surface::model {
 
 /// A state of this model holds orientations, spins and traits of every particle.
-class OrientedParticles : public DeformableModel {
+class OrientedParticles : public DeformableModel,
+                          public OrientedPoints,
+                          public InnerState,
+                          public Partition,
+                          public Sides,
+                          public Links {
  public:
   /// rest, normals: (n x 3), unit, where the particles are at first; they are flat at rest (but see setRest()). spacing: m, that
   /// of the cloud, for params.spacing: auto. apart: as NeighborList takes it; no force acts between such particles, nor between
@@ -26,7 +31,11 @@ class OrientedParticles : public DeformableModel {
 
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<OrientedParticles>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
-  bool isOriented() const override { return true; }
+  const OrientedPoints* orientedPoints() const override { return this; }
+  const Partition* partition() const override { return this; }
+  const Sides* sides() const override { return this; }
+  const Links* links() const override { return this; }
+  InnerState* innerState() override { return this; }
   const std::vector<double>& inertias() const override { return inertias_; }
   bool forcesReadVelocities() const override { return false; }
   void addForces(const State& state, Points& forces) const override;
@@ -66,9 +75,7 @@ class OrientedParticles : public DeformableModel {
   double elasticEnergy(const State& state) const override;
   double energyScale() const override { return std::abs(lattice_.energy_per_particle) * static_cast<double>(masses_.size()); }
 
-  /// Adds nothing: bonds come and go with the distance, so that no implicit method is offered for this model.
-  bool hasStiffness() const override { return false; }
-  void addStiffness(const State&, double, Hessian, BlockSparse&) const override {}
+  /// There is no stiffness for implicit methods: bonds come and go with the distance.
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   /// The normal times the area per particle of the flat lattice.
   void computeAreaVectors(const State& state, Points& area_vectors) const override;

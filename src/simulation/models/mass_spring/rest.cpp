@@ -109,7 +109,7 @@ void buildModel(const SceneParams& params, const RestSurface& full, RestSurface&
     s.notes.push_back(count(surface.numWithoutBending(), "points have too few neighbours for a curvature and no bending energy"));
   s.model = std::move(made);
   s.values = findRegionValues(params.regions, s.points);
-  if (!params.regions.empty()) s.model->setMaterial(findShares(params.material, params.material, s.values));
+  if (!params.regions.empty()) s.model->pointMaterials()->setMaterial(findShares(params.material, params.material, s.values));
   if (!full.dense.positions.empty()) findHingedPins(params, full.dense.positions, surface, s);
 }
 
