@@ -197,15 +197,37 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   // Held points that are carried along: they keep their velocities, which the loops below damp.
   carried_.clear();
   for (Index i = 0; i < n; ++i)
-    if (system.isHeld(i) && !state.velocities[i].isZero(0.0)) carried_.emplace_back(i, state.velocities[i]);
+    if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
+      carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});
+  double carrying_work = 0.0;
   const Timer timer;
   // The model's forces at the beginning are those of the last end, if this is where it was.
   if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions)) {
     system.computeFastForces(state, fast_forces_);
     if (has_slow) system.computeSlowForces(state, slow_forces_);
   }
+  // What carries points bears the forces on them.
+  const auto addLoads = [&](double at, const State& there) {
+    if (carried_.empty()) return system.addLoads(at, there, forces_);
+    system.addLoadsOnAll(at, there, forces_);
+    for (Carried& c : carried_) {
+      carrying_work -= 0.5 * (c.force + forces_[c.point]).dot(there.positions[c.point] - c.place);
+      c.force = forces_[c.point];
+      c.place = there.positions[c.point];
+    }
+    for (Index i = 0; i < n; ++i)
+      if (system.isHeld(i)) forces_[i].setZero();
+  };
+  const auto bearSlow = [&](const Points& positions) {
+    for (Carried& c : carried_) {
+      carrying_work -= 0.5 * (c.slow + slow_forces_[c.point]).dot(positions[c.point] - c.slow_place);
+      c.slow = slow_forces_[c.point];
+      c.slow_place = positions[c.point];
+    }
+  };
   forces_ = fast_forces_;
-  system.addLoads(time, state, forces_);
+  addLoads(time, state);
+  if (has_slow) bearSlow(state.positions);
   // What acts where an outer step begins or ends. The slow forces' kick is that of all its sub-steps.
   const auto addSlow = [&] {
     forces_with_slow_.resize(n);
@@ -230,14 +252,14 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     (s == 0 ? kickAndDrift : kickTwiceAndDrift)(
         3 * n, half_decay, kick_.data(), drift_.data(), (slow_acts ? forces_with_slow_ : forces_).data()->data(),
         (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted, state.positions.data()->data());
-    for (const auto& [i, carrying] : carried_) {
-      state.positions[i] += dt * carrying;
-      predicted_.velocities[i] = carrying;
+    for (const Carried& c : carried_) {
+      state.positions[c.point] += dt * c.velocity;
+      predicted_.velocities[c.point] = c.velocity;
     }
     if (limit) {
       if (!carried_.empty()) wanted_ = state.positions;
       stopped = &stopShort(*limit, system, before_, dt, state);
-      if (!carried_.empty()) report.collision_work += findCollisionWork(system, before_, wanted_, dt, *stopped, state.positions);
+      if (!carried_.empty()) carrying_work += findCollisionWork(system, before_, wanted_, dt, *stopped, state.positions);
       for (const Index i : *stopped)
         if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
     }
@@ -246,10 +268,11 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
     predicted_.positions.swap(state.positions);
     system.computeFastForces(predicted_, forces_);
     if (s + 1 == report.substeps) fast_forces_ = forces_;
-    system.addLoads(time + (s + 1) * dt, predicted_, forces_);
+    addLoads(time + (s + 1) * dt, predicted_);
     system.remember(time + (s + 1) * dt, predicted_);
     if (ends) {
       system.computeSlowForces(predicted_, slow_forces_);
+      bearSlow(predicted_.positions);
       addSlow();
     }
     predicted_.positions.swap(state.positions);
@@ -263,7 +286,8 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   // What stops a point bears the force on it, too: the last half kick would be a velocity that nothing has.
   if (stopped)
     for (const Index i : *stopped) state.velocities[i] = (state.positions[i] - before_[i]) / dt;
-  for (const auto& [i, carrying] : carried_) state.velocities[i] = carrying;
+  for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;
+  report.carrying_work = carrying_work;
   state.friction.swap(predicted_.friction);
   state.self_friction.swap(predicted_.self_friction);
   last_positions_ = state.positions;

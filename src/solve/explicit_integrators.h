@@ -47,7 +47,13 @@ class VelocityVerlet : public Integrator {
   Points fast_forces_, slow_forces_, last_positions_;  // the forces belong to last_positions_ between steps
   Points forces_, forces_with_slow_;                   // loads included
   State predicted_;
-  std::vector<std::pair<Index, Vec3>> carried_;  // held points in motion and their velocities, m/s
+  struct Carried {
+    Index point;
+    Vec3 velocity;          // m/s
+    Vec3 place, force;      // m and N, at the end of a sub-step, slow forces left out
+    Vec3 slow_place, slow;  // m and N, where slow forces acted last
+  };
+  std::vector<Carried> carried_;      // held points in motion
   Points before_, wanted_;            // m, at the beginning of a sub-step and at its end without a limit, where motion is limited
   std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
   std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping

@@ -188,7 +188,9 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
     Integrator& verlet = integrator(IntegratorType::kVerlet);
     verlet.setSlowStep(kSlowShare * share * memory_.max_slow_step, most_inner_);
     const SolveReport report = verlet.advance(system_, time + done, portion, share * memory_.max_substep, state);
-    work_ += system_.estimateWork(time + done, time + done + portion, portion_start_, state) + report.collision_work;
+    const double from = time + done;
+    work_ += report.carrying_work ? *report.carrying_work + system_.loadWork(from, from + portion, portion_start_, state)
+                                  : system_.estimateWork(from, from + portion, portion_start_, state);
     dissipated_ += report.dissipated;
     add(report, total);
     if (left <= kPortion || !report.finite) return total;

@@ -7,6 +7,7 @@
 
 #include <atomic>
 #include <memory>
+#include <optional>
 
 namespace deformable_surface::solve {
 
@@ -20,8 +21,10 @@ struct SolveReport {
   double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them
   bool is_out_of_iterations = false;  // one of these took max_iterations; the others came no nearer
   double dissipated = 0.0;  // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
-  double collision_work = 0.0;  // J, that held points in motion put into the others where a MotionLimit stops them; of Verlet
-  double time_forces = 0.0;     // s of wall time in force evaluations
+  // J, what moves held points put in: against the forces on these, and where they collide (MotionLimit). Of Verlet for points
+  // without orientation, else unknown.
+  std::optional<double> carrying_work;
+  double time_forces = 0.0;  // s of wall time in force evaluations
 };
 
 /// Serves one system: what it remembers between steps (forces, a matrix's pattern) is that system's.

@@ -75,7 +75,8 @@ class System {
   /// The energy that loads put in between two times while the points move straight from one state to another, J, see
   /// ExternalLoad; and that of what moves held points, by the trapezoidal rule.
   double estimateWork(double from, double to, const State& before, const State& after) const;
-  /// The latter alone, J.
+  /// The former and the latter alone, J.
+  double loadWork(double from, double to, const State& before, const State& after) const;
   double carryingWork(double from, double to, const State& before, const State& after) const;
   /// The same for a search for an equilibrium: what moves held points takes them there at once, while the others wait, and then
   /// these descend. That is exact for any length of the way, where the trapezoidal rule is not.
@@ -131,7 +132,6 @@ class System {
 
  private:
   void computeRowBounds(double time, const State& state) const;
-  double loadWork(double from, double to, const State& before, const State& after) const;
   bool hasCarried(const State& before, const State& after) const;
 
   const model::DeformableModel& model_;
