@@ -10,6 +10,7 @@ find_library(ASSIMP_LIBRARY assimp)
 catkin_python_setup()
 
 add_message_files(FILES DeformedUpdate.msg PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg
+                  Contact.msg ContactArray.msg
                   ToolStatus.msg ToolStatusArray.msg ToolWrench.msg ToolWrenchArray.msg)
 add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
                   Snapshot.srv Step.srv)

@@ -342,12 +342,23 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
   return cut_;
 }
 
-std::vector<SelfContactForce> SelfContact::listForces(const Points& positions) {
+Index SelfContact::countTouching(const Points& positions) {
+  const std::vector<Near>& all = measure(positions, 0.0);
+  return static_cast<Index>(std::count_if(all.begin(), all.end(), touches));
+}
+
+std::vector<SelfContactForce> SelfContact::listForces(const Points& positions, const Points& velocities,
+                                                      const std::vector<PairAnchor>& anchors) {
   std::vector<SelfContactForce> list;
   for (const Near& near : measure(positions, 0.0)) {
-    const Pair& pair = *near.pair;
-    const double depth = pair.thickness - near.distance;
-    if (depth > 0.0) list.push_back({pair, near.closest, stiffness(pair) * depth});
+    if (!touches(near)) continue;
+    const double depth = near.pair->thickness - near.distance;
+    Vec3 force = stiffness(*near.pair) * depth / near.distance * near.closest.gap;
+    if (params_.friction > 0.0) {
+      const Rub rub = findRub(near, positions, anchors);
+      force += rub.law.findForce(rub.stretch, findSliding(near, velocities), rub.slides);
+    }
+    list.push_back({*near.pair, near.closest, depth, force});
   }
   return list;
 }

@@ -195,7 +195,7 @@ void ContactLoad::appendContacts(double time, const model::State& state, const F
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     if (bodies_[b].tool.id != id) continue;
     for (const Touch& touch : findTouches(b, time, state.positions))
-      contacts.push_back({place, touch.point, state.positions[touch.point], touch.normal,
+      contacts.push_back({place, touch.point, state.positions[touch.point], touch.normal, -touch.distance,
                           touch.force + friction.findForce(b, time, state, touch)});
   }
 }

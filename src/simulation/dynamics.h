@@ -131,6 +131,7 @@ class Dynamics {
   bool hasSnapped() const;
   std::vector<ToolReaction> toolReactions() const;
   std::vector<Contact> contacts() const;
+  std::vector<SelfTouch> selfTouches() const;
   std::vector<PinReaction> pinReactions() const;
 
   /// See ContactLoad.

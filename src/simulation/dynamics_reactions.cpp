@@ -2,6 +2,7 @@
 #include "dynamics.h"
 
 #include <algorithm>
+#include <cmath>
 
 namespace deformable_surface::simulation {
 
@@ -21,6 +22,27 @@ std::vector<Contact> Dynamics::contacts() const {
   for (Index t = 0; t < static_cast<Index>(tools.size()); ++t)
     loads_.contact.appendContacts(time(), now_.points, loads_.friction, tools[t].id, t, contacts);
   return contacts;
+}
+
+std::vector<SelfTouch> Dynamics::selfTouches() const {
+  std::vector<SelfTouch> touches;
+  if (!loads_.self_contact) return touches;
+  const State& state = now_.points;
+  for (const contact::SelfContactForce& found :
+       loads_.self_contact->contact.listForces(state.positions, state.velocities, state.self_friction)) {
+    SelfTouch touch;
+    touch.position.setZero();
+    for (int v = 0; v < 4; ++v) {
+      touch.points[v] = found.pair.vertices[v];
+      touch.weights[v] = found.closest.weight[v];
+      touch.position += 0.5 * std::abs(touch.weights[v]) * state.positions[touch.points[v]];
+    }
+    touch.normal = found.closest.gap.normalized();
+    touch.depth = found.depth;
+    touch.force = found.force;
+    touches.push_back(touch);
+  }
+  return touches;
 }
 
 std::vector<PinReaction> Dynamics::pinReactions() const {

@@ -186,6 +186,7 @@ const std::vector<tool::WaypointParams>* Simulation::findPinPath(const std::stri
 const std::vector<tool::ToolParams>& Simulation::tools() const { return dynamics().tools(); }
 std::vector<ToolReaction> Simulation::toolReactions() const { return dynamics().toolReactions(); }
 std::vector<Contact> Simulation::contacts() const { return dynamics().contacts(); }
+std::vector<SelfTouch> Simulation::selfTouches() const { return dynamics().selfTouches(); }
 std::vector<PinReaction> Simulation::pinReactions() const { return dynamics().pinReactions(); }
 Index Simulation::numOwnMaterial() const { return dynamics().numOwnMaterial(); }
 double Simulation::membraneShare() const { return dynamics().membraneShare(); }

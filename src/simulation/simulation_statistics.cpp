@@ -40,8 +40,7 @@ void Simulation::Impl::measureState() {
   statistics.track_residual = now.loads().track.residual(state);
   statistics.track_points = static_cast<std::uint32_t>(now.loads().track.seen().size());
   if (SelfContactLoads* const self = now.loads().self_contact.get()) {
-    const std::vector<contact::SelfContactForce> forces = self->contact.listForces(state.positions);
-    statistics.self_contacts = static_cast<std::uint32_t>(forces.size());
+    statistics.self_contacts = static_cast<std::uint32_t>(self->contact.countTouching(state.positions));
     statistics.self_distance = self->contact.leastDistance(state.positions);
     statistics.stopped_points = static_cast<std::uint32_t>(self->numStopped());
   }

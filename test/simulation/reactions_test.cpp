@@ -86,6 +86,8 @@ TEST(Contacts, AreWhatTheToolFeelsPointByPoint) {
     EXPECT_EQ(c.tool, 1);
     EXPECT_EQ(c.position, s.state().positions[c.point]);
     EXPECT_GT(c.force.dot(c.normal), 0.0);
+    EXPECT_GT(c.depth, 0.0);
+    EXPECT_LE(c.depth, reactions[1].penetration);
     sum += c.force;
   }
   EXPECT_LT((sum + reactions[1].force).norm(), 1e-12 * sum.norm());

@@ -57,6 +57,33 @@ TEST(SelfContactLoad, AFoldedTowelDoesNotCrossItself) {
   EXPECT_GT(simulate(scene).crossed, 10);
 }
 
+TEST(SelfContactLoad, TouchesTellEachForceWithItsPlace) {
+  ContactScene scene = makeScene("fold", 1, 1.0);
+  scene.params.contact.friction = 0.3;
+  Simulation s(scene.params, scene.cloud);
+  for (int k = 0; k < 150; ++k) ASSERT_TRUE(s.step().ok);
+  const std::vector<simulation::SelfTouch> touches = s.selfTouches();
+  ASSERT_GT(touches.size(), 10u);
+  EXPECT_EQ(touches.size(), s.statistics().self_contacts);
+  double least = 1.0;
+  for (const simulation::SelfTouch& touch : touches) {
+    Vec3 gap = Vec3::Zero();
+    double sum = 0.0, size = 0.0;
+    for (int v = 0; v < 4; ++v) {
+      gap += touch.weights[v] * s.state().positions[touch.points[v]];
+      sum += touch.weights[v];
+      size += std::abs(touch.weights[v]);
+    }
+    EXPECT_NEAR(sum, 0.0, 1e-12);
+    EXPECT_NEAR(size, 2.0, 1e-12);
+    EXPECT_LT((gap - gap.norm() * touch.normal).norm(), 1e-9 * gap.norm());
+    EXPECT_GT(touch.depth, 0.0);
+    EXPECT_GT(touch.force.dot(touch.normal), 0.0);
+    least = std::min(least, gap.norm());
+  }
+  EXPECT_DOUBLE_EQ(least, s.statistics().self_distance);
+}
+
 TEST(SelfContactLoad, ATwistedStripAndAHeapDoNotCrossThemselves) {
   for (const char* name : {"twist", "heap"}) {
     const Outcome seen = simulate(makeScene(name, 2, 0.8));

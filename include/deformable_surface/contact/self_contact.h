@@ -21,11 +21,12 @@ struct SelfContactParams {
   double friction = 0.0;   // Coulomb's coefficient
 };
 
-/// The spring force of one pair.
+/// What one pair feels.
 struct SelfContactForce {
   Pair pair;
   Closest closest;
-  double force;  // N, of the spring, on the first primitive along the gap
+  double depth;  // m, thickness less distance
+  Vec3 force;    // N, of spring and friction, on the first primitive
 };
 
 /// Contact of one surface. Not thread-safe: all functions use the same scratch memory. Results depend on positions and velocities
@@ -70,8 +71,10 @@ class SelfContact {
   /// whose ways were changed, ascending, until the next call.
   const std::vector<Index>& limit(const Points& before, Points& after);
 
-  /// Of all pairs nearer than their thickness.
-  std::vector<SelfContactForce> listForces(const Points& positions);
+  /// Number of pairs nearer than their thickness, and what they feel. anchors: as in addFriction().
+  Index countTouching(const Points& positions);
+  std::vector<SelfContactForce> listForces(const Points& positions, const Points& velocities,
+                                           const std::vector<PairAnchor>& anchors);
   /// m, of the nearest pair; infinite if none is nearer than the thickness.
   double leastDistance(const Points& positions);
   Index numSearches() const { return list_.numSearches(); }

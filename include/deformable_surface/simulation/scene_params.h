@@ -113,8 +113,9 @@ enum class OutputStamp { kClock, kSimulation };
 struct OutputParams {
   OutputStamp stamp = OutputStamp::kClock;
   bool normals = true;
-  bool resample = false;       // insert points where the surface is stretched
-  double publish_rate = 30.0;  // Hz, > 0
+  bool resample = false;        // insert points where the surface is stretched
+  double publish_rate = 30.0;   // Hz, > 0
+  double contacts_rate = 30.0;  // Hz, 0 = after every step
 };
 
 enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running surface
@@ -352,6 +353,8 @@ inline void visit(Fields& fields, OutputParams& p) {
   fields.flag("normals", p.normals, "compute normals of the full cloud");
   fields.flag("resample", p.resample, "insert points where the surface is stretched");
   fields.number("publish_rate", p.publish_rate, "Hz", between(1e-3, 1e4), "the node: largest rate of clouds and markers");
+  fields.number("contacts_rate", p.contacts_rate, "Hz", between(0.0, 1e4),
+                "the node: largest rate of `~contacts`; 0 = after every step");
 }
 
 /// The names in a text, which spaces or commas separate.

@@ -118,6 +118,8 @@ class Simulation {
   std::vector<ToolReaction> toolReactions() const;
   /// Every touch of solid, cut and attract now, tool by tool, points ascending.
   std::vector<Contact> contacts() const;
+  /// The contacts of the surface with itself now, of a scene with contact.self.
+  std::vector<SelfTouch> selfTouches() const;
   /// What the surface does to its pins now: the scene's regions in their order, a point of several to the first; then kOtherPins,
   /// if commands have pinned any. Particles that were born in a pinned region are no part of it.
   std::vector<PinReaction> pinReactions() const;

@@ -1,5 +1,5 @@
-// What the surface does to tools and pins, and where: contact forces as data. Apart from the loads that give it, because the node
-// publishes and draws it.
+// What the surface does to tools and pins, and where it touches them and itself: contact forces as data. Apart from the loads
+// that give it, because the node publishes and draws it.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -23,7 +23,18 @@ struct Contact {
   Index point;    // simulation point
   Vec3 position;  // m, of that point
   Vec3 normal;    // unit, out of the tool
+  double depth;   // m, of the point inside the tool; negative: it is drawn from outside
   Vec3 force;     // N, on the point, friction included
+};
+
+/// Where two parts of the surface push each other apart. World frame.
+struct SelfTouch {
+  Index points[4];    // simulation points: of a vertex and a triangle, or of two edges
+  double weights[4];  // of the two places that are nearest: those of the first part sum to 1, those of the second to -1
+  Vec3 position;      // m, midway between these places
+  Vec3 normal;        // unit, from the second part to the first
+  double depth;       // m, the thickness less the distance
+  Vec3 force;         // N, on the first part, friction included
 };
 
 /// What the surface does to the pins of a region.

@@ -19,7 +19,7 @@ constexpr double kFullDisplacementShare = 0.25;
 // Sizes as shares of the spacing: lines thin enough not to hide the surface, balls that do not touch.
 constexpr double kLineWidthShare = 0.05, kPinShare = 0.5;
 // Discs that nearly touch, and axes that do not reach the next particle.
-constexpr double kDiscShare = 0.45, kAxisShare = 0.4;
+constexpr double kDiscShare = 0.45, kAxisShare = 0.4, kContactShare = 2.0;
 // The longest arrow, as a share of the surface's extent.
 constexpr double kArrowShare = 0.3;
 // Shaft, head and head length as shares of an arrow's length.
@@ -217,6 +217,21 @@ Marker makeWireframeMarker(const std_msgs::Header& header, const Points& positio
   return finish(std::move(marker));
 }
 
+Marker makeContactsMarker(const std_msgs::Header& header, const std::vector<std::pair<Vec3, Vec3>>& touches, double length,
+                          double width) {
+  Marker marker = makeMarker(header, "contact_points", 0, Marker::LINE_LIST);
+  marker.scale.x = width;
+  marker.color = makeColor(0.9f, 0.1f, 0.2f);
+  double largest = 0.0;
+  for (const auto& [place, force] : touches) largest = std::max(largest, force.norm());
+  for (const auto& [place, force] : touches) {
+    if (!(largest > 0.0)) break;
+    marker.points.push_back(toPoint(place));
+    marker.points.push_back(toPoint(place + length / largest * force));
+  }
+  return finish(std::move(marker));
+}
+
 Marker makePinsMarker(const std_msgs::Header& header, const Points& positions, const std::vector<char>& pinned, double diameter) {
   Marker marker = makeMarker(header, "pins", 0, Marker::SPHERE_LIST);
   marker.scale.x = marker.scale.y = marker.scale.z = diameter;
@@ -379,6 +394,10 @@ void SimulationMarkers::make(const std_msgs::Header& header, const simulation::S
       makeSurfaceMarker(header, positions, trianglesOf(model), displacement_, kFullDisplacementShare * extent_));
   markers.markers.push_back(makeWireframeMarker(header, positions, edges_, width));
   markers.markers.push_back(makePinsMarker(header, positions, simulation.pinned(), kPinShare * spacing_));
+  std::vector<std::pair<Vec3, Vec3>> touches;
+  for (const simulation::Contact& touch : simulation.contacts()) touches.emplace_back(touch.position, touch.force);
+  for (const simulation::SelfTouch& touch : simulation.selfTouches()) touches.emplace_back(touch.position, touch.force);
+  markers.markers.push_back(makeContactsMarker(header, touches, kContactShare * spacing_, width));
   if (is_oriented) {
     markers.markers.push_back(
         makeDiscsMarker(header, positions, state.orientations, strain_, kFullStrain, kDiscShare * spacing_));

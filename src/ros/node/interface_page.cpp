@@ -1,5 +1,6 @@
 #include "interface_page.h"
 
+#include "deformable_surface/ContactArray.h"
 #include "deformable_surface/DeformedUpdate.h"
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/FitSurface.h"
@@ -120,6 +121,9 @@ std::vector<InterfaceEntry> makeTable() {
       {Kind::kPublished, "tool_wrenches", "deformable_surface/ToolWrenchArray",
        "contact wrenches of tools and pins, after every step. `~tools/<id>/wrench` is a geometry_msgs/WrenchStamped of one tool",
        define<ToolWrenchArray>()},
+      {Kind::kPublished, "contacts", "deformable_surface/ContactArray",
+       "single contacts with tools and of the surface with itself, at most `output.contacts_rate` times a second",
+       define<ContactArray>()},
       {Kind::kPublished, "tool_status", "deformable_surface/ToolStatusArray",
        "result of the last command to each tool: waiting, accepted or refused, with the reason. Latched",
        define<ToolStatusArray>()},

@@ -1,5 +1,6 @@
 #include "wrench_publishers.h"
 
+#include "deformable_surface/ros/convert/contacts.h"
 #include "deformable_surface/ros/convert/tool_commands.h"
 #include "deformable_surface/ros/convert/tool_wrenches.h"
 
@@ -7,7 +8,9 @@
 #include <boost/make_shared.hpp>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
+#include <utility>
 
 namespace deformable_surface::node {
 namespace {
@@ -23,11 +26,14 @@ WrenchPublishers::WrenchPublishers(ros::NodeHandle& node, const std::function<vo
     : node_(node),
       all_(node.advertise<ToolWrenchArray>("tool_wrenches", kQueue,
                                            [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); })),
+      contacts_(node.advertise<ContactArray>("contacts", kQueue,
+                                             [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); })),
       statuses_(node.advertise<ToolStatusArray>("tool_status", 1, true)) {}
 
 bool WrenchPublishers::isHeard() const {
   const auto isOneHeard = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };
-  return all_.getNumSubscribers() > 0 || std::any_of(of_tool_.begin(), of_tool_.end(), isOneHeard);
+  return all_.getNumSubscribers() > 0 || contacts_.getNumSubscribers() > 0 ||
+         std::any_of(of_tool_.begin(), of_tool_.end(), isOneHeard);
 }
 
 void WrenchPublishers::publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame,
@@ -40,6 +46,9 @@ void WrenchPublishers::publish(const simulation::Simulation& simulation, std::in
   for (const tool::ToolParams& tool : tools)
     if (silent.count(tool.id) == 0) last_heard_of_[tool.id] = header.stamp;
   if (!isHeard()) return;
+  if (contacts_.getNumSubscribers() > 0 && isContactsDue(simulation.params().output.contacts_rate, stamp))
+    contacts_.publish(
+        boost::make_shared<ContactArray>(makeContacts(header, tools, simulation.contacts(), simulation.selfTouches())));
   const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
   if (all_.getNumSubscribers() > 0)
     all_.publish(boost::make_shared<ToolWrenchArray>(makeToolWrenches(header, reactions, simulation.pinReactions(), silent)));
@@ -51,6 +60,13 @@ void WrenchPublishers::publish(const simulation::Simulation& simulation, std::in
     own.stamp = last_heard_of_[tools[t].id];
     found->second.publish(boost::make_shared<geometry_msgs::WrenchStamped>(makeToolWrench(own, reactions[t], pose)));
   }
+}
+
+// At most so often in the time of the surface; after every step if the rate is 0, and after a jump back.
+bool WrenchPublishers::isContactsDue(double rate, std::int64_t stamp) {
+  if (!(rate > 0.0)) return true;
+  const std::int64_t turn = static_cast<std::int64_t>(std::floor(1e-9 * static_cast<double>(stamp) * rate + 1e-6));
+  return std::exchange(contacts_turn_, turn) != turn;
 }
 
 // A topic for each tool there is. Ids of a scene that are no names have none.

@@ -1,6 +1,6 @@
-// What the node publishes after every step: what tools and pins feel, and what became of commands to tools. Apart from what is
-// made for the eye (publishers.h), which a thread of its own makes and which may be dropped: controllers close their loops over
-// this.
+// What the node publishes after every step: contact wrenches of tools and pins, single contacts, and what became of commands to
+// tools. Apart from what is made for the eye (publishers.h), which a thread of its own makes and which may be dropped:
+// controllers close their loops over this.
 #pragma once
 
 #include "deformable_surface/ToolStatusArray.h"
@@ -33,12 +33,14 @@ class WrenchPublishers {
 
  private:
   void advertise(const std::vector<tool::ToolParams>& tools);
+  bool isContactsDue(double rate, std::int64_t stamp);
 
   ros::NodeHandle& node_;
-  ros::Publisher all_, statuses_;
+  ros::Publisher all_, contacts_, statuses_;
   std::map<std::string, ros::Time> last_heard_of_;  // of tools that are not silent: the stamp of the last state, by id
   std::map<std::string, ros::Publisher> of_tool_;   // by id
   std::chrono::steady_clock::time_point next_try_;  // to advertise
+  std::int64_t contacts_turn_ = -1;                 // of output.contacts_rate, in which contacts were published last
 };
 
 }  // namespace deformable_surface::node

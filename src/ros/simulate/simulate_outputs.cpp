@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/point_files.h"
+#include "deformable_surface/ros/convert/contacts.h"
 #include "deformable_surface/ros/convert/tool_wrenches.h"
 
 #include <ros/time.h>
@@ -168,6 +169,7 @@ void OutputBag::add(double time, std::int64_t stamp, const std::set<std::string>
   cloud.header = header;
   write("simulation_points", cloud);
 
+  write("contacts", makeContacts(header, simulation.tools(), simulation.contacts(), simulation.selfTouches()));
   write("tool_wrenches", makeToolWrenches(header, simulation.toolReactions(), simulation.pinReactions(), silent));
 
   visualization_msgs::MarkerArray markers;

@@ -378,10 +378,22 @@ TEST(SimulationMarkers, ShowASimulationInEveryNamespaceAndKeepTheRules) {
   make();
   EXPECT_EQ(actions.at("tools"), int{Marker::ADD});
   EXPECT_EQ(actions.at("contacts"), int{Marker::ADD});
+  EXPECT_EQ(actions.at("contact_points"), int{Marker::ADD});
 
   simulation.reset();
   make();
   EXPECT_EQ(actions.at("forces"), int{Marker::DELETE});
+}
+
+TEST(Markers, ContactsAreLinesAlongTheirForcesTheLargestOfTheLengthAskedFor) {
+  std_msgs::Header header;
+  const Marker none = makeContactsMarker(header, {}, 0.1, 0.01);
+  EXPECT_EQ(none.action, int{Marker::DELETE});
+  const Marker marker = makeContactsMarker(header, {{Vec3(1, 0, 0), Vec3(0, 0, 4)}, {Vec3(0, 1, 0), Vec3(0, 2, 0)}}, 0.1, 0.01);
+  ASSERT_EQ(marker.points.size(), 4u);
+  EXPECT_EQ(marker.points[0].x, 1.0);
+  EXPECT_NEAR(marker.points[1].z, 0.1, 1e-15);
+  EXPECT_NEAR(marker.points[3].y, 1.05, 1e-15);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // What a client commands, in whichever frame: forces, wrenches, tools, pins; what is refused, and what is said of it.
 #include "surface_node_fixture.h"
 
+#include "deformable_surface/ContactArray.h"
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/ToolStatusArray.h"
 #include "deformable_surface/ToolWrenchArray.h"
@@ -181,6 +182,9 @@ TEST_F(CommandsTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
   geometry_msgs::WrenchStamped wrench;
   const ros::Subscriber one = client.handle().subscribe<geometry_msgs::WrenchStamped>(
       "tools/table/wrench", 10, [&](const geometry_msgs::WrenchStampedConstPtr& m) { wrench = *m; });
+  ContactArray contacts;
+  const ros::Subscriber single = client.handle().subscribe<ContactArray>(
+      "contacts", 10, [&](const boost::shared_ptr<const ContactArray>& m) { contacts = *m; });
   double mass = 0.0;
   const ros::Subscriber points =
       client.handle().subscribe<PointCloud2>("simulation_points", 10, [&](const sensor_msgs::PointCloud2ConstPtr& m) {
@@ -213,6 +217,16 @@ TEST_F(CommandsTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
   EXPECT_NEAR(wrenches.wrenches[0].wrench.force.y, -weight, 1e-5 * weight);
   EXPECT_GT(wrenches.wrenches[0].contacts, 0u);
   EXPECT_GT(wrenches.wrenches[0].penetration, 0.0);
+  // At most 30 times a second of the surface's time: not after every step of 10 ms.
+  ASSERT_TRUE(waitUntil([&] { return client.step(1).success && !contacts.contacts.empty(); }));
+  double borne = 0.0;
+  for (const Contact& contact : contacts.contacts) {
+    EXPECT_EQ(contact.tool, "table");
+    EXPECT_NEAR(contact.normal.z, 1.0, 1e-12);
+    borne += contact.force.z;
+  }
+  EXPECT_NEAR(borne, weight, 1e-5 * weight);
+  EXPECT_EQ(contacts.header.frame_id, "camera");
 
   array.tools[0].action = Tool::DELETE;
   tools.publish(array);

@@ -392,6 +392,7 @@ TEST_F(Simulate, WritesABagOfWhatTheNodeWouldPublish) {
   EXPECT_EQ(count["/deformable_surface/markers"], 3);
   EXPECT_EQ(count["/deformable_surface/statistics"], 3);
   EXPECT_EQ(count["/deformable_surface/tool_wrenches"], 3);
+  EXPECT_EQ(count["/deformable_surface/contacts"], 3);
 }
 
 }  // namespace

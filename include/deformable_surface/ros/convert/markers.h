@@ -31,6 +31,10 @@ visualization_msgs::Marker makeSurfaceMarker(const std_msgs::Header& header, con
 visualization_msgs::Marker makeWireframeMarker(const std_msgs::Header& header, const Points& positions,
                                                const std::vector<std::pair<Index, Index>>& edges, double width);
 
+/// The force at each contact (LINE_LIST) as a line from its place; the largest is length long. touches: place in m, and force.
+visualization_msgs::Marker makeContactsMarker(const std_msgs::Header& header, const std::vector<std::pair<Vec3, Vec3>>& touches,
+                                              double length, double width);
+
 /// A ball at each pinned point (SPHERE_LIST).
 visualization_msgs::Marker makePinsMarker(const std_msgs::Header& header, const Points& positions,
                                           const std::vector<char>& pinned, double diameter);
