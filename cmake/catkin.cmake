@@ -17,14 +17,18 @@ add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv Sa
 add_action_files(FILES Rollout.action)
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs)
 
-set(libraries deformable_surface_core deformable_surface_io deformable_surface_ros deformable_surface_nodelet)
+# What other packages use (docs/cpp_api.md): the core, point files and scenes, and the messages. The ROS border is internal.
 catkin_package(
   INCLUDE_DIRS include
-  LIBRARIES ${libraries}
-  CATKIN_DEPENDS actionlib actionlib_msgs diagnostic_msgs diagnostic_updater dynamic_reconfigure geometry_msgs message_runtime
-                 nodelet pluginlib rosbag roscpp rosgraph_msgs roslib sensor_msgs shape_msgs std_msgs std_srvs tf2 tf2_geometry_msgs
-                 tf2_msgs tf2_ros urdf visualization_msgs xmlrpcpp
+  LIBRARIES deformable_surface_core deformable_surface_io
+  CATKIN_DEPENDS actionlib_msgs geometry_msgs message_runtime sensor_msgs shape_msgs std_msgs
   DEPENDS EIGEN3)
+# catkin's own rule takes any newer version. While the major version is 0, a minor version may change what is public.
+include(CMakePackageConfigHelpers)
+foreach(folder ${CATKIN_DEVEL_PREFIX}/share/${PROJECT_NAME}/cmake ${PROJECT_BINARY_DIR}/catkin_generated/installspace)
+  write_basic_package_version_file(${folder}/${PROJECT_NAME}Config-version.cmake VERSION ${package_version}
+                                   COMPATIBILITY SameMinorVersion)
+endforeach()
 
 file(GLOB io_sources CONFIGURE_DEPENDS src/io/cloud_filters*.cpp src/io/point_files*.cpp src/io/mesh_files.cpp src/io/load_scene.cpp)
 file(GLOB ros_sources CONFIGURE_DEPENDS src/ros/convert/*.cpp src/ros/node/*.cpp src/ros/simulate/*.cpp)
@@ -73,11 +77,11 @@ target_include_directories(benchmark_ros PRIVATE benchmark test)
 target_link_libraries(benchmark_ros deformable_surface_ros)
 add_dependencies(benchmark_ros deformable_surface_node deformable_surface_nodelet)
 
-install(TARGETS ${libraries} deformable_surface_node deformable_surface_hand simulate parameters_page interface_page
+install(TARGETS deformable_surface_core deformable_surface_io deformable_surface_ros deformable_surface_nodelet deformable_surface_node deformable_surface_hand simulate parameters_page interface_page
         ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(DIRECTORY include/${PROJECT_NAME}/ DESTINATION ${CATKIN_PACKAGE_INCLUDE_DESTINATION})
+install_headers(${CATKIN_GLOBAL_INCLUDE_DESTINATION})
 install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # They lie beside each other, since some use others.
 catkin_install_python(PROGRAMS scripts/demo_client.py scripts/draw_cloud.py scripts/draw_sweep.py scripts/example_client.py scripts/follow_points.py
@@ -175,6 +179,12 @@ if(CATKIN_ENABLE_TESTING)
     add_test(NAME sweep_${case}
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/sweep/sweep_${case}_test.py)
     set_tests_properties(sweep_${case} PROPERTIES SKIP_RETURN_CODE 77)
+  endforeach()
+
+  # Packages that use the installed library.
+  foreach(example example_package example_catkin_package)
+    add_test(NAME ${example}
+             COMMAND ${PROJECT_SOURCE_DIR}/test/example_package/check.sh ${PROJECT_BINARY_DIR} ${example})
   endforeach()
 
   # The window that these open; scripts/rviz_pictures looks at all of them. Skips itself without RViz.

@@ -1,11 +1,27 @@
 # The core and its tests without catkin.
+include(CMakePackageConfigHelpers)
+include(GNUInstallDirs)
 find_package(GTest REQUIRED)
 enable_testing()
 
 add_library(deformable_surface_core STATIC ${core_sources})
-target_include_directories(deformable_surface_core PUBLIC include)
-target_include_directories(deformable_surface_core SYSTEM PUBLIC ${EIGEN3_INCLUDE_DIRS})
-target_link_libraries(deformable_surface_core PUBLIC yaml-cpp Threads::Threads)
+target_include_directories(deformable_surface_core PUBLIC $<BUILD_INTERFACE:${PROJECT_SOURCE_DIR}/include>
+                           $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>)
+target_compile_features(deformable_surface_core PUBLIC cxx_std_17)
+target_link_libraries(deformable_surface_core PUBLIC Eigen3::Eigen yaml-cpp Threads::Threads)
+
+# What find_package(deformable_surface) finds; docs/cpp_api.md.
+set(config_folder ${CMAKE_INSTALL_LIBDIR}/cmake/deformable_surface)
+set_target_properties(deformable_surface_core PROPERTIES EXPORT_NAME core)
+install(TARGETS deformable_surface_core EXPORT deformable_surface ARCHIVE DESTINATION ${CMAKE_INSTALL_LIBDIR})
+install(EXPORT deformable_surface NAMESPACE deformable_surface:: FILE deformable_surfaceTargets.cmake DESTINATION ${config_folder})
+# While the major version is 0, a minor version may change what is public.
+write_basic_package_version_file(${PROJECT_BINARY_DIR}/deformable_surfaceConfigVersion.cmake VERSION ${package_version}
+                                 COMPATIBILITY SameMinorVersion)
+install(FILES cmake/deformable_surfaceConfig.cmake ${PROJECT_BINARY_DIR}/deformable_surfaceConfigVersion.cmake
+        DESTINATION ${config_folder})
+install_headers(${CMAKE_INSTALL_INCLUDEDIR})
+add_test(NAME example_package COMMAND ${PROJECT_SOURCE_DIR}/test/example_package/check.sh ${PROJECT_BINARY_DIR} example_package)
 
 foreach(source ${core_tests})
   get_filename_component(name ${source} NAME_WE)

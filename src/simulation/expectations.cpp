@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/cloud/kd_tree.h"
+#include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/geometry/fitted_shape.h"
 #include "deformable_surface/simulation/model_kind.h"
 

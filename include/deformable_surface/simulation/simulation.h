@@ -1,10 +1,7 @@
 // The world: one surface, what pushes on it, and the order of a step. The node and `simulate` drive this and nothing below it.
 #pragma once
 
-#include "deformable_surface/cloud/clean.h"
-#include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/cloud/point_cloud.h"
-#include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/simulation/accuracy_choice.h"
 #include "deformable_surface/simulation/commands.h"
 #include "deformable_surface/simulation/scene_params.h"

@@ -10,6 +10,7 @@
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
+#include "deformable_surface/base/version.h"
 #include "deformable_surface/io/cloud_filters.h"
 #include "deformable_surface/io/load_scene.h"
 #include "deformable_surface/io/point_files.h"
@@ -458,6 +459,10 @@ int simulate(const std::vector<std::string>& arguments, const Terminal& terminal
     const SimulateOptions options = parseOptions(arguments);
     if (options.help) {
       terminal.out << describeOptions();
+      return kDone;
+    }
+    if (options.version) {
+      terminal.out << version() << '\n';
       return kDone;
     }
     return Run(options, terminal).run();

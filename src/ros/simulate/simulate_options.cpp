@@ -14,7 +14,7 @@ namespace {
 const std::vector<std::string> kValueOptions{"--set",        "--duration", "--final",  "--filtered", "--frames",
                                              "--frame_rate", "--bag_in",   "--topic",  "--bag_out",  "--statistics",
                                              "--threads",    "--wrenches", "--measure"};
-const std::vector<std::string> kFlags{"--quiet", "--strict", "--help"};
+const std::vector<std::string> kFlags{"--quiet", "--strict", "--help", "--version"};
 
 std::string refuseUnknown(const std::string& option) {
   std::vector<std::string> known = kValueOptions;
@@ -85,7 +85,10 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
     }
     // Options without a value.
     if (std::find(kFlags.begin(), kFlags.end(), argument) != kFlags.end()) {
-      (argument == "--quiet" ? options.quiet : argument == "--strict" ? options.strict : options.help) = true;
+      (argument == "--quiet"    ? options.quiet
+       : argument == "--strict" ? options.strict
+       : argument == "--help"   ? options.help
+                                : options.version) = true;
       continue;
     }
     // Options with a value.
@@ -123,7 +126,7 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
   }
   options.assignments.insert(options.assignments.end(), late_assignments.begin(), late_assignments.end());
 
-  if (options.help) return options;
+  if (options.help || options.version) return options;
   if (options.scene.empty() && problems.empty())
     problems.push_back("found no scene; accepted: simulate SCENE.yaml [options], see --help");
   if (given.count("--frame_rate") > 0 && options.frames_directory.empty()) {
@@ -156,6 +159,7 @@ std::string describeOptions() {
          "  --threads N           worker threads; the result is the same for every N\n"
          "  --strict              exit status 4 if the scene's expectations are not kept\n"
          "  --quiet               errors and measured quantities only\n"
+         "  --version             print the version of the package\n"
          "  --serve               only alone: run after run as a program asks for them on the standard input (docs/sweeps.md)\n\n"
          "What the scene expects of its own cloud and duration is looked at after the last step: each bound that is not kept\n"
          "is a note, with --strict an error.\n"

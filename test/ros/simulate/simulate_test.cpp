@@ -4,6 +4,7 @@
 #include "deformable_surface/Statistics.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/base/version.h"
 #include "deformable_surface/io/point_files.h"
 
 #include <rosbag/view.h>
@@ -32,6 +33,11 @@ TEST_F(Simulate, PrintsHelpWithoutAScene) {
   for (const char* option : {"--set", "--duration", "--final", "--frames", "--frame_rate", "--bag_in", "--topic", "--bag_out",
                              "--statistics", "--threads", "--quiet"})
     EXPECT_NE(out_.find(option), std::string::npos) << option;
+}
+
+TEST_F(Simulate, PrintsItsVersionWithoutAScene) {
+  EXPECT_EQ(runWithoutScene({"--version"}), 0);
+  EXPECT_EQ(out_, std::string(version()) + "\n");
 }
 
 TEST_F(Simulate, RefusesWrongCommandLinesWithOneLineEach) {

@@ -1,0 +1,9 @@
+// The version of the library that runs, for logs and bug reports. The number itself stands in package.xml only.
+#pragma once
+
+namespace deformable_surface {
+
+/// As "0.1.0": major, minor and patch (docs/cpp_api.md says what may change between them).
+const char* version();
+
+}  // namespace deformable_surface
