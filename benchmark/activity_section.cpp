@@ -83,13 +83,13 @@ void runActivitySection(const Options&, Report& report) {
   setNumThreads(1);
   const cloud::PointCloud sheet = makeSwingingSheet(kPoints);
   const double tolerance = 1e-4 / std::sqrt(static_cast<double>(sheet.size()));  // the default
-  const double speed = tolerance / simulation::ActivityParams().quiet_time;
+  const double speed = tolerance / simulation::SleepParams().quiet_time;
   for (const bool has_hoop : {false, true}) {
     simulation::SceneParams scene = makeScene();
     if (has_hoop) addHoop(scene);
-    scene.activity.sleep = simulation::Sleep::kNever;
+    scene.sleep.mode = simulation::Sleep::kNever;
     Simulation awake(scene, sheet);
-    scene.activity.sleep = simulation::Sleep::kAuto;
+    scene.sleep.mode = simulation::Sleep::kAuto;
     Simulation sleeping(scene, sheet);
     const int warm_up = has_hoop ? kHoopWarmUp : kWarmUp;
     for (const double share : has_hoop ? std::vector<double>{1e-3} : std::vector<double>{0.0, 1e-5, 1e-3, 0.01, 0.1, 1.0}) {

@@ -16,7 +16,7 @@ namespace {
 simulation::SceneParams makeParams(const Neighborhoods& how) {
   simulation::SceneParams params;
   params.simplification.target_points = kTargetPoints;
-  params.neighbors.geodesicness = how.geodesicness;
+  params.neighbors.geodesic_exponent = how.geodesic_exponent;
   params.input.noise = how.noise;
   return params;
 }

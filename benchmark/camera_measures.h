@@ -12,7 +12,7 @@
 namespace deformable_surface::benchmark {
 
 struct Neighborhoods {
-  OrAuto<double> geodesicness, noise;
+  OrAuto<double> geodesic_exponent, noise;
 };
 
 /// A cloud that was set up, and what that took.

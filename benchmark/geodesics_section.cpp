@@ -21,7 +21,7 @@ constexpr unsigned kNumSeeds = 2;  // jittered clouds per row
 
 struct Form {
   const char* name;
-  OrAuto<double> geodesicness;
+  OrAuto<double> geodesic_exponent;
 };
 const Form kForms[] = {{"auto", {}}, {"4", 4.0}, {"8", 8.0}, {"15", 15.0}, {"25", 25.0}};
 
@@ -72,7 +72,7 @@ const Kind kKinds[] = {{"bars", makeBars<1>, true, false, false},
 
 void sweepGaps(Report& report) {
   report.begin("geodesics_gaps", "Coupling left within a part (should be 1) and across the gap (should be 0)",
-               {"cloud", "jitter", "gap", "geodesicness", "within", "across"});
+               {"cloud", "jitter", "gap", "geodesic_exponent", "within", "across"});
   const double gaps_of_sheets[] = {0.1, 0.2, 0.3, 0.4, 0.5, 0.6, 0.75, 1.0};
   const double gaps_of_bars[] = {1.0, 1.1, 1.2, 1.3, 1.4, 1.5, 1.6, 1.75, 2.0, 2.5};
   for (const Kind& kind : kKinds) {
@@ -81,7 +81,7 @@ void sweepGaps(Report& report) {
         for (double gap : gaps) {
           for (const Form& form : kForms) {
             // The exponent takes no normals.
-            if (!form.geodesicness.is_auto && kind.with_normals) continue;
+            if (!form.geodesic_exponent.is_auto && kind.with_normals) continue;
             test::Coupling mean;
             const unsigned num_seeds = jitter > 0.0 ? kNumSeeds : 1;
             for (unsigned seed = 1; seed <= num_seeds; ++seed) {
@@ -94,7 +94,7 @@ void sweepGaps(Report& report) {
               } else if (kind.with_normals) {
                 sides = {cloud::estimateNormals(cloud.positions, listed), false};
               }
-              const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(cloud.positions, sides, links, form.geodesicness);
+              const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(cloud.positions, sides, links, form.geodesic_exponent);
               const test::Coupling one =
                   test::measureCoupling(cloud, links, cloud::geodesicWeights(graph, cloud.positions, links));
               mean.within += one.within / num_seeds;
@@ -145,7 +145,7 @@ void measureTimes(const Options& options, Report& report) {
         for (const bool is_euclidean : {true, false}) {
           simulation::SceneParams scene;
           scene.simplification.target_points = countKept(n);
-          if (is_euclidean) scene.neighbors.geodesicness = 1.0;
+          if (is_euclidean) scene.neighbors.geodesic_exponent = 1.0;
           const double before = processorSeconds();
           simulation::buildRestSurface(scene, scan);
           double& best = is_euclidean ? euclidean : geodesic;

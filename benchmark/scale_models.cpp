@@ -38,7 +38,7 @@ SceneParams makeScene(const Model& model, Index n) {
   scene.cloud.shape = model.shape;
   scene.cloud.points = n;
   scene.accuracy.estimate = false;
-  scene.activity.sleep = simulation::Sleep::kNever;
+  scene.sleep.mode = simulation::Sleep::kNever;
   scene.simplification.method = cloud::SimplificationMethod::kNone;
   scene.mass_spring.membrane = model.membrane;
   scene.mass_spring.bending = model.bending;

@@ -126,7 +126,7 @@ void runTable1Section(const Options& options, Report& report) {
     // What is compared between versions starts from rest and takes a fixed number of steps.
     framed.reset();
     for (int i = 0; i < 20; ++i) framed.step();
-    report.add({std::to_string(ball.state().size()), std::to_string(ball.statistics().springs), showMilliseconds(force_pass.wall),
+    report.add({std::to_string(ball.state().size()), std::to_string(ball.statistics().links), showMilliseconds(force_pass.wall),
                 showMilliseconds(step.wall), showMilliseconds(findQuartiles(transfers).median), showMilliseconds(all.wall),
                 showPercent(all.spread), showMilliseconds(all.cpu), showMilliseconds(frame.wall), std::to_string(substeps),
                 show(kFrame / frame.wall), show(1e3 * rmsDistance(simplified, unsimplified)), show(1e3 * max_displacement),

@@ -12,7 +12,7 @@ catkin_python_setup()
 add_message_files(FILES DeformedUpdate.msg PinWrench.msg PointForce.msg Statistics.msg Tool.msg ToolArray.msg ToolPath.msg
                   Contact.msg ContactArray.msg
                   ToolStatus.msg ToolStatusArray.msg ToolWrench.msg ToolWrenchArray.msg)
-add_service_files(FILES EditParticles.srv FitSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
+add_service_files(FILES EditParticles.srv FitSurface.srv GrowSurface.srv List.srv Restore.srv SaveCloud.srv SelectRegion.srv SetMaterial.srv
                   Snapshot.srv Step.srv)
 add_action_files(FILES Rollout.action)
 generate_messages(DEPENDENCIES actionlib_msgs geometry_msgs sensor_msgs shape_msgs std_msgs)

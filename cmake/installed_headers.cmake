@@ -40,7 +40,7 @@ set(included_headers
     model/oriented_particles/growth_params.h
     model/oriented_particles/oriented_particles_params.h
     simulation/accuracy_choice.h
-    simulation/activity_params.h
+    simulation/sleep_params.h
     simulation/contact_params.h
     simulation/input_filter_params.h
     simulation/model_params.h

@@ -74,7 +74,10 @@ class Demo:
         self.strength = float(rospy.get_param("~force", 2.0))
         self.radius = float(rospy.get_param("~radius", 0.0))
         self.duration = float(rospy.get_param("~duration", 8.0))
-        self.patience = float(rospy.get_param("~patience", 120.0))  # s of wall time; a slow machine may fall behind real time
+        old_timeout = rospy.get_param("~patience", "")
+        if old_timeout:
+            rospy.logwarn("patience is now called timeout; the old name goes with version 0.3")
+        self.timeout = float(old_timeout or rospy.get_param("~timeout", 120.0))  # s of wall time; a slow machine may fall behind
         self.frame = rospy.get_param("~frame", "world")
         self.azimuth = float(rospy.get_param("~azimuth", -60.0))
         self.height = float(rospy.get_param("~height", 0.3))
@@ -128,7 +131,7 @@ class Demo:
         """Returns the sentence that says why the demo failed, or nothing."""
         rospy.on_shutdown(self.ended.set)
         self.publish_scan()
-        ended = self.ended.wait(self.patience)
+        ended = self.ended.wait(self.timeout)
         if rospy.is_shutdown():
             return "it was shut down before its end; nothing is written"
         if self.refusal:
@@ -136,9 +139,9 @@ class Demo:
         with self.lock:
             self.ended.set()
             if self.rest is None or self.best is None or self.last is None:
-                return "no deformed surface with statistics arrived within %g s; nothing is written" % self.patience
+                return "no deformed surface with statistics arrived within %g s; nothing is written" % self.timeout
         if not ended:
-            rospy.logwarn("the demo did not reach %g simulated seconds within %g s; ending it here", self.duration, self.patience)
+            rospy.logwarn("the demo did not reach %g simulated seconds within %g s; ending it here", self.duration, self.timeout)
         self.write_results(self.end_recording())
         return None
 

@@ -44,7 +44,7 @@ material: {{young_modulus: 1.0e5, thickness: 0.001, bending_rigidity: {rigidity}
 simplification: {{method: none}}
 oriented_particles:
   spacing: {spacing}
-  fit: true
+  grow_surface: true
   growth: {{min_gap: 1.6, max_gap: {max_gap}, clearance: 0.65, sample_gap: {sample_gap}, max_passes: 60, {release}}}
 gravity: [0, 0, 0]
 duration: 0.01

@@ -16,7 +16,7 @@ JITTER = "0.2"  # the rows that are drawn; all are in the file
 
 def draw_cloud(axes, name, rows):
     for form, colour in COLOURS.items():
-        mine = [r for r in rows if r["geodesicness"] == form]
+        mine = [r for r in rows if r["geodesic_exponent"] == form]
         gaps = [float(r["gap"]) for r in mine]
         width = 2.2 if form == "auto" else 1.0
         axes.plot(gaps, [float(r["across"]) for r in mine], color=colour, linewidth=width, marker=".")

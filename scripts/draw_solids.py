@@ -19,8 +19,8 @@ import point_files  # noqa: E402
 SCENES = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "scenes")
 FIGURES = [("two_bars_solid", "Fig. 8: two bars", (0, 2)), ("trousers", "Fig. 9: trousers", (0, 1)),
            ("octopus", "Fig. 10: an octopus waves", (0, 1))]
-COLUMNS = [("at rest", ["duration=0.01", "gravity=[0, 0, 0]"]), ("nearest in space (1)", ["neighbors.geodesicness=1"]),
-           ("as published (15)", ["neighbors.geodesicness=15"]), ("auto", [])]
+COLUMNS = [("at rest", ["duration=0.01", "gravity=[0, 0, 0]"]), ("nearest in space (1)", ["neighbors.geodesic_exponent=1"]),
+           ("as published (15)", ["neighbors.geodesic_exponent=15"]), ("auto", [])]
 # Scene, title, times from rest, axes.
 OTHERS = [("solid_ball", "a filled ball falls on a floor", (0.01, 0.18, 2.0), (0, 2)),
           ("solid_plastic", "pressed down, let go: it stays bent", (0.01, 0.5, 2.0), (0, 2))]

@@ -8,7 +8,7 @@ import sys
 import numpy as np
 import rospy
 from deformable_surface.msg import Statistics, Tool, ToolArray, ToolWrenchArray
-from deformable_surface.srv import EditParticles, EditParticlesRequest, FitSurface
+from deformable_surface.srv import EditParticles, EditParticlesRequest, GrowSurface
 from geometry_msgs.msg import Pose
 from sensor_msgs.msg import PointCloud2
 from shape_msgs.msg import SolidPrimitive
@@ -55,7 +55,7 @@ class Modeller:
         self.cloud = rospy.Publisher("cloud_in", PointCloud2, queue_size=1, latch=True)
         self.tools = rospy.Publisher("tools", ToolArray, queue_size=10)
         self.edit_service = rospy.ServiceProxy("edit", EditParticles)
-        self.fit_service = rospy.ServiceProxy("fit", FitSurface)
+        self.grow_service = rospy.ServiceProxy("grow_surface", GrowSurface)
         rospy.Subscriber("simulation_points", PointCloud2, self.take_points, queue_size=1)
         rospy.Subscriber("statistics", Statistics, self.take_statistics, queue_size=1)
         rospy.Subscriber("tool_wrenches", ToolWrenchArray, self.take_wrenches, queue_size=1)
@@ -107,9 +107,9 @@ class Modeller:
         sizes = np.linalg.svd(points - points.mean(axis=0), compute_uv=False)
         return sizes[1 if self.plane else 2] / np.sqrt(len(points)) / self.spacing
 
-    def fit(self):
-        fitted = self.fit_service()
-        self.require(fitted.success, fitted.message)
+    def grow_surface(self):
+        grown = self.grow_service()
+        self.require(grown.success, grown.message)
         self.wait_for_rest()
 
     def move_ball(self, start, end, seconds, radius, mode=Tool.SOLID):
@@ -141,7 +141,7 @@ class Modeller:
         if rospy.get_param("~spray_only", False):
             return
         self.wait_for_rest()
-        self.fit()
+        self.grow_surface()
         parts, thickness = count_parts(self.points, 1.6 * a), self.measure_thickness(self.points)
         self.note("a chain" if self.plane else "a sheet", "%d particles, %d part, %.2f spacings thick" %
                   (len(self.points), parts, thickness))
@@ -205,7 +205,7 @@ class Modeller:
         self.edit(EditParticlesRequest.ADD, positions=added)
         self.wait("more particles", lambda: len(self.points) == few + len(added))
         self.wait_for_rest()
-        self.fit()
+        self.grow_surface()
         parts = count_parts(self.points, 1.6 * a)
         self.note("added to", "%d particles, %d part" % (len(self.points), parts))
         self.require(parts == 1, "what was added did not join: there are %d parts" % parts)

@@ -49,7 +49,7 @@ simulation::SceneParams makeScene(double damping) {
   scene.material.density = kDensity;
   scene.material.damping = damping;
   scene.simplification.method = cloud::SimplificationMethod::kNone;
-  scene.neighbors.geodesicness = OrAuto<double>(1.0);  // there are no gaps
+  scene.neighbors.geodesic_exponent = OrAuto<double>(1.0);  // there are no gaps
   scene.gravity.setZero();
   scene.integrator.time_step = 0.01;
   return scene;

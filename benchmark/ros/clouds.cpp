@@ -11,7 +11,7 @@ namespace {
 // A sheet that swings for ever, so that nothing rests.
 std::string makeScene(int target_points, double publish_rate) {
   return "{model: mass_spring, simplification: {target_points: " + std::to_string(target_points) +
-         "}, material: {young_modulus: 1.0e4}, integrator: {time_step: 0.01}, activity: {sleep: never}, "
+         "}, material: {young_modulus: 1.0e4}, integrator: {time_step: 0.01}, sleep: {mode: never}, "
          "pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}], output: {publish_rate: " +
          std::to_string(publish_rate) + "}}";
 }

@@ -10,7 +10,7 @@ namespace deformable_surface::benchmark {
 namespace {
 
 std::string makeScene(const std::string& policy) {
-  return "{model: mass_spring, simplification: {target_points: 400}, material: {young_modulus: 1.0e4}, activity: {sleep: never}, "
+  return "{model: mass_spring, simplification: {target_points: 400}, material: {young_modulus: 1.0e4}, sleep: {mode: never}, "
          "integrator: {time_step: 0.01}, pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}], input: {policy: " +
          policy + "}}";
 }

@@ -98,20 +98,21 @@ void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph
 }  // namespace
 
 GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
-                                 const OrAuto<double>& geodesicness, double min_gap) {
+                                 const OrAuto<double>& geodesic_exponent, double min_gap) {
   const Index n = neighbors.size();
   if (static_cast<Index>(positions.size()) != n || (!sides.normals.empty() && static_cast<Index>(sides.normals.size()) != n)) {
     throw InputError("buildGeodesicGraph: " + std::to_string(positions.size()) + " positions, " +
                      std::to_string(sides.normals.size()) + " normals and " + std::to_string(n) +
                      " neighbour lists; the three numbers must be equal, or there must be no normals");
   }
-  if (!geodesicness.is_auto && !(geodesicness.value >= 1.0)) {
-    throw InputError("buildGeodesicGraph: geodesicness is " + std::to_string(geodesicness.value) + "; it must be at least 1");
+  if (!geodesic_exponent.is_auto && !(geodesic_exponent.value >= 1.0)) {
+    throw InputError("buildGeodesicGraph: geodesic_exponent is " + std::to_string(geodesic_exponent.value) +
+                     "; it must be at least 1");
   }
 
   GeodesicGraph graph;
-  if (!geodesicness.is_auto) {
-    const double gamma = geodesicness.value, spacing = findMedianSpacing(positions, neighbors);
+  if (!geodesic_exponent.is_auto) {
+    const double gamma = geodesic_exponent.value, spacing = findMedianSpacing(positions, neighbors);
     collectLinks(
         neighbors,
         [&](Index i, Index j, double& cost) {

@@ -2,6 +2,8 @@
 // and repeated keys are refused before anything grows.
 #include "deformable_surface/io/scene.h"
 
+#include "deformable_surface/io/scene_old_names.h"
+
 #include <yaml-cpp/eventhandler.h>
 #include <yaml-cpp/exceptions.h>
 #include <yaml-cpp/parser.h>
@@ -204,8 +206,10 @@ void setByPath(Value& root, const std::string& assignment) {
 }
 
 simulation::SceneParams readScene(const Value& value) {
+  Value scene = value;
   simulation::SceneParams params;
-  std::vector<std::string> problems = readParams(value, params);
+  params.notices = renameOldKeys(scene);
+  std::vector<std::string> problems = readParams(scene, params);
   if (!problems.empty()) throw InputError(std::move(problems));
   return params;
 }

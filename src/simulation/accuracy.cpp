@@ -153,7 +153,7 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   SceneParams quiet = params;
   quiet.integrator.type = type;
   quiet.accuracy = AccuracyParams{};
-  quiet.activity.sleep = Sleep::kNever;  // what is timed is a surface in motion
+  quiet.sleep.mode = Sleep::kNever;  // what is timed is a surface in motion
   quiet.output.resample = false;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, points));
   if (params.accuracy.estimate && trial.dynamics().kind().traits().has_estimate) trial.estimateError();

@@ -8,7 +8,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kCaution = 3.0;     // of estimates of a way by its largest speed and force; measured in docs/activity.md
+constexpr double kCaution = 3.0;     // of estimates of a way by its largest speed and force; measured in docs/sleep.md
 constexpr double kTolerance = 1e-4;  // of the spacing: far below what the spacing itself leaves wrong
 constexpr Index kTilePoints = 16;    // four by four: little more than a poke moves, and few enough lists
 constexpr int kLooks = 8;            // in a quiet time: a look costs two evaluations of the forces
@@ -40,7 +40,7 @@ void split(const Points& points, std::vector<Index>::iterator begin, std::vector
 
 }  // namespace
 
-Activity::Activity(const ActivityParams& params, const Points& points, double spacing, double step,
+Activity::Activity(const SleepParams& params, const Points& points, double spacing, double step,
                    const model::DeformableModel& model, bool in_parts)
     : model_(model),
       tolerance_(params.tolerance.valueOr(kTolerance * spacing)),

@@ -3,7 +3,7 @@
 #pragma once
 
 #include "deformable_surface/base/types.h"
-#include "deformable_surface/simulation/activity_params.h"
+#include "deformable_surface/simulation/sleep_params.h"
 #include "deformable_surface/solve/system.h"
 
 #include <Eigen/Geometry>
@@ -33,7 +33,7 @@ class Activity {
 
   /// points: at rest; spacing (m) theirs; step (s). model is kept by reference. in_parts: else, and if the model cannot be taken
   /// in parts, all of it is one tile, whose points may change in number.
-  Activity(const ActivityParams& params, const Points& points, double spacing, double step, const model::DeformableModel& model,
+  Activity(const SleepParams& params, const Points& points, double spacing, double step, const model::DeformableModel& model,
            bool in_parts);
 
   double speed() const { return tolerance_ / quiet_time_; }  // m/s

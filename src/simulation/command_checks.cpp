@@ -130,7 +130,7 @@ void checkCommand(const command::SetState& c, const Dynamics& dynamics) {
   }
 }
 
-void checkCommand(const command::Fit& c, const Dynamics& dynamics) {
+void checkCommand(const command::GrowSurface& c, const Dynamics& dynamics) {
   requireParticles(dynamics);
   refuse(checkParams(c.growth));
 }

@@ -34,7 +34,7 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
       loads_(*model_, params),
       system_(*model_, loads_.acting(), held_, params.material.damping, &held_turns_),
       march_(system_, *model_, params_.integrator),
-      activity_(params.activity, rest_->points, findSpacing(*rest_), params.integrator.time_step, *model_, canBeInParts()) {
+      activity_(params.sleep, rest_->points, findSpacing(*rest_), params.integrator.time_step, *model_, canBeInParts()) {
   chosen_.made = params.material;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   if (params.contact.self) {

@@ -180,7 +180,7 @@ class Dynamics {
   Changes perform(const command::Observe& c);
   Changes perform(const command::SetState& c);
   Changes perform(const command::EditParticles& c);
-  Changes perform(const command::Fit& c);
+  Changes perform(const command::GrowSurface& c);
   Changes replaceTools(std::vector<tool::ToolParams> tools);
   std::vector<Index> pinInside(const geometry::Region& region, std::vector<char>& inside);
   Changes changeForce(const std::string& id);

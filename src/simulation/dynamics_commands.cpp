@@ -197,7 +197,7 @@ Changes Dynamics::perform(const command::Observe& c) {
   Points normals;
   computeAreaVectors(*model_, now_.points, normals);
   for (Vec3& normal : normals) normal.normalize();
-  loads_.track.observe(*c.cloud, now_.points, normals, params_.input.track_distance.valueOr(kReach * activity_.spacing()));
+  loads_.track.observe(*c.cloud, now_.points, normals, params_.input.tracking_distance.valueOr(kReach * activity_.spacing()));
   Changes changes;
   changes.loads = changes.motion = changes.everywhere = true;
   return changes;
@@ -234,9 +234,9 @@ Changes Dynamics::perform(const command::EditParticles& c) {
   return changes;
 }
 
-Changes Dynamics::perform(const command::Fit& c) {
+Changes Dynamics::perform(const command::GrowSurface& c) {
   Changes changes;
-  const Population grown = evolution_->fit(c.growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
+  const Population grown = evolution_->growSurface(c.growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
   followPopulation(grown);
   changes.notice = grown.notice;
   adopt(*model_, now_.points);  // the particles of before may have moved

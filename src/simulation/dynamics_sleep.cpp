@@ -15,8 +15,8 @@ bool Dynamics::canBeInParts() const {
 }
 
 bool Dynamics::maySleep() const {
-  if (params_.activity.sleep == Sleep::kNever) return false;
-  if (params_.activity.sleep == Sleep::kAuto && params_.integrator.type == IntegratorType::kExplicitEuler) return false;
+  if (params_.sleep.mode == Sleep::kNever) return false;
+  if (params_.sleep.mode == Sleep::kAuto && params_.integrator.type == IntegratorType::kExplicitEuler) return false;
   if (!loads_.track.seen().empty()) return false;
   if (params_.output.resample) return false;  // what is inserted can ask for more in the next step
   return evolution_->maySleep();

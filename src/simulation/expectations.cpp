@@ -101,7 +101,7 @@ std::optional<double> findFittedQuantity(const std::string& name, const Simulati
 
 // Particles may all be gone: what counts them is then 0, what is measured of them is nothing.
 void requirePoints(const std::string& name, Index points) {
-  static const char* const kCounts[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "born", "gone"};
+  static const char* const kCounts[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "added", "removed"};
   if (std::find(std::begin(kCounts), std::end(kCounts), name) != std::end(kCounts)) return;
   const Index least = name.rfind("spacing", 0) == 0 ? 2 : 1;
   if (points < least)
@@ -127,8 +127,8 @@ std::optional<double> findLinkQuantity(const std::string& name, const Simulation
 // What only some models have.
 void refuseOthers(const std::string& name) {
   static const char* const kNames[] = {"boundary_loops", "euler_characteristic", "spacing_mean",
-                                       "spacing_cv",     "spacing_max",          "born",
-                                       "gone",           "principal_angle_mean", "touching"};
+                                       "spacing_cv",     "spacing_max",          "added",
+                                       "removed",        "principal_angle_mean", "touching"};
   if (std::find(std::begin(kNames), std::end(kNames), name) != std::end(kNames))
     throw InputError(name + ": found a model without particles; accepted: model: " + listModels(&ModelTraits::has_population));
 }

@@ -9,7 +9,7 @@ LoadSet::LoadSet(const model::DeformableModel& model, const SceneParams& params)
       forces(model.masses()),
       contact(model.masses()),
       friction(contact),
-      track(model.masses(), params.input.track_gain) {}
+      track(model.masses(), params.input.tracking_gain) {}
 
 void LoadSet::choose() {
   acting_.clear();

@@ -61,7 +61,8 @@ void leaveOut(const std::string& why, const Parts& parts, const std::vector<char
 }
 
 void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s) {
-  leaveOut("input.keep_parts " + std::to_string(params.input.keep_parts), parts, markLargest(parts, params.input.keep_parts), s);
+  leaveOut("input.largest_parts " + std::to_string(params.input.largest_parts), parts,
+           markLargest(parts, params.input.largest_parts), s);
 }
 
 void LooseParts::follow(Index n, const std::vector<std::pair<Index, Index>>* links) {

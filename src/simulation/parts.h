@@ -29,7 +29,7 @@ std::vector<char> markLargest(const Parts& parts, Index most);
 /// says how many and why.
 void leaveOut(const std::string& why, const Parts& parts, const std::vector<char>& kept, RestSurface& s);
 
-/// Of a scene with input.keep_parts: leaves only that many largest parts of the dense points.
+/// Of a scene with input.largest_parts: leaves only that many largest parts of the dense points.
 void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s);
 
 /// Of an equilibrium: the parts that neither a held point nor a load that resists motion holds, nor perhaps a tool, though their

@@ -9,7 +9,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "unheld.h"
+#include "unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -59,7 +59,7 @@ void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s) {
 std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const Points& points, Lists& neighbors,
                                      RestSurface& s) {
   if (params.areEuclidean()) return {};
-  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesicness);
+  const cloud::GeodesicGraph graph = cloud::buildGeodesicGraph(points, {}, neighbors, params.geodesic_exponent);
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
   neighbors = std::move(found.lists);
   noteGaps(found, s);
@@ -143,7 +143,7 @@ void applyPins(const SceneParams& params, RestSurface& s) {
                        "]: the points it holds belong to no surface (they are too far from all others); "
                        "accepted: a shape that holds a point of the surface");
   }
-  if (params.input.unheld == Unheld::kFreeze) freezeUnheld(params, s);
+  if (params.input.unconstrained_parts == UnconstrainedParts::kFreeze) freezeUnconstrained(params, s);
   if (std::find(s.pinned.begin(), s.pinned.end(), 0) == s.pinned.end())
     s.warnings.push_back("pins hold every simulation point: nothing can move");
 }

@@ -27,7 +27,7 @@ bool isBandOfRows(const Points& points, double spacing);
 double measureBand(const Points& points, const PinParams& pin);
 bool isBandOfRows(const Points& points, const PinParams& pin, double spacing);
 
-/// Which simulation points the scene's pins hold, and with input.unheld: freeze those of parts that nothing holds.
+/// Which simulation points the scene's pins hold, and with input.unconstrained_parts: freeze those of parts that nothing holds.
 void applyPins(const SceneParams& params, RestSurface& s);
 
 /// Neighbours of a body's points, in space or over the body, and the weights of their detours (empty: all one). neighbors: their

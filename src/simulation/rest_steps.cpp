@@ -12,7 +12,7 @@
 #include "accuracy.h"
 #include "parts.h"
 #include "rest_parts.h"
-#include "unheld.h"
+#include "unconstrained_parts.h"
 #include "wanted_spacing.h"
 
 namespace deformable_surface::simulation {
@@ -82,7 +82,7 @@ std::vector<double> wantSpacing(const SceneParams& params, const std::vector<cha
 
 Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   const cloud::NeighborsParams& params = scene.neighbors;
-  if (!s.pixel_links.isEmpty() && params.geodesicness.is_auto) {
+  if (!s.pixel_links.isEmpty() && params.geodesic_exponent.is_auto) {
     s.dense_neighbors =
         cloud::findNeighbors(s.pixel_links, s.dense.point_of_input, s.dense.positions, 2 * params.k, scene.input.min_gap);
     return {};
@@ -95,7 +95,7 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   sides.normals = is_given ? s.dense.normals : cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   const Points& positions = s.dense.positions;
   const cloud::GeodesicGraph graph =
-      cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesicness, scene.input.min_gap);
+      cloud::buildGeodesicGraph(positions, sides, s.dense_neighbors, params.geodesic_exponent, scene.input.min_gap);
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, positions, sides, std::move(s.dense_neighbors));
   s.dense_neighbors = std::move(found.lists);
   noteGaps(found, s);
@@ -109,8 +109,9 @@ Points findBodyNeighbors(const SceneParams& params, RestSurface& s) {
 }
 
 void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s) {
-  if (params.input.keep_parts > 0) keepLargestParts(params, findDenseParts(params, find, s), s);
-  if (params.input.unheld == Unheld::kDrop) dropUnheld(params, findDenseParts(params, find, s), s);
+  if (params.input.largest_parts > 0) keepLargestParts(params, findDenseParts(params, find, s), s);
+  if (params.input.unconstrained_parts == UnconstrainedParts::kDrop)
+    dropUnconstrained(params, findDenseParts(params, find, s), s);
 }
 
 cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s) {

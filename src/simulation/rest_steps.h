@@ -17,7 +17,7 @@ Points findNeighbors(const SceneParams& params, RestSurface& s);
 /// The same in space, or over a body. The normals are zero, to which every link is flat.
 Points findBodyNeighbors(const SceneParams& params, RestSurface& s);
 
-/// Leaves out of the dense points the parts that input.keep_parts and input.unheld do not keep.
+/// Leaves out of the dense points the parts that input.largest_parts and input.unconstrained_parts do not keep.
 void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s);
 
 /// Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent

@@ -2,14 +2,14 @@
 
 #include "deformable_surface/simulation/model_kind.h"
 
-#include "unheld.h"
+#include "unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
 
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = findModel(params.model).makeRest(params, input, coarsest, choose);
-  noteUnheld(params, s);
+  noteUnconstrained(params, s);
   return s;
 }
 

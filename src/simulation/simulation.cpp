@@ -26,9 +26,11 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
     : shared_input(std::make_shared<const cloud::PointCloud>(std::move(cloud))),
       run(params, std::move(rest)),
       surface(dynamics().rest(), input, dynamics().params(), dynamics().makeFollower()),
-      notes(dynamics().rest().notes),
+      notes(params.notices),
       scene_hash(identify(dynamics().rest(), params)),
       choice(std::move(chosen)) {
+  const std::vector<std::string>& built = dynamics().rest().notes;
+  notes.insert(notes.end(), built.begin(), built.end());
   dynamics().setCutFollower(&surface);
   if (!dynamics().growthNotice().empty()) notes.push_back(dynamics().growthNotice());
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
@@ -172,7 +174,7 @@ void Simulation::observe(const cloud::PointCloud& cloud) { observe(std::make_sha
 void Simulation::observe(std::shared_ptr<const ObservedCloud> cloud) { apply(command::Observe{std::move(cloud)}); }
 void Simulation::setParams(const SceneParams& params) { apply(command::SetParams{params}); }
 std::vector<Index> Simulation::editParticles(const ParticleEdit& edit) { return apply(command::EditParticles{edit}).added; }
-std::string Simulation::fit(const model::GrowthParams& growth) { return apply(command::Fit{growth}).notice; }
+std::string Simulation::growSurface(const model::GrowthParams& growth) { return apply(command::GrowSurface{growth}).notice; }
 
 std::vector<std::string> Simulation::forceIds() const {
   std::vector<std::string> ids;

@@ -26,7 +26,7 @@ void Simulation::Impl::measureState() {
   const model::DeformableModel& model = now.model();
   statistics.points = static_cast<std::uint32_t>(input.positions.size());
   statistics.simulation_points = static_cast<std::uint32_t>(state.size());
-  statistics.springs = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());
+  statistics.links = static_cast<std::uint32_t>(stretchLinksOf(model).size() + bendLinksOf(model).size());
   statistics.awake = 0;
   for (Index i = 0; i < state.size(); ++i) statistics.awake += !now.held()[i] && now.activity().isMoving(i);
   statistics.kinetic_energy = now.system().kineticEnergy(state);
@@ -37,8 +37,8 @@ void Simulation::Impl::measureState() {
   for (const Vec3& v : state.velocities) squared_speed = std::max(squared_speed, v.squaredNorm());
   statistics.max_speed = std::sqrt(squared_speed);
   statistics.has_snapped = now.hasSnapped();
-  statistics.track_residual = now.loads().track.residual(state);
-  statistics.track_points = static_cast<std::uint32_t>(now.loads().track.seen().size());
+  statistics.tracking_residual = now.loads().track.residual(state);
+  statistics.tracked_points = static_cast<std::uint32_t>(now.loads().track.seen().size());
   if (SelfContactLoads* const self = now.loads().self_contact.get()) {
     statistics.self_contacts = static_cast<std::uint32_t>(self->contact.countTouching(state.positions));
     statistics.self_distance = self->contact.leastDistance(state.positions);
@@ -55,7 +55,7 @@ void Simulation::Impl::readEstimate(Statistics& into) const {
   into.error_time = run.timeError();
   into.error_space = estimator->space();
   into.error_transfer = estimator->transfer();
-  into.error_softening = softening;
+  into.error_stiffness = softening;
   into.error_calibrated = estimator->isCalibrated();
   into.may_buckle = estimator->mayBuckle();
   into.error_estimate = estimator->total() + softening + dynamics().activity().lost();

@@ -50,8 +50,9 @@ Lists findWithin(const Points& points, double radius) {
   return lists;
 }
 
-Coupling couple(const Gapped& cloud, const Lists& links, const SurfaceSides& sides, const OrAuto<double>& geodesicness = {}) {
-  const GeodesicGraph graph = buildGeodesicGraph(cloud.positions, sides, links, geodesicness);
+Coupling couple(const Gapped& cloud, const Lists& links, const SurfaceSides& sides,
+                const OrAuto<double>& geodesic_exponent = {}) {
+  const GeodesicGraph graph = buildGeodesicGraph(cloud.positions, sides, links, geodesic_exponent);
   return measureCoupling(cloud, links, geodesicWeights(graph, cloud.positions, links));
 }
 
@@ -305,11 +306,11 @@ TEST(Geodesics, UnitsDoNotMatter) {
   Points millimetres = bars.positions;
   for (Vec3& p : millimetres) p *= 1000.0;
   const Lists links = nearestNeighbors(bars.positions, kListed);
-  for (const OrAuto<double>& geodesicness : {OrAuto<double>(), OrAuto<double>(15.0), OrAuto<double>(60.0)}) {
+  for (const OrAuto<double>& geodesic_exponent : {OrAuto<double>(), OrAuto<double>(15.0), OrAuto<double>(60.0)}) {
     const std::vector<double> in_metres =
-        geodesicWeights(buildGeodesicGraph(bars.positions, {}, links, geodesicness), bars.positions, links);
+        geodesicWeights(buildGeodesicGraph(bars.positions, {}, links, geodesic_exponent), bars.positions, links);
     const std::vector<double> in_millimetres =
-        geodesicWeights(buildGeodesicGraph(millimetres, {}, links, geodesicness), millimetres, links);
+        geodesicWeights(buildGeodesicGraph(millimetres, {}, links, geodesic_exponent), millimetres, links);
     // Weights vary by about one per unit of detour; the trust radii come from float lengths.
     for (std::size_t e = 0; e < in_metres.size(); ++e) ASSERT_NEAR(in_metres[e], in_millimetres[e], 1e-5);
   }
@@ -409,9 +410,9 @@ TEST(Geodesics, PointsInLineFarOutliersAndSinglePointsHaveDistances) {
   Points points;
   for (int i = 0; i < 40; ++i) points.emplace_back(0.1 * i, 0.0, 0.0);
   points.emplace_back(1e5, 0.0, 0.0);
-  for (const OrAuto<double>& geodesicness : {OrAuto<double>(), OrAuto<double>(64.0)}) {
+  for (const OrAuto<double>& geodesic_exponent : {OrAuto<double>(), OrAuto<double>(64.0)}) {
     const Lists links = nearestNeighbors(points, 8);
-    const GeodesicGraph graph = buildGeodesicGraph(points, {}, links, geodesicness);
+    const GeodesicGraph graph = buildGeodesicGraph(points, {}, links, geodesic_exponent);
     const std::vector<double> distance = findGeodesicDistances(graph, points, links);
     for (Index e = links.offsets[5]; e < links.offsets[6]; ++e) {
       EXPECT_NEAR(distance[e], 0.1 * std::abs(links.items[e] - 5), 1e-12);

@@ -49,7 +49,7 @@ material:
   density: 900
   damping: 0.5
   spring_damping: 0.001
-neighbors: {k: 12, geodesicness: 1, radius: auto}
+neighbors: {k: 12, geodesic_exponent: 1, radius: auto}
 simplification: {method: none, target_points: 0, threshold: 0.1}
 mass_spring: {membrane: triangles, bending: none, volume_stiffness: 10.0}
 oriented_particles: {}

@@ -257,8 +257,8 @@ def check_track():
                         "--duration", "%.2f" % (np.ceil(length * 100) / 100 + 1.0)], check=True)
         with open(table) as stream:
             rows = list(csv.DictReader(stream))
-    residuals = np.array([float(row["track_residual"]) for row in rows])
-    seen = int(rows[-1]["track_points"])
+    residuals = np.array([float(row["tracking_residual"]) for row in rows])
+    seen = int(rows[-1]["tracked_points"])
     print("moved by up to %.3g m; %d points seen; residual at most %.3g m, %.3g m in the end" %
           (moved, seen, np.nanmax(residuals), residuals[-1]))
     assert seen > 150, seen

@@ -293,7 +293,7 @@ State cylinderWithAxes(const OrientedParticlesParams& params) {
 TEST(OrientedParticlesStates, XAxesSettleAlongOrAcrossTheAxisOfACylinderAndNothingElseMoves) {
   for (model::PrincipalDirection principal : {model::PrincipalDirection::kSigned, model::PrincipalDirection::kAbsolute}) {
     OrientedParticlesParams p;
-    p.spin = 1.0;
+    p.axis_alignment_rate = 1.0;
     p.principal = principal;
     const State begin = cylinderWithAxes(p);
     const OrientedParticles particles = makeModel(begin.size(), p);
@@ -321,7 +321,7 @@ TEST(OrientedParticlesStates, XAxesSettleAlongOrAcrossTheAxisOfACylinderAndNothi
 
 TEST(OrientedParticlesStates, XAxesTurnAsFarInOneStepAsInMany) {
   OrientedParticlesParams p;
-  p.spin = 60.0;
+  p.axis_alignment_rate = 60.0;
   State once = cylinderWithAxes(p);
   const State begin = once;
   const OrientedParticles particles = makeModel(once.size(), p);
@@ -339,7 +339,7 @@ TEST(OrientedParticlesStates, XAxesTurnAsFarInOneStepAsInMany) {
 
 TEST(OrientedParticlesStates, ARunWithSpinHasTheBitsOfOneWithout) {
   OrientedParticlesParams p;
-  p.spin = 5.0;
+  p.axis_alignment_rate = 5.0;
   const OrientedParticles with = makeModel(40, p), without = makeModel(40, {});
   State s = randomState(12, 2);
   Points forces, torques, forces_without, torques_without;

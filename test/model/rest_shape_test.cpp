@@ -154,7 +154,7 @@ TEST(RestShape, FlowKeepsWhatIsBeyondTheYieldAndNothingBelow) {
 
 TEST(RestShape, FlowTurnsAndForcesHaveTheSameBitsForAnyNumberOfThreads) {
   OrientedParticlesParams p = plastic(1.0);
-  p.spin = 100.0;
+  p.axis_alignment_rate = 100.0;
   State start = hexagonalPatch(30, 30);  // several blocks
   std::mt19937 generator(2);
   for (Index i = 0; i < start.size(); ++i) {

@@ -5,7 +5,7 @@
 #include "node_process.h"
 
 #include "deformable_surface/EditParticles.h"
-#include "deformable_surface/FitSurface.h"
+#include "deformable_surface/GrowSurface.h"
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/SaveCloud.h"
 #include "deformable_surface/SelectRegion.h"
@@ -97,7 +97,7 @@ class NodeClient {
   }
 
   EditParticlesResponse edit(const EditParticlesRequest& request) { return call<EditParticles>("edit", request); }
-  FitSurfaceResponse fit(const FitSurfaceRequest& request) { return call<FitSurface>("fit", request); }
+  GrowSurfaceResponse growSurface(const GrowSurfaceRequest& request) { return call<GrowSurface>("grow_surface", request); }
 
   ros::NodeHandle& handle() { return handle_; }
 

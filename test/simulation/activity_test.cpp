@@ -31,7 +31,7 @@ SceneParams dampedSheet() {
   p.material.young_modulus = 2e4;
   p.gravity = Vec3(1.0, 0.0, 0.0);
   p.simplification.target_points = 120;
-  p.activity.quiet_time = kQuietTime;
+  p.sleep.quiet_time = kQuietTime;
   p.accuracy.estimate = false;
   return p;
 }
@@ -70,7 +70,7 @@ TEST(Activity, ASurfaceInBalanceSleepsFromTheFirstStep) {
   EXPECT_EQ(s.statistics().substeps, 0u);
   EXPECT_NEAR(s.time(), 0.03, 1e-12);
   EXPECT_EQ(s.stepCount(), 3u);
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, sheetCloud());
   run(never, 3);
   EXPECT_FALSE(isAsleep(never));
@@ -90,7 +90,7 @@ TEST(Activity, WhatACommandMeantIsSaidThoughAllFallAsleepInItsStep) {
 TEST(Activity, ADampedSheetFallsAsleepWithinTheToleranceOfWhereItWouldLie) {
   SceneParams p = dampedSheet();
   Simulation s(p, sheetCloud());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, sheetCloud());
   const double tolerance = 1e-4 * std::sqrt(1.0 / 120);  // the default
   const int steps = runUntilAsleep(s);
@@ -108,7 +108,7 @@ TEST(Activity, ADampedSheetFallsAsleepWithinTheToleranceOfWhereItWouldLie) {
 TEST(Activity, UntilItSleepsEveryBitIsAsWithoutSleeping) {
   SceneParams p = dampedSheet();
   Simulation s(p, sheetCloud());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, sheetCloud());
   int compared = 0;
   for (; compared < kSoon; ++compared) {
@@ -135,7 +135,7 @@ TEST(Activity, WithoutDampingNothingThatMovesSleeps) {
 TEST(Activity, ASwingsTurningPointIsNoRest) {
   SceneParams p = dampedSheet();
   p.material.damping = 0.02;
-  p.activity.quiet_time = 0.02;  // shorter than a sheet lingers where it turns
+  p.sleep.quiet_time = 0.02;  // shorter than a sheet lingers where it turns
   Simulation s(p, sheetCloud());
   for (int k = 0; k < 300; ++k) {
     run(s, 1);
@@ -306,7 +306,7 @@ TEST(Activity, ExplicitEulerSleepsOnlyWhenToldTo) {
   Simulation by_default(p, sheetCloud());
   run(by_default, 3);
   EXPECT_FALSE(isAsleep(by_default));
-  p.activity.sleep = Sleep::kAlways;
+  p.sleep.mode = Sleep::kAlways;
   Simulation told(p, sheetCloud());
   run(told, 3);
   EXPECT_TRUE(isAsleep(told));
@@ -319,8 +319,8 @@ TEST(Activity, OrientedParticlesSleepAsAWholeAndWake) {
   p.material.thickness = 0.01;
   p.gravity.setZero();
   p.simplification.method = cloud::SimplificationMethod::kNone;
-  p.activity.quiet_time = kQuietTime;
-  p.activity.tolerance = 1e-4;
+  p.sleep.quiet_time = kQuietTime;
+  p.sleep.tolerance = 1e-4;
   p.oriented_particles.spacing = 0.115;  // with which the jittered sheet holds together
   Simulation s(p, sheetCloud(10));
   runUntilAsleep(s, 2000);
@@ -353,9 +353,9 @@ TEST(Activity, RevisionsStayWhereNothingChanges) {
 TEST(Activity, WhatFallingAsleepLosesIsPartOfTheErrorEstimate) {
   SceneParams p = dampedSheet();
   p.accuracy.estimate = true;
-  p.activity.tolerance = 1e-3;
+  p.sleep.tolerance = 1e-3;
   Simulation s(p, sheetCloud());
-  p.activity.tolerance = 1e-6;
+  p.sleep.tolerance = 1e-6;
   Simulation wakeful(p, sheetCloud());
   const int steps = runUntilAsleep(s);
   run(wakeful, steps);

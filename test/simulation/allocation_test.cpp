@@ -79,7 +79,7 @@ TEST(Allocation, NoStepWithFrictionAllocatesWhileNoMorePointsTouch) {
   simulation::SceneParams p = hangingSheet();
   p.gravity.setZero();
   p.material.damping = 20.0;
-  p.activity.sleep = simulation::Sleep::kNever;
+  p.sleep.mode = simulation::Sleep::kNever;
   tool::ToolParams plate;
   plate.id = "plate";
   plate.shape.kind = geometry::Solid::Kind::kBox;
@@ -190,7 +190,7 @@ TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
         p.pressure = 1.0;
         p.viscous_drag = 0.5;
       }
-      p.oriented_particles.spin = 10.0;
+      p.oriented_particles.axis_alignment_rate = 10.0;
       p.oriented_particles.yield_curvature = yield;
       p.oriented_particles.delete_trapped = true;
       tool::ToolParams warm;
@@ -217,8 +217,8 @@ TEST(Allocation, NoStepOfAPartAllocatesWhileTheSameTilesMove) {
   p.material.damping = 20.0;
   p.simplification.target_points = 800;
   p.accuracy.estimate = false;
-  p.activity.quiet_time = 0.02;  // looked at in every step
-  p.activity.tolerance = 1e-4;
+  p.sleep.quiet_time = 0.02;  // looked at in every step
+  p.sleep.tolerance = 1e-4;
   p.forces.push_back({"push", Vec3(0.8, 0.3, 0.0), Vec3(0.0, 0.0, 0.02), 0.1, 0.0, 1e300});
   simulation::Simulation s(p, sheetCloud(40));
   Index unchanged = 0;

@@ -37,7 +37,7 @@ std::vector<std::pair<Command, std::string>> badCommands(const simulation::Dynam
           {command::SetParams{other}, "cannot change while a surface runs"},
           {command::SetState{torn}, "positions"},
           {command::EditParticles{}, "no particles"},
-          {command::Fit{}, "no particles"}};
+          {command::GrowSurface{}, "no particles"}};
 }
 
 TEST(CommandChecks, RefuseWhatCannotBeDoneAndChangeNothing) {

@@ -85,7 +85,7 @@ void askForEverything(Simulation& s) {
   s.model().links()->refreshDisplay(s.state());
   for (const char* name : {"components", "boundary_loops", "isolated"})
     EXPECT_EQ(simulation::computeQuantity(name, s), 0.0) << name;
-  EXPECT_EQ(simulation::computeQuantity("gone", s), simulation::computeQuantity("born", s) + 25.0);
+  EXPECT_EQ(simulation::computeQuantity("removed", s), simulation::computeQuantity("added", s) + 25.0);
   for (const char* name : {"spacing_mean", "distance_to_torus_rms", "sphere_radius", "distance_to_tools_min", "touching",
                            "distance_to_input_max", "principal_angle_mean", "mean_displacement", "min_x", "volume_ratio"})
     EXPECT_THROW(simulation::computeQuantity(name, s), InputError) << name;
@@ -146,7 +146,7 @@ TEST(EmptySurface, TakesEveryCommandOrRefusesItInASentence) {
     EXPECT_NE(std::string(problem.what()), "");
   }
   try {
-    s.fit(model::GrowthParams());
+    s.growSurface(model::GrowthParams());
   } catch (const InputError& problem) {
     EXPECT_NE(std::string(problem.what()), "");
   }

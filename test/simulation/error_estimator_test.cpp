@@ -48,7 +48,7 @@ TEST(ErrorEstimate, CoversTheDistanceFromTheFullSurfaceAndIsNotMuchLarger) {
     EXPECT_LE(error, statistics.error_estimate) << scene.name;
     EXPECT_LT(statistics.error_estimate, 25.0 * error) << scene.name;  // five times what is asked of the median
     EXPECT_NEAR(statistics.error_estimate, statistics.error_space + statistics.error_transfer + statistics.error_time, 1e-12);
-    EXPECT_EQ(statistics.error_softening, 0.0);
+    EXPECT_EQ(statistics.error_stiffness, 0.0);
   }
 }
 
@@ -325,7 +325,7 @@ void expectTheSame(const simulation::Statistics& a, const simulation::Statistics
   EXPECT_EQ(a.error_space, b.error_space);
   EXPECT_EQ(a.error_transfer, b.error_transfer);
   EXPECT_EQ(a.error_time, b.error_time);
-  EXPECT_EQ(a.error_softening, b.error_softening);
+  EXPECT_EQ(a.error_stiffness, b.error_stiffness);
 }
 
 TEST(ErrorEstimate, GoesOnBitForBitFromASnapshot) {

@@ -109,8 +109,8 @@ TEST(Expectations, MeasureWhatKindOfSurfaceParticlesAre) {
   EXPECT_EQ(computeQuantity("boundary_loops", sphere), 0.0);
   EXPECT_EQ(computeQuantity("euler_characteristic", sphere), 2.0);
   EXPECT_EQ(computeQuantity("isolated", sphere), 0.0);
-  EXPECT_EQ(computeQuantity("born", sphere), 0.0);
-  EXPECT_EQ(computeQuantity("gone", sphere), 0.0);
+  EXPECT_EQ(computeQuantity("added", sphere), 0.0);
+  EXPECT_EQ(computeQuantity("removed", sphere), 0.0);
   EXPECT_GE(computeQuantity("spacing_max", sphere), computeQuantity("spacing_mean", sphere));
 }
 
@@ -188,13 +188,13 @@ TEST(Expectations, MeasureHowFarAxesAreFromThePrincipalDirections) {
   params.simplification.method = cloud::SimplificationMethod::kNone;
   params.model = "oriented_particles";
   params.oriented_particles.rest_shape = model::RestShape::kFlat;
-  params.oriented_particles.hold_below = 1.0;  // nobody is warm: the surface stays as it is
-  params.oriented_particles.spin = 1e-9;
+  params.oriented_particles.freeze_below = 1.0;  // nobody is warm: the surface stays as it is
+  params.oriented_particles.axis_alignment_rate = 1e-9;
   params.oriented_particles.principal = model::PrincipalDirection::kAbsolute;
   Simulation still = runSteps(params, 1);
   // In all directions: evenly spread angles are off by a quarter of half a turn in the mean.
   EXPECT_NEAR(computeQuantity("principal_angle_mean", still), 3.14159265 / 4.0, 0.05);
-  params.oriented_particles.spin = 1e6;
+  params.oriented_particles.axis_alignment_rate = 1e6;
   Simulation turned = runSteps(params, 10);
   // The points are no lattice, and uneven neighbours pull the direction of the potential by a few degrees.
   EXPECT_LT(computeQuantity("principal_angle_mean", turned), 0.08);

@@ -18,8 +18,8 @@ using simulation::Simulation;
 
 constexpr double kFar = 100.0;  // m, beyond every cloud
 
-Simulation runFigure(SceneParams scene, const OrAuto<double>& geodesicness) {
-  scene.neighbors.geodesicness = geodesicness;
+Simulation runFigure(SceneParams scene, const OrAuto<double>& geodesic_exponent) {
+  scene.neighbors.geodesic_exponent = geodesic_exponent;
   scene.accuracy.estimate = false;
   Simulation s = makeSimulation(scene);
   runScene(s);
@@ -220,7 +220,7 @@ TEST(SharedGarments, SpringsOfAShirtThatLiesFlatDoNotJoinItsFrontToItsBack) {
   double wrong[2];
   for (const bool is_auto : {false, true}) {
     SceneParams scene = parseScene("{model: mass_spring, simplification: {method: none}}");
-    if (!is_auto) scene.neighbors.geodesicness = kEuclidean;
+    if (!is_auto) scene.neighbors.geodesic_exponent = kEuclidean;
     const Simulation s(scene, asCloud(points));
     double far = 0.0, all = 0.0;
     for (const auto& [i, j] : stretchLinksOf(s.model())) {
@@ -300,7 +300,7 @@ forces: [{id: draw, point: [0.008, -0.151, 0.022], force: [0, 0.3, 0]}]
   EXPECT_GT(drawn, 0.05);
   double error[2], back[2];
   for (const bool is_auto : {false, true}) {
-    scene.neighbors.geodesicness = is_auto ? kAuto : kEuclidean;
+    scene.neighbors.geodesic_exponent = is_auto ? kAuto : kEuclidean;
     Simulation s(scene, shirt);
     runScene(s);
     const Points& now = s.surface(false).positions;

@@ -51,7 +51,7 @@ Simulation growThrough(const TestSurface& samples, double spacing, const Fit& fi
   p.gravity.setZero();
   p.material.bending_rigidity = fit.rigidity * p.material.young_modulus * p.material.thickness * spacing * spacing;
   p.oriented_particles.spacing = spacing;
-  p.oriented_particles.fit = true;
+  p.oriented_particles.grow_surface = true;
   model::GrowthParams& growth = p.oriented_particles.growth;
   growth.min_gap = 1.6;
   growth.max_gap = fit.max_gap;

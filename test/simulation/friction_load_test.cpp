@@ -96,7 +96,7 @@ struct Incline {
     p.material.damping = kDamping;
     p.material.young_modulus = 1e7;
     p.simplification.target_points = 40;
-    p.activity.sleep = simulation::Sleep::kNever;
+    p.sleep.mode = simulation::Sleep::kNever;
     p.accuracy.estimate = false;
     p.integrator.type = integrator;
     p.gravity = Vec3(0.0, 0.0, -9.81);

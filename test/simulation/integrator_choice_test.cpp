@@ -79,8 +79,8 @@ TEST(IntegratorChoice, TakesImplicitStepsWhereTheyKeepTheWishForLessWork) {
   Simulation by_verlet(p, sheet());
   run(by_verlet, countSteps(p));
   // What implicit steps lose is measured, not only estimated: the copies' points lie beside the ball.
-  EXPECT_GT(s.statistics().error_softening, 0.0);
-  EXPECT_LE(findLargestDistance(s.state().positions, by_verlet.state().positions), s.statistics().error_softening);
+  EXPECT_GT(s.statistics().error_stiffness, 0.0);
+  EXPECT_LE(findLargestDistance(s.state().positions, by_verlet.state().positions), s.statistics().error_stiffness);
   p.simplification.method = cloud::SimplificationMethod::kNone;
   Simulation truth(p, sheet());
   run(truth, countSteps(p));

@@ -55,11 +55,11 @@ TEST(MembraneChoice, TakesASofterMembraneWhoseErrorStaysBelowTheWish) {
   p.simplification.method = cloud::SimplificationMethod::kNone;
   Simulation truth(p, sheet());
   run(truth, countSteps(p));
-  EXPECT_GT(now.error_softening, 0.0);
-  EXPECT_LE(findLargestDistance(s.state().positions, stated.state().positions), now.error_softening);
+  EXPECT_GT(now.error_stiffness, 0.0);
+  EXPECT_LE(findLargestDistance(s.state().positions, stated.state().positions), now.error_stiffness);
   EXPECT_LE(findLargestDistance(s.surface(false).positions, truth.surface(false).positions), now.error_estimate);
   EXPECT_LE(now.error_estimate, kWish);
-  EXPECT_NEAR(now.error_estimate, now.error_space + now.error_transfer + now.error_time + now.error_softening, 1e-12);
+  EXPECT_NEAR(now.error_estimate, now.error_space + now.error_transfer + now.error_time + now.error_stiffness, 1e-12);
   // Sub-steps are as the root of the stiffness, where that of the membrane decides; one more each by rounding up.
   EXPECT_LE(s.dynamics().lastSubsteps(), std::sqrt(choice.membrane_share) * stated.dynamics().lastSubsteps() + 2.0);
 }

@@ -123,7 +123,7 @@ TEST(MovingPins, SnapshotsAndForksGoOnBitForBit) {
 
 TEST(MovingPins, WakeASurfaceThatSleeps) {
   simulation::SceneParams p = pulledSheet({{3.0, Vec3::Zero(), kUpright}, {3.2, Vec3(0.0, 0.0, 0.2), kUpright}});
-  p.activity.sleep = simulation::Sleep::kAlways;
+  p.sleep.mode = simulation::Sleep::kAlways;
   Simulation s(p, sheetCloud());
   while (s.time() < 2.99) run(s, 1);
   EXPECT_TRUE(s.isAsleep());

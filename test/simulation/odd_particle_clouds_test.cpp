@@ -24,7 +24,7 @@ SceneParams makeParams(Fitting fitting) {
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.gravity.setZero();
   p.oriented_particles.spacing = kSpacing;
-  p.oriented_particles.fit = fitting == Fitting::kAtStart;
+  p.oriented_particles.grow_surface = fitting == Fitting::kAtStart;
   p.material.bending_rigidity = 0.3 * p.material.young_modulus * p.material.thickness * kSpacing * kSpacing;
   return p;
 }
@@ -48,7 +48,7 @@ std::string refusal(const SceneParams& params, const Points& points) {
 // Grown through if asked, then stepped: at rest, as far as bonds let a particle fly in that time.
 void expectSound(Fitting fitting, const Points& points, Index expected) {
   Simulation s = make(makeParams(fitting), points);
-  if (fitting == Fitting::kLater) s.fit(s.params().oriented_particles.growth);
+  if (fitting == Fitting::kLater) s.growSurface(s.params().oriented_particles.growth);
   EXPECT_EQ(s.state().size(), expected) << static_cast<int>(fitting);
   const Points before = s.state().positions;
   for (int k = 0; k < 10; ++k) {
@@ -119,14 +119,14 @@ TEST(OddParticleClouds, OfWhichOneParticleIsLeftGoOnAndCanBeFitted) {
   s.editParticles(edit);
   ASSERT_EQ(s.state().size(), 1);
   ASSERT_TRUE(s.step().ok);
-  s.fit(s.params().oriented_particles.growth);
+  s.growSurface(s.params().oriented_particles.growth);
   EXPECT_EQ(s.state().size(), 1);
   ASSERT_TRUE(s.step().ok);
   EXPECT_EQ(computeQuantity("isolated", s), 1.0);
   // Into the open it grows where rows are asked for.
   model::GrowthParams growth;
   growth.edge_rows = 2;
-  s.fit(growth);
+  s.growSurface(growth);
   EXPECT_EQ(s.state().size(), 19);  // a hexagon of two rows
   EXPECT_EQ(computeQuantity("euler_characteristic", s), 1.0);
 }
@@ -153,7 +153,7 @@ TEST(OddParticleClouds, AreGrownThroughWhateverNoiseIsStated) {
   Simulation s = make(makeParams(Fitting::kNone), makeSheet());
   for (const double noise : {-0.1, 1.1, kNaN}) {
     growth.noise = noise;
-    EXPECT_THROW(s.fit(growth), InputError) << noise;
+    EXPECT_THROW(s.growSurface(growth), InputError) << noise;
   }
 }
 

@@ -145,20 +145,20 @@ TEST(ParticleEditing, AHoleIsGrownOverByAFit) {
   s.editParticles(edit);
   model::GrowthParams growth;
   growth.max_gap = 3.0;
-  const std::string sentence = s.fit(growth);
+  const std::string sentence = s.growSurface(growth);
   EXPECT_NE(sentence.find("1 particles were added to 63"), std::string::npos) << sentence;
   ASSERT_EQ(s.state().size(), 64);
   // Back to a tenth of a spacing: the relaxation is no further from equilibrium, and nothing says where exactly it was.
   EXPECT_NEAR((s.state().positions.back() - s.input().positions[27]).norm(), 0.0, 0.1 * kSpacing);
   run(s, 3);
   growth.min_gap = 0.0;
-  EXPECT_THROW(s.fit(growth), InputError);
+  EXPECT_THROW(s.growSurface(growth), InputError);
 }
 
 TEST(ParticleEditing, SpringsHaveNoParticles) {
   Simulation s = makeSheet("mass_spring");
   EXPECT_THROW(s.editParticles(ParticleEdit()), InputError);
-  EXPECT_THROW(s.fit(model::GrowthParams()), InputError);
+  EXPECT_THROW(s.growSurface(model::GrowthParams()), InputError);
 }
 
 }  // namespace

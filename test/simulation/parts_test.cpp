@@ -46,7 +46,7 @@ TEST(Parts, TheBuildTellsWhichNothingHolds) {
   const Simulation falling(loose, debris());
   EXPECT_TRUE(falling.buildWarnings().empty());
   EXPECT_TRUE(contains(falling.buildNotes(), "no pin, anchor or tool holds what is simulated, 3 parts of "));
-  loose.input.keep_parts = 1;
+  loose.input.largest_parts = 1;
   EXPECT_TRUE(contains(Simulation(loose, debris()).buildNotes(), "holds what is simulated: it moves freely"));
   const Simulation whole(hangingDebris(), sheetCloud(30));
   EXPECT_FALSE(contains(whole.buildWarnings(), "parts"));
@@ -93,10 +93,10 @@ TEST(Parts, ThatNothingHoldsStayWhereTheyAreWhereThatIsAsked) {
     for (const bool has_estimate : {false, true}) {
       SceneParams p = hangingDebris(simulated);
       p.accuracy.estimate = has_estimate;
-      p.input.unheld = simulation::Unheld::kFreeze;
+      p.input.unconstrained_parts = simulation::UnconstrainedParts::kFreeze;
       Simulation s(p, debris());
       EXPECT_TRUE(s.buildWarnings().empty()) << s.buildWarnings()[0];
-      EXPECT_TRUE(contains(s.buildNotes(), "input.unheld freeze keeps them"));
+      EXPECT_TRUE(contains(s.buildNotes(), "input.unconstrained_parts freeze keeps them"));
       const Points rest = s.state().positions;
       run(s, 20);
       double fallen = 0.0;
@@ -133,10 +133,10 @@ TEST(Parts, ThatNothingHoldsAreLeftOutWhereThatIsAsked) {
     SceneParams p = hangingDebris(simulated);
     Simulation alone(p, sheetCloud(30));
     run(alone, 5);
-    p.input.unheld = simulation::Unheld::kDrop;
+    p.input.unconstrained_parts = simulation::UnconstrainedParts::kDrop;
     Simulation s(p, debris());
     run(s, 5);
-    EXPECT_TRUE(contains(s.buildNotes(), "input.unheld drop: 3 of 4 parts of the cloud are left out, 44 points"));
+    EXPECT_TRUE(contains(s.buildNotes(), "input.unconstrained_parts drop: 3 of 4 parts of the cloud are left out, 44 points"));
     EXPECT_TRUE(s.buildWarnings().empty());
     EXPECT_EQ(s.stateHash(), alone.stateHash());
     const Points& now = s.surface(false).positions;
@@ -162,7 +162,7 @@ TEST(Parts, OfAllKindsAreFrozenOrLeftOut) {
     pin.region.min = Vec3(-0.05, -1.0, -1.0);
     pin.region.max = Vec3(0.15, 1.0, 1.0);
     p.pins = {pin};
-    p.input.unheld = simulation::Unheld::kFreeze;
+    p.input.unconstrained_parts = simulation::UnconstrainedParts::kFreeze;
     Simulation frozen(p, asCloud(points));
     EXPECT_TRUE(contains(frozen.buildNotes(), "holds 1 of 2 parts of what is simulated"));
     const Points rest = frozen.state().positions;
@@ -176,7 +176,7 @@ TEST(Parts, OfAllKindsAreFrozenOrLeftOut) {
         moved = std::max(moved, way);
     }
     EXPECT_GT(moved, 1e-5);
-    p.input.unheld = simulation::Unheld::kDrop;
+    p.input.unconstrained_parts = simulation::UnconstrainedParts::kDrop;
     Simulation dropped(p, asCloud(points));
     EXPECT_EQ(dropped.state().size(), half);
     const Points& now = dropped.surface(false).positions;
@@ -187,8 +187,9 @@ TEST(Parts, OfAllKindsAreFrozenOrLeftOut) {
 TEST(Parts, OfWhichNothingIsHeldAreNeitherFrozenNorLeftOut) {
   SceneParams p = hangingDebris();
   p.pins.clear();
-  for (const simulation::Unheld unheld : {simulation::Unheld::kFreeze, simulation::Unheld::kDrop}) {
-    p.input.unheld = unheld;
+  for (const simulation::UnconstrainedParts unconstrained_parts :
+       {simulation::UnconstrainedParts::kFreeze, simulation::UnconstrainedParts::kDrop}) {
+    p.input.unconstrained_parts = unconstrained_parts;
     EXPECT_THROW(Simulation(p, debris()), InputError);
   }
 }
@@ -198,7 +199,7 @@ TEST(Parts, OnlyTheLargestAreKeptWhereThatIsAsked) {
   Simulation alone(p, sheetCloud(30));
   run(alone, 5);
   for (const Index keep : {1, 2, 3, 9}) {
-    p.input.keep_parts = keep;
+    p.input.largest_parts = keep;
     Simulation s(p, debris());
     run(s, 5);
     const Points& now = s.surface(false).positions;
@@ -223,7 +224,7 @@ TEST(Parts, OfBodiesAreKeptOrLeftOutToo) {
   p.model = "elastic_solid";
   p.accuracy.estimate = false;
   p.simplification.method = cloud::SimplificationMethod::kNone;
-  p.input.keep_parts = 1;
+  p.input.largest_parts = 1;
   Simulation s(p, asCloud(points));
   EXPECT_EQ(s.state().size(), 128);
   const Points& now = s.surface(false).positions;

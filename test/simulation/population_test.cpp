@@ -64,7 +64,7 @@ TEST(Population, AnEraserTakesWhatIsInsideItAndTheRowsOfTheInputBecomeHoles) {
   ASSERT_GT(gone, 3);
   run(s, 1);
   EXPECT_EQ(s.state().size(), s.input().size() - gone);
-  EXPECT_EQ(simulation::computeQuantity("gone", s), gone);
+  EXPECT_EQ(simulation::computeQuantity("removed", s), gone);
   EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), 2.0);
   const simulation::Surface& surface = s.surface(true);
   ASSERT_EQ(surface.positions.size(), inside.size());
@@ -136,7 +136,7 @@ TEST(Population, WhatLiesBelowTheFlatLatticesEnergyIsNotTakenForABlowUp) {
   edit.action = simulation::ParticleAction::kDelete;
   edit.ids = {66};
   s.editParticles(edit);
-  s.fit(p.oriented_particles.growth);
+  s.growSurface(p.oriented_particles.growth);
   run(s, 10);
   EXPECT_LT(s.statistics().elastic_energy, 0.0);
 }
@@ -149,7 +149,7 @@ TEST(Population, TheSpacingThatAFitFindsGoesWithSnapshotsForksAndResets) {
   s.editParticles(edit);
   const simulation::Snapshot before = s.snapshot();
   const double stated = latticeOf(s).spacing;
-  s.fit(s.params().oriented_particles.growth);
+  s.growSurface(s.params().oriented_particles.growth);
   const double fitted = latticeOf(s).spacing;
   ASSERT_NE(fitted, stated);
   const simulation::Snapshot after = s.snapshot();
@@ -181,7 +181,7 @@ TEST(Population, HeatIsCarriedByToolsAndCoolsExponentially) {
 
 TEST(Population, OnlyWhatIsHotMovesWhereTheColdIsHeld) {
   SceneParams p = scene();
-  p.oriented_particles.hold_below = 50.0;
+  p.oriented_particles.freeze_below = 50.0;
   p.gravity = Vec3(0.0, 0.0, -9.81);
   p.tools = {ball(tool::Mode::kHeat, Vec3(0.35, 0.3, 0.0), 0.12)};
   p.tools[0].strength = 100.0;

@@ -14,7 +14,7 @@ using simulation::RestSurface;
 using simulation::SceneParams;
 
 // Bars of nine rows; three hundred simulation points are twice as far from each other as the points of the cloud.
-SceneParams makeScene(double gap, const OrAuto<double>& geodesicness) {
+SceneParams makeScene(double gap, const OrAuto<double>& geodesic_exponent) {
   SceneParams scene;
   scene.cloud.shape = simulation::CloudParams::Shape::kTwoBars;
   scene.cloud.points = 1500;
@@ -22,12 +22,12 @@ SceneParams makeScene(double gap, const OrAuto<double>& geodesicness) {
   scene.cloud.gap = gap;
   scene.cloud.jitter = 0.1;
   scene.simplification.target_points = 300;
-  scene.neighbors.geodesicness = geodesicness;
+  scene.neighbors.geodesic_exponent = geodesic_exponent;
   return scene;
 }
 
-RestSurface build(double gap, const OrAuto<double>& geodesicness) {
-  const SceneParams scene = makeScene(gap, geodesicness);
+RestSurface build(double gap, const OrAuto<double>& geodesic_exponent) {
+  const SceneParams scene = makeScene(gap, geodesic_exponent);
   return simulation::buildRestSurface(scene, io::makeShape(scene.cloud));
 }
 

@@ -285,7 +285,7 @@ TEST(Simulation, TransferAndNormalsAreSkippedUntilAskedFor) {
 TEST(Simulation, TermsOfNoWeightAreLeftOutAndNothingElseChangesUntilTheyHaveOne) {
   SceneParams p = hangingSheet();
   p.gravity.setZero();
-  p.activity.sleep = simulation::Sleep::kNever;
+  p.sleep.mode = simulation::Sleep::kNever;
   p.mass_spring.bending = model::Bending::kNone;
   p.forces.push_back({"push", Vec3(0.8, 0.3, 0.0), Vec3(0.1, 0.0, 0.5), 0.2, 0.0, 1e300});
   Simulation without(p, sheetCloud());

@@ -25,8 +25,8 @@ SceneParams pokedSheet() {
   p.material.bending_rigidity = 1e-4;
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.integrator.time_step = 2e-3;
-  p.activity.quiet_time = 0.05;
-  p.activity.tolerance = kTolerance;
+  p.sleep.quiet_time = 0.05;
+  p.sleep.tolerance = kTolerance;
   p.forces.push_back({"poke", Vec3(0.85, 0.35, 0.0), Vec3(0.01, 0.0, 0.05), 0.04, 0.01, 0.03});
   return p;
 }
@@ -42,7 +42,7 @@ cloud::PointCloud hexagons() {
 TEST(SleepingParticles, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   SceneParams p = pokedSheet();
   Simulation s(p, hexagons());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, hexagons());
   run(s, 5);
   run(never, 5);
@@ -83,7 +83,7 @@ TEST(SleepingParticles, WhatComesNearFromAfarIsFelt) {
   sheet = asCloud(sheet.positions);
   p.forces = {{"press", middle, Vec3(0.0, 0.0, -0.02), 0.04, 0.01, 1e300}};
   Simulation s(p, sheet);
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, sheet);
   run(s, 8);
   run(never, 8);

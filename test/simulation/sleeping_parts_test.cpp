@@ -28,8 +28,8 @@ SceneParams pokedSheet() {
   p.material.bending_rigidity = 1e-6;
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.integrator.time_step = 2e-3;
-  p.activity.quiet_time = 0.05;
-  p.activity.tolerance = kTolerance;
+  p.sleep.quiet_time = 0.05;
+  p.sleep.tolerance = kTolerance;
   p.accuracy.estimate = false;
   p.forces.push_back({"poke", Vec3(0.85, 0.35, 0.0), Vec3(0.01, 0.0, 0.05), 0.04, 0.01, 0.03});
   return p;
@@ -40,7 +40,7 @@ cloud::PointCloud finePatch() { return sheetCloud(kSide); }
 TEST(SleepingParts, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   SceneParams p = pokedSheet();
   Simulation s(p, finePatch());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, finePatch());
   run(s, 5);
   run(never, 5);
@@ -116,12 +116,12 @@ TEST(SleepingParts, WhatHasSettledSleepsAgainAndLiesWhereItWouldLie) {
   p.material.young_modulus = 2e4;
   p.material.damping = 5.0;
   p.integrator.time_step = 0.01;
-  p.activity.quiet_time = 0.2;
-  p.activity.tolerance = 10.0 * kTolerance;
+  p.sleep.quiet_time = 0.2;
+  p.sleep.tolerance = 10.0 * kTolerance;
   p.forces[0].force = Vec3(0.05, 0.02, 0.0);
   p.forces[0].end = 1e300;
   Simulation s(p, sheetCloud(21));
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, sheetCloud(21));
   int steps = 0;
   bool was_part = false;
@@ -133,7 +133,7 @@ TEST(SleepingParts, WhatHasSettledSleepsAgainAndLiesWhereItWouldLie) {
   EXPECT_TRUE(was_part);
   ASSERT_EQ(s.statistics().awake, 0u);
   run(never, steps + 500);
-  EXPECT_LT(largestDistance(s.state().positions, never.state().positions), p.activity.tolerance.value);
+  EXPECT_LT(largestDistance(s.state().positions, never.state().positions), p.sleep.tolerance.value);
   EXPECT_GT(largestDistance(s.state().positions, s.input().positions), 1000.0 * kTolerance);
 }
 
@@ -143,7 +143,7 @@ TEST(SleepingParts, AFrontThatComesFasterThanItsMarginIsNotHeldUp) {
   p.integrator.time_step = 0.01;  // in which waves run a tenth of a metre
   p.material.damping = 0.0;
   Simulation s(p, finePatch());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, finePatch());
   bool was_part = false;
   for (int k = 0; k < 8; ++k) {
@@ -172,7 +172,7 @@ TEST(SleepingParts, PressureDragAnchorsAndToolsActInAPartAsInTheWhole) {
   ball.path.push_back({0.05, Vec3(0.87, 0.2, 0.035), Vec4(0.0, 0.0, 0.0, 1.0)});
   p.tools.push_back(ball);
   Simulation s(p, finePatch());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, finePatch());
   for (int k = 0; k < 25; ++k) {
     run(s, 1);
@@ -192,7 +192,7 @@ TEST(SleepingParts, AnImplicitStepOfAPartIsThatOfTheWhole) {
   p.simplification.target_points = 600;
   p.material.damping = 200.0;
   Simulation s(p, finePatch());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, finePatch());
   bool was_part = false;
   for (int k = 0; k < 8; ++k) {
@@ -207,7 +207,7 @@ TEST(SleepingParts, AnImplicitStepOfAPartIsThatOfTheWhole) {
 TEST(SleepingParts, ADampingThatIsChangedWhileTheySleepActsOnWhatIsAwake) {
   SceneParams p = pokedSheet();
   Simulation s(p, finePatch());
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, finePatch());
   for (Simulation* one : {&s, &never}) {
     run(*one, 10);

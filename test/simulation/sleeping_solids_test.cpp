@@ -33,8 +33,8 @@ SceneParams pokedSlab() {
   table.region.max = Vec3(1.0, 1.0, -0.03 + 1e-6);
   p.pins.push_back(table);
   p.integrator.time_step = 2e-3;
-  p.activity.quiet_time = 0.05;
-  p.activity.tolerance = kTolerance;
+  p.sleep.quiet_time = 0.05;
+  p.sleep.tolerance = kTolerance;
   p.accuracy.estimate = false;
   p.forces.push_back({"poke", Vec3(0.5, 0.1, 0.03), Vec3(0.2, 0.0, -0.5), 0.05, 0.01, 0.03});
   return p;
@@ -44,7 +44,7 @@ TEST(SleepingSolids, APokeMovesWhatItMovesAndTheRestSleepsWhereItIs) {
   SceneParams p = pokedSlab();
   const cloud::PointCloud slab = io::makeShape(p.cloud);
   Simulation s(p, slab);
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, slab);
   run(s, 5);
   run(never, 5);
@@ -75,7 +75,7 @@ TEST(SleepingSolids, AnImplicitStepOfAPartIsThatOfTheWhole) {
   p.material.damping = 200.0;
   const cloud::PointCloud slab = io::makeShape(p.cloud);
   Simulation s(p, slab);
-  p.activity.sleep = Sleep::kNever;
+  p.sleep.mode = Sleep::kNever;
   Simulation never(p, slab);
   bool was_part = false;
   for (int k = 0; k < 8; ++k) {

@@ -82,7 +82,7 @@ TEST(SolidSimulation, GivesTheSameBitsForEveryNumberOfThreads) {
 TEST(SolidSimulation, MovesAsWithEuclideanNeighboursWhereThereIsNoGap) {
   SceneParams scene = makeBarScene();
   Simulation over_body = makeSimulation(scene);
-  scene.neighbors.geodesicness = OrAuto<double>(1.0);
+  scene.neighbors.geodesic_exponent = OrAuto<double>(1.0);
   Simulation in_space = makeSimulation(scene);
   run(over_body, 3);
   run(in_space, 3);

@@ -63,17 +63,17 @@ TEST(Track, FollowsADeformingCloudWithinTheLagOfItsGain) {
   const double amount = track(s, 30, 0.0);
   // A critically damped pull with gain g towards what moves with v lags by 2 v / sqrt(g); the edge rises by 0.15 m in a second.
   // What the sheet's own stiffness adds is less than as much again.
-  const double lag = 2.0 * 0.15 / std::sqrt(s.params().input.track_gain);
+  const double lag = 2.0 * 0.15 / std::sqrt(s.params().input.tracking_gain);
   EXPECT_GT(largestError(s, 0.0), 0.1);
   EXPECT_LT(largestError(s, amount), 2.0 * lag);
-  EXPECT_LT(s.statistics().track_residual, lag);
-  EXPECT_GT(s.statistics().track_points, 0.9 * s.statistics().simulation_points);
+  EXPECT_LT(s.statistics().tracking_residual, lag);
+  EXPECT_GT(s.statistics().tracked_points, 0.9 * s.statistics().simulation_points);
   // Where it stands still it is reached, but for the rest of a spring against a spring.
   for (int k = 0; k < 60; ++k) {
     s.observe(observe(amount));
     run(s, 3);
   }
-  EXPECT_LT(s.statistics().track_residual, 0.1 * lag);
+  EXPECT_LT(s.statistics().tracking_residual, 0.1 * lag);
 }
 
 TEST(Track, AHoleIsLeftToPhysicsWhichBridgesIt) {
@@ -89,8 +89,8 @@ TEST(Track, AHoleIsLeftToPhysicsWhichBridgesIt) {
   for (const Vec3& p : s.state().positions) inside += std::hypot(p.x() - 0.6, p.y()) < kHole - 0.05;
   ASSERT_GT(inside, 5);
   // Pinned points count as seen; what is behind the hole does not.
-  EXPECT_LE(now.track_points + inside, now.simulation_points);
-  EXPECT_GT(now.track_points, now.simulation_points / 2);
+  EXPECT_LE(now.tracked_points + inside, now.simulation_points);
+  EXPECT_GT(now.tracked_points, now.simulation_points / 2);
   // At worst it spans the hole, and a spacing around it, as straight as a membrane does.
   const double spacing = 1.0 / std::sqrt(static_cast<double>(now.simulation_points));
   EXPECT_LT(largestError(s, amount), amount * std::pow(kHole + spacing, 2));
@@ -101,14 +101,14 @@ TEST(Track, WhatIsSeenOfSomethingElsePullsNothing) {
   cloud::PointCloud far = observe(0.0);
   for (Vec3& p : far.positions) p.z() += 2.0;
   s.observe(far);
-  EXPECT_EQ(s.statistics().track_points, 0u);
-  EXPECT_TRUE(std::isnan(s.statistics().track_residual));
+  EXPECT_EQ(s.statistics().tracked_points, 0u);
+  EXPECT_TRUE(std::isnan(s.statistics().tracking_residual));
   // A wall that stands on the sheet.
   cloud::PointCloud wall;
   for (int k = 0; k < 900; ++k) wall.positions.emplace_back(0.5, k % 30 / 29.0 - 0.5, k / 30 / 29.0 - 0.5);
   wall.width = 900;
   s.observe(wall);
-  EXPECT_EQ(s.statistics().track_points, 0u);
+  EXPECT_EQ(s.statistics().tracked_points, 0u);
   run(s, 3);
   run(alone, 3);
   EXPECT_EQ(s.stateHash(), alone.stateHash());
@@ -126,7 +126,7 @@ TEST(Track, BelongsToSnapshotsAndForksAndEndsWithAReset) {
   run(fork, 4);
   EXPECT_EQ(fork.stateHash(), expected);
   s.reset();
-  EXPECT_EQ(s.statistics().track_points, 0u);
+  EXPECT_EQ(s.statistics().tracked_points, 0u);
   s.restore(snapshot);
   run(s, 4);
   EXPECT_EQ(s.stateHash(), expected);
@@ -135,14 +135,14 @@ TEST(Track, BelongsToSnapshotsAndForksAndEndsWithAReset) {
 TEST(Track, CloudsOfNextToNothingAreRefusedAndTheOneBeforeStays) {
   Simulation s(trackedSheet(), sheetCloud());
   s.observe(observe(0.01));
-  const std::uint32_t before = s.statistics().track_points;
+  const std::uint32_t before = s.statistics().tracked_points;
   EXPECT_GT(before, 0u);
   cloud::PointCloud empty;
   EXPECT_THROW(s.observe(empty), InputError);
   empty.positions.assign(5, Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
   empty.width = 5;
   EXPECT_THROW(s.observe(empty), InputError);
-  EXPECT_EQ(s.statistics().track_points, before);
+  EXPECT_EQ(s.statistics().tracked_points, before);
 }
 
 TEST(Track, WorksWithEveryMethodAndWithParticles) {
@@ -151,7 +151,7 @@ TEST(Track, WorksWithEveryMethodAndWithParticles) {
     p.integrator.type = type;
     Simulation s(p, sheetCloud());
     track(s, 12, 0.0);
-    EXPECT_LT(s.statistics().track_residual, 2.0 * 0.15 / std::sqrt(p.input.track_gain)) << static_cast<int>(type);
+    EXPECT_LT(s.statistics().tracking_residual, 2.0 * 0.15 / std::sqrt(p.input.tracking_gain)) << static_cast<int>(type);
     EXPECT_GT(largestError(s, 0.0), 0.02) << static_cast<int>(type);
   }
   SceneParams p = trackedSheet();
@@ -160,7 +160,7 @@ TEST(Track, WorksWithEveryMethodAndWithParticles) {
   p.material.damping = 5.0;
   Simulation s(p, sheetCloud());
   s.observe(observe(0.0));
-  EXPECT_GT(s.statistics().track_points, 0u);
+  EXPECT_GT(s.statistics().tracked_points, 0u);
   run(s, 3);
 }
 

@@ -40,7 +40,7 @@ void expectSameSight(Simulation& seen, Simulation& viewer, const std::string& wh
   EXPECT_TRUE(areSameBits(std::vector<double>{told.error_estimate}, std::vector<double>{known.error_estimate})) << where;
   EXPECT_EQ(told.substeps, known.substeps) << where;
   EXPECT_EQ(told.time_total, known.time_total) << where;
-  EXPECT_EQ(told.springs, known.springs) << where;
+  EXPECT_EQ(told.links, known.links) << where;
   EXPECT_EQ(told.awake, known.awake) << where;
   EXPECT_EQ(told.skipped, known.skipped) << where;
 }

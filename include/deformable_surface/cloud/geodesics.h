@@ -17,7 +17,8 @@ struct SurfaceSides {
 };
 
 /// Paths run along its links; a path is chosen by the least sum of costs.
-///   geodesicness auto: cost l [1 + 18 max(0, (l / r)^2 - 1)] (m) of a link of length l, where r is the larger trust radius of
+///   geodesic_exponent auto: cost l [1 + 18 max(0, (l / r)^2 - 1)] (m) of a link of length l, where r is the larger trust radius
+///   of
 ///     its ends: what it takes around a point to hold the surface together, by the links of the minimum spanning tree and, with
 ///     normals, by how points are surrounded (src/cloud/trust_radii.h). A trusted link costs its length, a longer one ever more.
 ///     Lengths are anisotropic where there are normals, l^2 = t^2 + (m / e)^2 with the component m of the link along the mean
@@ -34,10 +35,10 @@ struct GeodesicGraph {
 };
 
 /// neighbors: of every point, nearest first; a pair is linked if either lists the other. Links that no chosen path can use
-/// within the reach of the lists are left out. min_gap: m, of geodesicness auto: links no longer than that in space are trusted.
-/// Throws InputError if sizes do not fit or geodesicness is below 1. Parallel; O(n k log n).
+/// within the reach of the lists are left out. min_gap: m, of geodesic_exponent auto: links no longer than that in space are
+/// trusted. Throws InputError if sizes do not fit or geodesic_exponent is below 1. Parallel; O(n k log n).
 GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& sides, const Lists& neighbors,
-                                 const OrAuto<double>& geodesicness, double min_gap = 0.0);
+                                 const OrAuto<double>& geodesic_exponent, double min_gap = 0.0);
 
 constexpr double kNoLimit = std::numeric_limits<double>::infinity();
 

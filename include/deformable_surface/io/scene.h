@@ -20,7 +20,8 @@ Value loadYamlFile(const std::string& path);
 /// from 0 and must exist. Nothing behind the = is the empty text. Throws InputError; unknown keys are found by readScene().
 void setByPath(Value& root, const std::string& assignment);
 
-/// The scene that a map describes. Throws InputError with all problems at once.
+/// The scene that a map describes. Keys may have the names of the version before (SceneParams::notices). Throws InputError with
+/// all problems at once.
 simulation::SceneParams readScene(const Value& value);
 
 /// Further rules for a run without a node: the scene gives a cloud if it needs one, and the duration is a multiple of the time

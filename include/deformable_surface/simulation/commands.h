@@ -76,7 +76,7 @@ struct SetState {
 struct EditParticles {
   ParticleEdit edit;
 };
-struct Fit {
+struct GrowSurface {
   model::GrowthParams growth;
 };
 
@@ -85,7 +85,7 @@ struct Fit {
 using Command = std::variant<command::SetForce, command::RemoveForce, command::SetTool, command::MoveTool, command::RemoveTool,
                              command::Pin, command::PinAlong, command::MovePin, command::Unpin, command::SetGravity,
                              command::SetMaterial, command::SetDamping, command::SetParams, command::Observe, command::SetState,
-                             command::EditParticles, command::Fit>;
+                             command::EditParticles, command::GrowSurface>;
 
 /// What a command, or an event within a step, has changed. Dynamics::follow() draws every conclusion from the first ones.
 struct Changes {

@@ -98,8 +98,8 @@ class Evolution {
     return {};
   }
   /// Grows a surface through the points that there are; held (n, 1 = fixed in place) stay in any case. is_start: at rest.
-  virtual Population fit(const model::GrowthParams& /*growth*/, const std::vector<char>& /*held*/, bool /*is_start*/,
-                         model::State& /*state*/) {
+  virtual Population growSurface(const model::GrowthParams& /*growth*/, const std::vector<char>& /*held*/, bool /*is_start*/,
+                                 model::State& /*state*/) {
     return {};
   }
 };

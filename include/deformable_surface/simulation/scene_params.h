@@ -7,10 +7,10 @@
 #include "deformable_surface/cloud/simplification_params.h"
 #include "deformable_surface/geometry/region_params.h"
 #include "deformable_surface/model/material_params.h"
-#include "deformable_surface/simulation/activity_params.h"
 #include "deformable_surface/simulation/contact_params.h"
 #include "deformable_surface/simulation/input_filter_params.h"
 #include "deformable_surface/simulation/model_params.h"
+#include "deformable_surface/simulation/sleep_params.h"
 #include "deformable_surface/simulation/statistics.h"
 #include "deformable_surface/solve/integrator_params.h"
 #include "deformable_surface/tool/robot_params.h"
@@ -120,18 +120,18 @@ struct OutputParams {
 
 enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running surface
 
-enum class Unheld { kKeep, kFreeze, kDrop };  // what becomes of parts that nothing holds
+enum class UnconstrainedParts { kKeep, kFreeze, kDrop };  // what becomes of parts that nothing holds
 
 struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
   Index max_points = 20000000;  // >= 3
   InputFilterParams filter;
-  Index keep_parts = 0;  // >= 0; 0 = all
-  OrAuto<double> noise;  // m, >= 0
-  double min_gap = 0.0;  // m, >= 0
-  Unheld unheld = Unheld::kKeep;
-  double track_gain = 400.0;      // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
-  OrAuto<double> track_distance;  // m, > 0; auto = three spacings of the simulation points
+  Index largest_parts = 0;  // >= 0; 0 = all
+  OrAuto<double> noise;     // m, >= 0
+  double min_gap = 0.0;     // m, >= 0
+  UnconstrainedParts unconstrained_parts = UnconstrainedParts::kKeep;
+  double tracking_gain = 400.0;      // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
+  OrAuto<double> tracking_distance;  // m, > 0; auto = three spacings of the simulation points
   double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
   double tool_timeout = 0.5;  // s, >= 0: a tool is silent after this long without news; 0 = never
   std::string lockstep;       // topics that each step waits for; empty = steps follow the clock
@@ -153,7 +153,7 @@ struct SceneParams : ModelOptions {
   transfer::TransferParams transfer;
   solve::IntegratorParams integrator;
   AccuracyParams accuracy;
-  ActivityParams activity;
+  SleepParams sleep;
   ContactParams contact;
   Vec3 gravity{0.0, 0.0, -9.81};  // m/s^2, in gravity_frame
   std::string gravity_frame;      // empty = frame_id
@@ -174,6 +174,7 @@ struct SceneParams : ModelOptions {
   std::string save_directory;
   bool diagnostics = true;
   std::vector<ExpectParams> expect;
+  std::vector<std::string> notices;  // of whoever read the scene, such as keys under old names; no key
 };
 
 /// The names that `expect` may bound: the numbers of Statistics and what the final cloud shows.
@@ -201,8 +202,8 @@ inline std::vector<std::string> expectQuantities() {
                            "spacing_mean",
                            "spacing_cv",
                            "spacing_max",
-                           "born",
-                           "gone",
+                           "added",
+                           "removed",
                            "principal_angle_mean",
                            "distance_to_shape_max",
                            "distance_to_shape_rms",
@@ -380,7 +381,7 @@ inline void visit(Fields& fields, InputParams& p) {
   fields.section("filter", p.filter,
                  "Filters of the input cloud, applied in this order in the surface's frame (docs/camera_clouds.md). Removed "
                  "points become NaN.");
-  fields.integer("keep_parts", p.keep_parts, "", between(0, kMaxPoints),
+  fields.integer("largest_parts", p.largest_parts, "", between(0, kMaxPoints),
                  "number of the largest connected parts that are kept; 0 = all. Points of the other parts (outliers, loose "
                  "pieces) become NaN");
   fields.number("noise", p.noise, "m", between(0.0, kMaxLength),
@@ -388,19 +389,21 @@ inline void visit(Fields& fields, InputParams& p) {
                 "none. Neighbours are searched on the surface without noise. Outputs keep the noise (docs/geodesics.md)");
   fields.number("min_gap", p.min_gap, "m", between(0.0, kMaxLength),
                 "of the nearest Euclidean neighbours, those closer than this count as geodesic neighbours, even across a gap");
-  fields.choice("unheld", p.unheld, {{"keep", Unheld::kKeep}, {"freeze", Unheld::kFreeze}, {"drop", Unheld::kDrop}},
-                "connected parts that no pin, anchor or tool holds at time 0 (docs/run_time_control.md): `keep` = they move, "
-                "with a message; `freeze` = they are pinned; `drop` = their points become NaN");
-  fields.number("track_gain", p.track_gain, "1/s^2", between(1e-6, 1e9),
+  fields.choice(
+      "unconstrained_parts", p.unconstrained_parts,
+      {{"keep", UnconstrainedParts::kKeep}, {"freeze", UnconstrainedParts::kFreeze}, {"drop", UnconstrainedParts::kDrop}},
+      "connected parts that no pin, anchor or tool holds at time 0 (docs/run_time_control.md): `keep` = they move, "
+      "with a message; `freeze` = they are pinned; `drop` = their points become NaN");
+  fields.number("tracking_gain", p.tracking_gain, "1/s^2", between(1e-6, 1e9),
                 "for `track`: force = gain * mass * distance from the cloud's local plane, critically damped");
   fields.number(
-      "track_distance", p.track_distance, "m", between(1e-9, kMaxLength),
+      "tracking_distance", p.tracking_distance, "m", between(1e-9, kMaxLength),
       "for `track`: points farther from the cloud count as not visible; `auto` = three spacings of the simulation points");
   fields.number("delay", p.delay, "s", between(0.0, 10.0),
                 "the node: steps lag the clock by this time, so that messages and transforms arrive before their step");
   fields.number("tool_timeout", p.tool_timeout, "s", between(0.0, 1e9),
                 "time after which a tool from ROS or a robot link is silent: no message for its twist, or no transform of its "
-                "frame. It then stops, and its wrench is stale; 0 = never");
+                "frame. It then stops, and its wrench is marked silent; 0 = never");
   fields.text("lockstep", p.lockstep,
               "the node: topics (`force`, `wrench`, `tools`) that drive the steps instead of the clock. A step waits until each "
               "topic has delivered a command stamped after the start of the step (docs/ros.md)");
@@ -430,7 +433,7 @@ inline void visit(Fields& fields, SceneParams& p) {
   fields.section("transfer", p.transfer, "Interpolation from the simulation points to the full cloud.");
   fields.section("integrator", p.integrator, "Time integration.");
   fields.section("accuracy", p.accuracy, "Accuracy target or step budget; at most one of the two (docs/accuracy_control.md).");
-  fields.section("activity", p.activity, "Sleeping: regions at rest are not computed (docs/activity.md).");
+  fields.section("sleep", p.sleep, "Sleeping: regions at rest are not computed (docs/sleep.md).");
   fields.section("contact", p.contact, "Contact of the surface with itself (docs/contact.md).");
   const std::string stated = describeStatedNumber(p.simplification);
   fields.require(stated.empty() || !(p.accuracy.position_error > 0.0 || p.accuracy.step_budget > 0.0), "accuracy", stated);

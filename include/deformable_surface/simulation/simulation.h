@@ -140,7 +140,7 @@ class Simulation {
   Index numOwnMaterial() const;
   /// 1/s, of everything, until the next reset.
   void setDamping(double damping);
-  /// Draws the surface towards this cloud from now on, where it was seen, with input.track_gain (track_load.h); instead of the
+  /// Draws the surface towards this cloud from now on, where it was seen, with input.tracking_gain (track_load.h); instead of the
   /// cloud before. In the surface's frame. Ends with a reset, and where particles are born or go. Throws InputError, and changes
   /// nothing, for clouds of fewer than three points.
   void observe(const cloud::PointCloud& cloud);
@@ -155,7 +155,7 @@ class Simulation {
   std::vector<Index> editParticles(const ParticleEdit& edit);
   /// Grows a surface through the particles that there are (sec. 7 of [Szeliski 1991]); growth.chain is the model's. Returns what
   /// it did as a sentence.
-  std::string fit(const model::GrowthParams& growth);
+  std::string growSurface(const model::GrowthParams& growth);
 
   double membraneShare() const;                  // of the stated membrane stiffness, that acts now
   solve::IntegratorType lastIntegrator() const;  // of the last step; the one that auto took
@@ -173,7 +173,7 @@ class Simulation {
   // For display and simulation_points output.
   const model::State& state() const;
   const model::DeformableModel& model() const;
-  bool isAwake(Index simulation_point) const;  // false: it is left out of the steps, see docs/activity.md
+  bool isAwake(Index simulation_point) const;  // false: it is left out of the steps, see docs/sleep.md
   bool isAsleep() const;                       // all of it: steps pass in no time
   bool isLeftAlone() const;                    // asleep, without forces and tools: only a command can wake it
   /// Whether the surface rests in another shape than its own though nothing loads it: asleep, stretched, without

@@ -12,7 +12,7 @@ namespace deformable_surface::simulation {
 struct Statistics {
   double simulation_time = 0.0;  // s
   std::uint64_t step = 0;
-  std::uint32_t points = 0, simulation_points = 0, springs = 0, awake = 0;
+  std::uint32_t points = 0, simulation_points = 0, links = 0, awake = 0;
   double kinetic_energy = 0.0, elastic_energy = 0.0, potential_energy = 0.0;  // J
   double max_stretch = 0.0;                                                   // |l / l0 - 1|
   double max_speed = 0.0;                                                     // m/s
@@ -21,7 +21,7 @@ struct Statistics {
   double error_time = std::numeric_limits<double>::quiet_NaN();
   double error_space = std::numeric_limits<double>::quiet_NaN();
   double error_transfer = std::numeric_limits<double>::quiet_NaN();
-  double error_softening = std::numeric_limits<double>::quiet_NaN();
+  double error_stiffness = std::numeric_limits<double>::quiet_NaN();
   bool error_calibrated = false;  // the numbers of points are such that the estimate was found to cover the error
   bool may_buckle = false;        // where the points do not show it, by the error estimate
   bool has_snapped = false;       // see Simulation::hasSnapped()
@@ -33,8 +33,8 @@ struct Statistics {
          time_normals = 0.0, time_publish = 0.0, time_total = 0.0;
   double real_time_factor = 0.0;  // time step over time_total
   // M, rms distance from the cloud that is tracked; NaN: from none.
-  double track_residual = std::numeric_limits<double>::quiet_NaN();
-  std::uint32_t track_points = 0;                                  // simulation points that it shows
+  double tracking_residual = std::numeric_limits<double>::quiet_NaN();
+  std::uint32_t tracked_points = 0;                                // simulation points that it shows
   std::uint32_t self_contacts = 0;                                 // pairs of parts of the surface that push each other apart
   double self_distance = std::numeric_limits<double>::infinity();  // m, of the nearest of them; infinite: there is none
   std::uint32_t stopped_points = 0;  // simulation points that were stopped short in the last step, before parts met
@@ -49,7 +49,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("step", s.step);
   visitor("points", s.points);
   visitor("simulation_points", s.simulation_points);
-  visitor("springs", s.springs);
+  visitor("links", s.links);
   visitor("awake", s.awake);
   visitor("kinetic_energy", s.kinetic_energy);
   visitor("elastic_energy", s.elastic_energy);
@@ -60,7 +60,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("error_time", s.error_time);
   visitor("error_space", s.error_space);
   visitor("error_transfer", s.error_transfer);
-  visitor("error_softening", s.error_softening);
+  visitor("error_stiffness", s.error_stiffness);
   visitor("error_calibrated", s.error_calibrated);
   visitor("may_buckle", s.may_buckle);
   visitor("has_snapped", s.has_snapped);
@@ -77,8 +77,8 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("time_publish", s.time_publish);
   visitor("time_total", s.time_total);
   visitor("real_time_factor", s.real_time_factor);
-  visitor("track_residual", s.track_residual);
-  visitor("track_points", s.track_points);
+  visitor("tracking_residual", s.tracking_residual);
+  visitor("tracked_points", s.tracked_points);
   visitor("self_contacts", s.self_contacts);
   visitor("self_distance", s.self_distance);
   visitor("stopped_points", s.stopped_points);

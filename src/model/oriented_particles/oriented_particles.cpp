@@ -67,7 +67,7 @@ void OrientedParticles::beginAtRest(State& state) {
     state.traits[i].id = state.traits[i].ancestor = static_cast<Index>(i);
     // In all directions, none of them chosen.
     if (!rest_curvatures_.empty()) state.traits[i].rest_curvature = rest_curvatures_[i];
-    if (params_.spin > 0.0) state.traits[i].turn = std::remainder(kGoldenAngle * static_cast<double>(i), kTurn);
+    if (params_.axis_alignment_rate > 0.0) state.traits[i].turn = std::remainder(kGoldenAngle * static_cast<double>(i), kTurn);
   }
   state.next_id = static_cast<Index>(n);
   adopt(state);
@@ -151,10 +151,10 @@ void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, 
 }
 
 // E = sum psi x^2 z / a^3 [Szeliski 1991, eq. 14] or psi x^2 z^2 / a^4 [eq. 15] over the neighbours, x = X cos t + Y sin t in the
-// frame turned by t, a the spacing: but for a constant it is -G cos 2(t - t0). With dt/dtime = -spin dE/dt, tan(t - t0) falls as
-// exp(-4 spin G time).
+// frame turned by t, a the spacing: but for a constant it is -G cos 2(t - t0). With dt/dtime = -rate dE/dt, tan(t - t0) falls as
+// exp(-4 rate G time).
 void OrientedParticles::turnAxes(double time, State& state) const {
-  if (!(params_.spin > 0.0) || params_.mode == ParticleMode::kPlane || !prepare(state)) return;
+  if (!(params_.axis_alignment_rate > 0.0) || params_.mode == ParticleMode::kPlane || !prepare(state)) return;
   const double inverse = 1.0 / lattice_.spacing;
   const bool is_signed = params_.principal == PrincipalDirection::kSigned;
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
@@ -170,7 +170,7 @@ void OrientedParticles::turnAxes(double time, State& state) const {
         odd += weight * r.x() * r.y();
       });
       const double target = 0.5 * std::atan2(-odd, -even), off = state.traits[i].turn - target;
-      const double kept = std::exp(-4.0 * params_.spin * std::hypot(even, odd) * packed_.normal(i)[3] * time);
+      const double kept = std::exp(-4.0 * params_.axis_alignment_rate * std::hypot(even, odd) * packed_.normal(i)[3] * time);
       // The nearer of the two directions of the axis.
       const double side = std::cos(off) < 0.0 ? -1.0 : 1.0;
       const double left = std::atan2(side * std::sin(off) * kept, side * std::cos(off));

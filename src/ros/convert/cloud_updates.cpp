@@ -17,10 +17,10 @@ bool haveSameLayout(const sensor_msgs::PointCloud2& a, const sensor_msgs::PointC
 }  // namespace
 
 bool CloudUpdates::make(const sensor_msgs::PointCloud2ConstPtr& cloud, bool whole, DeformedUpdate& message) {
-  message.whole = whole || !last_ || !haveSameLayout(*last_, *cloud);
+  message.is_full = message.whole = whole || !last_ || !haveSameLayout(*last_, *cloud);
   message.header = cloud->header;
   message.indices.clear();
-  if (message.whole) {
+  if (message.is_full) {
     message.points = *cloud;
   } else {
     const std::size_t step = cloud->point_step;

@@ -29,7 +29,7 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.step = statistics.step;
   message.points = statistics.points;
   message.simulation_points = statistics.simulation_points;
-  message.springs = statistics.springs;
+  message.links = statistics.links;
   message.awake = statistics.awake;
   message.kinetic_energy = statistics.kinetic_energy;
   message.elastic_energy = statistics.elastic_energy;
@@ -40,7 +40,7 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.error_time = statistics.error_time;
   message.error_space = statistics.error_space;
   message.error_transfer = statistics.error_transfer;
-  message.error_softening = statistics.error_softening;
+  message.error_stiffness = statistics.error_stiffness;
   message.error_calibrated = statistics.error_calibrated;
   message.may_buckle = statistics.may_buckle;
   message.has_snapped = statistics.has_snapped;
@@ -57,13 +57,18 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.time_publish = statistics.time_publish;
   message.time_total = statistics.time_total;
   message.real_time_factor = statistics.real_time_factor;
-  message.track_residual = statistics.track_residual;
-  message.track_points = statistics.track_points;
+  message.tracking_residual = statistics.tracking_residual;
+  message.tracked_points = statistics.tracked_points;
   message.self_contacts = statistics.self_contacts;
   message.self_distance = statistics.self_distance;
   message.stopped_points = statistics.stopped_points;
   message.state_hash = statistics.state_hash;
   message.skipped = statistics.skipped;
+  // Under their old names.
+  message.springs = message.links;
+  message.error_softening = message.error_stiffness;
+  message.track_residual = message.tracking_residual;
+  message.track_points = message.tracked_points;
 }
 
 }  // namespace deformable_surface::node

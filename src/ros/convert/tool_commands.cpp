@@ -264,7 +264,7 @@ std::string ToolCommands::endVelocity(double now, double step, Course& course) c
   course.velocity = course.spin = Vec3::Zero();
   course.ends = kNever;
   course.is_silent = true;
-  return "no message for " + formatReal(timeout_) + " s; its twist has ended, and its wrench is stale";
+  return "no message for " + formatReal(timeout_) + " s; its twist has ended, and its wrench is marked silent";
 }
 
 std::string ToolCommands::noticeSilence(const ros::Time& stamp, Course& course) const {
@@ -273,7 +273,7 @@ std::string ToolCommands::noticeSilence(const ros::Time& stamp, Course& course) 
   course.is_silent = timeout_ > 0.0 && !course.frame_stamp.isZero() && (stamp - course.frame_stamp).toSec() > timeout_;
   if (was_silent || !course.is_silent) return "";
   return "no transform of frame " + quote(course.frame) + " for " + formatReal(timeout_) +
-         " s; it stays where it is, and its wrench is stale";
+         " s; it stays where it is, and its wrench is marked silent";
 }
 
 std::set<std::string> ToolCommands::silent() const {

@@ -24,7 +24,7 @@ ToolWrenchArray makeToolWrenches(const std_msgs::Header& header, const std::vect
     wrench.wrench.torque = toMessage(reaction.torque);
     wrench.contacts = static_cast<std::uint32_t>(reaction.contacts);
     wrench.penetration = reaction.penetration;
-    wrench.stale = silent.count(reaction.id) > 0;
+    wrench.silent = wrench.stale = silent.count(reaction.id) > 0;
     message.wrenches.push_back(wrench);
   }
   for (const simulation::PinReaction& reaction : pins) {

@@ -2,7 +2,7 @@
 #include "hand.h"
 
 #include "deformable_surface/EditParticles.h"
-#include "deformable_surface/FitSurface.h"
+#include "deformable_surface/GrowSurface.h"
 #include "deformable_surface/SelectRegion.h"
 #include "deformable_surface/Step.h"
 #include "deformable_surface/ToolArray.h"
@@ -110,8 +110,8 @@ void Hand::makeMenus() {
   add(panel_menu_, "Freeze", [this] { edit(EditParticlesRequest::FIX, kEverywhere); });
   add(panel_menu_, "Melt", [this] { edit(EditParticlesRequest::FREE, kEverywhere); });
   add(panel_menu_, "Grow a surface", [this] {
-    FitSurface service;
-    call("fit", service);
+    GrowSurface service;
+    call("grow_surface", service);
   });
 }
 

@@ -4,6 +4,7 @@
 #include "deformable_surface/DeformedUpdate.h"
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/FitSurface.h"
+#include "deformable_surface/GrowSurface.h"
 #include "deformable_surface/List.h"
 #include "deformable_surface/PointForce.h"
 #include "deformable_surface/Restore.h"
@@ -160,8 +161,9 @@ std::vector<InterfaceEntry> makeTable() {
        defineService<SaveCloud>()},
       {Kind::kService, "edit", "deformable_surface/EditParticles", "changes single oriented particles",
        defineService<EditParticles>()},
-      {Kind::kService, "fit", "deformable_surface/FitSurface", "grows a surface through the existing oriented particles",
-       defineService<FitSurface>()},
+      {Kind::kService, "grow_surface", "deformable_surface/GrowSurface",
+       "grows a surface through the existing oriented particles", defineService<GrowSurface>()},
+      {Kind::kService, "fit", "deformable_surface/FitSurface", "old name of `~grow_surface`", defineService<FitSurface>()},
       {Kind::kService, "snapshot", "deformable_surface/Snapshot", "stores the state under a name", defineService<Snapshot>()},
       {Kind::kService, "restore", "deformable_surface/Restore", "restores a stored state", defineService<Restore>()},
       {Kind::kService, "list", "deformable_surface/List", "lists tools, forces, pins, materials and snapshots",

@@ -251,7 +251,7 @@ void Stepper::replaceHeld(std::unique_ptr<simulation::Simulation> simulation) {
 }
 
 void Stepper::requireFree() const {
-  if (is_held_) throw InputError("a surface is being grown (~fit); accepted: once that is done");
+  if (is_held_) throw InputError("a surface is being grown (~grow_surface); accepted: once that is done");
 }
 
 void Stepper::keepSnapshot(const std::string& name) {

@@ -1,8 +1,8 @@
 #include "deformable_surface/ros/node/surface_node.h"
 
 #include "cloud_worker.h"
-#include "fit_service.h"
 #include "frame_thread.h"
+#include "grow_service.h"
 #include "inbox.h"
 #include "node_diagnostics.h"
 #include "publishers.h"
@@ -97,7 +97,7 @@ struct SurfaceNode::Impl {
   Stepper stepper;
   std::optional<NodeDiagnostics> diagnostics;
   Services services;
-  FitService fit;
+  GrowService grow;
   Rollouts rollouts;
   Reconfigure reconfigure;
   ros::Subscriber cloud_subscriber;
@@ -134,7 +134,7 @@ struct SurfaceNode::Impl {
         wrenches(private_node, [this] { inbox.wantFrame(); }),
         stepper(params, inbox, worker, publishers, frames, wrenches, transforms, warnings),
         services(service_node, reset_node, inbox, stepper, transforms, warnings, params.save_directory),
-        fit(given_private, inbox, stepper, warnings),
+        grow(given_private, inbox, stepper, warnings),
         rollouts(given_private, inbox, stepper, transforms, warnings,
                  // One is left to the surface, where there are several.
                  std::max(1, countCores(params.threads) - 1)),
@@ -178,7 +178,7 @@ struct SurfaceNode::Impl {
 
   std::vector<std::string> listServices() const {
     std::vector<std::string> names = services.names();
-    names.push_back(fit.name());
+    for (std::string& name : grow.names()) names.push_back(std::move(name));
     names.push_back(reconfigure.serviceName());
     return names;
   }

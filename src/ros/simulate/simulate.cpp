@@ -15,6 +15,7 @@
 #include "deformable_surface/io/load_scene.h"
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/io/scene.h"
+#include "deformable_surface/io/scene_old_names.h"
 #include "deformable_surface/ros/convert/commands.h"
 #include "deformable_surface/ros/convert/find_package.h"
 #include "deformable_surface/ros/convert/frames.h"
@@ -375,9 +376,11 @@ class Run {
   // What there is not, such as the volume of an open surface, is a note.
   void measure() {
     for (const std::string& name : options_.measured) {
+      const std::string quantity = io::findNewQuantity(name);
+      if (quantity != name) note(io::tellNewName("the quantity " + name, quantity));
       char text[32];
       try {
-        std::snprintf(text, sizeof text, "%.17g", simulation::computeQuantity(name, *simulation_));
+        std::snprintf(text, sizeof text, "%.17g", simulation::computeQuantity(quantity, *simulation_));
         terminal_.out << "measured " << name << ' ' << text << '\n';
       } catch (const InputError& error) {
         for (const std::string& problem : error.problems()) note("--measure: " + problem);

@@ -2,6 +2,7 @@
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/params.h"
+#include "deformable_surface/io/scene_old_names.h"
 #include "deformable_surface/simulation/scene_params.h"
 
 #include <algorithm>
@@ -39,7 +40,7 @@ void addTopic(const std::string& value, SimulateOptions& options, std::vector<st
 
 void addQuantity(const std::string& name, SimulateOptions& options, std::vector<std::string>& problems) {
   const std::vector<std::string> known = simulation::expectQuantities();
-  if (std::find(known.begin(), known.end(), name) == known.end()) {
+  if (std::find(known.begin(), known.end(), io::findNewQuantity(name)) == known.end()) {
     problems.push_back("--measure: found " + quote(name) + "; the nearest known one is " + nearestWord(name, known) +
                        "; accepted: the quantities of expect, see docs/parameters.md");
   } else {

@@ -19,7 +19,7 @@ PointCloud2 makeCloud() { return makeSheet(kColumns, kRows); }
 
 // As a listener does.
 void follow(const DeformedUpdate& update, PointCloud2& cloud) {
-  if (update.whole) {
+  if (update.is_full) {
     cloud = update.points;
     return;
   }
@@ -31,7 +31,9 @@ void follow(const DeformedUpdate& update, PointCloud2& cloud) {
 class CloudUpdatesTest : public testing::Test {
  protected:
   bool make(const PointCloud2& cloud, bool whole = false) {
-    return updates_.make(boost::make_shared<const PointCloud2>(cloud), whole, message_);
+    const bool has_changed = updates_.make(boost::make_shared<const PointCloud2>(cloud), whole, message_);
+    EXPECT_EQ(message_.whole, message_.is_full);  // its old name
+    return has_changed;
   }
 
   CloudUpdates updates_;
@@ -41,7 +43,7 @@ class CloudUpdatesTest : public testing::Test {
 TEST_F(CloudUpdatesTest, TheFirstIsWhole) {
   const PointCloud2 cloud = makeCloud();
   ASSERT_TRUE(make(cloud));
-  EXPECT_TRUE(message_.whole);
+  EXPECT_TRUE(message_.is_full);
   EXPECT_TRUE(message_.indices.empty());
   EXPECT_EQ(message_.points.data, cloud.data);
   EXPECT_EQ(message_.points.width, cloud.width);
@@ -58,7 +60,7 @@ TEST_F(CloudUpdatesTest, ThenOnlyRowsThatDifferInABitAreSentAndGiveTheCloud) {
     for (const std::uint32_t row : changed) cloud.data[row * cloud.point_step + 5] ^= 1;
     cloud.header.stamp.sec += 1;
     ASSERT_TRUE(make(cloud));
-    EXPECT_FALSE(message_.whole);
+    EXPECT_FALSE(message_.is_full);
     EXPECT_EQ(message_.indices, changed);
     EXPECT_EQ(message_.points.data.size(), changed.size() * cloud.point_step);
     EXPECT_EQ(message_.sequence, static_cast<std::uint32_t>(round + 1));
@@ -84,13 +86,13 @@ TEST_F(CloudUpdatesTest, ACloudOfAnotherLayoutIsWholeAndSoIsOneThatIsAskedFor) {
   PointCloud2 cloud = makeCloud();
   ASSERT_TRUE(make(cloud));
   ASSERT_TRUE(make(cloud, true));
-  EXPECT_TRUE(message_.whole);
+  EXPECT_TRUE(message_.is_full);
   cloud = makeSheet(kColumns, kRows + 1);
   ASSERT_TRUE(make(cloud));
-  EXPECT_TRUE(message_.whole);
+  EXPECT_TRUE(message_.is_full);
   updates_.forget();
   ASSERT_TRUE(make(cloud));
-  EXPECT_TRUE(message_.whole);
+  EXPECT_TRUE(message_.is_full);
   EXPECT_EQ(message_.sequence, 3u);
 }
 

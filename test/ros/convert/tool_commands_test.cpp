@@ -335,7 +335,7 @@ TEST_F(ToolCommandsTest, StopWhenNoMessageComesForTheirTwist) {
   EXPECT_EQ(commands.silent(), std::set<std::string>{"ball"});
   EXPECT_FALSE(commands.isMoving());
   ASSERT_EQ(problems.size(), 1u);
-  EXPECT_EQ(problems[0], "tool 'ball': no message for 0.095 s; its twist has ended, and its wrench is stale");
+  EXPECT_EQ(problems[0], "tool 'ball': no message for 0.095 s; its twist has ended, and its wrench is marked silent");
 
   // The next message, and each before its timeout.
   for (int k = 0; k < 5; ++k) {
@@ -471,7 +471,8 @@ TEST_F(FollowingTool, IsSilentWhileNoTransformComes) {
   EXPECT_EQ(commands_->silent(), std::set<std::string>{"ball"});
   EXPECT_NEAR(pose().position.x(), 2.0, 1e-9);
   ASSERT_EQ(problems_.size(), 1u);
-  EXPECT_EQ(problems_[0], "tool 'ball': no transform of frame 'hand' for 0.05 s; it stays where it is, and its wrench is stale");
+  EXPECT_EQ(problems_[0],
+            "tool 'ball': no transform of frame 'hand' for 0.05 s; it stays where it is, and its wrench is marked silent");
   place(3.0, 0.25);
   stepOnTheClock();
   EXPECT_TRUE(commands_->silent().empty());

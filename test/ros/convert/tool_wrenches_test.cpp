@@ -28,8 +28,10 @@ TEST(ToolWrenches, HaveToolsAndPinsWithEverythingThatIsKnownOfThem) {
   EXPECT_EQ(message.wrenches[0].wrench.torque.z, 6.0);
   EXPECT_EQ(message.wrenches[0].contacts, 7u);
   EXPECT_EQ(message.wrenches[0].penetration, 8.0);
-  EXPECT_FALSE(message.wrenches[0].stale);
-  EXPECT_TRUE(makeToolWrenches(header, {tool}, {pin}, {"ball"}).wrenches[0].stale);
+  EXPECT_FALSE(message.wrenches[0].silent);
+  const ToolWrench silent = makeToolWrenches(header, {tool}, {pin}, {"ball"}).wrenches[0];
+  EXPECT_TRUE(silent.silent);
+  EXPECT_TRUE(silent.stale);  // its old name
   ASSERT_EQ(message.pins.size(), 1u);
   EXPECT_EQ(message.pins[0].id, "pins[0]");
   EXPECT_EQ(message.pins[0].wrench.force.x, -1.0);

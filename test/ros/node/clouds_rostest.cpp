@@ -23,8 +23,7 @@ PointCloud2 makeStamped(int columns, int rows, const ros::Time& stamp) {
 }
 
 TEST(Clouds, StepsGoOnWhileALargeOneIsBuiltWhichThenTakesTheCommandsSinceItsStamp) {
-  NodeProcess process("/replaced",
-                      "{model: mass_spring, gravity: [0, 0, -0.1], activity: {sleep: never}, input: {policy: replace}}");
+  NodeProcess process("/replaced", "{model: mass_spring, gravity: [0, 0, -0.1], sleep: {mode: never}, input: {policy: replace}}");
   NodeClient client("/replaced");
   std::uint64_t step = 0;
   std::uint32_t points = 0;
@@ -77,7 +76,7 @@ TEST(Clouds, OfManyThatComeWhileOneIsBuiltTheNewestIsBuiltAndTheOthersAreCounted
 }
 
 TEST(Clouds, OneThatComesAgainBeginsItsSurfaceAnewWithoutBuildingIt) {
-  NodeProcess process("/again", "{model: mass_spring, gravity: [0, 0, -1], activity: {sleep: never}, input: {policy: replace}}");
+  NodeProcess process("/again", "{model: mass_spring, gravity: [0, 0, -1], sleep: {mode: never}, input: {policy: replace}}");
   NodeClient client("/again");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();
@@ -133,7 +132,7 @@ TEST(Clouds, FiltersTakePartsOfThemAwayAndTheSameCloudIsStillKnown) {
 
 TEST(Clouds, OneToBeTrackedOfWhichTheFiltersLeaveNothingIsRefused) {
   NodeProcess process("/filtered_track",
-                      "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, "
+                      "{model: mass_spring, gravity: [0, 0, 0], sleep: {mode: never}, "
                       "input: {policy: track, filter: {range: {max: 50.0}}}}");
   NodeClient client("/filtered_track");
   ASSERT_TRUE(client.waitForNode()) << process.output();
@@ -159,7 +158,7 @@ TEST(Clouds, ASignalEndsTheNodeWhileALargeOneIsBuilt) {
 }
 
 TEST(Clouds, OneToBeTrackedThatComesAfterTheStepAtItsStampIsCounted) {
-  NodeProcess process("/late", "{model: mass_spring, gravity: [0, 0, 0], activity: {sleep: never}, input: {policy: track}}");
+  NodeProcess process("/late", "{model: mass_spring, gravity: [0, 0, 0], sleep: {mode: never}, input: {policy: track}}");
   NodeClient client("/late");
   ASSERT_TRUE(client.waitForNode()) << process.output();
   ASSERT_TRUE(client.exchange(makeStamped(20, 10, ros::Time::now()))) << process.output();

@@ -337,11 +337,11 @@ TEST_F(CommandsTest, TheWrenchOfAToolWhoseFrameIsSilentIsStaleAndKeepsItsStamp) 
   tools.publish(array);
   ASSERT_TRUE(waitUntil([&] {
     tell();
-    return stamps.size() > 20 && !wrenches.wrenches.empty() && !wrenches.wrenches[0].stale;
+    return stamps.size() > 20 && !wrenches.wrenches.empty() && !wrenches.wrenches[0].silent;
   })) << process.output();
 
   // Nobody tells where the palm is any more.
-  ASSERT_TRUE(waitUntil([&] { return !wrenches.wrenches.empty() && wrenches.wrenches[0].stale; })) << process.output();
+  ASSERT_TRUE(waitUntil([&] { return !wrenches.wrenches.empty() && wrenches.wrenches[0].silent; })) << process.output();
   const ros::Time then = wrenches.header.stamp;
   ASSERT_TRUE(waitUntil([&] { return wrenches.header.stamp > then + ros::Duration(0.2); }));
   const std::size_t before = stamps.size();
@@ -353,7 +353,7 @@ TEST_F(CommandsTest, TheWrenchOfAToolWhoseFrameIsSilentIsStaleAndKeepsItsStamp) 
 
   ASSERT_TRUE(waitUntil([&] {
     tell();
-    return !wrenches.wrenches[0].stale && stamps.back() > then;
+    return !wrenches.wrenches[0].silent && stamps.back() > then;
   })) << process.output();
 }
 

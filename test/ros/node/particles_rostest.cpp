@@ -1,6 +1,7 @@
 // Oriented particles over services: single ones are edited, and surfaces grow through them while the node goes on answering.
 #include "surface_node_fixture.h"
 
+#include "deformable_surface/FitSurface.h"
 #include "deformable_surface/List.h"
 #include "deformable_surface/Restore.h"
 #include "deformable_surface/RolloutAction.h"
@@ -49,16 +50,19 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
   const StepResponse stepped = client.step(3);
   EXPECT_TRUE(stepped.success) << stepped.message << process.output();
 
-  const FitSurfaceResponse fitted = client.fit(FitSurfaceRequest());
-  EXPECT_TRUE(fitted.success) << fitted.message;
-  EXPECT_GE(fitted.particles, 144u);
-  FitSurfaceRequest wrong;
+  const GrowSurfaceResponse grown = client.growSurface(GrowSurfaceRequest());
+  EXPECT_TRUE(grown.success) << grown.message;
+  EXPECT_GE(grown.particles, 144u);
+  const FitSurfaceResponse by_old_name = client.call<FitSurface>("fit", FitSurfaceRequest());
+  EXPECT_TRUE(by_old_name.success) << by_old_name.message;
+  EXPECT_NE(process.output().find("~fit is now called ~grow_surface"), std::string::npos) << process.output();
+  GrowSurfaceRequest wrong;
   wrong.max_gap = -1.0;
-  EXPECT_FALSE(client.fit(wrong).success);
+  EXPECT_FALSE(client.growSurface(wrong).success);
 
   // Springs have none.
   ASSERT_TRUE(startPaused());
-  const FitSurfaceResponse refused = client_->fit(FitSurfaceRequest());
+  const GrowSurfaceResponse refused = client_->growSurface(GrowSurfaceRequest());
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("accepted: oriented_particles"), std::string::npos) << refused.message;
 }
@@ -114,8 +118,8 @@ TEST_F(ParticlesTest, AnEmptySurfaceAnswersEverything) {
   const SaveCloudResponse saved = client.save("emptied_surface.ply");
   EXPECT_TRUE(saved.success || !saved.message.empty());
   std::remove((testing::TempDir() + "emptied_surface.ply").c_str());
-  const FitSurfaceResponse fitted = client.fit(FitSurfaceRequest());
-  EXPECT_TRUE(fitted.success || !fitted.message.empty());
+  const GrowSurfaceResponse grown = client.growSurface(GrowSurfaceRequest());
+  EXPECT_TRUE(grown.success || !grown.message.empty());
   actionlib::ActionClient<RolloutAction> rollouts(client.handle(), "rollout");
   ASSERT_TRUE(waitUntil([&] { return rollouts.isServerConnected(); })) << process.output();
   RolloutGoal goal;
@@ -143,10 +147,10 @@ class GrowingTest : public ::testing::Test {
     cloud_.header.stamp = ros::Time::now();
     ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
     caller_ = std::thread([this] {
-      FitSurface exchange;
+      GrowSurface exchange;
       exchange.request.edge_rows = 100;
       exchange.request.max_particles = 60000;
-      is_answered_ = ros::service::call("/growing/fit", exchange);
+      is_answered_ = ros::service::call("/growing/grow_surface", exchange);
       answer_ = exchange.response;
     });
     ASSERT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "growing a surface"; })) << process_.output();
@@ -164,7 +168,7 @@ class GrowingTest : public ::testing::Test {
   PointCloud2 cloud_;
   std::thread caller_;
   bool is_answered_ = false;
-  FitSurfaceResponse answer_;
+  GrowSurfaceResponse answer_;
 };
 
 TEST_F(GrowingTest, AnswersMeanwhileAndRefusesWhatWouldChangeTheSurface) {
@@ -175,7 +179,7 @@ TEST_F(GrowingTest, AnswersMeanwhileAndRefusesWhatWouldChangeTheSurface) {
   const SelectRegionResponse pinned = client_.select("pin", everything);
   EXPECT_FALSE(pinned.success);
   EXPECT_NE(pinned.message.find("being grown"), std::string::npos) << pinned.message;
-  const FitSurfaceResponse second = client_.fit(FitSurfaceRequest());
+  const GrowSurfaceResponse second = client_.growSurface(GrowSurfaceRequest());
   EXPECT_FALSE(second.success);
   EXPECT_NE(second.message.find("being grown"), std::string::npos) << second.message;
   List list;

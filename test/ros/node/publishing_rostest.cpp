@@ -55,7 +55,7 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
 
 TEST(Publishing, SendsEveryMessageOfMarkersWholeAndLatched) {
   NodeProcess process("/marked",
-                      "{model: mass_spring, gravity: [0, 0, -1], activity: {sleep: never}, "
+                      "{model: mass_spring, gravity: [0, 0, -1], sleep: {mode: never}, "
                       "pins: [{box: {min: [-0.01, -1, -1], max: [0.01, 1, 1]}}]}");
   NodeClient client("/marked");
   ASSERT_TRUE(client.waitForNode()) << process.output();

@@ -487,8 +487,8 @@ input: {policy: track}
   ASSERT_TRUE(client.waitForDiagnostic("clouds tracked", 1)) << process.output();
   ASSERT_TRUE(client.step(60).success);
   ASSERT_TRUE(waitUntil([&] { return statistics.step == 60; }));
-  EXPECT_GT(statistics.track_points, 0.9 * kSide * kSide);
-  EXPECT_LT(statistics.track_residual, 0.05 * kRise);
+  EXPECT_GT(statistics.tracked_points, 0.9 * kSide * kSide);
+  EXPECT_LT(statistics.tracking_residual, 0.05 * kRise);
   cloud.header.frame_id = "nowhere";
   client.publish(cloud);
   EXPECT_TRUE(client.waitForDiagnostic("clouds refused", 1)) << process.output();

@@ -129,6 +129,11 @@ TEST_F(Simulate, PrintsMeasuredQuantitiesWithAllDigitsAndTellsWhichThereAreNot) 
   ASSERT_NE(found, std::string::npos) << out_;
   EXPECT_NEAR(std::stod(out_.substr(found + 15)), -0.5 * 9.81 * 0.01, 1e-6);
   EXPECT_NE(out_.find("note: --measure: volume_ratio: found a surface with a boundary"), std::string::npos) << out_;
+  EXPECT_EQ(run({"--measure", "springs"}), 0);
+  EXPECT_NE(out_.find("measured springs "), std::string::npos) << out_;
+  EXPECT_NE(out_.find("note: the quantity springs is now called links; "), std::string::npos) << out_;
+  EXPECT_EQ(run({"--set", "activity.sleep=never"}), 0);
+  EXPECT_NE(out_.find("note: activity.sleep is now called sleep.mode; "), std::string::npos) << out_;
 }
 
 TEST_F(Simulate, StopsWithStatusThreeAndTheLastGoodState) {

@@ -30,10 +30,10 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.number("min_gap", p.min_gap, "spacings", between(1.0, 100.0), "particles this far apart get a new one between them");
   fields.number("max_gap", p.max_gap, "spacings", between(1.0, 100.0), "the widest gap that is closed");
   fields.require(p.min_gap <= p.max_gap, "max_gap", "found less than min_gap; accepted: at least min_gap");
-  fields.number(
-      "sample_gap", p.sample_gap, "", between(0.0, 100.0),
-      "for `fit`: limits gaps near a sample to this times the distance of its fourth nearest sample, at least 2.5 spacings and "
-      "at most max_gap. Dense samples may show small features. 0 = max_gap everywhere");
+  fields.number("sample_gap", p.sample_gap, "", between(0.0, 100.0),
+                "for `grow_surface`: limits gaps near a sample to this times the distance of its fourth nearest sample, at least "
+                "2.5 spacings and "
+                "at most max_gap. Dense samples may show small features. 0 = max_gap everywhere");
   fields.integer("min_neighbors", p.min_neighbors, "", between(0, 100), "particles with fewer neighbours do not grow");
   fields.integer("max_neighbors", p.max_neighbors, "", between(0, 100), "particles with more neighbours do not grow");
   fields.require(p.min_neighbors <= p.max_neighbors, "max_neighbors", "found less than min_neighbors; accepted: as many or more");
@@ -53,7 +53,8 @@ inline void visit(Fields& fields, GrowthParams& p) {
   fields.flag("release_samples", p.release_samples, "the given particles move in a final relaxation");
   fields.number(
       "noise", p.noise, "spacings", between(0.0, 1.0),
-      "for `fit`: rms distance of the samples from the surface. After release the surface is smoothed until the samples have "
+      "for `grow_surface`: rms distance of the samples from the surface. After release the surface is smoothed until the samples "
+      "have "
       "moved that far along their normals, or until they stop. Rest curvatures are means over a few spacings. 0 = the least "
       "smoothing that makes the surface even. Noise cannot be distinguished from features as small as the sample distance");
   fields.require(!(p.noise > 0.0) || p.release_samples, "noise",

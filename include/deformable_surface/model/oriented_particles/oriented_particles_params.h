@@ -32,11 +32,11 @@ struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
   OrAuto<double> spacing;  // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
   // Each multiplies a value that comes from the material.
-  double lennard_jones = 1.0;   // >= 0: 1 = the surface has Young's modulus
-  double co_planarity = 1.0;    // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
-  double co_normality = 1.0;    // >= 0
-  double co_circularity = 0.0;  // >= 0, on the scale of co-planarity
-  double spin = 0.0;            // 1/s, >= 0: how fast x axes turn to a principal direction
+  double lennard_jones = 1.0;        // >= 0: 1 = the surface has Young's modulus
+  double co_planarity = 1.0;         // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
+  double co_normality = 1.0;         // >= 0
+  double co_circularity = 0.0;       // >= 0, on the scale of co-planarity
+  double axis_alignment_rate = 0.0;  // 1/s, >= 0: how fast x axes turn to a principal direction
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};  // of repulsion and attraction, whole, the first the larger
   double cutoff = 1.6;       // of the pair's distance of least energy, > 1: nothing is felt beyond
@@ -48,13 +48,13 @@ struct OrientedParticlesParams {
   RestShape rest_shape = RestShape::kAuto;
   double melting = 1000.0;       // K above ambient, > 0: bonds weaken linearly until there
   double cooling = 0.0;          // 1/s, >= 0: rate at which temperatures fall to the ambient one
-  double hold_below = 0.0;       // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
+  double freeze_below = 0.0;     // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
   double yield_curvature = 0.0;  // 1/m, >= 0: what is bent by more stays bent by the rest; 0 = nothing stays
   bool delete_trapped = false;   // particles inside two solid tools at once go
   bool stretching = false;       // particles are born between those that were drawn apart
   Growing growing = Growing::kNone;
   double growth_interval = 0.02;  // s, > 0: between two looks for room
-  bool fit = false;               // before time 0 a surface is grown through the particles
+  bool grow_surface = false;      // before time 0 a surface is grown through the particles
   GrowthParams growth;
 
   /// Rest curvatures are for the isotropic weighting of a surface only.
@@ -76,7 +76,7 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                 "weight of the co-normality potential: neighbouring normals stay parallel");
   fields.number("co_circularity", p.co_circularity, "", between(0.0, 1e6),
                 "weight of the co-circularity potential: the curvature stays constant; same scale as co_planarity");
-  fields.number("spin", p.spin, "1/s", between(0.0, 1e9),
+  fields.number("axis_alignment_rate", p.axis_alignment_rate, "1/s", between(0.0, 1e9),
                 "rate at which x axes align with the principal curvature direction, per unit of curvature difference times "
                 "spacing. Display only");
   fields.choice("principal", p.principal, {{"signed", PrincipalDirection::kSigned}, {"absolute", PrincipalDirection::kAbsolute}},
@@ -117,7 +117,7 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
   fields.number("melting", p.melting, "K", between(1e-6, 1e9),
                 "melting temperature above ambient: bonds weaken linearly and vanish there");
   fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures decay to ambient");
-  fields.number("hold_below", p.hold_below, "K", between(0.0, 1e9),
+  fields.number("freeze_below", p.freeze_below, "K", between(0.0, 1e9),
                 "above ambient: cooler particles neither move nor rotate, so only heated particles can be shaped; 0 = off");
   fields.number("yield_curvature", p.yield_curvature, "1/m", between(0.0, 1e9),
                 "plasticity: curvature change beyond this becomes part of the rest shape; 0 = no plasticity");
@@ -133,7 +133,7 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
       "also at open edges");
   fields.number("growth_interval", p.growth_interval, "s", between(1e-9, 1e9),
                 "time between two searches for places of new particles");
-  fields.flag("fit", p.fit, "grow a surface through the particles before time 0, like `~fit`");
+  fields.flag("grow_surface", p.grow_surface, "grow a surface through the particles before time 0, like `~grow_surface`");
   fields.section("growth", p.growth, "The stretching and growing rules. Lengths are in particle spacings.");
 }
 

@@ -15,7 +15,7 @@
 #include "../../parts.h"
 #include "../../rest_parts.h"
 #include "../../rest_steps.h"
-#include "../../unheld.h"
+#include "../../unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -27,10 +27,10 @@ constexpr double kBandOfOneRow = 0.5;  // spacings of the points up to which a p
 // Fewer points can fall into more parts than the cloud has: of those only the largest, and what is held, are wanted, too.
 std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
   std::vector<char> wanted(s.points.size(), 1);
-  const bool drops = params.input.unheld == Unheld::kDrop;
-  if (params.input.keep_parts == 0 && !drops) return wanted;
+  const bool drops = params.input.unconstrained_parts == UnconstrainedParts::kDrop;
+  if (params.input.largest_parts == 0 && !drops) return wanted;
   const Parts parts = findParts(static_cast<Index>(s.points.size()), linksOf(s.rings.ring));
-  if (params.input.keep_parts > 0) wanted = markLargest(parts, params.input.keep_parts);
+  if (params.input.largest_parts > 0) wanted = markLargest(parts, params.input.largest_parts);
   if (!drops) return wanted;
   const std::vector<char> held = markHeldParts(params, parts, s.points);
   for (std::size_t i = 0; i < wanted.size(); ++i) wanted[i] = wanted[i] && held[i];

@@ -158,10 +158,10 @@ Index ParticleLife::countDebris(const State& state) const {
 
 Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
   has_told_debris_ = false;
-  model_.setSpacing(model_.statedSpacing());  // what an earlier fit made of it is gone
+  model_.setSpacing(model_.statedSpacing());  // what growing a surface made of it is gone
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
-  return params.fit ? fit(params.growth, pinned, true, state) : Population();
+  return params.grow_surface ? growSurface(params.growth, pinned, true, state) : Population();
 }
 
 Evolution::Change ParticleLife::beforeStep(double time, double step, const std::vector<ToolParams>& tools, State& state) {
@@ -216,7 +216,7 @@ void ParticleLife::grow(State& state, Population& changes) const {
 }
 
 void ParticleLife::hold(State& state, std::vector<char>& held, std::vector<char>& held_turns) const {
-  const double cold = scene_.oriented_particles.hold_below;
+  const double cold = scene_.oriented_particles.freeze_below;
   if (!(cold > 0.0)) return;
   for (Index i = 0; i < state.size(); ++i) {
     if (state.traits[i].temperature >= cold) continue;
@@ -228,13 +228,13 @@ void ParticleLife::hold(State& state, std::vector<char>& held, std::vector<char>
 
 bool ParticleLife::maySleep() const {
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
-  if (params.spin > 0.0) return false;  // axes turn where nothing else does
+  if (params.axis_alignment_rate > 0.0) return false;  // axes turn where nothing else does
   return !is_hot_ && !params.stretching && params.growing == model::Growing::kNone;
 }
 
 bool ParticleLife::maySleepInParts() const {
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
-  return !(params.yield_curvature > 0.0) && !(params.hold_below > 0.0);
+  return !(params.yield_curvature > 0.0) && !(params.freeze_below > 0.0);
 }
 
 std::shared_ptr<const Evolution::Memory> ParticleLife::memory() const {
@@ -248,7 +248,8 @@ void ParticleLife::setMemory(const std::shared_ptr<const Memory>& saved) {
   if (model_.lattice().spacing != spacing) model_.setSpacing(spacing);
 }
 
-Population ParticleLife::fit(const model::GrowthParams& given, const std::vector<char>& held, bool is_start, State& state) {
+Population ParticleLife::growSurface(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
+                                     State& state) {
   model::GrowthParams growth = given;
   growth.chain = growthParams().chain;
   const bool keeps_shape = model_.params().restsAsCloud(), lets_go = !growth.fix_samples || growth.release_samples;
@@ -287,8 +288,8 @@ Population ParticleLife::fit(const model::GrowthParams& given, const std::vector
   changes.born = static_cast<Index>(state.positions.size() - before);
   static const char* const kEnds[] = {"until there was no more room", "until growth.max_passes was reached",
                                       "until another pass would have gone beyond growth.max_particles"};
-  changes.notice = "fit: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) + " in " +
-                   std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
+  changes.notice = "a surface is grown: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) +
+                   " in " + std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
   return changes;
 }
 

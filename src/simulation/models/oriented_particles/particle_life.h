@@ -29,7 +29,8 @@ class ParticleLife : public Evolution {
 
   /// Sec. 7 of [Szeliski 1991], with relaxation in between. is_start: all take the shape that is found for their rest shape, and
   /// the model the spacing with which it has no tension; else the new ones alone take theirs.
-  Population fit(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start, model::State& state) override;
+  Population growSurface(const model::GrowthParams& growth, const std::vector<char>& held, bool is_start,
+                         model::State& state) override;
   Population edit(const ParticleEdit& edit, model::State& state, std::vector<char>& pinned,
                   std::vector<char>& pinned_turns) override;
 

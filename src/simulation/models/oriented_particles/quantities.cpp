@@ -58,13 +58,13 @@ std::optional<double> findParticleQuantity(const std::string& name, const model:
                                            const Simulation& simulation) {
   if (name == "touching") return countTouching(particles, simulation);
   static const char* const kNames[] = {"components",   "boundary_loops",      "euler_characteristic", "isolated",
-                                       "spacing_mean", "spacing_cv",          "spacing_max",          "born",
-                                       "gone",         "principal_angle_mean"};
+                                       "spacing_mean", "spacing_cv",          "spacing_max",          "added",
+                                       "removed",      "principal_angle_mean"};
   if (std::find(std::begin(kNames), std::end(kNames), name) == std::end(kNames)) return std::nullopt;
   const model::State& state = simulation.state();
   const Index first = simulation.numFirst();
-  if (name == "born") return state.next_id - first;
-  if (name == "gone") return state.next_id - state.size();
+  if (name == "added") return state.next_id - first;
+  if (name == "removed") return state.next_id - state.size();
   if (name == "principal_angle_mean") return measurePrincipalAngle(particles, state);
   if (name.rfind("spacing", 0) == 0) {
     double sum = 0.0, squares = 0.0, largest = 0.0;

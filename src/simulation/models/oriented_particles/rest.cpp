@@ -138,7 +138,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   model::OrientedParticles& model = *particles;
   s.model = std::move(particles);
   applyPins(params, s);
-  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.fit) takeCloudAsRest(model, s);
+  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.grow_surface) takeCloudAsRest(model, s);
 }
 
 // Makes these dense points particles.

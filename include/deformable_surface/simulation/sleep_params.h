@@ -9,14 +9,14 @@ namespace deformable_surface::simulation {
 /// kAuto: as kAlways, but never with explicit Euler, whose results are to be those that were published.
 enum class Sleep { kAuto, kAlways, kNever };
 
-struct ActivityParams {
-  Sleep sleep = Sleep::kAuto;
+struct SleepParams {
+  Sleep mode = Sleep::kAuto;
   OrAuto<double> tolerance;  // m, > 0: the motion that a part may lose by falling asleep; auto: a share of the spacing
   double quiet_time = 0.5;   // s, > 0: for how long it must have been slow
 };
 
-inline void visit(Fields& fields, ActivityParams& p) {
-  fields.choice("sleep", p.sleep, {{"auto", Sleep::kAuto}, {"always", Sleep::kAlways}, {"never", Sleep::kNever}},
+inline void visit(Fields& fields, SleepParams& p) {
+  fields.choice("mode", p.mode, {{"auto", Sleep::kAuto}, {"always", Sleep::kAlways}, {"never", Sleep::kNever}},
                 "regions at rest sleep until something disturbs them; `auto` = always, except with explicit_euler");
   fields.number(
       "tolerance", p.tolerance, "m", between(1e-15, kMaxLength),

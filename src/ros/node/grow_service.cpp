@@ -1,9 +1,12 @@
-#include "fit_service.h"
+#include "grow_service.h"
 
+#include "deformable_surface/FitSurface.h"
+#include "deformable_surface/GrowSurface.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/value.h"
+#include "deformable_surface/io/scene_old_names.h"
 
 #include <cstdint>
 #include <exception>
@@ -15,7 +18,8 @@ namespace deformable_surface::node {
 namespace {
 
 // What is left at zero stays as it is.
-model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthParams growth) {
+template <class Request>
+model::GrowthParams readGrowth(const Request& request, model::GrowthParams growth) {
   const auto take = [](double given, double& value) {
     if (given != 0.0) value = given;
   };
@@ -35,12 +39,26 @@ model::GrowthParams readGrowth(const FitSurfaceRequest& request, model::GrowthPa
 
 }  // namespace
 
-FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings)
+GrowService::GrowService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings)
     : inbox_(inbox), stepper_(stepper), warnings_(warnings), first_thread_(queue_), second_thread_(queue_) {
   node.setCallbackQueue(&queue_);
-  const auto answer = [this](FitSurfaceRequest& request, FitSurfaceResponse& response) {
+  server_ = advertise<GrowSurfaceRequest, GrowSurfaceResponse>(node, "grow_surface", "");
+  old_server_ = advertise<FitSurfaceRequest, FitSurfaceResponse>(node, "fit", io::tellNewName("~fit", "~grow_surface"));
+  first_thread_.start();
+  second_thread_.start();
+}
+
+GrowService::~GrowService() {
+  first_thread_.stop();
+  second_thread_.stop();
+}
+
+template <class Request, class Response>
+ros::ServiceServer GrowService::advertise(ros::NodeHandle& node, const std::string& name, const std::string& notice) {
+  const auto answer = [this, notice](Request& request, Response& response) {
+    if (!notice.empty()) warnings_.report(Warning::kNotice, notice);
     try {
-      fit(request, response);
+      grow(request, response);
     } catch (const std::exception& error) {
       response.success = false;
       response.message = toOneLine(error.what());
@@ -48,19 +66,11 @@ FitService::FitService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, War
     }
     return true;
   };
-  server_ = node.advertiseService<FitSurfaceRequest, FitSurfaceResponse>(
-      "fit", boost::function<bool(FitSurfaceRequest&, FitSurfaceResponse&)>(answer));
-  first_thread_.start();
-  second_thread_.start();
-}
-
-FitService::~FitService() {
-  first_thread_.stop();
-  second_thread_.stop();
+  return node.advertiseService<Request, Response>(name, boost::function<bool(Request&, Response&)>(answer));
 }
 
 // Work of the simulation thread may throw, too.
-void FitService::perform(const std::function<void()>& work) {
+void GrowService::perform(const std::function<void()>& work) {
   std::exception_ptr problem;
   const std::string unheard = inbox_.perform([&] {
     try {
@@ -73,7 +83,7 @@ void FitService::perform(const std::function<void()>& work) {
   if (problem) std::rethrow_exception(problem);
 }
 
-void FitService::performInTheEnd(const std::function<void()>& work) {
+void GrowService::performInTheEnd(const std::function<void()>& work) {
   bool is_done = false;
   while (!is_done && !inbox_.isClosed()) {
     try {
@@ -87,7 +97,8 @@ void FitService::performInTheEnd(const std::function<void()>& work) {
   }
 }
 
-void FitService::fit(const FitSurfaceRequest& request, FitSurfaceResponse& response) {
+template <class Request, class Response>
+void GrowService::grow(const Request& request, Response& response) {
   std::unique_ptr<simulation::Simulation> copy;
   model::GrowthParams growth;
   int num_threads = 0;
@@ -102,7 +113,7 @@ void FitService::fit(const FitSurfaceRequest& request, FitSurfaceResponse& respo
   try {
     const InterruptScope scope(*inbox_.closing());
     setNumThreads(num_threads);
-    response.message = copy->fit(growth);
+    response.message = copy->growSurface(growth);
   } catch (...) {
     performInTheEnd([&] { stepper_.letGo(); });
     throw;

@@ -1,4 +1,4 @@
-#include "unheld.h"
+#include "unconstrained_parts.h"
 
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
@@ -84,7 +84,8 @@ Parts findSimulatedParts(const RestSurface& s) {
 // points: what the marks are of.
 void requireHeld(const SceneParams& params, const std::vector<char>& held, const char* points) {
   if (std::find(held.begin(), held.end(), 1) != held.end()) return;
-  throw InputError(std::string("input.unheld: found ") + (params.input.unheld == Unheld::kDrop ? "drop" : "freeze") +
+  throw InputError(std::string("input.unconstrained_parts: found ") +
+                   (params.input.unconstrained_parts == UnconstrainedParts::kDrop ? "drop" : "freeze") +
                    ", but no pin, anchor or tool holds any of the " + count(static_cast<Index>(held.size()), points) +
                    " at the beginning; accepted: keep, or something that holds one of them");
 }
@@ -123,20 +124,20 @@ std::vector<char> markHeldParts(const SceneParams& params, const Parts& parts, c
   return marked;
 }
 
-void dropUnheld(const SceneParams& params, const Parts& parts, RestSurface& s) {
+void dropUnconstrained(const SceneParams& params, const Parts& parts, RestSurface& s) {
   const std::vector<char> held = markHeldParts(params, parts, s.dense.positions);
   requireHeld(params, held, "points of the cloud");
-  leaveOut("input.unheld drop", parts, held, s);
+  leaveOut("input.unconstrained_parts drop", parts, held, s);
 }
 
-void freezeUnheld(const SceneParams& params, RestSurface& s) {
+void freezeUnconstrained(const SceneParams& params, RestSurface& s) {
   const std::vector<char> held = markHeldParts(params, findSimulatedParts(s), s.points);
   requireHeld(params, held, "simulation points");
   for (std::size_t i = 0; i < held.size(); ++i)
     if (!held[i]) s.pinned[i] = s.pinned_turns[i] = kInPin;
 }
 
-void noteUnheld(const SceneParams& params, RestSurface& s) {
+void noteUnconstrained(const SceneParams& params, RestSurface& s) {
   const Parts parts = findSimulatedParts(s);
   const std::vector<char> held = markHeldParts(params, parts, s.points);
   std::vector<char> is_loose, is_held(parts.count(), 0);
@@ -158,11 +159,12 @@ void noteUnheld(const SceneParams& params, RestSurface& s) {
   const std::string which = "no pin, anchor or tool holds " + count(loose, "of ") +
                             count(parts.count(), "parts of what is simulated, with ") + listSizes(std::move(sizes)) +
                             " simulation points (" + count(countDense(s, is_loose), "points of the cloud): ");
-  if (params.input.unheld == Unheld::kFreeze)
-    s.notes.push_back(which + "input.unheld freeze keeps them where they are");
+  if (params.input.unconstrained_parts == UnconstrainedParts::kFreeze)
+    s.notes.push_back(which + "input.unconstrained_parts freeze keeps them where they are");
   else
-    s.warnings.push_back(which +
-                         "they move freely; input.unheld freezes or drops such parts, input.keep_parts leaves small ones out");
+    s.warnings.push_back(
+        which +
+        "they move freely; input.unconstrained_parts freezes or drops such parts, input.largest_parts leaves small ones out");
 }
 
 }  // namespace deformable_surface::simulation
