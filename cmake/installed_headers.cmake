@@ -32,11 +32,13 @@ set(included_headers
     geometry/solid.h
     geometry/solid_params.h
     linear/block_sparse.h
+    model/capabilities.h
     model/deformable_model.h
     model/elastic_solid/elastic_solid_params.h
     model/elastic_solid/plasticity_params.h
     model/mass_spring/mass_spring_params.h
     model/material_params.h
+    model/state.h
     model/oriented_particles/growth_params.h
     model/oriented_particles/oriented_particles_params.h
     simulation/accuracy_choice.h
