@@ -10,6 +10,7 @@ namespace deformable_surface::solve {
 namespace {
 
 constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
+constexpr double kLoadMemory = 1.1;      // growth of the stiffness of loads, as contacts come, after which it is, too
 constexpr double kWider = 1.2;           // by which the stable step must exceed that in use for longer sub-steps to pay,
 constexpr Index kWideFor = 100;          // for so many steps: the stretch of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
@@ -125,12 +126,15 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
 void TimeMarch::refreshStableStep(double time, const State& state) {
   const double stretch = maxStretchOf(model_, state);
   // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
-  if (!memory_.estimate_needed && !system_.isOriented() && std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory)
-    return;
+  const double loads = system_.loadStiffness(time, state);
+  const bool is_known =
+      std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory && loads <= kLoadMemory * memory_.loads_at_estimate;
+  if (!memory_.estimate_needed && !system_.isOriented() && is_known) return;
   memory_.stable_step = stable_step_.estimate(time, state, system_);
   memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
   memory_.max_slow_step = 2.0 / std::sqrt(system_.boundSlowRate(state));
   memory_.stretch_at_estimate = stretch;
+  memory_.loads_at_estimate = loads;
   memory_.estimate_needed = false;
 }
 

@@ -71,6 +71,30 @@ TEST(TimeMarch, ShortensSubstepsAtOnceAndLengthensThemOnlyWhenTheyCouldLongHaveB
   EXPECT_EQ(m.countSubsteps(), 2);
 }
 
+// Springs to where the points are, as contacts would have that come and go.
+class Contacts : public solve::ExternalLoad {
+ public:
+  void addForces(double, const State&, Points&) const override {}
+  double estimateWork(double, double, const State&, const State&) const override { return 0.0; }
+  void addRowBounds(double, const State&, std::vector<double>& k, std::vector<double>&) const override { k[0] += stiffness; }
+
+  double stiffness = 0.0;  // N/m
+};
+
+TEST(TimeMarch, AContactThatComesShortensSubstepsThoughNothingIsStretched) {
+  March m(1.0);
+  Contacts contacts;
+  m.loads.push_back(&contacts);
+  EXPECT_EQ(m.countSubsteps(), 2);
+  EXPECT_EQ(m.model.num_estimates, 1);
+  contacts.stiffness = 3.0 * 4.0 / (0.01 * 0.01);  // thrice the square of the model's highest frequency, of a mass of 1 kg
+  EXPECT_EQ(m.countSubsteps(), 3);
+  EXPECT_EQ(m.model.num_estimates, 2);
+  contacts.stiffness *= 1.05;
+  m.countSubsteps();
+  EXPECT_EQ(m.model.num_estimates, 2);
+}
+
 TEST(TimeMarch, AStableStepThatWasFoundBeforehandHoldsForAStateThatAPartBroughtOn) {
   March m(1.0);
   m.march.prepare(0.0, m.state);

@@ -38,7 +38,8 @@ class TimeMarch {
     double max_substep = std::numeric_limits<double>::infinity();  // s, at most that: what sub-steps are cut by
     Index wider = 0;                                               // steps in a row in which the stable step was well above it
     double max_slow_step = 0.0;                                    // s, a stable step of the model's slow forces alone
-    double stretch_at_estimate = 0.0;                              // largest stretch when it was estimated
+    double stretch_at_estimate = 0.0;                              // largest stretch when it was estimated, and
+    double loads_at_estimate = 0.0;                                // 1/s^2, System::loadStiffness(): contacts come and go
     bool estimate_needed = true;
     Index cautious = 0;       // steps that are still to be taken with safe sub-steps
     Index cautious_slow = 0;  // steps in which slow forces are still to act in every sub-step
