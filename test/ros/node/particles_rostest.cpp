@@ -53,8 +53,9 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
   const GrowSurfaceResponse grown = client.growSurface(GrowSurfaceRequest());
   EXPECT_TRUE(grown.success) << grown.message;
   EXPECT_GE(grown.particles, 144u);
-  const FitSurfaceResponse by_old_name = client.call<FitSurface>("fit", FitSurfaceRequest());
-  EXPECT_TRUE(by_old_name.success) << by_old_name.message;
+  FitSurface by_old_name;
+  ASSERT_TRUE(ros::service::call("/grown/fit", by_old_name));
+  EXPECT_TRUE(by_old_name.response.success) << by_old_name.response.message;
   EXPECT_NE(process.output().find("~fit is now called ~grow_surface"), std::string::npos) << process.output();
   GrowSurfaceRequest wrong;
   wrong.max_gap = -1.0;
