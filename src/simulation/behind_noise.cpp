@@ -13,6 +13,11 @@ namespace {
 
 // More than the edges of parts are.
 constexpr double kMostUnexplained = 0.02;  // of the points
+// Of the gap that is taken for surface: layers of made frames that were farther apart had no links between them, whatever the
+// noise (docs/geodesics.md).
+constexpr double kSureGap = 3.0;
+// Of the spacing, left by the windows: with more, areas and masses come out a tenth and more too large.
+constexpr double kMostLeft = 0.5;
 
 std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
@@ -40,7 +45,16 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
   s.notes.push_back("noise of " + formatLength(noise.deviation) + " along " +
                     (noise.is_seen ? "the line of sight" : "the normal (from where the points were seen is not known)") + ", " +
                     formatShort(noise.deviation / noise.spacing) + " spacings: the surface is where windows of " + window +
-                    " have it; gaps below " + formatLength(noise.least_gap) + " in that direction are taken for surface");
+                    " have it; gaps below " + formatLength(noise.least_gap) +
+                    " in that direction are taken for surface, and links may lead across those below " +
+                    formatLength(kSureGap * noise.least_gap));
+  const double left = noise.deviation / noise.window;
+  if (left > kMostLeft * noise.spacing)
+    s.warnings.push_back(
+        "noise of " + formatLength(noise.deviation) + " is too much for windows of " + window + ", which leave about " +
+        formatLength(left) + " of it, " + formatShort(left / noise.spacing) +
+        " spacings: the surface is rough, and its area too large (fewer pixels with less noise each, or the mean "
+        "of several frames)");
   if (noise.unexplained > kMostUnexplained * static_cast<double>(s.dense.positions.size()))
     s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
                          " points fit no window that this noise explains, and are moved to the nearest one: there the "
@@ -51,7 +65,7 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
 void warnOfNoisyBody(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
   if (input.height < 2) return;  // no image
   const cloud::SensorNoise noise = cloud::findSensorNoise(input, s.dense, params.noise);
-  if (noise.links.isEmpty()) return;
+  if (!noise.is_image || noise.surface.empty()) return;
   s.warnings.push_back("the cloud is the image of a surface with noise of " + formatLength(noise.deviation) +
                        ", which elastic_solid.fill: false takes for the thickness of a body (accepted: points all through the "
                        "body; or input.noise 0, if they are)");

@@ -133,6 +133,16 @@ TEST(SensorNoise, IsFoundWhereMostPixelsAreMissing) {
   }
 }
 
+TEST(SensorNoise, LinksNoPixelsWhereHalfOfThemAreMissing) {
+  for (const double missing : {0.3, 0.5}) {
+    const CameraFrame frame = take(test::makeTowel(1.0, 20.0), 0.1, 0.125, missing);
+    const SensorNoise found = findSensorNoise(frame.cloud, clean(frame.cloud));
+    EXPECT_TRUE(found.is_image);
+    EXPECT_FALSE(found.surface.empty());
+    EXPECT_EQ(found.links.isEmpty(), missing == 0.5);
+  }
+}
+
 TEST(SensorNoise, OfLinesOfPointsIsNone) {
   PointCloud lines;
   for (int i = 0; i < 4000; ++i) lines.positions.emplace_back(0.001 * (i % 1000), 0.03 * (i / 1000), 0.0);

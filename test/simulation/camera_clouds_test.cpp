@@ -1,6 +1,7 @@
 // Clouds of depth cameras, from the frame to the surface that comes out.
 #include "deformable_surface/simulation/simulation.h"
 
+#include "deformable_surface/base/parallel.h"
 #include "deformable_surface/simulation/rest_surface.h"
 #include "support/camera_scenes.h"
 
@@ -8,19 +9,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
 
 namespace deformable_surface::test {
 namespace {
 
 using simulation::SceneParams;
 
-CameraFrame take(const CameraScene& scene, double noise, double flying = 0.0) {
+CameraFrame take(const CameraScene& scene, double noise, double flying = 0.0, double missing = 0.05) {
   DepthCamera camera;
   camera.width = 120;
   camera.height = 90;
   camera.noise = noise;
   camera.quantum = noise > 0.0 ? 0.125 : 0.0;
   camera.flying = flying;
+  camera.missing = missing;
   return takeFrame(camera, scene.sheets);
 }
 
@@ -105,19 +109,63 @@ TEST(CameraClouds, HaveNormalsTowardsTheCamera) {
   for (std::size_t i = 0; i < s.points.size(); ++i) EXPECT_LT(s.normals[i].dot(s.points[i]), 0.0);
 }
 
+bool isSaid(const std::vector<std::string>& lines, const std::string& words) {
+  return std::any_of(lines.begin(), lines.end(), [&](const std::string& line) { return line.find(words) != std::string::npos; });
+}
+
 TEST(CameraClouds, AreNoBodiesWhichIsSaid) {
   const CameraFrame frame = take(makeTowel(1.0, 30.0), 0.2);
   SceneParams scene = makeScene(300);
   scene.model = "elastic_solid";
   scene.elastic_solid.fill = false;
   const auto isWarned = [&](const cloud::PointCloud& cloud) {
-    const std::vector<std::string> warnings = simulation::buildRestSurface(scene, cloud).warnings;
-    return std::any_of(warnings.begin(), warnings.end(),
-                       [](const std::string& warning) { return warning.find("image of a surface") != std::string::npos; });
+    return isSaid(simulation::buildRestSurface(scene, cloud).warnings, "image of a surface");
   };
   EXPECT_TRUE(isWarned(frame.cloud));
   scene.input.noise = 0.0;
   EXPECT_FALSE(isWarned(frame.cloud));
+}
+
+TEST(CameraClouds, StayWholeWhereHalfOfTheirPixelsAreMissing) {
+  const double area = simulation::buildRestSurface(makeScene(300), take(makeTowel(1.0, 20.0), 0.0).cloud).area;
+  for (const double missing : {0.3, 0.5, 0.6}) {
+    const simulation::RestSurface s =
+        simulation::buildRestSurface(makeScene(300), take(makeTowel(1.0, 20.0), 0.1, 0.0, missing).cloud);
+    EXPECT_NEAR(s.area, area, 0.1 * area) << missing;
+    EXPECT_EQ(s.points.size(), 300u) << missing;
+  }
+}
+
+TEST(CameraClouds, TellWhichGapsTheyMayJoin) {
+  const CameraFrame frame = take(makeTwoSheets(1.0, 0.01), 0.1);
+  EXPECT_TRUE(isSaid(simulation::buildRestSurface(makeScene(300), frame.cloud).notes, "links may lead across those below"));
+}
+
+TEST(CameraClouds, TellThatTheirNoiseIsTooMuch) {
+  for (const double noise : {0.1, 1.0}) {
+    const simulation::RestSurface s = simulation::buildRestSurface(makeScene(300), take(makeTowel(1.5, 20.0), noise).cloud);
+    EXPECT_EQ(isSaid(s.warnings, "is too much for windows"), noise == 1.0);
+  }
+}
+
+TEST(CameraClouds, AreBuiltTheSameByAnyNumberOfThreads) {
+  // Without noise, with links between pixels, and with too few of these.
+  for (const auto& [noise, missing] : {std::pair{0.0, 0.05}, {0.1, 0.05}, {0.1, 0.5}}) {
+    const CameraFrame frame = take(makeGarment(1.0), noise, 0.0, missing);
+    setNumThreads(1);
+    const simulation::RestSurface one = simulation::buildRestSurface(makeScene(300), frame.cloud);
+    for (const int threads : {2, 3}) {
+      setNumThreads(threads);
+      const simulation::RestSurface some = simulation::buildRestSurface(makeScene(300), frame.cloud);
+      EXPECT_EQ(some.dense_neighbors.items, one.dense_neighbors.items) << threads;
+      EXPECT_EQ(some.dense.normals, one.dense.normals) << threads;
+      EXPECT_EQ(some.dense_index, one.dense_index) << threads;
+      EXPECT_EQ(some.rings.ring.items, one.rings.ring.items) << threads;
+      EXPECT_EQ(some.area, one.area) << threads;
+      EXPECT_EQ(some.notes, one.notes) << threads;
+    }
+  }
+  setNumThreads(0);
 }
 
 TEST(CameraClouds, AreNotToldApartBelowTheGapThatIsStated) {

@@ -19,7 +19,7 @@ struct SensorNoise {
   Index num_levels = 0;    // of depths that take too few to tell steps of the sensor from flat parts; else 0
   bool is_thick = false;   // points fill their neighbourhoods: there is no telling what is surface and what is noise
   Points surface;          // (n) where the points lie on the surface; empty: where they are
-  PixelLinks links;        // of an image on that surface; empty: there is none
+  PixelLinks links;        // of an image on that surface; empty: there is none, or too many of its pixels are missing
 };
 
 /// Noise above kNoticed spacings moves points onto local planes (in inverse depth, where the points are an image of a pinhole
