@@ -175,7 +175,7 @@ TEST(MovingPins, CarryParticlesAndSolids) {
   for (const std::string model : {"oriented_particles", "elastic_solid"}) {
     simulation::SceneParams p = pulledSheet({{0.0, Vec3::Zero(), kUpright}, {0.5, Vec3(0.02, 0.0, 0.0), kUpright}});
     // A planar solid stays in its plane.
-    SCOPED_TRACE(static_cast<int>(model));
+    SCOPED_TRACE(model);
     p.model = model;
     p.accuracy.estimate = false;
     Simulation s(p, sheetCloud(12));
