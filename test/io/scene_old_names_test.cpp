@@ -39,7 +39,7 @@ pins: [{box: {min: [-0.2, 0.149, -0.1], max: [0.2, 0.2, 0.1]}}]
 neighbors: {geodesic_exponent: 2}
 sleep: {mode: always, tolerance: 2.0e-5, quiet_time: 0.03}
 input: {largest_parts: 1, unconstrained_parts: freeze, tracking_gain: 300, tracking_distance: 0.1}
-expect: {links: [1, 1e6], error_stiffness: [0, 1], tracking_residual: [0, 1], tracked_points: [0, 0]}
+expect: {error_stiffness: [0, 1], links: [1, 1e6], tracked_points: [0, 0], tracking_residual: [0, 1]}
 )",
                           12},
                          {R"(
