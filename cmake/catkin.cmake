@@ -174,8 +174,8 @@ if(CATKIN_ENABLE_TESTING)
   add_test(NAME look_at_scan
            COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/scripts/look_at_scan_test.py)
 
-  # Parameter sweeps: plans and tables, and real clusters on this machine, of which that of Slurm skips itself without it.
-  foreach(case plan store simulator local scheduler slurm)
+  # Parameter sweeps: plans and tables, and real clusters on this machine, which skip themselves without Dask, or Slurm.
+  foreach(case engine plan store simulator local scheduler slurm)
     add_test(NAME sweep_${case}
              COMMAND ${devel_env} ${PYTHON_EXECUTABLE} ${PROJECT_SOURCE_DIR}/test/sweep/sweep_${case}_test.py)
     set_tests_properties(sweep_${case} PROPERTIES SKIP_RETURN_CODE 77)

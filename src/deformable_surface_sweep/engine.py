@@ -13,6 +13,7 @@ from .worker import keep_value, run_batch
 
 BATCH_TIME = 0.25     # s of one worker in a batch: the milliseconds of the scheduler are little beside it, and a death loses little
 MOST_IN_BATCH = 200
+MOST_SENT = 64        # inputs that wait for more runs of theirs: a batch has a few, and a plan may have thousands
 BATCHES_A_WORKER = 3  # one runs, one is there, one is on its way
 PATIENCE = 30.0       # s without a scheduler
 LOSS = "lost the scheduler; finished runs are kept, and the same command goes on with the others"
@@ -35,7 +36,7 @@ class Engine:
         self.job_key = hashlib.sha256(repr(sorted(job.items())).encode()).hexdigest()[:16]
         self.ended = queue.Queue()
         self.under_way = {}     # future -> (runs, attempts)
-        self.sent = {}          # name of an input -> the future that holds it
+        self.sent = collections.OrderedDict()  # key -> the future that holds a value; those used last are at the end
         self.refused = {}       # address of a worker -> its sentence
         self.good = []          # addresses of those that were found right
         self.slots, self.asked = 0, -math.inf
@@ -67,8 +68,7 @@ class Engine:
         self.asked = time.monotonic()
         try:
             threads = self.client.nthreads()
-            if set(threads) - set(self.refused) - set(self.good):
-                self.examine()
+            self.examine(sorted(set(threads) - set(self.refused) - set(self.good)))
         except (OSError, TimeoutError, ValueError):
             # A worker that has died, of which the scheduler does not know yet, is no reason to end.
             if self.client.status != "running":
@@ -78,20 +78,18 @@ class Engine:
         if threads and not self.slots:
             raise SweepError("found no worker that can run this; " + "; ".join(sorted(set(self.refused.values()))))
 
-    def examine(self):
-        """Asks every worker what it has."""
-        good = []
-        for worker, answer in self.client.run(eval, DESCRIBE % self.job["program"]).items():
+    def examine(self, workers):
+        """Asks new workers what they have."""
+        answers = self.client.run(eval, DESCRIBE % self.job["program"], workers=workers) if workers else {}
+        for worker, answer in answers.items():
             version, problem = answer or ("", "found no package deformable_surface_sweep; "
                                           "accepted: workers started after `source setup.bash` of deformable_surface")
             if version == self.job["version"]:
-                good.append(worker)
+                self.good.append(worker)
                 continue
-            if worker not in self.refused:
-                self.refused[worker] = problem or ("found simulate of another build, %s; accepted: that of this sweep, %s" %
-                                                   (version, self.job["version"]))
-                self.say("worker %s is not used: %s" % (worker, self.refused[worker]))
-        self.good = good
+            self.refused[worker] = problem or ("found simulate of another build, %s; accepted: that of this sweep, %s" %
+                                               (version, self.job["version"]))
+            self.say("worker %s is not used: %s" % (worker, self.refused[worker]))
 
     def submit(self, waiting):
         typical = self.seconds / self.counted if self.counted else math.inf
@@ -124,6 +122,10 @@ class Engine:
             with warnings.catch_warnings():
                 warnings.simplefilter("ignore")  # that it is large
                 self.sent[key] = self.client.submit(keep_value, make(), key=key, workers=self.allowed())
+        self.sent.move_to_end(key)
+        # What is let go stays with the cluster as long as a batch needs it.
+        while len(self.sent) > MOST_SENT:
+            self.sent.popitem(last=False)
         return self.sent[key]
 
     def collect(self, ended, waiting):
@@ -151,7 +153,7 @@ class Engine:
                              (type(error).__name__, " ".join(str(error).split())))
         if not is_killed:
             self.asked = -math.inf
-            self.sent = {key: future for key, future in self.sent.items() if future.status != "error"}
+            self.sent = collections.OrderedDict(item for item in self.sent.items() if item[1].status != "error")
         waiting.extendleft((run, attempts + 1) for run in reversed(runs))
 
     def check(self, last):
