@@ -5,10 +5,22 @@ import os
 import shlex
 import subprocess
 import sys
+import tempfile
 
 from .errors import SweepError
 
 THREADS_A_PROCESS = 8  # a run takes a few milliseconds of Python, one thread at a time
+
+
+def find_versions():
+    """Of what runs the sweep."""
+    try:
+        import dask
+        import distributed
+    except ImportError as error:
+        raise SweepError("found no Dask for %s (%s); accepted: a Python with it, in Debian and Ubuntu the package python3-distributed" %
+                         (sys.executable, error))
+    return {"python": sys.version.split()[0], "dask": dask.__version__, "distributed": distributed.__version__}
 
 
 @contextlib.contextmanager
@@ -18,8 +30,10 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
     from distributed import Client, LocalCluster
     # Workers come and go, which the sweep itself tells where it matters.
     logging.disable(logging.CRITICAL)
-    dask.config.set({"distributed.comm.timeouts.connect": "10s"})
     with contextlib.ExitStack() as stack:
+        # Else the files of workers would lie in the folder that the command is called from.
+        folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="sweep_workers_"))
+        dask.config.set({"distributed.comm.timeouts.connect": "10s", "temporary-directory": folder})
         if scheduler or scheduler_file:
             where = scheduler or scheduler_file
             if scheduler_file and not os.path.exists(scheduler_file):

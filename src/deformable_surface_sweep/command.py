@@ -6,7 +6,7 @@ import signal
 import sys
 import time
 
-from .cluster import open_cluster
+from .cluster import find_versions, open_cluster
 from .documents import merge, find_files, set_by_path, to_text
 from .dry_run import describe_plan
 from .engine import Engine, Run
@@ -23,11 +23,23 @@ sweep that was stopped. Exit status: 0 all runs are done; 1 some were refused, f
 command line or the cluster is wrong; 130 interrupted. The plan and examples: docs/sweeps.md."""
 
 
+class Parser(argparse.ArgumentParser):
+    def error(self, message):
+        """Without the usage, which --help says."""
+        raise SweepError(message)
+
+
+def read_count(text):
+    if not (text.isdigit() and int(text) > 0):
+        raise argparse.ArgumentTypeError("found '%s'; accepted: a number above 0" % text)
+    return int(text)
+
+
 def parse_arguments(arguments):
-    parser = argparse.ArgumentParser("sweep", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser = Parser("sweep", description=DESCRIPTION, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("plan", metavar="PLAN.yaml")
     parser.add_argument("--out", metavar="DIR", help="results (else the plan's name without .yaml, in this folder)")
-    parser.add_argument("--workers", metavar="N", type=int, default=0, help="runs at once on this machine (else its cores), or jobs of Slurm")
+    parser.add_argument("--workers", metavar="N", type=read_count, default=0, help="runs at once on this machine (else its cores), or jobs of Slurm")
     where = parser.add_mutually_exclusive_group()
     where.add_argument("--scheduler", metavar="ADDRESS", default="", help="a dask-scheduler that runs, as in tcp://HOST:8786")
     where.add_argument("--scheduler-file", metavar="FILE", default="", help="the file that dask-scheduler --scheduler-file wrote")
@@ -38,9 +50,8 @@ def parse_arguments(arguments):
                         "on every worker")
     parser.add_argument("--quiet", action="store_true", help="errors only")
     parsed = parser.parse_args(arguments)
-    if parsed.workers < 0 or (parsed.workers and (parsed.scheduler or parsed.scheduler_file)):
-        parser.error("--workers: found %d%s; accepted: a number above 0, for this machine or --slurm" %
-                     (parsed.workers, " with a scheduler that has its workers" if parsed.workers > 0 else ""))
+    if parsed.workers and (parsed.scheduler or parsed.scheduler_file):
+        parser.error("--workers: found with a scheduler, which has its workers; accepted: for this machine or --slurm")
     if parsed.slurm is not None and not parsed.workers:
         parser.error("--slurm: found without --workers; accepted: together with --workers N, the jobs to start")
     parsed.out = parsed.out or os.path.splitext(os.path.basename(parsed.plan))[0]
@@ -113,21 +124,19 @@ def run_sweep(options):
         progress.finish()
         store.close()
         written = write_table(sweep.plan, names, records, options.out)
-    bad = [name for name in set(names) if records[name]["status"] != "done"]
-    progress.say("%s; %d runs in %s; %s" % (progress.describe_end(bad), len(todo), describe_time(time.monotonic() - begun), ", ".join(written)))
-    return 1 if bad else 0
+    problems = [records[name]["problem"] for name in dict.fromkeys(names) if records[name]["status"] != "done"]
+    progress.say("%s; %d runs in %s; %s" % (progress.describe_end(problems), len(todo), describe_time(time.monotonic() - begun),
+                                            ", ".join(written)))
+    return 1 if problems else 0
 
 
 def keep_plan(sweep, out):
     """The plan, its scene and the versions, beside the results."""
+    versions = dict(find_versions(), simulate=sweep.version, program=sweep.program, scene=sweep.plan.scene_file, plan=sweep.plan.path,
+                    time=time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime()))
     for source, name in ((sweep.plan.path, "plan.yaml"), (sweep.plan.scene_file, "scene.yaml")):
         with open(source, "rb") as stream:
             write_whole(os.path.join(out, name), stream.read())
-    import dask
-    import distributed
-    versions = {"simulate": sweep.version, "program": sweep.program, "python": sys.version.split()[0], "dask": dask.__version__,
-                "distributed": distributed.__version__, "scene": sweep.plan.scene_file, "plan": sweep.plan.path,
-                "time": time.strftime("%Y-%m-%dT%H:%M:%SZ", time.gmtime())}
     write_whole(os.path.join(out, "versions.json"), (json.dumps(versions, indent=2) + "\n").encode())
 
 

@@ -1,6 +1,7 @@
 """YAML documents as the simulation reads them, and values at dotted paths in them."""
 import copy
 import json
+import math
 import re
 
 import yaml
@@ -99,5 +100,15 @@ def find_files(document, path=""):
 
 
 def to_text(value):
-    """A value as `simulate --set` and a cell of the table have it."""
+    """A value as `simulate --set` and a cell of the table have it. JSON is YAML but for what is no number."""
+    if isinstance(value, float) and not math.isfinite(value):
+        return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
+    if isinstance(value, list):
+        return "[%s]" % ", ".join(map(to_item, value))
+    if isinstance(value, dict):
+        return "{%s}" % ", ".join("%s: %s" % (to_item(key), to_item(item)) for key, item in value.items())
     return value if isinstance(value, str) else json.dumps(value)
+
+
+def to_item(value):
+    return json.dumps(value) if isinstance(value, str) else to_text(value)

@@ -31,6 +31,10 @@ class Keep:
         self.frames = section.get("frames", 0)
         if not (is_number(self.frames) and self.frames >= 0):
             raise SweepError("keep: frames: found %s; accepted: a rate in Hz, 0 = none" % self.frames)
+        columns = self.columns()
+        for name in columns:
+            if columns.count(name) > 1:
+                raise SweepError("keep: found the column '%s' twice; accepted: once" % name)
 
     def describe(self):
         """Everything that a run's result depends on."""
@@ -78,12 +82,12 @@ class Plan:
             parts.append([{"cloud.file": file} for file in self.find_clouds(document["clouds"])])
         for name, read in (("grid", read_grid), ("paired", read_paired)):
             if name in document:
-                parts.append(read(name, require_map(name, document[name])))
+                if not require_map(name, document[name]):
+                    raise SweepError("%s: found no key; accepted: at least one KEY: VALUES" % name)
+                parts.append(read(name, document[name]))
         for method in METHODS:
             if method in document:
                 parts.append(read_samples(method, require_map(method, document[method])))
-        if any(not part for part in parts):
-            raise SweepError("found a list without a value; accepted: at least one run")
         return parts
 
     def check_keys(self):

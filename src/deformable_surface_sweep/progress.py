@@ -44,10 +44,10 @@ class Progress:
             text += ", %d %s" % (self.counts[status], status)
         return text
 
-    def describe_end(self, bad):
-        """bad: the runs without a result, of this and earlier sweeps."""
-        return "all %d runs are done" % self.total if not bad else "%d of %d runs are done, %d are not: see the column problem" % (
-            self.total - len(bad), self.total, len(bad))
+    def describe_end(self, problems):
+        """problems: of the runs without a result, of this and earlier sweeps."""
+        return "all %d runs are done" % self.total if not problems else "%d of %d runs are done, %d are not, the first: %s" % (
+            self.total - len(problems), self.total, len(problems), problems[0])
 
     def tell(self):
         self.told = time.monotonic()

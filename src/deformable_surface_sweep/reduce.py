@@ -2,6 +2,8 @@
 import csv
 import math
 
+from .errors import SweepError
+
 REDUCTIONS = ("last", "max", "mean", "min")
 
 
@@ -57,4 +59,4 @@ def reduce_wrenches(path, ways):
 def check_names(where, names, known):
     for name in names:
         if name not in known:
-            raise ValueError("%s: found '%s'; accepted: %s" % (where, name, ", ".join(known) or "none, the scene has no tool and no pin"))
+            raise SweepError("%s: found '%s'; accepted: %s" % (where, name, ", ".join(known) or "none, the scene has no tool and no pin"))

@@ -9,6 +9,7 @@ import subprocess
 import tempfile
 import time
 
+from .errors import SweepError
 from .identity import hash_bytes
 from .reduce import reduce_statistics, reduce_wrenches
 
@@ -43,6 +44,8 @@ class Simulator:
             try:
                 values, files, state, missing = collect(folder, keep)
                 problem = problem or missing
+            except SweepError as error:  # the plan keeps what this scene has not
+                status, problem = 2, str(error)
             except (OSError, ValueError, KeyError) as error:
                 status, problem = 1, "its results cannot be read (%s)" % error
         name = status if isinstance(status, str) else STATUSES.get(status, "failed")

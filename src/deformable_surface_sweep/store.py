@@ -11,6 +11,7 @@ import time
 from .errors import SweepError
 
 SYNC_PERIOD = 1.0  # s: what a machine that loses its power may lose of finished runs
+UNWRITABLE = "%s: cannot be written (%s); accepted: a folder with room on its disk"
 
 
 class Store:
@@ -31,7 +32,7 @@ class Store:
         for name in sorted(os.listdir(folder)):
             if not name.endswith(".jsonl"):
                 continue
-            with open(os.path.join(folder, name), encoding="utf-8") as stream:
+            with open(os.path.join(folder, name), encoding="utf-8", errors="replace") as stream:
                 for line in stream:
                     try:
                         record = json.loads(line)
@@ -55,7 +56,7 @@ class Store:
             if time.monotonic() > self.synced + SYNC_PERIOD:
                 self.sync()
         except OSError as error:
-            raise SweepError("%s: cannot be written (%s); accepted: a folder with room on its disk" % (self.out, error.strerror))
+            raise SweepError(UNWRITABLE % (self.out, error.strerror))
         return record
 
     def sync(self):
@@ -63,33 +64,38 @@ class Store:
         self.synced = time.monotonic()
 
     def close(self):
-        if self.journal is not None:
+        if self.journal is None:
+            return
+        try:
             self.sync()
             self.journal.close()
+        except OSError as error:
+            raise SweepError(UNWRITABLE % (self.out, error.strerror))
+        finally:
             self.journal = None
 
     def keep_file(self, name, data):
         inner = os.path.join("files", name[:2], name)
         path = os.path.join(self.out, inner)
-        try:
-            if not os.path.exists(path):
-                os.makedirs(os.path.dirname(path), exist_ok=True)
-                write_whole(path, data)
-        except OSError as error:
-            raise SweepError("%s: cannot be written (%s); accepted: a folder with room on its disk" % (path, error.strerror))
+        if not os.path.exists(path):
+            write_whole(path, data)
         return inner
 
 
 def write_whole(path, data):
     """A file that is there with all its bytes or not at all, whoever else writes it and whatever is killed."""
-    handle, temporary = tempfile.mkstemp(prefix=".", suffix=".partial", dir=os.path.dirname(path) or ".")
     try:
-        with os.fdopen(handle, "wb") as stream:
-            stream.write(data)
-            stream.flush()
-            os.fsync(stream.fileno())
-        os.chmod(temporary, 0o644)
-        os.replace(temporary, path)
-    except BaseException:
-        os.unlink(temporary)
-        raise
+        os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
+        handle, temporary = tempfile.mkstemp(prefix=".", suffix=".partial", dir=os.path.dirname(path) or ".")
+        try:
+            with os.fdopen(handle, "wb") as stream:
+                stream.write(data)
+                stream.flush()
+                os.fsync(stream.fileno())
+            os.chmod(temporary, 0o644)
+            os.replace(temporary, path)
+        except BaseException:
+            os.unlink(temporary)
+            raise
+    except OSError as error:
+        raise SweepError(UNWRITABLE % (path, error.strerror))

@@ -29,6 +29,15 @@ keep: {measure: [min_z]}
 """
 
 
+def require_dask():
+    """Ends a test without it."""
+    try:
+        import distributed  # noqa: F401
+    except ImportError as error:
+        print("skipped: no Dask here, the package python3-distributed (%s)" % error)
+        sys.exit(SKIPPED)
+
+
 def make_environment(of=None):
     """Workers import the module of this repository."""
     of = of or os.environ
@@ -55,13 +64,13 @@ class SweepCase(unittest.TestCase):
         """The command under way; plan: text; before: words before the command, as of another host; environment: instead of this one's."""
         command = list(before) + [sys.executable, os.path.join(ROOT, "scripts", "sweep"), self.write("plan.yaml", plan), "--out", self.path(out)]
         process = subprocess.Popen(command + list(options), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
-                                   env=make_environment(environment))
+                                   env=make_environment(environment), cwd=self.folder)
         self.addCleanup(end, process)
         return process
 
-    def sweep(self, plan, *options, out="out", status=0):
-        """What the command said."""
-        process = self.start(plan, *options, out=out)
+    def sweep(self, plan, *options, status=0, **how):
+        """What the command said; how: as of start()."""
+        process = self.start(plan, *options, **how)
         said, _ = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, status, said)
         return said

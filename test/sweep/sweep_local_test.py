@@ -4,7 +4,7 @@ import os
 import signal
 import unittest
 
-from sweep_cases import STUB, STUB_PLAN, SweepCase
+from sweep_cases import STUB, STUB_PLAN, SweepCase, require_dask
 
 PLAN = """
 scene: scene.yaml
@@ -19,6 +19,7 @@ keep:
 class LocalSweeps(SweepCase):
     def test_a_refused_run_is_a_row_and_the_bits_are_those_of_any_number_of_workers(self):
         self.sweep(PLAN % "", "--workers", "2", status=1)
+        self.assertEqual(sorted(os.listdir(self.folder)), ["out", "plan.yaml", "scene.yaml"])
         rows = self.table()
         self.assertEqual([row["status"] for row in rows], ["done"] * 4 + ["refused"] * 2)
         self.assertEqual(rows[5]["problem"], "material.thickness: found -1.0; accepted: 1e-10 to 1000 (m)")
@@ -82,12 +83,21 @@ class LocalSweeps(SweepCase):
         self.assertFalse(os.path.exists(self.path("out")))
 
     def test_the_command_line_and_the_plan_are_refused_in_sentences(self):
+        self.assertIn("--workers: found '0'; accepted: a number above 0", self.sweep(PLAN % "", "--workers", "0", status=2))
         self.assertIn("found without --workers", self.sweep(PLAN % "", "--slurm", "", status=2))
         self.assertIn("--simulate: found '/none'", self.sweep(PLAN % "", "--simulate", "/none", status=2))
         self.assertIn("sweep: grid: a: found 1; accepted: a list", self.sweep("scene: scene.yaml\ngrid: {a: 1}\n", status=2))
         self.assertIn("sweep: found no scheduler at tcp://127.0.0.1:9", self.sweep(PLAN % "", "--scheduler", "tcp://127.0.0.1:9", status=2))
         self.assertIn("cannot be made", self.sweep(PLAN % "", out="plan.yaml", status=2))
+        self.write("dask.py", "raise ImportError('as if there were none')\n")
+        self.assertIn("sweep: found no Dask", self.sweep(PLAN % "", status=2, environment=dict(os.environ, PYTHONPATH=self.folder)))
+
+    def test_what_a_scene_has_not_and_is_to_be_kept_is_refused(self):
+        said = self.sweep("scene: scene.yaml\nkeep: {statistics: {speed: max}}\n", "--workers", "1", status=1)
+        self.assertIn("0 of 1 runs are done, 1 are not, the first: keep: statistics: found 'speed'; accepted: simulation_time", said)
+        self.assertEqual(self.table()[0]["status"], "refused")
 
 
 if __name__ == "__main__":
+    require_dask()
     unittest.main()

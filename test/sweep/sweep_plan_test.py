@@ -1,12 +1,13 @@
 #!/usr/bin/env python3
 """Plans: which runs they make, what is refused, and the names of runs."""
 import json
+import math
 import os
 import unittest
 
 from sweep_cases import SweepCase
 
-from deformable_surface_sweep.documents import find_files, merge, read_yaml  # noqa: E402
+from deformable_surface_sweep.documents import find_files, merge, read_yaml, to_text  # noqa: E402
 from deformable_surface_sweep.errors import SweepError  # noqa: E402
 from deformable_surface_sweep.identity import hash_run  # noqa: E402
 from deformable_surface_sweep.plan import Plan  # noqa: E402
@@ -35,6 +36,12 @@ random: {samples: 3, keys: {cloud.seed: {integers: [1, 9]}}}
         self.write("numbers.yaml", "{a: 1e5, b: 1.0, c: yes, d: .5, e: 010, f: -2, g: 1_0, h: true, i: .inf}")
         self.assertEqual(read_yaml(self.path("numbers.yaml")),
                          {"a": 1e5, "b": 1.0, "c": "yes", "d": 0.5, "e": 10, "f": -2, "g": "1_0", "h": True, "i": float("inf")})
+
+    def test_values_go_to_the_program_as_it_reads_them(self):
+        values = {"it's; $(x)": "it's; $(x)", "": "", ".inf": math.inf, "-.inf": -math.inf, ".nan": math.nan, "true": True, "null": None,
+                  '[1, .inf, "a: b", {"x": [0.1]}]': [1, math.inf, "a: b", {"x": [0.1]}]}
+        for text, value in values.items():
+            self.assertEqual(to_text(value), text)
 
     def test_samples_of_distributions_lie_where_they_say_and_are_always_the_same(self):
         text = """
@@ -96,6 +103,10 @@ random: {samples: 3, keys: {cloud.seed: {integers: [1, 9]}}}
             "keep: {final: 1}": "keep: final: found 1; accepted: true or false",
             "keep: {frames: -1}": "accepted: a rate in Hz",
             "keep: {finals: true}": "found the key 'finals'",
+            "keep: {measure: [min_z, min_z]}": "keep: found the column 'min_z' twice; accepted: once",
+            "keep: {statistics: {max_speed: [max, 0.1, 0.1]}}": "keep: found the column 'max_speed.at_0.1' twice",
+            "grid: {}": "grid: found no key; accepted: at least one",
+            "paired: {}": "paired: found no key; accepted: at least one",
             "timeout: 0": "timeout: found 0; accepted: a number above 0",
             "topics: {cloud_in: /a}": "topics: found without bag",
             "grid: {a: [1], a: [2]}": "found the key 'a' twice",

@@ -10,7 +10,7 @@ import sys
 import time
 import unittest
 
-from sweep_cases import PATIENCE, STUB, STUB_PLAN, SweepCase, make_environment
+from sweep_cases import PATIENCE, STUB, STUB_PLAN, SweepCase, make_environment, require_dask
 
 
 class SchedulerSweeps(SweepCase):
@@ -103,4 +103,5 @@ class SchedulerSweeps(SweepCase):
 
 
 if __name__ == "__main__":
+    require_dask()
     unittest.main()

@@ -7,7 +7,7 @@ import tempfile
 import unittest
 
 from slurm_machines import Missing, SlurmMachines
-from sweep_cases import PATIENCE, SKIPPED, STUB, STUB_PLAN, SweepCase
+from sweep_cases import PATIENCE, SKIPPED, STUB, STUB_PLAN, SweepCase, require_dask
 
 
 class SlurmSweeps(SweepCase):
@@ -33,6 +33,7 @@ class SlurmSweeps(SweepCase):
 
 
 if __name__ == "__main__":
+    require_dask()
     try:
         with tempfile.TemporaryDirectory() as folder, SlurmMachines(folder) as SlurmSweeps.machines:
             unittest.main()

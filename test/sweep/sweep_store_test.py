@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
 """Results on the disk and the numbers made of a run: nothing half, nothing twice."""
+import importlib.util
 import math
 import os
 import threading
@@ -7,6 +8,7 @@ import unittest
 
 from sweep_cases import SweepCase
 
+from deformable_surface_sweep.errors import SweepError  # noqa: E402
 from deformable_surface_sweep.identity import hash_bytes  # noqa: E402
 from deformable_surface_sweep.plan import Plan  # noqa: E402
 from deformable_surface_sweep.reduce import reduce_column, reduce_statistics, reduce_wrenches  # noqa: E402
@@ -29,10 +31,17 @@ class Stores(SweepCase):
         folder = os.path.join(self.path("out"), "runs")
         with open(os.path.join(folder, os.listdir(folder)[0]), "a") as stream:
             stream.write('{"run": "c", "status": "do')
+        with open(os.path.join(folder, "torn.jsonl"), "wb") as stream:
+            stream.write(b"\xff\x00\n")
         records = Store(self.path("out")).read()
         self.assertEqual(records["a"], first)
         self.assertEqual(set(records), {"a", "b"})
         self.assertTrue(math.isnan(records["b"]["values"]["min_z"]))
+
+    def test_what_cannot_be_written_is_said_in_a_sentence(self):
+        self.write("out", "a file")
+        with self.assertRaisesRegex(SweepError, r"out/table.csv: cannot be written \(.*\); accepted: a folder with room on its disk"):
+            write_whole(self.path("out/table.csv"), b"")
 
     def test_equal_files_are_kept_once_under_the_hash_of_what_is_in_them(self):
         store = Store(self.path("out"))
@@ -75,6 +84,16 @@ class Stores(SweepCase):
         self.assertEqual(float(rows[1]["min_z"]), 0.1 + 0.2)
         self.assertTrue(os.path.exists(os.path.join(self.path("out"), rows[1]["final"])))
 
+    @unittest.skipUnless(importlib.util.find_spec("pyarrow"), "no pyarrow here")
+    def test_the_table_in_parquet_is_that_in_csv(self):
+        import pandas
+        plan = Plan(self.write("plan.yaml", "scene: scene.yaml\ngrid: {duration: [0.1, 0.2]}\nkeep: {measure: [min_z]}\n"))
+        store = Store(self.path("out"))
+        records = {"a": store.add("a", make_result(0.1 + 0.2)), "b": store.add("b", Result("refused", "found 1, 2", {}, {}, "", 0.0))}
+        store.close()
+        csv, parquet = write_table(plan, ["a", "b"], records, self.path("out"))
+        pandas.testing.assert_frame_equal(pandas.read_csv(csv), pandas.read_parquet(parquet))
+
 
 class Reductions(SweepCase):
     def test_a_column_becomes_its_last_largest_mean_or_least_value_or_that_at_a_time(self):
@@ -88,9 +107,9 @@ class Reductions(SweepCase):
     def test_columns_and_ids_that_there_are_not_are_refused_with_those_that_there_are(self):
         path = self.write("s.csv", "simulation_time,id,force_z\n0.1,ball,1\n0.1,pins[0],5\n0.2,ball,3\n")
         self.assertEqual(reduce_wrenches(path, {"ball.force_z": ["max", 0.1]}), {"ball.force_z.max": 3.0, "ball.force_z.at_0.1": 1.0})
-        with self.assertRaisesRegex(ValueError, "found 'bowl'; accepted: ball, pins"):
+        with self.assertRaisesRegex(SweepError, "found 'bowl'; accepted: ball, pins"):
             reduce_wrenches(path, {"bowl.force_z": ["max"]})
-        with self.assertRaisesRegex(ValueError, "found 'speed'; accepted: simulation_time, id, force_z"):
+        with self.assertRaisesRegex(SweepError, "found 'speed'; accepted: simulation_time, id, force_z"):
             reduce_statistics(path, {"speed": ["max"]})
 
 
