@@ -40,7 +40,7 @@ class Simulators(SweepCase):
         self.assertEqual(broken.status, "failed")
         self.assertIn("; the state before it is kept", broken.problem)
         wrong = self.run_scene(statistics={"speed": ["max"]})
-        self.assertEqual(wrong.status, "failed")
+        self.assertEqual(wrong.status, "refused")
         self.assertIn("found 'speed'; accepted: simulation_time", wrong.problem)
         self.assertEqual(self.run_scene().status, "done")
 
