@@ -161,7 +161,7 @@ class GrowingTest : public ::testing::Test {
   void TearDown() override {
     process_.send(SIGTERM);
     EXPECT_EQ(process_.waitForExit(), std::optional<int>(0)) << process_.output();
-    caller_.join();
+    if (caller_.joinable()) caller_.join();
   }
 
   NodeProcess process_{"/growing",
