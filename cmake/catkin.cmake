@@ -184,7 +184,7 @@ if(CATKIN_ENABLE_TESTING)
   # Packages that use the installed library.
   foreach(example example_package example_catkin_package)
     add_test(NAME ${example}
-             COMMAND ${PROJECT_SOURCE_DIR}/test/example_package/check.sh ${PROJECT_BINARY_DIR} ${example})
+             COMMAND ${PROJECT_SOURCE_DIR}/test/example_package/check.sh ${CMAKE_BINARY_DIR} ${example})
   endforeach()
 
   # The window that these open; scripts/rviz_pictures looks at all of them. Skips itself without RViz.

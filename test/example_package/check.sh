@@ -37,7 +37,7 @@ case $example in
     grep -q 'version: ' "$temporary/other.log" || { cat "$temporary/other.log"; fail "found another reason to refuse version 0.0"; }
     ;;
   example_catkin_package)
-    output=$(build/devel/lib/run_scene/run_scene "$repository/scenes/sheet_hanging.yaml" result.ply)
+    output=$(build/devel/lib/run_scene/run_scene "$repository/scenes/membrane_pressure.yaml" result.ply)
     [ -s result.ply ] || fail "found no result"
     ;;
 esac

@@ -12,6 +12,7 @@ using namespace deformable_surface;
 int main() try {
   // A scene as in a file; or fill simulation::SceneParams directly.
   const simulation::SceneParams scene = io::readScene(io::parseYaml(R"(
+    model: mass_spring
     cloud: {shape: sheet, points: 900, size: [0.3, 0.3]}
     material: {young_modulus: 2.0e5, thickness: 0.001, density: 1000.0, damping: 4.0}
     simplification: {target_points: 200}
