@@ -18,6 +18,7 @@ find "$prefix/share" -name 'deformable_surfaceConfig.cmake' -exec sed -i "s|$con
 
 # A copy, whose version can be changed. What the workspace holds (CMAKE_PREFIX_PATH) is not to be found before what is installed.
 cp -r "$repository/test/$example" "$temporary/source"
+export PATH=/usr/bin:/bin:$PATH  # the Python that catkin belongs to
 configure() { cmake -S "$temporary/source" -B "$1" -DCMAKE_BUILD_TYPE=Release -DCMAKE_PREFIX_PATH="$prefix;/opt/ros/noetic" >"$1.log" 2>&1; }
 configure "$temporary/build" || { cat "$temporary/build.log"; fail "cannot be configured"; }
 found=$(sed -n 's/^deformable_surface_DIR:PATH=//p' "$temporary/build/CMakeCache.txt")
