@@ -1,0 +1,63 @@
+// What a scene may not say of a model that has not what it takes.
+#include "deformable_surface/simulation/scene_params.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace deformable_surface::simulation {
+namespace {
+
+bool isRefused(const SceneParams& scene, const std::string& key) {
+  const std::vector<std::string> problems = checkParams(scene);
+  return std::any_of(problems.begin(), problems.end(), [&](const std::string& p) { return p.rfind(key + ":", 0) == 0; });
+}
+
+TEST(SceneRules, OfEachModelItsDefaultsAreAccepted) {
+  for (const char* model : {"mass_spring", "oriented_particles", "elastic_solid"}) {
+    SceneParams scene;
+    scene.model = model;
+    EXPECT_TRUE(checkParams(scene).empty()) << model << ": " << checkParams(scene).front();
+  }
+}
+
+TEST(SceneRules, WhatNeedsSidesIsRefusedOfABody) {
+  SceneParams scene;
+  scene.model = "elastic_solid";
+  scene.pressure = 1.0;
+  scene.viscous_drag = 1.0;
+  scene.output.resample = true;
+  scene.input.policy = InputPolicy::kTrack;
+  for (const char* key : {"pressure", "viscous_drag", "output.resample", "input.policy"})
+    EXPECT_TRUE(isRefused(scene, key)) << key;
+  scene.model = "mass_spring";
+  EXPECT_FALSE(isRefused(scene, "pressure"));
+}
+
+TEST(SceneRules, OrientationsAndCreasesAreForOrientedParticles) {
+  SceneParams scene;
+  scene.model = "mass_spring";
+  scene.pins.resize(1);
+  scene.pins[0].orientation = true;
+  scene.creases.resize(1);
+  EXPECT_TRUE(isRefused(scene, "pins[0].orientation"));
+  EXPECT_TRUE(isRefused(scene, "creases"));
+  scene.model = "oriented_particles";
+  EXPECT_FALSE(isRefused(scene, "pins[0].orientation"));
+  EXPECT_FALSE(isRefused(scene, "creases"));
+}
+
+TEST(SceneRules, ContactOfASurfaceWithItselfNeedsTrianglesThatStay) {
+  SceneParams scene;
+  scene.contact.self = true;
+  scene.model = "mass_spring";
+  EXPECT_FALSE(isRefused(scene, "contact.self"));
+  scene.mass_spring.tear_strain = 0.5;
+  EXPECT_TRUE(isRefused(scene, "contact.self"));
+  scene.mass_spring.tear_strain = 0.0;
+  scene.model = "oriented_particles";
+  EXPECT_TRUE(isRefused(scene, "contact.self"));
+}
+
+}  // namespace
+}  // namespace deformable_surface::simulation
