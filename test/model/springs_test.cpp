@@ -18,14 +18,14 @@ struct OneSpring {
   }
 
   model::Springs springs{{{0, 1}}, {Vec3::Zero(), Vec3(kLength, 0.0, 0.0)}, {kStiffness}};
-  model::State state{{Vec3::Zero(), Vec3(0.0, 3.0, 0.0)}, {Vec3::Zero(), Vec3(4.0, 5.0, 0.0)}};  // turned, and a half longer
+  model::State state{{Vec3::Zero(), Vec3(0.0, 4.0, 0.0)}, {Vec3::Zero(), Vec3(4.0, 5.0, 0.0)}};  // turned, and twice as long
 };
 
 TEST(Springs, PullByHookesLawAlongTheirDirection) {
   const OneSpring one;
-  EXPECT_EQ(one.forces(true, 0.0), (Points{Vec3(0.0, 50.0, 0.0), Vec3(0.0, -50.0, 0.0)}));
-  EXPECT_DOUBLE_EQ(one.springs.energy(one.state), 25.0);
-  EXPECT_DOUBLE_EQ(one.springs.maxStretch(one.state), 0.5);
+  EXPECT_EQ(one.forces(true, 0.0), (Points{Vec3(0.0, 100.0, 0.0), Vec3(0.0, -100.0, 0.0)}));
+  EXPECT_DOUBLE_EQ(one.springs.energy(one.state), 100.0);
+  EXPECT_DOUBLE_EQ(one.springs.maxStretch(one.state), 1.0);
 }
 
 TEST(Springs, AreDampedAlongThemOrInEveryDirection) {
