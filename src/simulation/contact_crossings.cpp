@@ -93,7 +93,7 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
-  for (Touches& touches : touches_) touches.are_known = false;
+  forgetTouches();
   news_.clear();
   has_new_arrival_ = has_new_detour_ = false;
   bool any = false;
@@ -142,7 +142,7 @@ bool ContactLoad::beginStep(double time, double step, const model::State& state,
 std::string ContactLoad::endStep(double time, double step, const model::State& state, const std::vector<char>& held,
                                  const std::vector<model::WeightedTriangle>& triangles) {
   std::string notice;
-  for (Touches& touches : touches_) touches.are_known = false;
+  forgetTouches();
   for (Body& body : bodies_) {
     if (!passes(body)) continue;
     const Moments moments = listMoments(body.tool, time, step);

@@ -124,12 +124,12 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
 
 // Estimates the stable step anew when the surface is no longer what it was measured on.
 void TimeMarch::refreshStableStep(double time, const State& state) {
-  const double stretch = maxStretchOf(model_, state);
   // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
-  const double loads = system_.loadStiffness(time, state);
+  const bool is_oriented = system_.isOriented();
+  const double stretch = maxStretchOf(model_, state), loads = is_oriented ? 0.0 : system_.loadStiffness(time, state);
   const bool is_known =
       std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory && loads <= kLoadMemory * memory_.loads_at_estimate;
-  if (!memory_.estimate_needed && !system_.isOriented() && is_known) return;
+  if (!memory_.estimate_needed && !is_oriented && is_known) return;
   memory_.stable_step = stable_step_.estimate(time, state, system_);
   memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
   memory_.max_slow_step = 2.0 / std::sqrt(system_.boundSlowRate(state));

@@ -127,7 +127,10 @@ class ContactLoad : public solve::ExternalLoad {
  private:
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
   double potentialOf(std::size_t body, double time, const Points& positions) const;
-  void forgetTouches() { touches_.clear(); }
+  // Their memory is kept.
+  void forgetTouches() {
+    for (Touches& touches : touches_) touches.are_known = false;
+  }
   void listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const;
   double totalMass() const;
 
