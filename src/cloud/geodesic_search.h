@@ -1,4 +1,4 @@
-// Ways from one point over a graph: a search, and a quick upper bound of its distances. Private.
+// Paths from one point over a graph: a search, and a quick upper bound of its distances. Private.
 #pragma once
 
 #include "deformable_surface/cloud/geodesics.h"
@@ -19,14 +19,14 @@ class Search {
  public:
   Search(const GeodesicGraph& graph, const Points& positions) : graph_(graph), positions_(positions) {}
 
-  // Calls visit(point, distance) for the points in the order of cost, the source first, until it returns false, or one is
-  // farther than reach. admits(point, cost): false for what need not be looked at, nor what it leads to.
+  // Calls visit(point, distance) for the points in the order of cost, the source first, until it returns false, or a point is
+  // farther than reach. admits(point, cost): false for points that need not be visited, nor those behind them.
   template <class Visit, class Admit>
   void run(Index source, double reach, const Visit& visit, const Admit& admits) {
     met_.clear();
     states_.clear();
     queue_.clear();
-    // What would be farther than reach is not visited, and no length is asked for where the cost is the distance.
+    // Points farther than reach are not visited. No length is needed if the cost is the distance.
     const double most = graph_.cost_is_distance ? reach : std::numeric_limits<double>::infinity();
     offer(source, 0.0, 0.0);
     while (!queue_.empty()) {
@@ -85,7 +85,7 @@ class Search {
 };
 
 /// True if paths over listed neighbours alone, taken nearest first, already show that none of them needs more than a detour: an
-/// upper bound of the distances that is nearly always enough, at a fraction of a search.
+/// upper bound of the distances that is nearly always enough, at a fraction of the cost of a search.
 class QuickCheck {
  public:
   explicit QuickCheck(const GeodesicGraph& graph) : graph_(graph) {}
@@ -100,7 +100,7 @@ class QuickCheck {
     missing_ = most_.size();
     bound_.assign(end - begin, std::numeric_limits<double>::infinity());
     relax(i, 0.0);
-    // Bounds only fall: once none is missing, the answer is known. A second pass finds ways that lead back.
+    // Bounds only fall. Once none is missing, the answer is known. A second pass finds paths that lead back.
     for (int pass = 0; pass < kPasses; ++pass) {
       for (std::size_t m = 0; m < bound_.size() && missing_ > 0; ++m) {
         if (bound_[m] < std::numeric_limits<double>::infinity()) relax(begin[m], bound_[m]);
@@ -108,7 +108,7 @@ class QuickCheck {
     }
     return missing_ == 0;
   }
-  // Whether that showed it of the place-th of the list.
+  // Whether the pass showed this for the entry at `place` of the list.
   bool isShown(std::size_t place) const { return bound_[place] <= most_[place]; }
 
  private:
@@ -121,13 +121,13 @@ class QuickCheck {
     }
   }
 
-  // A search costs several tens of passes.
+  // A search costs as much as several tens of passes.
   static constexpr int kPasses = 2;
 
   const GeodesicGraph& graph_;
   PointMap met_;
-  std::vector<double> bound_, most_;  // m, of those listed: what was found, and what is no detour
-  std::size_t missing_ = 0;           // whose bound is above
+  std::vector<double> bound_, most_;  // m, of the listed points: the bound found, and the longest path that is no detour
+  std::size_t missing_ = 0;           // listed points whose bound is above that
 };
 
 }  // namespace deformable_surface::cloud

@@ -1,4 +1,4 @@
-// The nearest of the neighbours that a search meets. A file of its own, because a tree and an image are searched alike. Private.
+// Collects the nearest neighbours during a search. The search in a tree and the search in an image share it. Private.
 #pragma once
 
 #include "deformable_surface/cloud/kd_tree.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_surface::cloud {
 
-/// The k smallest neighbours seen so far, sorted. Insertion beats a heap at the few dozen neighbours that are asked for.
+/// The k smallest neighbours seen so far, sorted. For a few dozen neighbours insertion is faster than a heap.
 class KNearest {
  public:
   KNearest(Index k, std::vector<Neighbor>& out) : k_(static_cast<std::size_t>(k)), out_(out) { out_.clear(); }

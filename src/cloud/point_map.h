@@ -1,5 +1,5 @@
-// Numbers for the few points that one search meets. A file of its own, because several searches need them, and a table for all
-// points of a cloud would be cleared for each.
+// Numbers for the few points that one search meets. Several searches use it: a table for all points of a cloud would have to
+// be cleared for each search.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -10,7 +10,7 @@
 
 namespace deformable_surface::cloud {
 
-/// Numbers from 0 on for the points that are added, in their order.
+/// Numbers the added points from 0 on, in their order.
 class PointMap {
  public:
   PointMap() : table_(kSmallest) {}
@@ -23,7 +23,7 @@ class PointMap {
   /// The number of the point, or -1.
   Index find(Index point) const { return table_[findPlace(point)].number; }
 
-  /// The number of a point that has none yet.
+  /// Adds a point that has no number yet; returns its number.
   Index add(Index point) {
     if (2 * static_cast<std::size_t>(size_ + 1) > table_.size()) grow();
     table_[findPlace(point)] = {point, size_};

@@ -1,5 +1,5 @@
-// Disjoint sets whose members know on which side of each other they are, joined by several threads at once. A file of its own,
-// because how threads join sets is a matter apart from normals.
+// Disjoint sets whose members know on which side of each other they are. Several threads may join them at once. For the
+// orientation of normals.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -16,7 +16,7 @@ class SignedSets {
  public:
   explicit SignedSets(Index n) : parent_(n) { reset(); }
 
-  /// Every point on its own.
+  /// Puts every point in a set of its own.
   void reset() {
     Index i = 0;
     for (std::atomic<std::uint32_t>& parent : parent_) parent.store(pack(i++, false), std::memory_order_relaxed);
@@ -44,8 +44,8 @@ class SignedSets {
   static Index indexOf(std::uint32_t packed) { return static_cast<Index>(packed >> 1); }
   static bool isOpposite(std::uint32_t packed) { return (packed & 1u) != 0; }
 
-  // The root of i, and whether i is on the opposite side of it. Ways are shortened to whatever is farther up: any of that is
-  // true.
+  // The root of i, and whether i is on the opposite side of it. Paths are shortened to any ancestor: each of them is
+  // correct.
   std::uint32_t locate(Index i) {
     std::uint32_t side = 0;
     for (;;) {

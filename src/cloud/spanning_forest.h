@@ -1,5 +1,5 @@
-// Kruskal's minimum spanning forest, holding and sorting few links: most are longer than what joins everything. One place,
-// because the side of normals and the trust radii of geodesics both need it.
+// Kruskal's minimum spanning forest. It stores and sorts only few links: most are longer than those that join everything. The
+// side of normals and the trust radii of geodesics use it.
 #pragma once
 
 #include "deformable_surface/base/parallel_sort.h"
@@ -11,19 +11,19 @@
 
 namespace deformable_surface::cloud {
 
-/// Joins the ends of links in ascending order, as far as they are not joined yet. Link: with ends i and j and a strict total
-/// order; forLinks(i, visit): visits the links that point i offers, from several threads, every time the same; findRoot(i): of
-/// the points joined to i one that they share; join(link): called for every link of the forest, and for some of the others, whose
+/// Joins the ends of links in ascending order, unless they are joined already. Link: with ends i and j and a strict total
+/// order. forLinks(i, visit): visits the links that point i offers, from several threads, always the same. findRoot(i): one
+/// point for all points joined to i. join(link): called for every link of the forest, and for some others whose
 /// ends are joined by then. The result does not depend on the number of threads.
 template <class Link, class ForLinks, class FindRoot, class Join>
 void visitSpanningForest(Index n, const ForLinks& forLinks, const FindRoot& findRoot, const Join& join) {
   constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
-  constexpr Index kSampled = 16;  // one of so many points tells how the links are distributed
+  constexpr Index kSampled = 16;  // one point in kSampled samples the distribution of the links
   std::vector<Index> root(n);
   std::vector<std::vector<Link>> parts((n + kBlock - 1) / kBlock);
   std::vector<Link> sample;
-  std::optional<Link> last;  // of those that have been looked at
-  // The lightest links join nearly all points, so the others are mostly dropped before they are sorted. Portions double, so that
+  std::optional<Link> last;  // of the links treated so far
+  // The shortest links join nearly all points, so most others are dropped before they are sorted. Portions double, so that
   // there are few of them where the weights tie and little can be dropped.
   for (std::size_t portion = n;; portion *= 2) {
     for (Index i = 0; i < n; ++i) root[i] = findRoot(i);

@@ -1,5 +1,5 @@
-// Angles without neighbours around a point, as far as they are wide. A file of its own, because boundaries and geodesics ask for
-// them alike: nearest neighbours first, and no more than it takes to leave none.
+// Wide angles without neighbours around a point. Boundaries and geodesics both use it. It takes the nearest neighbours first, and
+// stops when no wide gap is left.
 #pragma once
 
 #include "deformable_surface/geometry/direction.h"
@@ -8,13 +8,13 @@
 
 namespace deformable_surface::cloud {
 
-/// The gaps between directions in a plane that are wider than an angle (rad, from a third of a turn to half a turn: there are two
-/// of them at most).
+/// The gaps between directions in a plane that are wider than an angle (rad, from a third of a turn to half a turn: there are at
+/// most two of them).
 class WideGaps {
  public:
   explicit WideGaps(double angle) : cosine_(std::cos(angle)) {}
 
-  /// No direction yet, which is a gap of a full turn.
+  /// No direction yet: a gap of a full turn.
   void clear() { count_ = -1; }
 
   /// Divides the gap that q points into. Zero is no direction.
@@ -59,7 +59,7 @@ class WideGaps {
 
   double cosine_;
   int count_ = -1;  // of gaps; negative before the first direction
-  Gap gaps_[3];     // one more than can stay
+  Gap gaps_[3];     // one more than can remain
 };
 
 }  // namespace deformable_surface::cloud

@@ -1,4 +1,4 @@
-// The filters that PCL does, without PCL's types.
+// The filters that use PCL, without PCL's types.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -17,11 +17,11 @@ struct Plane {
   double height(const Vec3& p) const { return normal.dot(p) + offset; }
 };
 
-/// The plane that most of the points (finite) lie on within a distance, found among some thousand of them and fitted to those
-/// that lie on it; nothing if no three of them span one. One that holds min_share of them is missed once in ten thousand times.
+/// The plane with the most points (finite) within a distance. It is searched among about a thousand points and fitted to all
+/// that lie on it; none if no three points span one. A plane with min_share of the points is missed once in ten thousand times.
 std::optional<Plane> findLargestPlane(const Points& points, double distance, double min_share);
 
-/// Marks those of the points (finite) that are alone.
+/// Marks isolated points; points: finite.
 std::vector<char> findOutliers(const Points& points, const simulation::OutlierParams& params);
 
 }  // namespace deformable_surface::io

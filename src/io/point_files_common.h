@@ -1,4 +1,4 @@
-// What reading and writing point files share.
+// Shared by the readers and writers of point files.
 #pragma once
 
 #include "deformable_surface/base/error.h"

@@ -1,4 +1,4 @@
-// What the readers of the kinds of point files share: headers are checked against the size of the file before memory is taken.
+// Shared by the readers of point files: headers are checked against the size of the file before memory is allocated.
 #pragma once
 
 #include "point_files_common.h"
@@ -19,7 +19,7 @@ constexpr std::uint64_t kMinTextBytes = 2;
 // Scalars per point; real files have some dozens.
 constexpr std::uint64_t kMaxScalars = 10000;
 
-/// The head of a file, up to the line that ends its header, and its size.
+/// The beginning of a file, up to the line that ends its header, and the size of the file.
 struct Head {
   std::vector<std::vector<std::string>> lines;  // words of each line
   std::uint64_t header_bytes = 0, file_bytes = 0;
@@ -31,11 +31,11 @@ Head readHead(const std::string& file, const std::string& last_word);
 /// A count of a header.
 std::uint64_t toCount(const std::string& file, const std::string& word);
 
-/// Refuses no points, more than max_points, and a body of the file that is shorter than the points need.
+/// Refuses a file without points, with more than max_points, and with fewer bytes than the points need.
 void checkCounts(const std::string& file, std::uint64_t points, std::uint64_t body_bytes, std::uint64_t needed_bytes,
                  Index max_points);
 
-/// One record of numbers per point, as a file holds them, and where the scanner stood.
+/// One record of numbers per point, as a file holds them, and the place of the scanner.
 struct Table {
   pcl::PCLPointCloud2 data;
   std::uint64_t points = 0;

@@ -9,7 +9,7 @@
 namespace deformable_surface::solve {
 
 /// x += dt v; v += dt a(x), both from the old state, one step [Su 2007, sec. 4.4]. It amplifies every undamped mode in
-/// every step and is here for comparison with the paper.
+/// every step. It exists for comparison with the paper.
 class ExplicitEuler : public Integrator {
  public:
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;

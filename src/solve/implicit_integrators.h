@@ -1,4 +1,4 @@
-// The methods that solve for the end of the step: two implicit stages by energy descent, and the static equilibrium.
+// Implicit methods: the second-order method of two stages by energy descent, and the static equilibrium.
 #pragma once
 
 #include "deformable_surface/solve/integrator.h"
@@ -14,18 +14,18 @@ class ImplicitStage {
  public:
   explicit ImplicitStage(const IntegratorParams& params) : params_(params) {}
 
-  /// from (n x 3) m and velocity (n x 3) m/s: what the stage departs from. The search begins at the inertial guess where its
-  /// potential is at most `energy`, else at state.positions: from there every descent ends below. Overwrites state, adds to
+  /// from (n x 3) m and velocity (n x 3) m/s: the start of the stage. The search begins at the inertial guess if its potential is
+  /// at most `energy`, else at state.positions: every descent from there ends below `energy`. Overwrites state, adds to
   /// report.
   void solve(const System& system, double time, double step, const Points& from, const Points& velocity, double energy,
              State& state, SolveReport& report);
-  /// Of the solutions from now on, see Integrator.
+  /// For the solutions from now on, see Integrator.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
 
-  /// One step of implicit Euler from `before`, which state is. First order, stable at every step, and it damps: a mode of
-  /// frequency w loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse,
-  /// buckling) the minimum alone could still gain kinetic energy; what exceeds the energy there was before, plus the work of
-  /// forces without a potential, is taken from the motion relative to the mean.
+  /// One step of implicit Euler from `before`, which equals state. First order, stable at every step, and dissipative: a mode
+  /// of frequency w loses the factor (1 + (w h)^2)^(-1/2) per step. Where the energy is not convex between two states (collapse,
+  /// buckling) the minimum alone could still gain kinetic energy. Any excess over the energy before plus the work of forces
+  /// without a potential is removed from the motion relative to the mean.
   SolveReport takeEulerStep(const System& system, double time, double step, const State& before, State& state);
 
   /// Work of the forces without a potential from the last solve's `from` to its end, J.
@@ -39,10 +39,10 @@ class ImplicitStage {
   std::vector<double> weight_;
 };
 
-/// Two implicit stages of the same length, the second of which is the end of the step: second order, exact in free fall, stable
-/// at every step, and fast modes still die out [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above what
-/// it was plus the work of forces without a potential: a small excess is taken from the motion relative to the mean, and where
-/// the potential alone exceeds it the step is one of implicit Euler.
+/// Two implicit stages of the same length; the second ends the step. Second order, exact in free fall, stable at every step, and
+/// fast modes still decay [Alexander 1977, the two-stage SDIRK; L-stable]. The energy never rises above its former value plus
+/// the work of forces without a potential: a small excess is removed from the motion relative to the mean. If the potential
+/// alone exceeds it, implicit Euler takes the step.
 class ImplicitSecondOrder : public Integrator {
  public:
   explicit ImplicitSecondOrder(const IntegratorParams& params) : stage_(params) {}
@@ -54,12 +54,12 @@ class ImplicitSecondOrder : public Integrator {
   Points from_, velocity_;
 };
 
-/// Each step is the equilibrium under the loads at its end; velocities are zero. Where QuasiNewton finds it, that is
-/// all. Else, from where that began, Newton steps in the energy with a proximal weight M / h^2 that is lowered while they succeed
-/// (pseudo-transient continuation), so that a flat sheet without stiffness against its load is led to the equilibrium instead of
-/// thrown. Where a whole step would raise the energy it is taken on trial,
-/// as what turns far stretches at first and the next steps take that back; if these do not end lower than before the trial, it is
-/// undone and the step is cut (the watchdog technique [Chamberlain et al. 1982]).
+/// Each step is the equilibrium under the loads at its end; velocities are zero. QuasiNewton searches it first. If that fails,
+/// Newton steps begin again from its start, in the energy with a proximal weight M / h^2 that is lowered while they succeed
+/// (pseudo-transient continuation). A flat sheet without stiffness against its load is thus led to the equilibrium gradually.
+/// A whole step that would raise the energy is taken on trial: large rotations stretch
+/// at first, and the next steps undo that. If these do not end lower than before the trial, it is
+/// undone and the step is shortened (the watchdog technique [Chamberlain et al. 1982]).
 class StaticSolver : public Integrator {
  public:
   explicit StaticSolver(const IntegratorParams& params) : params_(params) {}
@@ -70,7 +70,7 @@ class StaticSolver : public Integrator {
   QuasiNewton quasi_newton_;
   NewtonDescent newton_;
   Points carried_;        // velocities of held points, m/s
-  Points anchor_, safe_;  // safe_: the last state whose energy is the lowest so far
+  Points anchor_, safe_;  // safe_: the last state with the lowest energy so far
   std::vector<double> weight_;
 };
 

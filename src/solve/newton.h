@@ -10,8 +10,8 @@
 namespace deformable_surface::solve {
 
 /// Minimises  Phi(x) = sum_i w_i/2 |x_i - y_i|^2 + E(x) + U(x) - L . x  over the free points, with E the elastic energy, U the
-/// potential of conservative loads and L the forces that have no potential (viscous ones, follower pressure), evaluated anew at
-/// every place, at velocities (x - x_before) / step (zero if step is 0).
+/// potential of conservative loads and L the forces that have no potential (viscous ones, follower pressure). L is evaluated
+/// again at every iterate, at velocities (x - x_before) / step (zero if step is 0).
 class NewtonDescent {
  public:
   struct Problem {
@@ -24,7 +24,7 @@ class NewtonDescent {
     double enough = 0.0;                // N, the unbalanced force that ends the search: directions need be no better
   };
 
-  /// Before the first iteration of a solution: forgets what the iterations before have found out. interrupt: see Integrator.
+  /// Before the first iteration of a solution: forgets the results of earlier iterations. interrupt: see Integrator.
   void begin(const std::atomic<bool>* interrupt) {
     projected_in_a_row_ = 0;
     shift_ = last_residual_ = 0.0;
@@ -39,38 +39,38 @@ class NewtonDescent {
   /// Computes the gradient at state.positions and returns its largest magnitude on a free point: the unbalanced force, N.
   double evaluate(const Problem& problem, State& state);
 
-  /// After evaluate(): takes the exact matrix where it is positive definite, else the projected one, or the factor of the last
-  /// iteration where that probably ends the search, and moves state.positions along the Newton direction, halving the step until
-  /// Phi falls by Armijo's rule. tentative: the whole step is taken even if Phi rises, as long as it stays finite; and where
-  /// several such steps in a row had no definite matrix, a multiple of the masses is added to the exact one, as the projected one
-  /// hardly leaves a saddle.
+  /// After evaluate(): takes the exact matrix if it is positive definite, else the projected one, or the factor of the last
+  /// iteration if that probably ends the search. Moves state.positions along the Newton direction and halves the step until
+  /// Phi falls by Armijo's rule. tentative: the whole step is taken even if Phi rises, as long as it stays finite. If
+  /// several such steps in a row had no definite matrix, a multiple of the masses is added to the exact one: the projected
+  /// matrix hardly leaves a saddle.
   struct Step {
     double fraction;  // of the direction; 0 if no descent was found (the state is then unchanged)
     bool raised;      // Phi did not fall by the rule
   };
   Step descend(const Problem& problem, State& state, bool tentative = false);
 
-  /// Work of the forces without a potential, as evaluate() last saw them, from `before` (n x 3) to state, J.
+  /// Work of the forces without a potential, as the last evaluate() found them, from `before` (n x 3) to state, J.
   double remainderWork(const Points& before, const State& state) const;
 
  private:
-  /// Phi but for a constant. The work of L since the last evaluate() is that of its mean at both ends, which is exact for
-  /// viscous forces: taken as constant, they would count as a gain what they take.
+  /// Phi up to a constant. The work of L since the last evaluate() uses its mean at both ends, which is exact for viscous
+  /// forces. With constant L, energy that these dissipate would count as a gain.
   double merit(const Problem& problem, State& state);
   /// Sets the velocities and computes L at a state.
   void computeRemainder(const Problem& problem, State& state, Points& remainder);
   /// Fills and factorises the matrix; false if it is not positive definite.
   bool factorize(const Problem& problem, const State& state, model::Hessian hessian);
-  /// The exact matrix, which was not definite, with shift_ times the masses added; false if that is not enough.
+  /// Adds shift_ times the masses to the exact matrix, which was not definite; false if that is not enough.
   bool factorizeShifted(const System& system);
-  /// Of Phi along the direction, N m.
+  /// Slope of Phi along the direction, N m.
   double findSlope() const;
   /// Shortens the direction by the system's limit of motion. Returns whether it was too long.
   bool shorten(const System& system, const Points& positions);
-  /// Solves with the factor; direction_ stays the steepest where the result is not finite.
+  /// Solves with the factor. Where the result is not finite, direction_ stays the steepest descent.
   void solveFactored(const Problem& problem, const State& state);
-  /// The direction of a model whose stiffness is known by products; as accurate as the gradient has fallen since the last one
-  /// [Eisenstat and Walker 1996], and as ends the search if one direction can.
+  /// The direction for a model with stiffness products. It is as accurate as the gradient has fallen since the last one
+  /// [Eisenstat and Walker 1996], and as accurate as a direction that ends the search has to be.
   void solveByProducts(const Problem& problem, const State& state);
 
   bool is_potential_known_ = false;  // since begin()

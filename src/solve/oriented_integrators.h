@@ -1,5 +1,5 @@
-// Time stepping and relaxation of points that turn as well as move: models of oriented particles. A file of its own, because the
-// methods for points alone need none of it and are faster without.
+// Time stepping and relaxation of points with orientation (oriented particles). The methods for points without orientation are
+// faster without this code.
 #pragma once
 
 #include "deformable_surface/solve/integrator.h"
@@ -23,7 +23,7 @@ class OrientedVerlet : public Integrator {
 
 /// The equilibrium under the loads at the end of the step by FIRE [Bitzek 2006, with the corrections of Guenole 2020]: Newtonian
 /// motion whose velocity is turned towards the force and stopped whenever it runs uphill. Positions and orientations move
-/// together, measured by the kinetic energy, so that no scale between them has to be given. The state it leaves is at rest.
+/// together. Both are measured by kinetic energy, so that no scale between them is needed. The final state is at rest.
 class FireRelaxation : public Integrator {
  public:
   explicit FireRelaxation(const IntegratorParams& params) : params_(params) {}

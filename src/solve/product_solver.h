@@ -1,4 +1,4 @@
-// Newton's direction where the stiffness is known by its products alone. Apart from newton.h, which looks for the length of the
+// The Newton direction of models whose stiffness is known only by products with vectors. newton.h finds the length of the
 // step.
 #pragma once
 
@@ -10,25 +10,25 @@
 namespace deformable_surface::solve {
 
 /// Solves (K + W) d = -g on the free points by conjugate gradients [Hestenes and Stiefel 1952], K the stiffness of the model and
-/// the loads, W weights by point. Preconditioned by the springs that the model tells of (StiffnessProducts) and W, as
-/// far as a cycle over coarser springs inverts them: these know no direction, so that no rotation of the body makes them worse,
-/// and what they differ by bounds the number of products however long the step and however stiff the body.
+/// the loads, W weights by point. The preconditioner is one multigrid cycle on W and the springs of the model
+/// (StiffnessProducts::couplings()). The springs have no direction, so that rotations of the body do not make them worse. Their
+/// difference from K bounds the number of products, for any step length and stiffness.
 class ProductSolver {
  public:
   /// Takes the matrix at a state; step: as in System::addStiffness(). Allocates nothing after the first time.
   void prepare(const System& system, double time, const State& state, double step, model::Hessian hessian,
                const std::vector<double>& weight);
 
-  /// direction (n x 3), zero on held points, that leaves no more than `enough` (N) on any point. False: a motion was met along
-  /// which the matrix is not positive; direction is then what was found before it, at least the preconditioner's answer. Ends
-  /// early once interrupt is true.
+  /// direction (n x 3), zero on held points, with a residual of at most `enough` (N) on any point. False: the matrix is not
+  /// positive along a direction that was met. The result is then the iterate before it, at least the preconditioner's answer.
+  /// Ends early once interrupt is true.
   bool solve(const System& system, const Points& gradient, double enough, const std::atomic<bool>* interrupt, Points& direction);
 
  private:
   void setSprings(const System& system);
   void multiply(const System& system, const Points& v, Points& product);
 
-  std::vector<double> weight_;  // (n) N/m, and what keeps the matrix regular
+  std::vector<double> weight_;  // (n) N/m, plus a term that keeps the matrix regular
   BlockSparse loads_;           // their stiffness
   bool has_load_stiffness_ = false;
   Multigrid springs_;

@@ -1,5 +1,5 @@
-// Equilibria of surfaces by steps that cost a few passes of forces each, where Newton's cost a hundred. Apart from the static
-// solver, which knows what to do where they lead nowhere.
+// Equilibria of surfaces by steps that cost a few force passes each. Newton's cost a hundred. The static solver takes over
+// where these steps fail.
 #pragma once
 
 #include "deformable_surface/solve/integrator.h"
@@ -7,22 +7,22 @@
 
 namespace deformable_surface::solve {
 
-/// L-BFGS [Nocedal 1980; Liu and Nocedal 1989] on the free points, whose first matrix is SurfacePreconditioner's. The length of a
-/// step is found from forces alone, by the approximate conditions of Wolfe [Hager and Zhang 2005]: they ask for no energy, and
+/// L-BFGS [Nocedal 1980; Liu and Nocedal 1989] on the free points; the first matrix is that of SurfacePreconditioner. The step
+/// length comes from forces alone, by the approximate Wolfe conditions [Hager and Zhang 2005], which need no energy:
 /// near an equilibrium energies differ by less than their rounding.
 class QuasiNewton {
  public:
   /// Moves state.positions until no force on a free point exceeds tolerance times the largest force there is (System::
-  /// largestForce()), or rounding, N. True: it did, and the potential energy is no higher than before; adds to
+  /// largestForce()), or rounding, N. True: it succeeded, and the potential energy is no higher than before; adds to
   /// report.iterations and report.time_forces, and sets report.residual. False: the positions are as before, because a force has
-  /// no potential or another stiffness than the surface's, nothing is known to precondition with, interrupt came true, or the
-  /// forces fell too slowly. The velocities must be zero. Allocates nothing after the first time but
-  /// where tension falls below the part of bending from which on this is left out, or grows beyond it.
+  /// no potential or a stiffness beside the surface's, no preconditioner is known, interrupt became true, or the
+  /// forces fell too slowly. The velocities must be zero. Allocates nothing after the first time, except
+  /// where tension crosses the share of bending below which bending is included.
   bool solve(const System& system, double time, double tolerance, double rounding, const std::atomic<bool>* interrupt,
              State& state, SolveReport& report);
 
  private:
-  // What a step has told of the stiffness.
+  // A pair of step and change of gradient.
   struct Pair {
     Eigen::VectorXd step, change;  // of the positions, m, and the gradient's change by it, N; (3 n)
     double inverse = 0.0;          // 1 / (step . change)
@@ -33,9 +33,9 @@ class QuasiNewton {
   /// Computes the gradient at state.positions, and scale_, and returns the largest force on a free point, N.
   double findGradient(const System& system, double time, State& state, SolveReport& report);
   void findDirection(const System& system);
-  /// Moves state.positions along the direction and learns from it; false, and unmoved, if no length will do.
+  /// Moves state.positions along the direction and stores the pair; false, and unmoved, if no step length is acceptable.
   bool search(const System& system, double time, State& state, SolveReport& report);
-  /// The pair that is so many pairs old.
+  /// The pair of this age; 0: the newest.
   Pair& remember(Index age) { return pairs_[(num_found_ - 1 - age) % static_cast<Index>(pairs_.size())]; }
 
   SurfacePreconditioner preconditioner_;

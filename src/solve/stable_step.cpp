@@ -22,6 +22,7 @@ double StableStep::estimate(double time, const State& state, const System& syste
   const double known = system.findStableStep(state);
   if (known > 0.0)
     return limit(std::sqrt(4.0 / (known * known) + system.loadStiffness(time, state)), system.dampingRate(time, state));
+  if (!system.hasStiffnessMatrix()) return limit(std::sqrt(system.boundStiffness(time, state)), system.dampingRate(time, state));
   const Index n = system.size();
   stiffness_.begin(n);
   system.addStiffness(time, state, 0.0, model::Hessian::kPositive, stiffness_);

@@ -1,5 +1,5 @@
-// What a surface's stiffness roughly undoes, for a tenth of a factorisation in blocks. Apart from quasi_newton.h, which makes
-// steps of it.
+// An approximate inverse of a surface's stiffness, for a tenth of the cost of a block factorisation. quasi_newton.h uses
+// it.
 #pragma once
 
 #include "deformable_surface/linear/scalar_cholesky.h"
@@ -7,14 +7,14 @@
 
 namespace deformable_surface::solve {
 
-/// At each point what is along the surface and what is across it are solved for apart, each with one number a pair of points
+/// At each point, motion along the surface and across it are solved for separately, each with one number per pair of points
 /// (System::findCouplings()): P = (1 - n n^T) A^-1 (1 - n n^T) + n C^-1 n^T with the normals n at a state. Tension and bending
-/// are weaker than the membrane by orders of magnitude, so that no single number serves both; what couples the two is of few long
-/// waves, which the steps find out.
+/// are weaker than the membrane by orders of magnitude, so that no single number serves both. What couples the two consists of
+/// few long waves, which the quasi-Newton steps learn.
 class SurfacePreconditioner {
  public:
-  /// Takes the springs and normals at a state; support: see System::findCouplings(). False: the model knows none, or they resist
-  /// nothing. Allocates nothing after the first time, while the pairs stay.
+  /// Takes the springs and normals at a state; support: see System::findCouplings(). False: the model knows no springs, or they
+  /// have no stiffness. Allocates nothing after the first time, while the pairs stay the same.
   bool prepare(const System& system, const State& state, double support);
   /// answer = P force, (3 n) each; zero on held points.
   void apply(const System& system, const Eigen::VectorXd& force, Eigen::VectorXd& answer);
@@ -24,7 +24,7 @@ class SurfacePreconditioner {
     std::vector<System::Coupling> springs;
     ScalarCholesky factor;
     std::vector<std::pair<Index, Index>> pairs;          // that the factor was analysed for
-    std::vector<double> diagonal, values;                // the numbers that it is of
+    std::vector<double> diagonal, values;                // the numbers of the matrix
     std::vector<double> diagonal_before, values_before;  // scratch
     bool is_positive = false;
     bool hasPairsOf(const std::vector<System::Coupling>& others) const;

@@ -223,22 +223,28 @@ double System::roundingForce(double time, const State& state) const {
   return std::numeric_limits<double>::epsilon() * largest;
 }
 
+double System::largestRow(const std::vector<double>& bounds) const {
+  double largest = 0.0;
+  for (Index i = 0; i < size(); ++i)
+    if (!held_[i]) largest = std::max(largest, bounds[i] / masses()[i]);
+  return largest;
+}
+
 double System::dampingRate(double time, const State& state) const {
   computeRowBounds(time, state);
-  double rate = 0.0;
-  for (Index i = 0; i < size(); ++i)
-    if (!held_[i]) rate = std::max(rate, row_damping_[i] / masses()[i]);
-  return rate;
+  return largestRow(row_damping_);
 }
 
 double System::loadStiffness(double time, const State& state) const {
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   for (const ExternalLoad* load : loads_) load->addRowBounds(time, state, row_stiffness_, row_damping_);
-  double largest = 0.0;
-  for (Index i = 0; i < size(); ++i)
-    if (!held_[i]) largest = std::max(largest, row_stiffness_[i] / masses()[i]);
-  return largest;
+  return largestRow(row_stiffness_);
+}
+
+double System::boundStiffness(double time, const State& state) const {
+  computeRowBounds(time, state);
+  return largestRow(row_stiffness_);
 }
 
 bool System::hasElasticityAlone(double time, const State& state) const {

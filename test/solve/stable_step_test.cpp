@@ -68,5 +68,27 @@ TEST(StableStep, IsShorterByDampingThatReadsPredictedVelocities) {
   EXPECT_GE(s.find(), expected * (1.0 - kBound));
 }
 
+// Chained oscillators would tell a bound from a measurement; these are diagonal, so that the bound is exact.
+class WithoutMatrix : public Oscillators {
+ public:
+  using Oscillators::Oscillators;
+  const model::StiffnessMatrix* stiffnessMatrix() const override { return nullptr; }
+};
+
+TEST(StableStep, ComesFromRowBoundsWithoutAStiffnessMatrix) {
+  const WithoutMatrix model({4.0, 900.0, 100.0}, 0.25);
+  std::vector<const solve::ExternalLoad*> loads;
+  std::vector<char> held{0, 0, 0};
+  const solve::System system(model, loads, held, 0.0);
+  const State state{Points(3, Vec3::Zero()), Points(3, Vec3::Zero())};
+  EXPECT_DOUBLE_EQ(solve::StableStep().estimate(0.0, state, system), 2.0 / 60.0);
+  Spring spring;
+  spring.stiffness = 2496.0;  // with the 4 N/m of the model 100 1/s
+  loads.push_back(&spring);
+  EXPECT_DOUBLE_EQ(solve::StableStep().estimate(0.0, state, system), 2.0 / 100.0);
+  held = {1, 1, 0};
+  EXPECT_DOUBLE_EQ(solve::StableStep().estimate(0.0, state, system), 2.0 / 20.0);
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -6,7 +6,7 @@
 
 namespace deformable_surface {
 
-/// The upper one of the two in the middle of an even number of values. values: not empty, no NaN. O(n).
+/// The upper median if the number of values is even. values: not empty, no NaN. O(n).
 inline double findMedian(std::vector<double> values) {
   const auto middle = values.begin() + values.size() / 2;
   std::nth_element(values.begin(), middle, values.end());

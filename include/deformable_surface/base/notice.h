@@ -1,4 +1,4 @@
-// Notices of one step in one line. A file of its own because every room that steps adds to it.
+// Joins the notices of one step in one line. Every room that takes part in a step uses it.
 #pragma once
 
 #include <string>

@@ -20,9 +20,9 @@ class PaddedPoints {
     }
   }
 
-  /// Puts more points behind those that there are. Allocates only when there are more than ever before.
+  /// Appends a point. Allocates only when there are more than ever before.
   void append(const Vec3& p) { values_.insert(values_.end(), {p.x(), p.y(), p.z(), 0.0}); }
-  /// Leaves so many points.
+  /// Keeps the first `size` points.
   void shorten(std::size_t size) { values_.resize(4 * size); }
 
   std::size_t size() const { return values_.size() / 4; }

@@ -1,4 +1,4 @@
-// Loops over fixed blocks, so that what is computed, and in which order it is summed, does not depend on the number of threads.
+// Loops over fixed blocks: results, and the order of sums, do not depend on the number of threads.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -7,8 +7,8 @@
 
 namespace deformable_surface {
 
-/// Number of threads used by the loops that the calling thread begins; 0 = all cores, as before the first call. It is a matter of
-/// the thread, so that two surfaces in one process, each stepped by its own, keep what each was given.
+/// Number of threads of loops that the calling thread starts; 0 = all cores, as before the first call. The setting belongs to
+/// the thread: two surfaces in one process, each stepped by its own thread, keep their own settings.
 void setNumThreads(int num_threads);
 int numThreads();
 
@@ -25,7 +25,7 @@ void runBlocks(Index num_blocks, const Run& run) {
 }
 }  // namespace internal
 
-/// Calls body(begin, end) on the blocks [0, block), [block, 2 block), ... of [0, n). The body writes only to what belongs to its
+/// Calls body(begin, end) on the blocks [0, block), [block, 2 block), ... of [0, n). The body writes only to elements of its
 /// own indices. A single block runs in the calling thread, so small loops cost nothing.
 template <class Body>
 void parallelFor(Index n, Index block, const Body& body) {
@@ -42,7 +42,7 @@ template <class Body>
 double parallelSum(Index n, Index block, const Body& body) {
   if (n <= block) return n > 0 ? body(Index{0}, n) : 0.0;
   const Index num_blocks = (n - 1) / block + 1;
-  constexpr Index kAtOnce = 256;  // blocks whose sums stand on the stack
+  constexpr Index kAtOnce = 256;  // blocks whose sums fit on the stack
   double part[kAtOnce], sum = 0.0;
   for (Index first = 0; first < num_blocks; first += kAtOnce) {
     const Index count = std::min(kAtOnce, num_blocks - first);

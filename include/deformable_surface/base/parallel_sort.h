@@ -1,4 +1,4 @@
-// Sorting on all cores. A file of its own, because few need it and parallel.h is included everywhere.
+// Sorting on all cores. Few files need it, while parallel.h is included everywhere.
 #pragma once
 
 #include "deformable_surface/base/parallel.h"
@@ -9,7 +9,7 @@
 
 namespace deformable_surface {
 
-/// Sorts by <, which must be a strict total order. Twice the memory for a moment.
+/// Sorts by <, which must be a strict total order. Needs twice the memory while it runs.
 template <class T>
 void parallelSort(std::vector<T>& values) {
   const std::size_t n = values.size();

@@ -1,5 +1,5 @@
-// How parameter structs are described once and used everywhere: a function visit(Fields&, XParams&) beside each struct names its
-// fields, and from it come reading, printing, checking and the page of parameters.
+// Describes parameter structs once: a function visit(Fields&, XParams&) beside each struct names its fields. Reading,
+// printing, checking and the page of parameters come from it.
 #pragma once
 
 #include "deformable_surface/base/error.h"
@@ -116,7 +116,7 @@ class Fields {
     onEndList();
   }
 
-  /// A rule among fields. name: the field that breaks it ("" = the section itself); sentence: what was found and what is
+  /// A rule between fields. name: the field that breaks it ("" = the section itself); sentence: what was found and what is
   /// accepted.
   void require(bool holds, const std::string& name, const std::string& sentence) {
     if (!holds) onBroken(name, sentence);
@@ -166,8 +166,8 @@ std::string tabulateFields(const Visit& visit_defaults);
 std::string writeTemplate(const Visit& visit_params);
 }  // namespace internal
 
-/// Reads a map into params; what it does not name keeps its value. Returns all problems at once, one sentence each: unknown keys
-/// with the nearest known one, wrong types, values out of range, broken rules. With problems, params are partly read.
+/// Reads a map into params; fields that it does not name keep their values. Returns all problems, one sentence each: unknown keys
+/// with the nearest known one, wrong types, values out of range, broken rules. After a problem, params are partly read.
 template <class Params>
 std::vector<std::string> readParams(const Value& value, Params& params) {
   Params defaults;
@@ -189,7 +189,7 @@ template <class Params>
 std::vector<std::string> checkParams(const Params& params) {
   Params copy;
   std::vector<std::string> problems;
-  // What was printed has no unknown keys, for which the known ones would be needed.
+  // A printed map has no unknown keys, so no known ones are needed.
   internal::readFields(
       printParams(params), {}, [&](Fields& fields) { visit(fields, copy); }, problems);
   return problems;

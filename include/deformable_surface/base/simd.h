@@ -1,5 +1,5 @@
-// Wider vector instructions where the processor has them, chosen at run time: the project is built for the processor family's
-// least member, so that its types fit those of the installed libraries. Without fused multiply-add the bits are the same.
+// Wider vector instructions where the processor has them, chosen at run time: the project is built for the oldest processor of
+// the family, so that its types fit those of the installed libraries. Without fused multiply-add the bits are the same.
 #pragma once
 
 #include <cmath>
@@ -7,19 +7,19 @@
 // The sanitizers cannot run the functions that choose at start-up.
 #if defined(__GNUC__) && !defined(__clang__) && defined(__x86_64__) && defined(__gnu_linux__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
-/// Before a function of loops over plain arrays: it is compiled twice, and the right one is taken at run time.
+/// Put before a function with loops over plain arrays: it is compiled twice, and the right version is chosen at run time.
 #define DEFORMABLE_SURFACE_WIDE __attribute__((target_clones("avx2", "default")))
 #else
 #define DEFORMABLE_SURFACE_WIDE
 #endif
 
-/// Helpers of such functions must become part of them. They take vectors by reference: by value those have another binary
+/// Helpers of such functions must be inlined into them. They take vectors by reference: by value, vectors have another binary
 /// interface with and without the wider instructions.
 #define DEFORMABLE_SURFACE_INLINE inline __attribute__((always_inline))
 
 namespace deformable_surface {
 
-/// Four numbers side by side: four elements that are computed at once, or a point and a number to spare.
+/// Four numbers side by side: four elements that are computed at once, or a point and a fourth number.
 using Double4 = double __attribute__((vector_size(4 * sizeof(double))));
 
 namespace internal {

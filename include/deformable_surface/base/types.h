@@ -1,4 +1,4 @@
-// The words every room shares: the index type, the arrays of points and pi. The rooms base and linear are the namespace
+// Types that every room uses: the index type, the arrays of points and pi. The rooms base and linear use the namespace
 // deformable_surface itself.
 #pragma once
 

@@ -1,5 +1,5 @@
-// A small tree of values (null, bool, integer, real, text, list, map), into which scene files and ROS parameters are turned
-// before they are read, so that the reader of parameters knows neither YAML nor ROS.
+// A small tree of values (null, bool, integer, real, text, list, map). Scene files and ROS parameters are converted to it, so
+// that the reader of parameters knows neither YAML nor ROS.
 #pragma once
 
 #include <cstdint>
@@ -44,7 +44,7 @@ class Value {
   /// Sets the member of a map, in place or at the end; a null value becomes a map first.
   Value& set(const std::string& key, Value value);
 
-  /// What this is, for a sentence: "-1", "the text 'abc'", "a list of 3", "nothing". Long or unprintable text is shortened.
+  /// The value in words, for a sentence: "-1", "the text 'abc'", "a list of 3", "nothing". Long or unprintable text is shortened.
   std::string describe() const;
 
  private:
@@ -61,17 +61,17 @@ Value parseScalar(const std::string& text);
 /// The shortest decimal form that reads back as the same double.
 std::string formatReal(double value);
 
-/// A measured number in a sentence: no more digits than are read.
+/// A measured number for a sentence: few digits.
 std::string formatShort(double value);
 
 /// Text in quotes for a sentence: control characters are replaced, and long text is cut.
 std::string quote(const std::string& text);
 
-/// The text with '?' for control characters, but for line breaks, and for bytes that are not UTF-8.
+/// The text with '?' in place of control characters (except line breaks) and of bytes that are not UTF-8.
 std::string toPrintable(const std::string& text);
 
-/// Lines as one line for a log or an answer, with "; " between them: as many whole lines as fit into a length that a log shows,
-/// then how many were left out. A first line that is longer is cut.
+/// Joins lines with "; " for a log or an answer: as many whole lines as fit into a length that logs show, then the number of
+/// lines left out. A first line that is too long is cut.
 std::string toOneLine(const std::string& text);
 
 /// The tree as YAML that reads back as the same tree.

@@ -1,4 +1,4 @@
-// The version of the library that runs, for logs and bug reports. The number itself stands in package.xml only.
+// The version of the running library, for logs and bug reports. The number is in package.xml only.
 #pragma once
 
 namespace deformable_surface {

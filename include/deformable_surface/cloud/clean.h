@@ -1,4 +1,4 @@
-// From the raw cloud to the points that can be simulated: finite and distinct, with the way back to the user's order.
+// From the raw cloud to the points that can be simulated: finite and distinct. Keeps the map back to the user's order.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -13,8 +13,8 @@ struct CleanCloud {
   Index num_coincident = 0;           // input points that share another's position exactly
 };
 
-/// Filters the cloud. Points whose coordinate exceeds max_coordinate (m) in magnitude count as not finite: beyond it squared
-/// distances lose the surface in rounding. The order of the first occurrences is kept. O(n log n).
+/// Filters the cloud. Points with a coordinate above max_coordinate (m) in magnitude count as not finite: squared distances
+/// would lose the surface in rounding. The order of the first occurrences is kept. O(n log n).
 CleanCloud clean(const PointCloud& input, double max_coordinate = 1e6);
 
 }  // namespace deformable_surface::cloud

@@ -1,11 +1,11 @@
-// Whether a cloud has come again. A file of its own, because clouds are used everywhere and compared in one place.
+// Compares two clouds: whether the same cloud has been sent again.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
 
 namespace deformable_surface::cloud {
 
-/// Whether all of one is as in the other, bit for bit; holes are equal to holes.
+/// Whether both clouds are equal in every part, bit for bit. Holes equal holes.
 bool areEqual(const PointCloud& a, const PointCloud& b);
 
 }  // namespace deformable_surface::cloud

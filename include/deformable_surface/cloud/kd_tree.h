@@ -1,5 +1,5 @@
-// Nearest neighbours of points. Ties are broken by index, so that equal input gives equal output; points can be removed one by
-// one, which the simplification needs. This is the one place that would name a library for it.
+// Nearest neighbours of points. Ties are broken by index, so that equal input gives equal output. Points can be removed one by
+// one, for the simplification.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -21,17 +21,17 @@ class KdTree {
   /// points (n x 3), finite. Copies them in the tree's own order. O(n log n).
   explicit KdTree(const Points& points);
 
-  /// The min(k, alive) nearest alive points to query, nearest first; the point itself is among them if it is one. out is
+  /// The min(k, alive) nearest alive points to query, nearest first. If the query is a point, it is among them. out is
   /// overwritten. O(log n + k log k).
   void nearest(const Vec3& query, Index k, std::vector<Neighbor>& out) const;
 
   /// All alive points within radius (closed ball), nearest first.
   void withinRadius(const Vec3& query, double radius, std::vector<Neighbor>& out) const;
 
-  /// Takes a point out of all later answers. O(log n) on average: the tree is built anew whenever half of its points are gone.
+  /// Removes a point from later answers. O(log n) on average: the tree is rebuilt whenever half of its points are removed.
   void remove(Index point);
 
-  /// All points, removed ones included, in the order of the tree at first: near in the list means near in space. Loops over
+  /// All points, removed ones included, in the first order of the tree: near in the list means near in space. Loops over
   /// queries run in this order.
   const std::vector<Index>& order() const;
 

@@ -1,5 +1,5 @@
-// Which neighbours of a point may be linked to it over the surface, and where they lie on its tangent plane. Rings, boundary and
-// simplification ask the same question and must get the same answer.
+// Which neighbours of a point may be linked to it along the surface, and where they lie on its tangent plane. Rings, boundary and
+// simplification must get the same answer.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -24,7 +24,7 @@ class TangentPlane {
   Vec3 origin_, e1_, e2_;
 };
 
-/// Sine of the steepest slope of a link against a tangent plane, 60 degrees: a right-angled crease has links of 45 degrees, and a
+/// Sine of the steepest slope of a link against a tangent plane, 60 degrees: a right-angled crease has links of 45 degrees. A
 /// steeper link projects to less than half its length, so close to the point that it would push true neighbours out of the ring.
 constexpr double kMaxSlope = 0.8660254;
 
@@ -35,7 +35,7 @@ inline bool isFlat(const Vec3& link, const Vec3& normal_i, const Vec3& normal_j)
   return height_i * height_i <= limit && height_j * height_j <= limit;
 }
 
-/// Tells links over the surface from mere closeness in space. Symmetric in the two points. Keeps references to its arguments.
+/// Separates links along the surface from mere closeness in space. Symmetric in the points. Keeps references to its arguments.
 class LinkRule {
  public:
   /// neighbors: nearest first.
@@ -56,7 +56,7 @@ class LinkRule {
 
 /// Connected components of any lists of links, symmetric or not: (n) numbered from 0 in the order of the smallest index.
 std::vector<Index> labelComponents(const Lists& links, Index& num_components);
-/// The same of links given one by one, between n points.
+/// The same for links between n points that are given as pairs.
 std::vector<Index> labelComponents(Index n, const std::vector<std::pair<Index, Index>>& links, Index& num_components);
 
 }  // namespace deformable_surface::cloud

@@ -9,15 +9,15 @@ namespace deformable_surface::cloud {
 /// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
 Points estimateNormals(const Points& positions, const Lists& neighbors);
 
-/// Turns the normals of points that are seen from the eye towards it: of each point, whatever those beside it say.
+/// Turns the normals of points towards the eye, each for itself, without regard to neighbours.
 void faceEye(const Points& positions, const Vec3& eye, Points& normals);
 
 /// How a surface's outward side was decided, for the log.
 enum class OrientationRule { kInputNormals, kOutward, kViewpoint, kUp };
 
 /// Flips normals in place so that neighbours agree (minimum spanning tree over 1 - |n_i . n_j| of the neighbour graph), then
-/// decides the side of each connected component: that of the reference normals' majority where there are any (rows that are zero
-/// do not vote); else outward if the component is closed (no boundary points: signed volume positive); else towards the
+/// decides the side of each connected component. If there are reference normals, their majority decides (zero rows do
+/// not vote); else outward if the component is closed (no boundary points: signed volume positive); else towards the
 /// viewpoint if there is one; else +z (area-weighted mean; a tie is broken by +y, then +x).
 /// Returns the rule used for the largest component. O(n k log n).
 OrientationRule orientNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_boundary,

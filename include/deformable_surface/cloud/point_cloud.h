@@ -1,4 +1,4 @@
-// The point set as it comes in and goes out: positions, what travels along with them, and the shape of the message or file.
+// The point set of input and output: positions, further fields of the points, and the shape of the message or file.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -27,7 +27,7 @@ constexpr std::size_t sizeOf(ScalarType type) {
   return kSizes[static_cast<std::size_t>(type)];
 }
 
-/// A field of the input beyond position and normal (colour, intensity, ...), carried along untouched.
+/// A field of the input beyond position and normal (colour, intensity, ...), passed on unchanged.
 struct ExtraField {
   std::string name;
   ScalarType type = ScalarType::kFloat32;
@@ -46,7 +46,7 @@ struct PointCloud {
   Vec3 origin = Vec3::Zero();           // m, of the frame that the cloud came in; a depth camera sees from there
 
   Index size() const { return static_cast<Index>(positions.size()); }
-  /// From where the points were seen, if they were seen by a camera or scanner at all; m.
+  /// Where the points were seen from, if a camera or scanner saw them; m.
   Vec3 eye() const { return viewpoint.value_or(origin); }
 };
 

@@ -29,8 +29,8 @@ struct Rings {
 /// Parallel; O(n k log k). [Su 2007, sec. 3 and 4.1]
 Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors);
 
-/// The sum of the areas that buildRings() finds (m^2), but for rounding, without making rings. is_boundary (n): of findBoundary()
-/// with half of the neighbours.
+/// The sum of the areas that buildRings() finds (m^2), up to rounding, without making rings. is_boundary (n): from
+/// findBoundary() with half of the neighbours.
 double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary);
 
 /// The boundary points of a surface: an angular gap wider than kBoundaryGap among the projected k and again 2k nearest
@@ -40,12 +40,12 @@ struct Boundary {
   std::vector<char> is_boundary, is_corner;  // (n)
   std::vector<float> corner_gap;             // (n) rad, of a corner the angle without neighbours; 0: no corner
 };
-/// Leaves that many corners, the sharpest; of equal ones the first.
+/// Keeps only the `most` sharpest corners; of equal ones the first.
 void limitCorners(Index most, Boundary& boundary);
 Boundary findBoundary(const Points& positions, const Points& normals, const Lists& neighbors, Index k);
 
-/// What kind of surface it is: pieces, holes, handles, of the triangulation in which every point's ring is followed. Where
-/// triangles overlap (both diagonals of a tied cell, stars that disagree) the heavier, then the first is followed; gaps that this
+/// The kind of surface: pieces, holes, handles of the triangulation that consists of every point's ring. Where triangles
+/// overlap (both diagonals of a tied cell, stars that disagree) the heavier, then the first counts. Gaps that this
 /// leaves among points with closed rings count as filled.
 struct Topology {
   Index components = 0;            // connected by ring links, isolated points not counted

@@ -1,5 +1,5 @@
 // A convex polyhedron that is cut by half-spaces one after the other: Voronoi cells, and by duality the facets of convex hulls.
-// It is a file of its own because both are the same few lines.
+// Both use the same code.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -11,9 +11,9 @@ class ConvexCell {
   /// Becomes the cube of all |x|, |y|, |z| <= half_size, m.
   void reset(double half_size);
 
-  /// Takes away what has normal . x > offset. A plane that comes no farther in than rounding cuts nothing, so that ties (a
-  /// lattice) do not make slivers. What is cut away wholly leaves no corner. O(corners).
-  /// The new facet is known by the label, >= 0.
+  /// Removes the half-space normal . x > offset. A plane that cuts no deeper than rounding cuts nothing, so that ties (a
+  /// lattice) do not make slivers. If everything is removed, no corner is left. O(corners).
+  /// The label, >= 0, identifies the new facet.
   void cut(const Vec3& normal, double offset, int label = 0);
 
   /// m^3; the origin need not lie inside.
@@ -21,7 +21,7 @@ class ConvexCell {
   /// Outward area vector of the facets with a label, m^2; those of the cube have -1.
   Vec3 area(int label) const;
 
-  /// Its corners, each as often as it has facets.
+  /// Its corners, each once per facet.
   const Points& corners() const { return corners_; }
 
  private:

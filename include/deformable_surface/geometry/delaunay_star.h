@@ -1,5 +1,5 @@
-// The Delaunay triangles at one point among its projected neighbours, found without triangulating the rest: invert the neighbours
-// about the point; the edges of their convex hull that avoid the point are its triangles.
+// The Delaunay triangles at one point among its projected neighbours, without triangulating the rest: the neighbours are inverted
+// about the point. The edges of their convex hull that avoid the point give its triangles.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -9,14 +9,14 @@
 namespace deformable_surface::geometry {
 
 /// Angle (rad) by which opposite angles of a quadrilateral may miss the straight angle for its corners to count as cocircular:
-/// far above the rounding of float coordinates and the curvature of a well-sampled surface, far below what moves a spring.
+/// far above the rounding of float coordinates and the curvature of a well-sampled surface, far below any effect on springs.
 constexpr double kStarTie = 0.02;
 
-/// Widest angle (rad) that a triangle may have at the origin: the straight angle, less what rounding may take from it.
+/// Widest angle (rad) that a triangle may have at the origin: the straight angle less an allowance for rounding.
 constexpr double kStarMaxGap = 3.14159;
 
 /// The star of the origin among neighbours in the plane. Neighbours that are cocircular with the origin and a hull edge are all
-/// kept: they form one Delaunay cell (on a square grid: the square), and every way to triangulate it is as good.
+/// kept: they form one Delaunay cell (on a square grid: the square), and every triangulation of it is equally good.
 struct DelaunayStar {
   std::vector<Index> ring;       // positions in the neighbour list, counter-clockwise; starts after the widest gap if open
   std::vector<Index> cell_size;  // (ring size) for the step ring[r] -> next: corners of its Delaunay cell, the origin included;
@@ -30,9 +30,9 @@ struct DelaunayStar {
 /// Reusable scratch memory of the computation.
 class DelaunayStarBuilder {
  public:
-  /// points (n) are the neighbours relative to the origin, any order. Neighbours at the origin are ignored; of several in one
+  /// points (n) are the neighbours relative to the origin, any order. Neighbours at the origin are ignored. Of several in one
   /// direction only the nearest can be in the ring. tie: angle (rad, below 1) within which a neighbour counts as cocircular; the
-  /// test is the same seen from every corner of a cell of four, so that their stars agree on it. max_gap: angle (rad, up to
+  /// test gives the same result from every corner of a cell of four: their stars agree. max_gap: angle (rad, up to
   /// kStarMaxGap) beyond which two consecutive ring members span no triangle, nor an end of an open ring with the next member.
   /// No usable neighbours: an empty ring; one, or all on one line: a ring without triangles.
   /// Cost O(n log n). [Su 2007, sec. 3; the inversion is a standard duality of Delaunay triangulation and convex hull]

@@ -1,5 +1,5 @@
-// A closed polyhedron as a solid. Apart from the other solids because it is built once, can be refused, and looks its nearest
-// triangle up in a tree of boxes.
+// A closed polyhedron as a solid. It is built once, can be refused, and finds its nearest triangle in a tree of
+// boxes.
 #pragma once
 
 #include "deformable_surface/geometry/signed_distance.h"
@@ -12,29 +12,29 @@ namespace deformable_surface::geometry {
 class Polyhedron {
  public:
   using Triangle = std::array<Index, 3>;
-  // Beyond what a tool is looked at for, but for a scan that was meant as a cloud.
+  // More than any tool needs. A scan given by mistake in place of a tool may have more.
   static constexpr Index kMaxTriangles = 1000000;
 
-  /// vertices (n x 3) m, in the solid's frame; triangles by their corners, counted from 0. Vertices at the same place are one,
-  /// and triangles that this leaves without a third corner go. Triangles may be wound either way, but all alike: where the volume
-  /// comes out negative all are turned. Throws InputError for corners that are no vertex, triangles without area, and edges that
+  /// vertices (n x 3) m, in the solid's frame; triangles by their corners, counted from 0. Vertices at the same place are merged,
+  /// and triangles that then have fewer than three corners are dropped. All triangles must be wound the same way; if the volume
+  /// is negative, all are flipped. Throws InputError for corners that are no vertex, triangles without area, and edges that
   /// are not passed by two triangles in opposite directions: an open mesh, one that is wound inconsistently, or one that touches
-  /// itself along an edge. That it does not cut through itself is not checked. O(n log n).
+  /// itself along an edge. Self-intersection is not checked. O(n log n).
   Polyhedron(const Points& vertices, const std::vector<Triangle>& triangles);
 
-  /// Exact. Inside or outside is told by the angle-weighted pseudonormal of the face, edge or vertex that is nearest [Baerentzen
-  /// and Aanaes 2005], which is right wherever the point lies. About O(log n).
+  /// Exact. The sign comes from the angle-weighted pseudonormal of the nearest face, edge or vertex [Baerentzen
+  /// and Aanaes 2005], which is right for every point. About O(log n).
   SignedDistance findSignedDistance(const Vec3& point) const;
   /// A lower bound of the distance of points outside, m: that from the box around it; 0 within the box.
   double boundDistance(const Vec3& point) const;
 
-  /// As they were found to be: vertices at one place once, triangles counter-clockwise seen from outside.
+  /// After the checks: each vertex once, triangles counter-clockwise seen from outside.
   const Points& vertices() const { return vertices_; }
   const std::vector<Triangle>& triangles() const { return triangles_; }
   double volume() const { return volume_; }               // m^3
   const Vec3& low() const { return nodes_.front().low; }  // m, corners of its box
   const Vec3& high() const { return nodes_.front().high; }
-  /// m, of the ball about the origin that holds it.
+  /// m, of the smallest ball about the origin that holds the bounding box.
   double radius() const { return low().cwiseAbs().cwiseMax(high().cwiseAbs()).norm(); }
 
  private:

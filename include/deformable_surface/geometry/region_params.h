@@ -1,4 +1,4 @@
-// How scenes describe a region. Apart from the region itself, which loops over points use.
+// How scenes describe a region. Loops over points need only the region itself (region.h).
 #pragma once
 
 #include "deformable_surface/base/params.h"

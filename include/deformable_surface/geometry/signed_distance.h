@@ -1,4 +1,4 @@
-// The answer of every solid to the question where a point is. Apart from the solids, which are of several kinds.
+// The result of a signed distance query, shared by all kinds of solids.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -7,7 +7,7 @@ namespace deformable_surface::geometry {
 
 struct SignedDistance {
   double distance;  // m; negative inside
-  Vec3 normal;      // its gradient: unit, outward; where several directions are equally short, one of them
+  Vec3 normal;      // its gradient: unit, outward; one of them where several directions are equally short
 };
 
 }  // namespace deformable_surface::geometry

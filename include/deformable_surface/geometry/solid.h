@@ -9,8 +9,8 @@
 
 namespace deformable_surface::geometry {
 
-/// Exact signed distance of a point (m, in the solid's frame). Of points outside beyond a limit, m, it may be any value beyond
-/// it, with any normal: what is far need not be looked at closely.
+/// Exact signed distance of a point (m, in the solid's frame). Beyond the limit, m, outside the solid the result may be any value
+/// above the limit, with any normal: distant points need no exact distance.
 SignedDistance findSignedDistance(const Solid& solid, const Vec3& point, double limit = std::numeric_limits<double>::infinity());
 
 /// Whether they are the same, number by number.

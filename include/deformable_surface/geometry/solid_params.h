@@ -31,7 +31,7 @@ inline Points toRows(const std::vector<Polyhedron::Triangle>& triangles) {
   return rows;
 }
 
-/// Makes the solid the mesh that the rows describe. Returns why it is none; empty: all is well.
+/// Makes the solid the mesh that the rows describe. Returns why the mesh is refused; empty: it is accepted.
 inline std::string setMesh(const Points& vertices, const Points& rows, Solid& solid) {
   std::vector<Polyhedron::Triangle> triangles;
   for (const Vec3& row : rows) {

@@ -1,15 +1,15 @@
-// How every file is written: under a temporary name first, so that nobody meets half of one.
+// Writes files under a temporary name first, so that no reader sees half a file.
 #pragma once
 
 #include <string>
 
 namespace deformable_surface::io {
 
-/// The file that a name stands for: where its symbolic links end, if it is one; that file need not be there. Throws InputError
-/// for links that go round in a circle.
+/// The file that a name means: the end of its symbolic links, if it is one. That file need not exist. Throws InputError
+/// for links that form a circle.
 std::string followLinks(const std::string& file);
 
-/// A name that a finished file gets; what was written before under the temporary name is removed if it never does. A symbolic
+/// A name that a finished file gets. If the file is never finished, the temporary file is removed. A symbolic
 /// link stays, and the file that it leads to is replaced.
 class PendingFile {
  public:

@@ -1,5 +1,5 @@
-// Point files: PCD and PLY (read through PCL) and plain text, in and out. No other core file touches PCL, which keeps its build
-// time and its alignment rules at this border.
+// Reads and writes point files: PCD and PLY (read through PCL) and plain text. No other core file uses PCL, whose build
+// time and alignment rules thus stay here.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -13,7 +13,7 @@ namespace deformable_surface::io {
 /// Gives the folder of a ROS package; throws InputError if there is none.
 using FindPackage = std::function<std::string(const std::string& package)>;
 
-/// The path of a file whose name may begin with package://NAME/. Throws InputError if the package is not there.
+/// The path of a file whose name may begin with package://NAME/. Throws InputError if the package is not found.
 std::string findPointFile(const std::string& file, const FindPackage& find_package);
 
 /// Reads a cloud: .pcd (ascii, binary, binary_compressed), .ply (ascii or binary; faces are left out), .obj (its vertices) or
@@ -23,12 +23,12 @@ std::string findPointFile(const std::string& file, const FindPackage& find_packa
 /// says (found before memory is taken), without x, y, z, without points, or with more than max_points.
 cloud::PointCloud readPointFile(const std::string& file, double scale, Index max_points, const FindPackage& find_package = {});
 
-/// Writes x y z, the normals and the displacement (n, or empty) as float32, and the extra fields, to a binary .ply or .pcd, under
-/// a temporary name that is renamed at the end (pending_file.h). Width and height are kept in a .pcd. An extra field called
-/// displacement gives way to the displacement. Throws InputError if the name or the place is not accepted.
+/// Writes x y z, the normals and the displacement (n, or empty) as float32, and the extra fields, to a binary .ply or .pcd, first
+/// under a temporary name (pending_file.h). Width and height are kept in a .pcd. An extra field called displacement is
+/// replaced by the displacement. Throws InputError if the name or the place is not accepted.
 void writePointFile(const std::string& file, const cloud::PointCloud& cloud, const std::vector<float>& displacement = {});
 
-/// Throws InputError unless writePointFile() knows the extension; for options that are used at the end of a long run.
+/// Throws InputError unless writePointFile() knows the extension. For options whose file is written after a long run.
 void checkPointFileName(const std::string& file);
 
 }  // namespace deformable_surface::io

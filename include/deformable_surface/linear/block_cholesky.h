@@ -1,5 +1,5 @@
 // Solves symmetric positive definite systems of 3 x 3 blocks, many times over with one pattern: a supernodal Cholesky
-// factorisation that asks for memory only when the pattern changes. It knows nothing of what the matrix stands for.
+// factorisation that allocates memory only when the pattern changes.
 #pragma once
 
 #include "deformable_surface/linear/block_sparse.h"
@@ -7,22 +7,22 @@
 namespace deformable_surface {
 
 /// P A P^T = L L^T with P a fill-reducing permutation of the blocks [Amestoy et al. 1996]. Columns of L with the same rows below
-/// them form a supernode and are stored as one dense panel; a panel gathers the products of the panels before it that have rows
-/// in it and is then factorised in place (left-looking) [Ng and Peyton 1993]. The bits of the result depend on nothing but
-/// pattern and values.
+/// them form a supernode, stored as one dense panel. A panel first gathers the products of earlier panels that have rows in it,
+/// then it is factorised in place (left-looking) [Ng and Peyton 1993]. The bits of the result depend on pattern and values
+/// only.
 class BlockCholesky {
  public:
   /// pattern: as of BlockSparse, rows >= column, ascending, the diagonal first. Allocates all memory.
   void analyze(const Lists& pattern);
 
-  /// values: the blocks in the order of the pattern that was analysed. False if the matrix is not positive definite to rounding
+  /// values: the blocks in the order of the analysed pattern. False if the matrix is not positive definite to rounding
   /// (a pivot is not > 0, or not a number): there is then no factor to solve with. Allocates nothing.
   bool factorize(const std::vector<Mat3>& values);
 
   /// After a factorize() that returned true: x = A^-1 x, (3 n). Allocates nothing.
   void solveInPlace(Eigen::VectorXd& x);
 
-  /// Numbers stored in the factor, zeros that fill its panels included.
+  /// Numbers stored in the factor, including zeros inside panels.
   std::size_t factorSize() const { return factor_.size(); }
 
  private:
@@ -34,7 +34,7 @@ class BlockCholesky {
     Index stride;          // numbers from one column of the panel to the next
     std::size_t panel;     // place in factor_
   };
-  // Rows begin .. end - 1 of a panel are those of columns of a later node: its product with these rows is due there.
+  // Rows begin .. end - 1 of a panel belong to columns of a later node, which subtracts their product.
   struct Update {
     Index node, begin, end;
   };

@@ -1,5 +1,5 @@
-// A symmetric sparse matrix of 3 x 3 blocks that is filled again and again in much the same order: where a block stands is found
-// on the first pass, later passes only add numbers.
+// A symmetric sparse matrix of 3 x 3 blocks that is filled repeatedly in nearly the same order. The first pass finds the place
+// of each block; later passes only add numbers.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -8,22 +8,22 @@ namespace deformable_surface {
 
 class BlockSparse {
  public:
-  /// Starts a new filling of a (3 n x 3 n) matrix; all values become zero. The calls to add() that follow are quickest when they
-  /// name the same blocks in the same order as last time; other orders are looked up, and nothing is allocated while every block
-  /// was named before.
+  /// Starts a new filling of a (3 n x 3 n) matrix; all values become zero. The following calls of add() are fastest when they
+  /// name the same blocks in the same order as last time. Other orders need a look-up. Nothing is allocated if every block was
+  /// named before.
   void begin(Index n);
 
-  /// Adds to block (i, j). Only the lower triangle is kept: for i != j either (i, j) or (j, i) is added, not both; the block is
-  /// the derivative of row i by column j. For i == j the block must be symmetric.
+  /// Adds to block (i, j). Only the lower triangle is stored: for i != j add either (i, j) or (j, i), not both. The block is the
+  /// derivative of row i by column j. For i == j the block must be symmetric.
   void add(Index i, Index j, const Mat3& block);
 
-  /// Ends the filling. True if blocks came that were never named before: the pattern is then another, and a factorisation has to
-  /// be analysed anew. A block that is no longer named stays in the pattern, as zeros.
+  /// Ends the filling. True if the pattern has new blocks: a factorisation must be analysed again. A block that is no longer
+  /// named stays in the pattern, as zeros.
   bool finish();
 
-  /// After finish(): of each block column its rows, ascending. The diagonal is always there, as the first.
+  /// After finish(): the rows of each block column, ascending. The diagonal is always present, as the first.
   const Lists& pattern() const { return pattern_; }
-  /// After finish(): the blocks in the order of pattern().items, of which the caller may change the numbers.
+  /// After finish(): the blocks in the order of pattern().items. The caller may change their numbers.
   const std::vector<Mat3>& values() const { return values_; }
   std::vector<Mat3>& values() { return values_; }
 

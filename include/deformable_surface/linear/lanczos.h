@@ -1,5 +1,5 @@
-// The largest eigenvalue of a symmetric operator that is known by its products alone, bounded from above. It is a file of its own
-// because matrices and matrix-free models both ask for it.
+// An upper bound of the largest eigenvalue of a symmetric operator that is known by its products alone. Matrices and matrix-free
+// models use it.
 #pragma once
 
 #include "deformable_surface/base/random.h"
@@ -11,14 +11,14 @@
 
 namespace deformable_surface {
 
-/// Largest eigenvalue by Lanczos iteration, plus the residual that bounds its error. allowed: (n) 0 where vectors are to stay
-/// zero. apply(v, product) overwrites product with the operator's, (n) each. Allocates nothing once the scratch has its size.
+/// Largest eigenvalue by Lanczos iteration, plus the residual that bounds its error. allowed: (n) 0 where vectors must stay
+/// zero. apply(v, product) overwrites product with the operator times v, (n) each. Allocates nothing once the scratch is sized.
 class Lanczos {
  public:
   template <class Apply>
   double boundLargest(const Eigen::VectorXd& allowed, const Apply& apply) {
     const Eigen::Index n = allowed.size();
-    // A start that has a part of every mode and is always the same.
+    // A start vector with a part of every mode, always the same.
     std::uint32_t seed = kRandomSeed;
     v_.resize(n);
     for (Eigen::Index i = 0; i < n; ++i) {
@@ -54,7 +54,7 @@ class Lanczos {
   }
 
  private:
-  // The largest eigenvalue of meshes is then known to about a percent, and bounded by the residual.
+  // The largest eigenvalue of meshes is then known to about a percent. The residual bounds the error.
   static constexpr int kSteps = 30;
   Eigen::VectorXd v_, w_, previous_;
 };

@@ -1,14 +1,14 @@
-// An approximate inverse of matrices of springs between points, for the three coordinates at once. Beside scalar_cholesky.h, as
-// what it stores and does is in proportion to the points, where the factor of a compact body is not.
+// An approximate inverse of matrices of springs between points, for the three coordinates at once. Memory and time are
+// proportional to the number of points; for the factor of a compact body they are not (scalar_cholesky.h).
 #pragma once
 
 #include "deformable_surface/linear/scalar_cholesky.h"
 
 namespace deformable_surface {
 
-/// One V-cycle by aggregation [Braess 1995]: a damped Jacobi sweep, the same on points that stand for their neighbours' sum
-/// too, and a sweep again; the fewest points are solved for. It is symmetric and positive definite where the matrix is and has no
-/// positive number off the diagonal, so that conjugate gradients may use it. Parallel; the same bits for every number of threads.
+/// One V-cycle by aggregation [Braess 1995]: a damped Jacobi sweep, the same on coarser points that each stand for several, and
+/// a sweep again. The coarsest level is solved exactly. It is symmetric and positive definite if the matrix is so and has no
+/// positive number off the diagonal: conjugate gradients may use it. Parallel; the same bits for every number of threads.
 class Multigrid {
  public:
   /// The pattern: each pair i != j that the (n x n) matrix couples, once. Allocates all memory.
@@ -30,9 +30,9 @@ class Multigrid {
     std::vector<double> values, inverse;           // the same by rows, and the inverse of the diagonal
     std::vector<Index> aggregate;                  // of each point: where it goes on the next level,
     std::vector<double> share;                     // 1, or 0 of a point that is coupled to none and goes nowhere
-    std::vector<Index> first_member, members;      // of each of those
+    std::vector<Index> first_member, members;      // of each aggregate
     std::vector<Index> next_pair;                  // of each pair, or -1 within an aggregate
-    std::vector<double> b, x, start;               // (4 x n) right side, solution, and what the last sweep starts from
+    std::vector<double> b, x, start;               // (4 x n) right side, solution, start of the last sweep
   };
   static void makeRows(Level& level);
   static void aggregate(Level& level, Level& next);

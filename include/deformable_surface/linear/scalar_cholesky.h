@@ -1,6 +1,6 @@
 // Solves symmetric positive definite systems with one number for each pair of points, for the three coordinates of points at
-// once. Beside block_cholesky.h, as a matrix of numbers has another cost: nine times fewer to read, and no dense panels to gain
-// by.
+// once. Compared with blocks (block_cholesky.h) there are nine times fewer numbers to read, and dense panels do not
+// pay.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -23,11 +23,11 @@ class ScalarCholesky {
   /// x = A^-1 b for each coordinate, (n x 3) each. Allocates nothing.
   void solve(const Points& b, Points& x);
 
-  /// The same of one number a point, (n) each; x may be b.
+  /// The same for one number per point, (n) each; x may be b.
   void solve(const std::vector<double>& b, std::vector<double>& x);
 
-  /// In place of (n x 4) numbers, row by row: the first three columns with this matrix, the last with another of the same
-  /// pattern, in little more time than the three alone. Allocates nothing.
+  /// In place of (n x 4) numbers, row by row: the first three columns with this matrix, the fourth with another of the same
+  /// pattern. This takes little more time than three columns. Allocates nothing.
   void solveWith(const ScalarCholesky& of_last, std::vector<double>& rows);
 
   /// Numbers stored below the diagonal of L.

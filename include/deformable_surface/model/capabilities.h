@@ -14,7 +14,7 @@ namespace deformable_surface::model {
 
 class DeformableModel;
 
-/// What a point is made of, in shares of the material that its model was made with; all positive.
+/// The material of a point, relative to the material that its model was made with; all positive.
 struct PointMaterial {
   double stretching = 1.0;  // of E h
   double bending = 1.0;     // of D
@@ -28,15 +28,15 @@ struct PointMaterial {
 /// A material that may differ from point to point.
 class PointMaterials {
  public:
-  /// From now on the model's points are made of these, (n): what lies between points takes the mean of theirs. Forces stay the
-  /// gradient of the energy, and the stiffness keeps its pattern.
+  /// Sets the material of each point, (n). Elements between points take the mean of theirs. Forces stay the gradient of the
+  /// energy, and the stiffness keeps its pattern.
   virtual void setMaterial(const std::vector<PointMaterial>& materials) = 0;
 
  protected:
   ~PointMaterials() = default;
 };
 
-/// Where a clamp ends beside one of the points that it holds.
+/// Where a clamp ends, beside one of the points that it holds.
 struct ClampEdge {
   Index point;
   Vec3 place;  // m, on the surface at rest
@@ -47,16 +47,16 @@ struct ClampEdge {
 /// Forces that depend on which points are held.
 class Clamping {
  public:
-  /// Tells which points (n) do not move from now on, and where the patches end that clamp, so that the model can treat them as
-  /// what they are; held points beside free ones that have no edge are hinges. edges: ascending points. Returns whether forces
-  /// and stiffness are others than before.
+  /// From now on these points (n) do not move; edges: where clamped patches end, ascending points. The model treats clamped ones
+  /// as clamped. Held points beside free ones that have no edge are hinges. Returns whether forces and stiffness
+  /// have changed.
   virtual bool setHeld(const std::vector<char>& held, const std::vector<ClampEdge>& edges) = 0;
 
  protected:
   ~Clamping() = default;
 };
 
-/// Some of the elastic forces may bear a longer step than the others. addForces() is then addFastForces() and after it
+/// Some of the elastic forces may allow a longer step than the others. addForces() then equals addFastForces() followed by
 /// addSlowForces(), bit for bit.
 class SplitForces {
  public:
@@ -71,7 +71,7 @@ class SplitForces {
   ~SplitForces() = default;
 };
 
-/// The points carry orientations, which torques turn: State then has the arrays for it.
+/// The points carry orientations, which torques turn. State then has the arrays for them.
 class OrientedPoints {
  public:
   /// (n) kg m^2, positive: moments of inertia, the same about every axis.
@@ -83,15 +83,15 @@ class OrientedPoints {
   ~OrientedPoints() = default;
 };
 
-/// The state holds more than positions and velocities, or a number of points that changes.
+/// The state holds more than positions and velocities, or its number of points changes.
 class InnerState {
  public:
-  /// Fills what is beyond positions and velocities of a state at rest, which has as many points as at the beginning.
+  /// Fills everything but positions and velocities of a state at rest, which has as many points as at the beginning.
   virtual void beginAtRest(State& state) = 0;
-  /// The state may be another than before (points born or gone, a snapshot restored): masses follow.
+  /// The state may have changed (points added or removed, a snapshot restored): masses follow.
   virtual void adopt(const State& state) = 0;
-  /// Of a model whose elements are those that its state makes: from now on it is taken in parts as this state has them, and these
-  /// hold while no point moves farther than Partition::maxPartMotion(). Returns whether it is such a model.
+  /// For models whose elements depend on the state: Partition uses the elements of this state from now on. They are valid
+  /// while no point moves farther than Partition::maxPartMotion(). Returns whether it is such a model.
   virtual bool followPartners(const State& /*state*/) { return false; }
 
  protected:
@@ -101,19 +101,19 @@ class InnerState {
 /// A part of the points can be simulated alone, while the others rest.
 class Partition {
  public:
-  /// m, see InnerState::followPartners(); infinite of models whose elements stay.
+  /// m, see InnerState::followPartners(); infinite for models whose elements do not change.
   virtual double maxPartMotion() const { return std::numeric_limits<double>::infinity(); }
-  /// Marks (n, 1) all points that share an element with one of these: those whose positions the forces on them depend on. False:
-  /// it cannot be taken in parts as it is, and nothing is marked.
+  /// Marks (n, 1) all points that share an element with one of these: the forces on these depend on their positions. False:
+  /// the model cannot be divided as it is, and nothing is marked.
   virtual bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const = 0;
   /// A model of a part of the points.
   struct Part {
     std::unique_ptr<DeformableModel> model;  // null: it cannot be taken in parts
     std::vector<Index> points;               // ascending: which of the whole each of its points is
   };
-  /// The elements that touch a wanted point, wanted (n), with all points of theirs. On wanted points its forces are those of the
-  /// whole model, bit for bit (to rounding, of solids and of links without length); it is open, and its points are held as now
-  /// for good.
+  /// The elements that touch a wanted point, wanted (n), with all of their points. On wanted points its forces equal those of the
+  /// whole model, bit for bit (to rounding, for solids and for links without length). The part is open, and its points stay
+  /// held as they are now.
   virtual Part makePart(const std::vector<char>& wanted) const = 0;
 
  protected:
@@ -123,15 +123,15 @@ class Partition {
 /// The points stay in a plane.
 class PlanarMotion {
  public:
-  /// Takes from forces (n x 3) on the points what these cannot follow.
+  /// Removes from forces (n x 3) on the points the components across the plane.
   virtual void confine(Points& forces) const = 0;
 
  protected:
   ~PlanarMotion() = default;
 };
 
-/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, so that a descent direction
-/// is certain. kExact: as it is, up to terms that a model says it leaves out; it converges faster where it happens to be
+/// Which matrix a solver asks for. kPositive: each element's part projected to positive semidefinite, which guarantees a descent
+/// direction. kExact: as it is, except for terms that a model documents as left out; it converges faster where it happens to be
 /// definite.
 enum class Hessian { kPositive, kExact };
 
@@ -147,15 +147,15 @@ class StiffnessMatrix {
   /// Adds the Hessian of the elastic energy, N/m. step: the time over which a solver differentiates velocities; the viscous
   /// forces add their damping matrix divided by it (0 = statics, no viscous part).
   virtual void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const = 0;
-  /// The part of the Hessian that couples all points, c v v^T (a volume that is kept): returns c >= 0 and, if it is not zero,
+  /// The part of the Hessian that couples all points, c v v^T (constant volume): returns c >= 0 and, if it is not zero,
   /// overwrites v (n x 3); c |v|^2 is in N/m.
   virtual double rankOneStiffness(const State& /*state*/, Points& /*v*/) const { return 0.0; }
 
-  /// Of a surface (Sides), springs between near points, some of them negative, that together resist much as the stiffness at a
-  /// state does: `along` what moves in the surface, fixed at rest, and `across` what moves out of it. Each pair once, i < j, one
-  /// of two sets of pairs until the model is changed; overwritten, no motion gains energy from them. support: where there is
-  /// tension, this share of its mean is added everywhere, against steps into folds where next to nothing resists them, and more
-  /// where bending is left out for being weak. False: none are known.
+  /// Sparse spring approximation of the stiffness of a surface (Sides) at a state, for preconditioning: `along` for motion in the
+  /// surface, fixed at rest, and `across` for motion out of it. Some springs are negative; all together never gain energy. Each
+  /// pair once, i < j, one of two sets of pairs until the model is changed; overwritten. support: where there is tension, this
+  /// share of its mean is added everywhere, and more where weak bending is left out. It prevents steps into folds, where almost
+  /// nothing resists. False: none are known.
   virtual bool knowsCouplings() const { return false; }
   virtual bool findCouplings(const State& /*state*/, double /*support*/, std::vector<Coupling>& /*along*/,
                              std::vector<Coupling>& /*across*/) const {
@@ -166,29 +166,29 @@ class StiffnessMatrix {
   ~StiffnessMatrix() = default;
 };
 
-/// The stiffness by its products with vectors, where its matrix would be too full.
+/// The stiffness by its products with vectors, for models whose matrix would be too full.
 class StiffnessProducts {
  public:
-  /// Remembers, as scratch, the Hessian of the elastic energy at a state: products are with it until the next call.
+  /// Stores, as scratch, the Hessian of the elastic energy at a state. Products use it until the next call.
   virtual void prepareStiffness(const State& state, Hessian hessian) const = 0;
   /// Adds K v: v (n x 3) m, product (n x 3) N.
   virtual void addStiffnessProduct(const Points& v, Points& product) const = 0;
-  /// Springs between near points that together resist much as the stiffness does, fixed at rest: a solver's guess of what lies
-  /// behind the products. Each pair once, i < j.
+  /// Sparse spring approximation of the stiffness at rest, used as a preconditioner of the products.
+  /// Each pair once, i < j.
   virtual const std::vector<Coupling>& couplings() const = 0;
 
  protected:
   ~StiffnessProducts() = default;
 };
 
-/// A triangle of the simulation points with the share of its area that it stands for: where several Delaunay triangulations are
-/// possible (cocircular points), all of them are kept and share the area, so that weights times areas cover the surface once.
+/// A triangle of the simulation points with a weight for its area. Where several Delaunay triangulations are possible
+/// (cocircular points), all are kept and share the area, so that weights times areas cover the surface once.
 struct WeightedTriangle {
   Index corner[3];  // counter-clockwise seen from outside
   double weight;    // 0 .. 1
 };
 
-/// The points are those of a surface, which has an outside.
+/// The points form a surface, which has an outside.
 class Sides {
  public:
   /// The triangles of the surface, for display, area, volume and contact.
@@ -212,7 +212,7 @@ class Links {
   /// The links of the two kinds.
   virtual const std::vector<std::pair<Index, Index>>& stretchLinks() const = 0;
   virtual const std::vector<std::pair<Index, Index>>& bendLinks() const = 0;
-  /// Makes links, and triangles, those of this state, where they change.
+  /// Makes links and triangles those of this state, in models where they change.
   virtual void refreshDisplay(const State& /*state*/) const {}
   /// Largest stretch |l / l0 - 1| of any link between neighbours.
   virtual double maxStretch(const State& state) const = 0;

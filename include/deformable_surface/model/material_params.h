@@ -1,4 +1,4 @@
-// The material of a surface in the units of the laboratory.
+// The material of a surface, in SI units.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -21,14 +21,14 @@ struct MaterialParams {
     return bending_rigidity.valueOr(young_modulus * thickness * thickness * thickness /
                                     (12.0 * (1.0 - poisson_ratio * poisson_ratio)));
   }
-  /// How much the curvatures along and across feel each other. A rigidity that is stated is mostly measured on strips, which are
-  /// free to curve across: without this effect strips of any width have it.
+  /// Coupling of the curvatures along and across. A stated rigidity is mostly measured on strips, which are free to curve across.
+  /// Without coupling, strips of any width have that rigidity.
   double bendingPoissonRatio() const { return bending_poisson_ratio.valueOr(bending_rigidity.is_auto ? poisson_ratio : 0.0); }
   /// kg/m^2.
   double arealDensity() const { return density * thickness; }
 };
 
-// The ranges are wider than any material on Earth by some powers of ten on either side, and narrow enough that products of these
+// The ranges exceed any real material by some powers of ten on either side. They are narrow enough that products of these
 // values neither overflow nor become denormal.
 inline void visit(Fields& fields, MaterialParams& p) {
   fields.number("young_modulus", p.young_modulus, "Pa", between(1e-6, 1e15), "Young's modulus E; the membrane stiffness is E h");

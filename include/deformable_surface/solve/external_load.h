@@ -1,5 +1,5 @@
-// Anything outside the material that pushes on the simulation points: gravity, pressure, named forces, world springs, tools.
-// It is evaluated in every sub-step, so that nothing is frozen over a step and solvers need to know neither tools nor models.
+// Every force on the simulation points that does not come from the material: gravity, pressure, named forces, anchors, tools.
+// Loads are evaluated in every sub-step: nothing is frozen over a step. Solvers know neither tools nor models.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -15,22 +15,22 @@ class ExternalLoad {
   /// Adds the load at simulation time `time` (s): forces (n x 3), N.
   virtual void addForces(double time, const model::State& state, Points& forces) const = 0;
 
-  /// Potential of the load in joules where it has one (its forces are minus the gradient). Meaningless if !isConservative().
+  /// Potential of the load, J, where it has one (its forces are minus the gradient). Meaningless if !isConservative().
   virtual double potential(double /*time*/, const model::State& /*state*/) const { return 0.0; }
   virtual bool isConservative() const { return false; }
   /// The part of the potential at a time (s) that is stored as in a spring, never negative, J.
   virtual double storedEnergy(double /*time*/, const model::State& /*state*/) const { return 0.0; }
 
   /// Energy that the load puts in between two times (s) while the points move straight from one state to another, J: the work of
-  /// forces without a potential, and at least what a potential gains by changing in time; 0 will do if it only ever takes
-  /// energy. Infinite, the default without a potential, if it cannot be said: no step is then refused for its energy.
+  /// forces without a potential, and at least what a potential gains by changing in time. A load that only takes energy may
+  /// return 0. Infinite, the default without a potential, means unknown: no step is then refused for its energy.
   virtual double estimateWork(double /*from*/, double /*to*/, const model::State& /*before*/,
                               const model::State& /*after*/) const {
     return isConservative() ? 0.0 : std::numeric_limits<double>::infinity();
   }
 
-  /// A solver has come to this state, and will go on from it: a load that remembers more than positions and velocities say puts
-  /// it into the state here. Evaluations read it, and change nothing.
+  /// A solver has reached this state and will continue from it. A load with a memory beyond positions and velocities writes it
+  /// into the state here. Evaluations read this memory and do not change it.
   virtual void remember(double /*time*/, model::State& /*state*/) const {}
 
   /// Adds a positive semidefinite approximation of minus the derivative of the forces: with respect to position, and divided by

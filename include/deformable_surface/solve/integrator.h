@@ -1,5 +1,5 @@
-// Time stepping behind one interface. An integrator advances a state by the caller's step, in as many sub-steps as it needs, and
-// reports what it did; it never changes the step, never throws for numbers that went wrong and never logs.
+// Time stepping behind one interface. An integrator advances a state by the caller's step, in as many sub-steps as it needs. It
+// reports what it did. It never changes the step, never logs, and never throws because of numbers that are not finite.
 #pragma once
 
 #include "deformable_surface/solve/integrator_params.h"
@@ -20,14 +20,14 @@ struct SolveReport {
   double residual = 0.0;         // N, the largest unbalanced force on a free point
   double unbalanced = 0.0;  // share of the largest force that was left by searches that did not converge; the largest of them
   bool is_out_of_iterations = false;  // one of these took max_iterations; the others came no nearer
-  double dissipated = 0.0;  // J, what damping by mass took out of the motion; of Verlet for points without orientation, else 0
-  // J, what moves held points put in: against the forces on these, and where they collide (MotionLimit). Of Verlet for points
+  double dissipated = 0.0;  // J, that damping by mass took out of the motion; of Verlet for points without orientation, else 0
+  // J, work of what moves held points: against the forces on them, and in collisions (MotionLimit). Of Verlet for points
   // without orientation, else unknown.
   std::optional<double> carrying_work;
   double time_forces = 0.0;  // s of wall time in force evaluations
 };
 
-/// Serves one system: what it remembers between steps (forces, a matrix's pattern) is that system's.
+/// Belongs to one system: what it keeps between steps (forces, the pattern of a matrix) is of that system.
 class Integrator {
  public:
   virtual ~Integrator() = default;
@@ -39,13 +39,13 @@ class Integrator {
   /// stay within a safe share of max_slow_step, s. Only Verlet makes use of it; until it is called, all forces act in every
   /// sub-step.
   virtual void setSlowStep(double /*max_slow_step*/, Index /*most_inner*/) {}
-  /// The model's forces are not those that the last step ended with, though the positions may be.
+  /// The model's forces have changed since the end of the last step, though the positions may be the same.
   virtual void forgetForces() {}
-  /// Overwrites forces (n x 3) with those of the model, on held points too, if the last step ended at this state and knows them.
+  /// Overwrites forces (n x 3) with the model's, on held points too, if the last step ended at this state and kept them.
   virtual bool takeLastForces(const System& /*system*/, const State& /*state*/, Points& /*forces*/) const { return false; }
 
-  /// Solutions of the implicit and the static methods end between two iterations once this is true, and leave a state that is no
-  /// step's; null = never.
+  /// Implicit and static solutions end between two iterations once this is true. The state is then no result
+  /// of a step. Null = never.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
 
  protected:

@@ -1,4 +1,4 @@
-// What bounds the motion of points in a step, whatever the forces are: surfaces that must not pass through each other.
+// Limits the motion of points in a step, whatever the forces are: for surfaces that must not pass through each other.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -12,7 +12,7 @@ class MotionLimit {
   virtual ~MotionLimit() = default;
 
   /// Shortens the straight motion of each point from `before` to `after` (n x 3, m), also of held points that are carried. Any
-  /// part of the shortened motion is admissible, too. Returns the points that were stopped short, ascending, until the next call.
+  /// part of the shortened motion is admissible, too. Returns the stopped points, ascending; valid until the next call.
   virtual const std::vector<Index>& limit(const Points& before, Points& after) const = 0;
 };
 

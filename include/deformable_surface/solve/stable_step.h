@@ -1,5 +1,5 @@
-// The largest step with which an explicit integrator is stable: from the highest frequency of the system, measured instead of
-// bounded.
+// The largest stable step of explicit integrators, from the highest frequency of the system. The frequency is measured
+// where the model has a stiffness matrix.
 #pragma once
 
 #include "deformable_surface/linear/lanczos.h"
@@ -13,8 +13,9 @@ class StableStep {
   /// dt = (2 / w) (sqrt(1 + z^2) - z), s, with w the largest angular frequency and z = c / (2 w) the damping ratio of the
   /// velocity-dependent forces, which the integrators take from predicted velocities. w^2 is the largest eigenvalue of M^-1 K by
   /// Lanczos iteration with its error bound added, and that of the rank-one part of the stiffness (the sum bounds the eigenvalue
-  /// of the sum [Weyl]); or it is the model's own, with a bound for the loads, where a model knows it. Infinite if nothing is
-  /// stiff. Allocates nothing once the stiffness has its pattern.
+  /// of the sum [Weyl]). A model that knows its stable step gives it, and a bound for the loads is added. For a model without a
+  /// stiffness matrix w^2 is bounded by the row bounds of model and loads [Gershgorin]. Infinite if nothing is stiff. Allocates
+  /// nothing once the stiffness has its pattern.
   double estimate(double time, const State& state, const System& system);
 
  private:

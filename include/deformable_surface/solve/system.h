@@ -1,5 +1,5 @@
-// What a solver sees: masses, all forces (of the material and of the loads) and which points are held. It never sees a concrete
-// model, tool or scene.
+// The mechanical system as solvers see it: masses, all forces (of the material and of the loads), held points. It never sees a
+// concrete model, tool or scene.
 #pragma once
 
 #include "deformable_surface/solve/external_load.h"
@@ -11,9 +11,9 @@ using model::State;
 
 class System {
  public:
-  /// The model, the loads and held (n, 1 = no force moves the point: it keeps its velocity) are kept by reference: what they say
+  /// The model, the loads and held (n, 1 = no force moves the point: it keeps its velocity) are kept by reference: their values
   /// may change between steps. damping, 1/s: force = -damping * mass * velocity, torque = -damping * inertia * spin; explicit
-  /// integrators apply it exactly. held_turns (n, 1 = the point does not turn): null if none is held so.
+  /// integrators apply it exactly. held_turns (n, 1 = the point does not turn): null if no rotation is held.
   System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
          double damping, const std::vector<char>* held_turns = nullptr);
 
@@ -28,25 +28,25 @@ class System {
   bool hasStiffness() const { return model_.stiffnessMatrix() || model_.stiffnessProducts(); }
   double damping() const { return damping_; }
   void setDamping(double damping) { damping_ = damping; }
-  /// From now on integrators shorten their steps by this; null, as in the beginning: by nothing. Kept by reference.
+  /// Integrators shorten their steps by this limit from now on. Null, as at first: no limit. Kept by reference.
   void setMotionLimit(const MotionLimit* limit) { motion_limit_ = limit; }
   const MotionLimit* motionLimit() const { return motion_limit_; }
-  /// True if anything beside the damping by mass may take energy out: the material's viscosity, loads without a potential.
+  /// True if anything but the damping by mass may dissipate energy: the material's viscosity, loads without a potential.
   bool dissipatesInForces() const;
   /// The same, damping by mass included.
   bool dissipates() const { return damping_ > 0.0 || dissipatesInForces(); }
 
   /// All forces but the damping by mass, N; zero on held points. (n x 3), overwritten.
   void computeForces(double time, const State& state, Points& forces) const;
-  /// The same on held points too: what those that hold them have to bear.
+  /// The same on held points too: the forces that their constraints bear.
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
   /// The same as the first, and the torques, N m, of oriented points: (n x 3), overwritten, zero on points that do not
   /// turn.
   void computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const;
   /// The same on held points too, and on those that do not turn.
   void computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const;
-  /// Forces in parts: the fast and the slow ones of the model alone (see SplitForces), on held points too, overwritten; and the
-  /// loads added, zero on held points.
+  /// Forces in parts: the fast and the slow forces of the model alone (see SplitForces), on held points too, overwritten. Loads
+  /// are added separately, zero on held points.
   bool hasSlowForces() const { return model_.splitForces() != nullptr; }
   void computeFastForces(const State& state, Points& forces) const;
   void computeSlowForces(const State& state, Points& forces) const;
@@ -59,7 +59,7 @@ class System {
   double boundSlowRate(const State& state) const { return hasSlowForces() ? model_.splitForces()->boundSlowRate(state) : 0.0; }
   /// False: the model's forces are a function of the positions alone.
   bool internalForcesReadVelocities() const { return model_.forcesReadVelocities(); }
-  /// Only those that have a potential: the material's elastic ones and those of conservative loads. Velocities are not read.
+  /// Only forces that have a potential: elastic forces and those of conservative loads. Velocities are not read.
   void computeConservativeForces(double time, const State& state, Points& forces) const;
   /// Their potential, J.
   double potentialEnergy(double time, const State& state) const;
@@ -72,14 +72,14 @@ class System {
   double loadPotential(double time, const State& state) const;
   /// The part of it that is stored as in springs, J.
   double storedEnergy(double time, const State& state) const;
-  /// The energy that loads put in between two times while the points move straight from one state to another, J, see
-  /// ExternalLoad; and that of what moves held points, by the trapezoidal rule.
+  /// The energy that loads put in between two times while the points move straight from one state to another, J (see
+  /// ExternalLoad), plus the work of what moves held points, by the trapezoidal rule.
   double estimateWork(double from, double to, const State& before, const State& after) const;
-  /// The former and the latter alone, J.
+  /// Each of these two alone, J.
   double loadWork(double from, double to, const State& before, const State& after) const;
   double carryingWork(double from, double to, const State& before, const State& after) const;
-  /// The same for a search for an equilibrium: what moves held points takes them there at once, while the others wait, and then
-  /// these descend. That is exact for any length of the way, where the trapezoidal rule is not.
+  /// The same for a search for an equilibrium: held points are moved first, all at once, while the others wait. Then the others
+  /// descend. This is exact for any length of the path; the trapezoidal rule is not.
   double estimateStaticWork(double from, double to, const State& before, const State& after) const;
   /// The forces of the loads, N; zero on held points and on points whose load has a stiffness. (n x 3), overwritten.
   void computeSteadyLoads(double time, const State& state, Points& forces) const;
@@ -126,12 +126,18 @@ class System {
   double dampingRate(double time, const State& state) const;
   /// Upper bound of the largest stiffness of the loads over its mass, 1/s^2.
   double loadStiffness(double time, const State& state) const;
+  /// Upper bound by Gershgorin's theorem of the largest stiffness over its mass, of the model and the loads, 1/s^2.
+  double boundStiffness(double time, const State& state) const;
+  /// Whether the model has its stiffness as a matrix.
+  bool hasStiffnessMatrix() const { return model_.stiffnessMatrix() != nullptr; }
   /// Whether all forces have a potential, all stiffness (but that of pressure on closed surfaces) is the model's, in blocks, and
   /// the model knows couplings: what QuasiNewton asks for.
   bool hasElasticityAlone(double time, const State& state) const;
 
  private:
   void computeRowBounds(double time, const State& state) const;
+  /// The largest of bounds (n) over its mass, of free points.
+  double largestRow(const std::vector<double>& bounds) const;
   bool hasCarried(const State& before, const State& after) const;
 
   const model::DeformableModel& model_;

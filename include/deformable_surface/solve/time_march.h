@@ -1,5 +1,5 @@
-// How a step of the caller is taken: by which method, in how many sub-steps, and again with more care where it went wrong. It is
-// a file of its own because it knows neither scenes nor clouds, only forces, energies and a state.
+// Takes a step of the caller: chooses the method and the number of sub-steps, and repeats the step with more care where it
+// failed. It knows neither scenes nor clouds, only forces, energies and a state.
 #pragma once
 
 #include "deformable_surface/solve/energy_guard.h"
@@ -11,7 +11,7 @@
 #include <map>
 
 namespace deformable_surface::solve {
-
+/// Why a step failed. Numbers only: simulation/step_messages.h makes the sentence.
 /// Why what was tried is no step. Numbers alone: whoever shows it makes the sentence.
 struct StepFailure {
   enum class Kind { kNone, kInterrupted, kTooManySubsteps, kNotFinite, kLeftSpace, kGainedEnergy };
@@ -19,12 +19,12 @@ struct StepFailure {
   // Of kTooManySubsteps: how many it needs, how many are taken at most, and whether the implicit method could take it.
   Index substeps = 0, most_substeps = 0;
   bool has_implicit = false;
-  // Of kGainedEnergy, J: before and after the step, and what it and those before it gained too much.
+  // Of kGainedEnergy, J: before and after the step, and the energy gained in excess by it and the steps before it.
   double energy_before = 0.0, energy_after = 0.0, excess = 0.0;
 };
 
-/// A step that gives values that are not finite, leaves all bounds or makes energy out of nothing is taken again with finer
-/// sub-steps, then, by `auto`, with the implicit method. If nothing helps the state stays as it was.
+/// A step that gives values that are not finite, leaves all bounds or creates energy is repeated with finer sub-steps, then, by
+/// `auto`, with the implicit method. If nothing helps, the state stays as it was.
 class TimeMarch {
  public:
   /// All are kept by reference: what they say may change between steps.
@@ -50,23 +50,23 @@ class TimeMarch {
   Memory memory() const;
   void setMemory(const Memory& memory);
 
-  /// The state, the masses or the model's forces are not those that the last step ended with.
+  /// The state, the masses or the model's forces have changed since the end of the last step.
   void restart();
   /// Estimates the stable step of a state from which no step is taken yet.
   void prepare(double time, const State& state);
-  /// The state was brought on by another march over the same forces (of a part): the account begins anew, but the stable step
-  /// that was estimated holds as long as it would have.
+  /// Another march over the same forces (of a part) has advanced the state: the energy account begins anew. The estimated stable
+  /// step stays valid as long as it would have.
   void resume();
-  /// As restart(), of forces and energy alone, in a solid that has flowed: the account stays.
+  /// As restart(), but only for forces and energy, after plastic flow: the account goes on.
   void forcesChanged();
-  /// The loads are not those of the last step.
+  /// The loads have changed since the last step.
   void loadsChanged() { guard_.loadsChanged(); }
 
   struct Outcome {
     bool ok = true;
     StepFailure failure;  // of no kind if ok
     SolveReport report;
-    // What a user should know though all is well.
+    // What a user should know of a step that succeeded.
     IntegratorType type = IntegratorType::kAuto;  // how the step was tried first; not kAuto
     bool has_changed_type = false;                // `auto` has changed between verlet and implicit
     Index verlet_substeps = 0;                    // that verlet needs, where it is left for the implicit method
@@ -76,13 +76,13 @@ class TimeMarch {
   /// Advances the state from time (s) by params.time_step.
   Outcome step(double time, State& state);
 
-  /// System::computeForcesOnAll(), to the bit, of the state that the last step ended with: what the integrator knows of it is not
-  /// evaluated again.
+  /// System::computeForcesOnAll(), bit for bit, for the state that the last step ended with. Forces that the integrator kept
+  /// are not evaluated again.
   void computeForcesOnAll(double time, const State& state, Points& forces) const;
 
-  /// Takes every step in so many times as many sub-steps, n >= 1.
+  /// Multiplies the number of sub-steps of every step by n >= 1.
   void setFineness(Index n) { fineness_ = n; }
-  /// A step ends between two of its parts, portions of sub-steps or iterations, as one that failed, once this is true; null =
+  /// Once this is true, a step ends between two of its parts, portions of sub-steps or iterations, as a failed one. Null =
   /// never.
   void setInterrupt(const std::atomic<bool>* interrupt) { interrupt_ = interrupt; }
   /// How the last step was taken; not kAuto once there was one.
@@ -117,7 +117,7 @@ class TimeMarch {
   EnergyGuard guard_;
   Index fineness_ = 1;
   const std::atomic<bool>* interrupt_ = nullptr;
-  Memory memory_;  // but for its energy, which guard_ has
+  Memory memory_;  // without the energy, which guard_ has
 
   // Scratch.
   State before_, portion_start_;

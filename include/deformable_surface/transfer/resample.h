@@ -7,29 +7,29 @@
 
 namespace deformable_surface::transfer {
 
-/// Keeps the sampling of the deformed surface near that at rest: when a link between neighbouring dense points has become longer
-/// than max_stretch times the local rest spacing and its own length at rest, a point is inserted at its middle at rest, projected
-/// on the moving-least-squares surface (a quadratic height field over the neighbours [Alexa 2003]), and moves with the surface
-/// from then on. Points are never taken out again (until reset), so that an index means the same point for ever. At most
+/// Keeps the sampling of the deformed surface near that at rest. When a link between neighbouring dense points is longer
+/// than max_stretch times the local rest spacing and its own length at rest, a point is inserted at its middle at rest. It is
+/// projected on the moving-least-squares surface (a quadratic height field over the neighbours [Alexa 2003]) and moves with the
+/// surface from then on. Points are not removed until a reset: an index always means the same point. At most
 /// max_points are inserted.
 class Resampler {
  public:
   /// max_stretch > 1; dense (n x 3) finite, normals (n x 3) unit, rings of the same points: all at rest.
   Resampler(const Points& dense, const Points& normals, const cloud::Rings& dense_rings, double max_stretch, Index max_points);
 
-  /// Looks at the deformed positions of all points so far (input's and inserted) and inserts where needed, on the longest links
-  /// first; each link is halved once per call, so a sudden large stretch takes a few calls. Returns the number of new points.
-  /// Links whose ends are not finite are left alone. O(links).
+  /// Checks the deformed positions of all points so far (input's and inserted) and inserts where needed, on the longest links
+  /// first. Each link is halved once per call: a sudden large stretch takes a few calls. Returns the number of new points.
+  /// Links whose ends are not finite are skipped. O(links).
   Index update(const Points& dense_now);
 
   const Points& insertedRest() const;     // (p x 3) at rest, in the order of insertion
   const Points& insertedNormals() const;  // (p x 3) at rest
-  /// The two points between which each was inserted (indices may name inserted points too): extra fields are taken from the
+  /// The two points between which each was inserted (indices may name inserted points too). Extra fields are copied from the
   /// first.
   const std::vector<std::pair<Index, Index>>& parents() const;
-  /// Another number whenever an update has changed anything.
+  /// Changes whenever an update has changed anything.
   std::uint64_t revision() const { return revision_; }
-  /// What it holds in memory.
+  /// Memory in use.
   std::size_t bytes() const;
 
  private:

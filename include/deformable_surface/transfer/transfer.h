@@ -12,10 +12,10 @@ struct PassOutput;
 /// Least-squares plane through the displacements of the k nearest simulation points, on the tangent plane of each dense point
 /// [Su 2007, eq. 7-8], kept as the rows of value and gradient: u = sum_j w_j u_j, du/dx = sum_j gx_j u_j, du/dy = sum_j gy_j u_j.
 /// Departure from the paper: the height of a dense point over the plane fitted to its simulation points turns with the surface
-/// instead of keeping its direction in space, so that rigid motions are exact on curved surfaces too; and the normal follows from
+/// instead of keeping its direction in space. Rigid motions are then exact on curved surfaces too. The normal follows from
 /// the gradient rows instead of a new covariance analysis.
 /// Degenerate neighbourhoods: if the projected neighbours are collinear the displacement is linear along their line and constant
-/// across; if they coincide or there is one, it is their weighted mean; with none at all the point stays. Weights are float
+/// across. If they coincide or there is one, it is their weighted mean. Without neighbours the point stays. Weights are float
 /// (their error is 1e-7 of the displacement), positions double.
 class Transfer {
  public:
@@ -31,7 +31,7 @@ class Transfer {
   /// The simulation points that a dense point follows, nearest first.
   std::vector<Index> sourcesOf(Index dense) const;
   /// Makes some dense points (ascending) follow other simulation points: followed (as many lists as points), as in the
-  /// constructor; the rest of the operator stays bit for bit. normals (n x 3) and params as there.
+  /// constructor. The rest of the operator stays bit for bit. normals (n x 3) and params as there.
   void refit(const std::vector<Index>& dense, const Lists& followed, const Points& normals, const TransferParams& params);
 
   /// positions (m x 3) of the simulation points now -> dense positions (n x 3) and, if wanted, unit normals (n x 3 float).
@@ -40,10 +40,10 @@ class Transfer {
   void apply(const Points& simulation_now, Points& dense_now) const;
   void apply(const Points& simulation_now, Points& dense_now, std::vector<Eigen::Vector3f>& normals_now) const;
 
-  /// What update() has made, and from which motion.
+  /// The motion of the last update(), which the next one compares with.
   class Frame {
    public:
-    /// The next update makes everything.
+    /// The next update computes everything.
     void forget() { is_made_ = false; }
 
    private:
@@ -54,13 +54,13 @@ class Transfer {
     std::vector<char> moved_;   // (m)
     std::vector<Index> stale_;  // tiles
   };
-  /// Dense points that are made together, as they lie behind each other.
+  /// Dense points that are computed together, consecutive in memory.
   static constexpr Index kTilePoints = 1024;
   Index numTiles() const { return static_cast<Index>(tile_sources_.size()); }
-  /// The same as apply(), bit for bit, where dense_now and normals_now (null: none) are as the last update of this frame left
-  /// them: only tiles that follow a simulation point which has moved since are made. after(begin, end) is called for each of
-  /// them, in parallel, while its points are at hand. Returns how many tiles were made. The operator must be the one of the last
-  /// update.
+  /// The same as apply(), bit for bit, if dense_now and normals_now (null: none) are as the last update of this frame left
+  /// them: only tiles that follow a simulation point which has moved since are computed. after(begin, end) is called for each of
+  /// them, in parallel, while its points are in the cache. Returns how many tiles were computed. The operator must be that of the
+  /// last update.
   Index update(const Points& simulation_now, Frame& frame, Points& dense_now, std::vector<Eigen::Vector3f>* normals_now,
                const std::function<void(Index begin, Index end)>& after) const;
 
@@ -77,15 +77,15 @@ class Transfer {
   bool fitRow(Index i, const Vec3& normal, const Points& simulation, const std::vector<Index>& found,
               const TransferParams& params);
 
-  // Displacements (max(m, 1) x 4) less a reference near their mean, which small motions of few points leave as it is.
+  // Displacements (max(m, 1) x 4) less a reference near their mean; the reference is zero for small motions of few points.
   void findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const;
   void findTileSources(Index tile);
 
   void run(Index begin, Index end, const float* displacements, const Vec3& reference, const PassOutput& output) const;
   void runAll(const Points& simulation_now, const PassOutput& output) const;
 
-  // All arrays are in the user's order of the dense points, so that everything streams but the displacements, which are few;
-  // within a group of points each quantity of theirs lies side by side (the last group is filled up with zeros).
+  // All arrays are in the user's order of the dense points, so that everything streams except the displacements, which are few.
+  // Within a group of points, the values of each quantity lie side by side (the last group is padded with zeros).
   Index k_ = 0;  // row length
   Index num_degenerate_ = 0;
   std::vector<Index> index_;   // (groups x k x lanes) simulation points; rows with fewer are filled up with weight zero

@@ -6,10 +6,10 @@
 namespace deformable_surface::transfer {
 
 /// Weight of a simulation point by its distance r: published is exp(-r^2 / h^2) without cut-off [Su 2007, eq. 8]; compact is the
-/// C2 Wendland kernel, whose few neighbours are all that count.
+/// C2 Wendland kernel, which uses few neighbours.
 enum class Weighting { kCompact, kGaussian };
 
-/// Normals of the deformed surface: from the transferred gradient, or by covariance analysis anew as published.
+/// Normals of the deformed surface: from the transferred gradient, or by a new covariance analysis, as published.
 enum class NormalMethod { kGradient, kCovariance };
 
 struct TransferParams {

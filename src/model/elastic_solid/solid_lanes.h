@@ -1,5 +1,5 @@
-// Four points of an elastic solid side by side: what their strains are, and what stresses these make. A file of its own,
-// because forces, energies and tangents begin with it.
+// Strains and stresses of four points of an elastic solid, side by side. Forces, energies and tangents
+// start with them.
 #pragma once
 
 #include "deformable_surface/base/simd.h"
@@ -7,7 +7,7 @@
 
 namespace deformable_surface::model {
 
-// The arrays of both fits; those of the near one have a dash in the header.
+// The arrays of both fits; those of the near one have a dash in solid_passes.h.
 struct PassArrays {
   Index n;
   const Index *offsets, *items, *places;
@@ -20,12 +20,12 @@ struct PassArrays {
 
 namespace lanes {
 
-// Of a rotation: stretches between an eighth and eight are done by then; the rest goes one by one.
+// Of a rotation: enough for stretches between an eighth and eight. The remaining ones are treated one by one.
 constexpr int kMostIterations = 9;
 constexpr double kConverged = 1e-14;  // squared change after which the next iterate is exact to rounding, as the order is two
 constexpr double kSmallest = 1e-3;    // determinant of F below which iterations may not end in a rotation
 
-// Of four points side by side, F or what is made of it: entry [row][column].
+// A matrix of each of four points, side by side, such as F: entry [row][column].
 struct Four {
   Double4 at[3][3];
 };
@@ -90,7 +90,7 @@ DEFORMABLE_SURFACE_INLINE void multiplyByInverse(const Four& a, const double* co
   }
 }
 
-// The rotations nearest to four F by Newton's iteration R <- (R + R^-T) / 2 [Higham 1986]. A lane is left out (not sound) where F
+// The rotations nearest to four F by Newton's iteration R <- (R + R^-T) / 2 [Higham 1986]. A lane is skipped (not sound) if F
 // is nearly singular, inside out or not finite.
 DEFORMABLE_SURFACE_INLINE void findRotations(const Four& F, Four& R, bool* is_sound) {
   R = F;

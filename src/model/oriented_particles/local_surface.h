@@ -1,5 +1,5 @@
-// The surface that oriented particles suggest near a point: who sees whom, and the place and orientation of a particle put
-// there. Both rules of growth stand on it.
+// The surface of oriented particles near a point: which particles see each other, and the place and orientation of a new
+// particle. Both growth rules use it.
 #pragma once
 
 #include "deformable_surface/cloud/kd_tree.h"
@@ -7,8 +7,8 @@
 
 namespace deformable_surface::model {
 
-/// Share of a distance that rounding of float coordinates may take from it: the particles of a perfect lattice are as far apart
-/// as they should be, and the neighbours of a vacancy in it leave it clear.
+/// Relative rounding error of distances between float coordinates. With this tolerance a perfect lattice has its nominal
+/// distances, and the neighbours of a vacancy leave it clear.
 constexpr double kRounding = 1e-6;
 
 struct Placed {
@@ -25,28 +25,28 @@ class LocalSurface {
   /// plane of their mean. Circles are seen whatever their curvature: there the line lies in that plane. [cf. eq. 8]
   bool sees(Index i, Index j) const;
 
-  /// The same of a particle and a new one: a place that its parent would not see is none on its surface.
+  /// The same for a particle and a new one. A place that its parent does not see is not on its surface.
   bool sees(Index i, const Placed& placed) const;
 
-  /// True if nobody who faces the way of `normal` lies within radius of the point, parents apart.
+  /// True if no particle that faces the way of `normal`, except the parents, lies within radius of the point.
   bool isClear(const Vec3& point, const Vec3& normal, double radius, const Index (&parents)[2],
                std::vector<cloud::Neighbor>& found) const;
 
-  /// True if nobody who faces the way of `normal` lies in the cylinder about the point along it: radius wide, up to height above
-  /// and below, parents apart.
+  /// True if no particle that faces the way of `normal`, except the parents, lies in the cylinder about the point along it: as
+  /// wide as radius, up to height above and below.
   bool isOpen(const Vec3& point, const Vec3& normal, double radius, double height, const Index (&parents)[2],
               std::vector<cloud::Neighbor>& found) const;
 
-  /// True if all within radius of a new particle who face its way see it: beside a surface instead of on it nobody would.
+  /// True if all particles within radius of a new one that face its way see it. Beside the surface none would.
   bool fits(const Placed& placed, double radius, std::vector<cloud::Neighbor>& found) const;
 
-  /// A particle at the point, moved along the normal n to where the co-circularity (eq. 8) with those nearby is least:
+  /// A particle at the point, moved along the normal n to where the co-circularity (eq. 8) with its neighbours is least:
   ///   min over h of  sum_j w_j ((n + n_j) . (p_j - point - h n))^2,   w_j = exp(-|p_j - point|^2 / (2 scale^2)),
-  /// which is exact on spheres, and to second order on every smooth surface, with particles on one side only too. n is the
-  /// value at the point of the linear function of the tangential coordinates that fits the normals n_j with the same weights;
-  /// where they say nothing of its slope (a single particle, a line of them) that is zero. The x axis is the weighted mean of
-  /// theirs, each turned with its normal. Those nearby: seen by one parent, within two and a half scales. The parent itself
-  /// always is.
+  /// which is exact on spheres, and second order on every smooth surface, even with particles on one side only. n is the
+  /// value at the point of the linear function of the tangential coordinates that fits the normals n_j with the same weights.
+  /// Where they do not determine its slope (a single particle, a line of them) the slope is zero. The x axis is the weighted
+  /// mean of theirs, each turned with its normal. Neighbours: seen by one parent, within two and a half scales; the parent
+  /// itself always counts.
   Placed place(const Vec3& point, double scale, const Index (&parents)[2], std::vector<cloud::Neighbor>& found) const;
 
   const Points& positions() const { return positions_; }

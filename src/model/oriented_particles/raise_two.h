@@ -7,10 +7,10 @@ namespace deformable_surface::model {
 
 constexpr double kHalfLog2E = 0.5 * 1.4426950408889634;  // e^(x / 2) = 2^(this times x)
 
-// 2^x and 2^y for x, y <= 0, to 1.1e-12 of them: four of each at once, and, unlike the library's, with the same bits on every
-// processor; both together, since they share their constants. The polynomial of what is left of x beside a whole number goes
-// through 2^rest at Chebyshev's points; the whole number goes to the exponent's bits. Smaller than any that counts: kLeast.
-// Forces are the gradient of what they are computed from to the slope of that error, some 1e-11, of which tests allow ten
+// 2^x and 2^y for x, y <= 0, with a relative error of 1.1e-12: four of each at once and, unlike the library's, with the same bits
+// on every processor. Both together, since they share their constants. The polynomial of the fractional part of x interpolates
+// 2^rest at Chebyshev points; the integer part goes to the exponent's bits. Too small exponents give kLeast.
+// Forces are the gradient of the energy up to the slope of that error, about 1e-11; tests allow ten
 // thousand times.
 DEFORMABLE_SURFACE_INLINE void raiseTwo(Double4& x, Double4& y) {
   using Bits = long long __attribute__((vector_size(4 * sizeof(long long))));

@@ -1,4 +1,4 @@
-// Elastic bodies without a mesh: the points themselves carry strain, fitted to their neighbours.
+// Elastic bodies without a mesh: strain is computed at the points, fitted to their neighbours.
 #pragma once
 
 #include "deformable_surface/base/padded_points.h"
@@ -15,8 +15,8 @@ namespace deformable_surface::model {
 /// Total Lagrangian meshfree elasticity with moving-least-squares gradients [Mueller et al. 2004; Ganzenmueller 2015]:
 ///   E = sum_i V_i psi(F_i) + s/2 sum_i sum_j w'_ij |x_j - x_i - F'_i (X_j - X_i)|^2,
 /// F_i by gradients that keep Gauss's theorem (ConsistentGradients), psi by Young's modulus, Poisson's ratio and law. The
-/// second sum is what the first does not show: motions from point to point would else be free. F'_i is the fit of the nearest
-/// points with the same weights, for which the sum is least, so that its forces need no derivative of F'_i; it is zero for
+/// second sum penalises motions from point to point that the first does not resist. F'_i is the fit of the nearest
+/// points with the same weights. It minimises the second sum, so that its forces need no derivative of F'_i; the sum is zero for
 /// every affine motion. Rigid motions and uniform strains are exact.
 class ElasticSolid : public DeformableModel,
                      public PlanarMotion,
@@ -26,7 +26,7 @@ class ElasticSolid : public DeformableModel,
                      public Links,
                      public Stresses {
  public:
-  /// rest: (n x 3) m; neighbors: lists of some thirty (planar: sixteen), nearest first; detours: weight of each listed pair, or
+  /// rest: (n x 3) m; neighbors: lists of about thirty (planar: sixteen), nearest first; detours: weight of each listed pair, or
   /// empty. across: unit normal of the plane that the points lie in, or zero for a body in space.
   ElasticSolid(const Points& rest, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
                const MaterialParams& material, const ElasticSolidParams& params, Outline outline = Outline::kSurface);
@@ -39,25 +39,25 @@ class ElasticSolid : public DeformableModel,
   const Links* links() const override { return this; }
   const Stresses* stresses() const override { return this; }
   InnerState* innerState() override { return this; }
-  /// A planar solid takes nothing across its plane.
+  /// A planar solid has no forces across its plane.
   void confine(Points& forces) const override;
   bool forcesReadVelocities() const override { return false; }
   void beginAtRest(State& state) override;
   void adopt(const State& state) override;
-  /// After a step of dt seconds: what is beyond the yield flows (PlasticFlow), in a state that was adopted or began at rest.
-  /// Returns whether anything did.
+  /// After a step of dt seconds: stress beyond the yield causes flow (PlasticFlow), in a state that was adopted or began at rest.
+  /// Returns whether anything flowed.
   bool flow(double dt, State& state);
   void addForces(const State& state, Points& forces) const override;
   double elasticEnergy(const State& state) const override;
-  /// That of the body at rest, of a stiffness which bounds those of most states (StressLaw::kBound): of the state only what has
-  /// flowed counts, which may shorten lengths and so raise frequencies.
+  /// The stable step of the body at rest, with a stiffness that bounds that of most states (StressLaw::kBound). Of the state only
+  /// plastic flow counts: it may shorten lengths and so raise frequencies.
   double findStableStep(const State& state) const override;
   void prepareStiffness(const State& state, Hessian hessian) const override;
   void addStiffnessProduct(const Points& v, Points& product) const override;
   const std::vector<Coupling>& couplings() const override { return couplings_; }
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
 
-  /// None of a solid that may flow. Forces in a part are those of the whole to rounding.
+  /// False for a solid that may flow. Forces in a part equal those of the whole to rounding.
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
   Part makePart(const std::vector<char>& wanted) const override;
 
@@ -65,19 +65,19 @@ class ElasticSolid : public DeformableModel,
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
   /// Of the Cauchy stress P F^T / det F, by the linear law of P.
   void computePointStress(const State& state, std::vector<double>& stress) const override;
-  /// Of points that are among each other's nearest: for display.
+  /// Links between points that are both among each other's nearest: for display.
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
 
-  /// Normals (n x 3, unit or zero) at rest -> at the state: by the cofactors of F.
+  /// Turns normals (n x 3, unit or zero) from rest to the state, by the cofactors of F.
   void turnNormals(const State& state, const Points& normals, std::vector<Eigen::Vector3f>& turned) const;
 
   const std::vector<double>& volumes() const { return passes_.rest.volumes; }
   bool isPlanar() const { return !passes_.rest.across.isZero(0.0); }
   const Vec3& across() const { return passes_.rest.across; }
-  /// Points whose neighbours span less than the body does: missing directions have no strain there.
+  /// Points whose neighbours span fewer dimensions than the body. They have no strain in the missing directions.
   Index numDeficient() const { return num_deficient_; }
-  /// Neighbours whose strain counts, of all points together.
+  /// Number of neighbours used for strain, summed over all points.
   Index numPairs() const { return static_cast<Index>(passes_.rest.fit.pairs.items.size()); }
 
  private:
@@ -101,7 +101,7 @@ class ElasticSolid : public DeformableModel,
   // Scratch.
   mutable PaddedPoints positions_;
   mutable Points product_;
-  // An implicit step asks for the energy of where it was and ends more than once.
+  // An implicit step asks for the energies of its start and of its end more than once.
   mutable Points energy_at_;
   mutable double energy_ = 0.0;
 };

@@ -6,13 +6,13 @@
 
 namespace deformable_surface::model {
 
-/// What a cloud fills: a part of a plane, or of space. auto: what it looks like.
+/// What a cloud fills: a part of a plane, or of space. auto: decided from the cloud.
 enum class SolidDimension { kAuto, kPlanar, kVolume };
 
 /// What holds across a planar solid: no stress (a thin plate) or no strain (a slice of a long body).
 enum class PlaneKind { kStress, kStrain };
 
-/// corotated: strain is measured against the local rotation. linear: small strain [as published], which takes a rotation for one.
+/// corotated: strain is measured against the local rotation. linear: small strain [as published]; rotations count as strain.
 enum class SolidLaw { kCorotated, kLinear };
 
 struct ElasticSolidParams {

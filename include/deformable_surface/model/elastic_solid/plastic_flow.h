@@ -1,5 +1,5 @@
-// What of an elastic solid's deformation stays. It is a file of its own because forces know nothing of it: it changes what they
-// measure strain against, between steps.
+// Plasticity of elastic solids: the part of the deformation that stays. Between steps it changes the reference of strain; forces
+// do not depend on it otherwise.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -8,21 +8,21 @@
 
 namespace deformable_surface::model {
 
-/// Plasticity by yield, creep and a largest strain [Mueller et al. 2004], with three departures. The split is F = F_e F_p and not
-/// one of strains, so that forces remain those of an energy in co-rotated bodies: F_e = F F_p^-1 comes out of the fit with rows
-/// F_p^-T g_ij, and the loops over pairs do not change. Only what is beyond the yield flows, as the published rule takes all and
-/// then depends on the step. Flow is by the logarithmic deviator, so that det F_p = 1: no volume is gained or lost.
+/// Plasticity by yield, creep and a largest strain [Mueller et al. 2004], with three departures. The split is F = F_e F_p instead
+/// of a split of strains, so that co-rotated bodies keep an energy: F_e = F F_p^-1 comes out of the fit with rows
+/// F_p^-T g_ij, and the loops over pairs do not change. Only stress beyond the yield flows: the published rule takes all, and
+/// then depends on the step. Flow is by the logarithmic deviator, so that det F_p = 1: volume is kept.
 ///   F_p^-1 <- F_p^-1 exp(-f dev log U),  f = (1 - yield / stress) (1 - exp(-creep dt)),  U^2 = F_e^T F_e,
-/// with the stress sqrt(3/2) |dev 2 mu (U - I)|; of a planar solid, which flows in its plane, sqrt(2) that of its plane. Points
-/// that are inside out, and those with too few neighbours, do not flow.
+/// with the stress sqrt(3/2) |dev 2 mu (U - I)|; in a planar solid, which flows in its plane, sqrt(2) times that of its plane.
+/// Points that are turned inside out, and points with too few neighbours, do not flow.
 class PlasticFlow {
  public:
   PlasticFlow(const SolidRest& rest, const PlasticityParams& params);
 
-  /// What has flowed by a state with plastic (n) is measured against that.
+  /// Sets the reference of strain in `passes` from plastic (n) of a state.
   void apply(const std::vector<Mat3>& plastic, SolidPasses& passes) const;
-  /// One step dt (s) of flow at positions (4 x n padded), in passes and in the state, whose dissipated grows by the elastic
-  /// energy that is lost. Returns whether anything flowed. Parallel.
+  /// One step dt (s) of flow at positions (4 x n padded), in passes and in the state. state.dissipated grows by the lost elastic
+  /// energy. Returns whether anything flowed. Parallel.
   bool flow(double dt, const double* positions, SolidPasses& passes, State& state) const;
 
  private:

@@ -1,5 +1,5 @@
-// When an elastic solid keeps a part of its deformation. It is a file of its own because the flow needs no other choice of the
-// model.
+// Parameters of the plasticity of elastic solids. The flow needs only these
+// of the model's parameters.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"

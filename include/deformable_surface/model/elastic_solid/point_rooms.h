@@ -1,5 +1,5 @@
-// Where forces of pairs are added up: points in fixed blocks, each with room of its own for all that its pairs reach, so that
-// blocks run beside each other, and sums do not depend on the number of threads. A file of its own because it knows no material.
+// Sums the forces of pairs: points are divided into fixed blocks, each with memory of its own for the points its pairs reach.
+// Blocks run in parallel, and sums do not depend on the number of threads.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -13,15 +13,15 @@ class PointRooms {
   static constexpr Index kPoints = 256;  // of a block, a multiple of four
   static constexpr Index kNumbers = 8;   // of a place in a room: x y z, one to spare, force, one to spare
 
-  /// pairs: of each point with those that it exerts forces on, which may come twice.
+  /// pairs: for each point, the points that it exerts forces on; a pair may come twice.
   explicit PointRooms(const Lists& pairs);
 
-  /// (pairs) where the second point of a pair stands in the room of the first one's block; the block's own points stand first.
+  /// (pairs) the place of the second point of a pair in the memory of the first one's block. The block's own points come first.
   const std::vector<Index>& places() const { return places_; }
 
-  /// The room of the block that begins at a point, with positions (4 x n, padded), and no forces yet. end: of the block.
+  /// The memory of the block [begin, end), with positions (4 x n, padded) filled in and forces set to zero.
   double* fill(Index begin, Index end, const double* positions);
-  /// Adds what all blocks do to the points [begin, end) to forces (n x 3).
+  /// Adds the forces of all blocks on the points [begin, end) to forces (n x 3).
   void addForces(Index begin, Index end, double* forces) const;
 
  private:

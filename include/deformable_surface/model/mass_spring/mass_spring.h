@@ -1,4 +1,4 @@
-// The mass-spring surface of Su 2007 and the two parts that make it accurate: a membrane of co-rotated triangles and a bending
+// The mass-spring surface of Su 2007, with two extensions that make it accurate: a membrane of co-rotated triangles and a bending
 // energy with a stated rigidity, on the same rings. The published springs stay selectable.
 #pragma once
 
@@ -25,15 +25,15 @@ class MassSpring : public DeformableModel,
                    public Sides,
                    public Links {
  public:
-  /// rest, normals (n x 3): the simulation points; rings: theirs. surface_area, m^2: of the full cloud, so that the masses sum
+  /// rest, normals (n x 3): the simulation points; rings: of these. surface_area, m^2: of the full cloud, so that the masses sum
   /// to the surface's however few points are simulated. closed: it has no boundary. held, edges: see setHeld(). Throws
-  /// InputError if volume_stiffness is asked of an open surface.
+  /// InputError if an open surface has a volume_stiffness.
   ///
   /// Springs: stretching springs along the rings, bending springs across (r to r + 2) [Su 2007, sec. 4.1], each pair once. Their
-  /// stiffness is k = E h sum A_T / l^2 over the triangles at the spring, bending springs get bending_spring_ratio of the mean,
-  /// and all are scaled so that an affine strain of the network costs what the material's would (isotropic estimate
-  /// E h = sum k l^2 / (3 A)); on irregular rings the network is then 10 to 25 percent soft, with Poisson's ratio about 1/3.
-  /// With uniform stiffness, spring_constant and bending_spring_ratio of it, as they are.
+  /// stiffness is k = E h sum A_T / l^2 over the triangles at the spring; bending springs get bending_spring_ratio of the mean.
+  /// All are scaled so that an affine strain of the network costs the energy of the material (isotropic estimate
+  /// E h = sum k l^2 / (3 A)). On irregular rings the network is then 10 to 25 percent soft, with Poisson's ratio about 1/3.
+  /// With uniform stiffness, spring_constant and bending_spring_ratio times it are used as they are.
   MassSpring(const Points& rest, const Points& normals, const cloud::Rings& rings, double surface_area, bool closed,
              const MaterialParams& material, const MassSpringParams& params, const std::vector<char>& held = {},
              const std::vector<ClampEdge>& edges = {});
@@ -41,8 +41,8 @@ class MassSpring : public DeformableModel,
   std::unique_ptr<DeformableModel> clone() const override { return std::make_unique<MassSpring>(*this); }
   const std::vector<double>& masses() const override { return masses_; }
   const StiffnessMatrix* stiffnessMatrix() const override { return this; }
-  /// The curvature energy's are slow: where a surface is thin beside the spacing of its points it bends slowly beside how it
-  /// stretches.
+  /// The forces of the curvature energy are slow: a surface that is thin compared with its point spacing bends slowly compared
+  /// with how it stretches.
   const SplitForces* splitForces() const override { return hasCurvature() ? this : nullptr; }
   const Partition* partition() const override { return this; }
   const Sides* sides() const override { return this; }
@@ -50,20 +50,20 @@ class MassSpring : public DeformableModel,
   PointMaterials* pointMaterials() override { return this; }
   Clamping* clamping() override { return this; }
   bool setHeld(const std::vector<char>& held, const std::vector<ClampEdge>& edges) override;
-  /// Springs and triangles by the stretching of their ends or corners, curvature fits by the bending of their point (that of
-  /// bending springs: by stretching), masses by density.
+  /// Springs and triangles take the stretching of their ends or corners, curvature fits the bending of their point, bending
+  /// springs the stretching, masses the density.
   void setMaterial(const std::vector<PointMaterial>& materials) override;
   void addForces(const State& state, Points& forces) const override;
   bool forcesReadVelocities() const override { return along_damping_ + relative_damping_ > 0.0; }
   void addFastForces(const State& state, Points& forces) const override;
   void addSlowForces(const State& state, Points& forces) const override;
   double boundSlowRate(const State& state) const override { return bending_.boundRate(state, masses_); }
-  /// Not with a kept volume, which couples all points.
+  /// False with a constant volume, which couples all points.
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
   Part makePart(const std::vector<char>& wanted) const override;
   double elasticEnergy(const State& state) const override;
   void addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const override;
-  /// Of triangles with the curvature energy, or without bending.
+  /// True for triangles with the curvature energy, or without bending.
   bool knowsCouplings() const override;
   bool findCouplings(const State& state, double support, std::vector<Coupling>& along,
                      std::vector<Coupling>& across) const override;
@@ -82,18 +82,18 @@ class MassSpring : public DeformableModel,
   const Springs& stretchingSprings() const { return stretching_; }
 
   using Link = std::pair<Index, Index>;  // the smaller index first
-  /// The links that are cut from now on, ascending, in place of those that were: all others are whole. With a link go its
-  /// springs, the triangles that have it as an edge, and its place in the rings that curvature is fitted to; and where the
-  /// membrane is of triangles, links that are left without any. Masses stay: what is cut loses stiffness, not weight. Nothing is
+  /// Sets the cut links, ascending. They replace the former ones: all others are whole. A cut removes the springs of a
+  /// link, the triangles that have it as an edge, and its place in the rings that curvature is fitted to. In a membrane
+  /// of triangles, links that are left without any triangle are cut too. Masses stay: a cut takes stiffness only. Nothing is
   /// allocated or slower while nothing is cut. O(n).
   void setCuts(const std::vector<Link>& links);
-  /// Those links, the ones that were left without triangles included: given back to setCuts() they give the same surface.
+  /// The cut links, including those that were left without triangles. Given to setCuts() they give the same surface.
   const std::vector<Link>& cuts() const { return cuts_; }
 
-  /// Points whose mass was raised because their ring has next to no area, and points without bending energy.
+  /// Points whose mass was raised because their ring has almost no area, and points without bending energy.
   Index numMassRaised() const { return num_mass_raised_; }
   Index numWithoutBending() const { return num_without_bending_; }
-  /// Whether it has a curvature energy; and of its clamps see CurvatureBending::numHinged().
+  /// Whether it has a curvature energy. Of its clamps see CurvatureBending::numHinged().
   bool hasCurvature() const { return plate_.rigidity > 0.0; }
   Index numHinged() const { return bending_.numHinged(); }
 
@@ -106,7 +106,7 @@ class MassSpring : public DeformableModel,
   void buildBending();
   void rebuild();
 
-  // As it was made; the elements are filled in with the first change.
+  // As it was made. The elements are stored here at the first change.
   struct Made {
     Points points;  // (n x 3) at rest
     double membrane_stiffness = 0.0, poisson_ratio = 0.0;
@@ -118,7 +118,7 @@ class MassSpring : public DeformableModel,
   Made made_;
   std::vector<Link> cuts_;                // that changed it since
   std::vector<PointMaterial> materials_;  // (n) the same; empty: none
-  // Constants but for these changes.
+  // Constant except for these changes.
   std::vector<double> masses_;
   std::vector<WeightedTriangle> triangles_;
   Lists triangle_corners_;  // per point: 3 * triangle + corner
@@ -128,14 +128,14 @@ class MassSpring : public DeformableModel,
   Springs bending_springs_;
   TriangleMembrane membrane_triangles_;
   CurvatureBending bending_;
-  PlateRest plate_;         // of which the bending is made anew when other points are held; empty without bending
+  PlateRest plate_;         // the bending is rebuilt from it when other points are held; empty without bending
   std::vector<char> held_;  // of which it was made, with
   std::vector<ClampEdge> edges_;
   bool closed_ = false;
   double volume_stiffness_ = 0.0;
   double rest_volume_ = 0.0;
   Index num_mass_raised_ = 0, num_without_bending_ = 0;
-  // What findCouplings() begins with, made when it is first asked for.
+  // Start of findCouplings(), made when first needed.
   struct Guess {
     std::vector<Coupling> along, across;  // across: without tension; with the pairs of bending or, where it is weak, without
     std::vector<Index> edges;             // of each edge of each triangle its place in across

@@ -10,12 +10,12 @@ enum class Membrane { kAuto, kSprings, kTriangles };  // auto = triangles
 enum class Bending { kSprings, kCurvature, kNone };
 
 /// Where the springs' constants come from. [Su 2007] has a k_ij for each spring and no rule for it; uniform is the simplest
-/// reading. The stiffness of the surface then depends on the pattern of its points (a grid that is finer in one direction is
-/// softer along it), of which material, calibrated by the triangles at each spring, undoes most.
+/// reading. The stiffness of the surface then depends on the pattern of its points: a grid that is finer in one direction is
+/// softer along it. `material`, calibrated by the triangles at each spring, removes most of that.
 enum class Stiffness { kMaterial, kUniform };
 
-/// The damping force between linked points. Along the spring: only the rate of its length counts, angular momentum is kept.
-/// Relative velocity: k_d (v_j - v_i) [Su 2007, eq. 3], with k_d = spring_damping * k; it also damps rigid rotation, so that a
+/// The damping force between linked points. Along the spring: by the rate of its length only; angular momentum is kept.
+/// Relative velocity: k_d (v_j - v_i) [Su 2007, eq. 3], with k_d = spring_damping * k; it also damps rigid rotation: a
 /// surface that spins freely stops and its angular momentum is lost.
 enum class Damping { kAlongSpring, kRelativeVelocity };
 
@@ -27,7 +27,7 @@ struct MassSpringParams {
   Damping damping = Damping::kAlongSpring;
   double volume_stiffness = 0.0;      // Pa, >= 0: keeps the volume of a closed surface
   double bending_spring_ratio = 0.1;  // > 0: stiffness of the published bending springs over that of the stretching springs
-  double tear_strain = 0.0;           // > 0: l / l0 - 1 at which a link is cut for good; 0: never
+  double tear_strain = 0.0;           // > 0: l / l0 - 1 at which a link is cut, permanently; 0: never
 };
 
 inline void visit(Fields& fields, MassSpringParams& p) {

@@ -1,4 +1,4 @@
-// Which points of the whole surface a part of it has. Its own file, because each kind of element makes its part from it.
+// Which points of the whole surface belong to a part. Each kind of element makes its part from it.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -10,7 +10,7 @@ namespace deformable_surface::model {
 
 struct PartIndex {
   std::vector<Index> wanted;     // ascending: all their elements are in the part
-  std::vector<Index> points;     // ascending: those and all others of these elements
+  std::vector<Index> points;     // ascending: the wanted points and all others of their elements
   std::vector<Index> new_index;  // (of the whole) -1: not in the part
 
   Index size() const { return static_cast<Index>(points.size()); }
@@ -20,7 +20,7 @@ struct PartIndex {
 /// stride: items of an element and point.
 template <class Find>
 std::vector<Index> findElements(const std::vector<Index>& points, const Lists& items, Index stride, Find&& find) {
-  // Marks, which are in order by themselves. Kept by the thread, and clear between calls.
+  // Marks, which need no sorting. The thread keeps them; they are clear between calls.
   static thread_local std::vector<char> is_found;
   Index first = std::numeric_limits<Index>::max(), last = -1, count = 0;
   for (const Index i : points) {

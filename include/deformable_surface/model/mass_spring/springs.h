@@ -1,5 +1,5 @@
-// A network of springs: Hooke's law, and damping along the spring or as published. It carries the published membrane and
-// bending, and the damping of the other membrane.
+// A network of springs: Hooke's law, and damping along the spring or as published. Used for the published membrane and
+// bending, and for the damping of the membrane of triangles.
 #pragma once
 
 #include "deformable_surface/base/padded_points.h"
@@ -32,7 +32,7 @@ class Springs {
   /// sum of k/2 (|I| - l0)^2, J.
   double energy(const State& state) const;
 
-  /// Adds k [d d^T + (1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T; kPositive leaves out the second term of
+  /// Adds k [d d^T + (1 - l0/|I|) (1 - d d^T)], if elastic, and beta k / step d d^T. kPositive omits the second term of
   /// springs under compression, where it is negative.
   void addStiffness(const State& state, bool elastic, double beta, double step, Hessian hessian, BlockSparse& stiffness) const;
 

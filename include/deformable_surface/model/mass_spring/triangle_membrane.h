@@ -1,5 +1,5 @@
-// The membrane as co-rotated triangles on the rings: plane stress of any Poisson's ratio, right under large rotations and, at
-// equal data, 10 to 25 percent less soft than springs.
+// The membrane as co-rotated triangles on the rings: plane stress with any Poisson's ratio, valid under large rotations. With the
+// same points, springs are 10 to 25 percent softer.
 #pragma once
 
 #include "deformable_surface/base/padded_points.h"
@@ -11,8 +11,8 @@ namespace deformable_surface::model {
 /// Per triangle, with F (3 x 2) the derivative of the position by the coordinates in the triangle's plane at rest, R its rotation
 /// (polar decomposition) and S = R^T F:
 ///   W = w A [ mu |S - I|^2 + lambda/2 tr(S - I)^2 ],  mu = E h / (2 (1 + nu)), lambda = E h nu / (1 - nu^2)   (plane stress).
-/// With J = |f1 x f2| = det S and T = tr S = sqrt(|F|^2 + 2 J): R = (F + cof F) / T, where cof F = dJ/dF, so that no
-/// eigenvalues are needed for the forces. With F = E D, where E = (e1 e2) are the edges from the first corner and D the inverse
+/// With J = |f1 x f2| = det S and T = tr S = sqrt(|F|^2 + 2 J): R = (F + cof F) / T, where cof F = dJ/dF. The forces
+/// need no eigenvalues. With F = E D, where E = (e1 e2) are the edges from the first corner and D the inverse
 /// of theirs at rest, G = D D^T and L = |e1 x e2|:
 ///   J = L det D,  T^2 = sum_ab G_ab e_a.e_b + 2 J,  s = lambda - 2 (lambda + mu) / T,
 ///   force on corner a = -sum_b K_ab e_b,  K = w A [ (2 mu + s) G + s det D / L ( e2.e2  -e1.e2 ; -e1.e2  e1.e1 ) ].
@@ -20,7 +20,7 @@ class TriangleMembrane {
  public:
   TriangleMembrane() = default;
 
-  /// membrane_stiffness = E h, N/m. Triangles of no area are left out.
+  /// membrane_stiffness = E h, N/m. Triangles without area are omitted.
   TriangleMembrane(const std::vector<WeightedTriangle>& triangles, const Points& rest, double membrane_stiffness,
                    double poisson_ratio);
 
@@ -32,12 +32,12 @@ class TriangleMembrane {
   /// positions: those of the state.
   void addForces(const State& state, const PaddedPoints& positions, Points& forces) const;
   double energy(const State& state) const;
-  /// Its eigenvalues are known in closed form from the stretches; kPositive raises those below zero to zero.
+  /// Its eigenvalues are known in closed form from the stretches; kPositive raises negative ones to zero.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
 
-  /// The three edges of each triangle, the smaller index first; and springs in them, N/m, that resist as the membrane does what
-  /// moves in it, but for the direction, and what its tension at a state does across. (3 x triangles) each, overwritten.
+  /// The three edges of each triangle, the smaller index first, with springs in them, N/m: those in the surface resist like the
+  /// membrane, regardless of direction; those across it resist like its tension at a state. (3 x triangles) each, overwritten.
   std::vector<std::pair<Index, Index>> findEdges() const;
   void computeSpringsAlong(std::vector<double>& stiffness) const;
   void computeSpringsAcross(const State& state, std::vector<double>& stiffness) const;
@@ -57,7 +57,7 @@ class TriangleMembrane {
   // Constants.
   std::vector<Element> elements_;
   std::vector<Index> group_corners_;     // four elements side by side, the last ones repeated: (3 x 4) corners
-  std::vector<double> group_constants_;  // and (6 x 4) of what the force loop needs of them
+  std::vector<double> group_constants_;  // and (6 x 4) constants of these for the force loop
   Lists incidence_;                      // per point: 12 * group + 4 * corner + lane, where its forces are
   double mu_ = 0.0, lambda_ = 0.0;
   // Scratch: forces on the corners, in the order of group_corners_, padded to four numbers.

@@ -1,5 +1,5 @@
-// Growing a surface through given particles: the two rules in turn until neither finds room, with the model's relaxation between
-// them.
+// Grows a surface through given particles: alternates the two growth rules until neither finds room, with the model's relaxation
+// between them.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/growth.h"
@@ -9,7 +9,7 @@
 namespace deformable_surface::model {
 
 /// Brings particles near their equilibrium, in place. fixed (n): 1 = does not move or turn. The rules assume surroundings near
-/// equilibrium; doing nothing is allowed.
+/// equilibrium. A function that does nothing is allowed.
 using Relaxation = std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed)>;
 
 enum class GrowthEnd { kNoRoom, kMaxPasses, kMaxParticles };
@@ -22,14 +22,14 @@ struct GrownSurface {
   GrowthEnd end = GrowthEnd::kNoRoom;
 };
 
-/// Fits a surface to particles [Szeliski and Tonnesen 1991, sec. 7]. A pass applies the stretching rule, which interpolates;
-/// where it finds nothing at all, the growing rule. Rows are counted: given particles are row 0, one that grew is in the row
-/// after its parent's, one between two in the larger of theirs. Rows below params.edge_rows grow into the open; particles fill
-/// gaps up to half of max_gap and one row beyond, which is as far as a gap's sides are from its middle. So growth ends: what is
-/// added is near the samples, keeps its distance, and a closed surface has no gaps; else it ends at the stated maxima, and says
-/// so. Samples that are let go (fix_samples and release_samples) are relaxed once, and, if that is not where their stated noise
-/// is gone, again until they have moved that far along their normals (Morozov's discrepancy principle), at most six times. Given
-/// particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow. Deterministic
+/// Fits a surface to particles [Szeliski and Tonnesen 1991, sec. 7]. A pass applies the stretching rule, which interpolates, and
+/// the growing rule only where the stretching rule finds nothing at all. Rows are counted: given particles are row 0; a grown one
+/// is in the row after its parent's, one between two in the larger of their rows. Rows below params.edge_rows grow outwards.
+/// Particles fill gaps up to half of max_gap and one row beyond: a gap's sides are that far from its middle. Growth ends: added
+/// particles are near the samples and keep their distance, and a closed surface has no gaps. Else it ends at the stated maxima,
+/// and says so. Released samples (fix_samples and release_samples) are relaxed once. If that does not remove their stated noise,
+/// they are relaxed again until they have moved that far along their normals (Morozov's discrepancy principle), at most six
+/// times. Given particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow. Deterministic
 /// if relax is. Throws InputError.
 GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
                          const Relaxation& relax);

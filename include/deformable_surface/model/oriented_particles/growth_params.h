@@ -1,4 +1,4 @@
-// Where oriented particles are added, and where not. Lengths are in spacings, so that the same values suit every sampling.
+// Parameters of growth: where oriented particles are added. Lengths are in spacings: the same values suit every sampling.
 #pragma once
 
 #include "deformable_surface/base/params.h"
@@ -8,21 +8,21 @@ namespace deformable_surface::model {
 struct GrowthParams {
   double min_gap = 2.0;         // spacings: d_min of the stretching rule
   double max_gap = 2.5;         // spacings, >= min_gap: d_max; the widest gap that either rule closes
-  double sample_gap = 0.0;      // >= 0: samples close gaps up to so many times their distance to others; 0 = up to max_gap
+  double sample_gap = 0.0;      // >= 0: samples close gaps up to this multiple of their distance to others; 0 = up to max_gap
   Index min_neighbors = 0;      // n_min of the growing rule
-  Index max_neighbors = 5;      // n_max, >= n_min: particles with more grow nothing
+  Index max_neighbors = 5;      // n_max, >= n_min: particles with more do not grow
   double min_angle = 1.75;      // rad: theta_min, the smallest gap between successive neighbours that is filled
   double max_angle = 6.2832;    // rad, >= min_angle: theta_max
-  double neighbor_range = 1.5;  // spacings: who counts as a neighbour for n and theta
+  double neighbor_range = 1.5;  // spacings: range of neighbours for n and theta
   double clearance = 0.7;       // spacings: nothing is added closer to another particle
   Index edge_rows = 0;          // rows that may grow where there is no other side within max_gap
   Index max_passes = 100;
   Index max_particles = 20000;
   bool fix_samples = true;      // the given particles stay where they are while the surface grows
   bool release_samples = true;  // they move in a last relaxation
-  // Spacings, >= 0: root mean square by which samples are off the surface; the last relaxation takes that.
+  // Spacings, >= 0: rms distance of the samples from the surface; the last relaxation removes it.
   double noise = 0.0;
-  bool witnessed = false;  // the surroundings must agree to what is born (growth.h); growSurface() asks for it, no field
+  bool witnessed = false;  // the surroundings must agree to a new particle (growth.h); growSurface() sets it, no field
   bool chain = false;      // particles of a curve in the plane y = 0; follows from the model's mode, no field
 };
 

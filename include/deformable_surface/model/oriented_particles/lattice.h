@@ -1,5 +1,5 @@
-// The flat lattice that particles settle into: its spacing and what it resists, from which the constants of the potentials
-// follow. It is a file of its own because it is mathematics of infinite lattices, with no particle in it.
+// The flat lattice that particles settle into: its spacing and its stiffness. The constants of the potentials follow from it.
+// It treats infinite lattices, without single particles.
 #pragma once
 
 #include "deformable_surface/model/material_params.h"

@@ -1,4 +1,4 @@
-// Which particles are near which, kept while nothing has moved far. It is a file of its own because it knows positions and
+// Neighbour lists of particles, reused while nothing has moved far. They depend on positions and
 // descent only.
 #pragma once
 
@@ -8,35 +8,35 @@
 
 namespace deformable_surface::model {
 
-/// Lists of all others within a radius and a skin [Verlet 1967], made anew only when some particle has moved more than half the
+/// Lists of all others within a radius plus a skin [Verlet 1967], rebuilt only when some particle has moved more than half the
 /// skin since. Cells are sorted by a hash of their place [Teschner 2003], so that empty space costs nothing however far
 /// particles fly.
 class NeighborList {
  public:
-  /// More than these are not listed: such a heap of particles is no surface.
+  /// Particles with more neighbours than this are refused: such a heap of particles is no surface.
   static constexpr Index kMostNeighbors = 1024;
 
-  /// radius, skin: m, > 0. apart: of every first particle, by its id, those that are no neighbours of it however near they are,
-  /// ascending, and symmetric; empty: there are none. What descends from two that are apart is apart, too.
+  /// radius, skin: m, > 0. apart: for every initial particle, by its id, the particles that are never its neighbours however near
+  /// they are, ascending and symmetric; empty: there are none. Descendants of two such particles are no neighbours either.
   NeighborList(double radius, double skin, Lists apart = {}) : radius_(radius), skin_(skin), apart_(std::move(apart)) {}
 
-  /// Makes the lists hold every pair within the radius at these positions that is not apart, and none
-  /// beyond radius and skin at those of the last
-  /// rebuild. False if that cannot be: a position is not finite, or a particle has more than kMostNeighbors others; the lists are
-  /// then not to be used. Parallel; allocates only where there is more to list than before. O(n).
-  /// traits: (n), read only if some particles are apart.
+  /// Makes the lists hold every pair within the radius at these positions that is not kept apart, and none
+  /// beyond radius and skin at the positions of the last
+  /// rebuild. False if this is impossible: a position is not finite, or a particle has more than kMostNeighbors others. The lists
+  /// must then not be used. Parallel; allocates only where there is more to list than before. O(n).
+  /// traits: (n), read only if some particles are kept apart.
   bool update(const Points& positions, const std::vector<ParticleTraits>& traits = {});
-  /// Other lengths, m, > 0, for the same particles.
+  /// Changes the lengths, m, > 0, for the same particles.
   void setRadius(double radius, double skin) {
     radius_ = radius;
     skin_ = skin;
     forget();
   }
-  /// One of nothing yet, for particles of the same descent.
+  /// An empty list with the same lengths, for particles of the same descent.
   NeighborList alike() const { return {radius_, skin_, apart_}; }
-  /// m, what a particle may move before lists are made anew.
+  /// m, the distance that a particle may move before lists are rebuilt.
   double margin() const { return 0.5 * skin_; }
-  /// The next update makes the lists anew: the particles are others.
+  /// The particles have changed: the next update rebuilds the lists.
   void forget() { is_valid_ = false; }
 
   /// The others near particle i, ascending.
@@ -44,7 +44,7 @@ class NeighborList {
   const Index* end(Index i) const { return begin(i) + counts_[i]; }
 
   Index numRebuilds() const { return num_rebuilds_; }
-  /// Bytes that are held.
+  /// Memory in use.
   std::size_t bytes() const;
 
  private:

@@ -1,5 +1,5 @@
-// The oriented particles of [Szeliski 1991]: small elements of surface that hold together by potentials between pairs, without
-// a mesh, so that the surface can tear, merge and grow.
+// The oriented particles of [Szeliski 1991]: small elements of surface held together by potentials between pairs, without
+// a mesh. The surface can tear, merge and grow.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -20,9 +20,9 @@ class OrientedParticles : public DeformableModel,
                           public Sides,
                           public Links {
  public:
-  /// rest, normals: (n x 3), unit, where the particles are at first; they are flat at rest (but see setRest()). spacing: m, that
-  /// of the cloud, for params.spacing: auto. apart: as NeighborList takes it; no force acts between such particles, nor between
-  /// those that descend from them. Throws InputError if a surface of these potentials would collapse.
+  /// rest, normals: (n x 3), unit, of the particles at first; they are flat at rest (but see setRest()). spacing: m, of
+  /// the cloud, for params.spacing: auto. apart: as in NeighborList; no force acts between such particles, nor between
+  /// their descendants. Throws InputError if a surface of these potentials would collapse.
   OrientedParticles(const Points& rest, const Points& normals, double spacing, const MaterialParams& material,
                     const OrientedParticlesParams& params, Lists apart = {});
 
@@ -42,70 +42,70 @@ class OrientedParticles : public DeformableModel,
   void addForcesAndTorques(const State& state, Points& forces, Points& torques) const override;
 
   void beginAtRest(State& state) override;
-  /// From now on particles begin with the normals and the rest curvatures of this state.
+  /// From now on particles start with the normals and the rest curvatures of this state.
   void setRest(const State& state);
-  /// Every smooth particle is at rest as it is now bent, as its neighbours tell, up to a radian from neighbour to neighbour.
+  /// Takes the present bending of every smooth particle as its rest shape, estimated from its neighbours, up to a radian each.
   void keepShape(State& state) const;
-  /// Rest curvatures become the means of those of each particle and its neighbours who face the same way, moved along the
-  /// surface; so many times. What noise, and the places where a lattice cannot be regular, make of them goes; those of spheres
-  /// and cylinders stay.
+  /// Replaces each rest curvature by the mean over the particle and the neighbours that face the same way, moved along the
+  /// surface; repeated `times` times. This removes noise and the effect of places where a lattice cannot be regular. Spheres
+  /// and cylinders keep their curvature.
   void smoothShape(Index times, State& state) const;
-  /// The spacing, m, with which the surface would have no tension as it is: sum of d phi'(d) over all pairs = 0, which is what
-  /// gives a flat lattice its own. That of lattice() if there is none as near as the lists reach beyond the cutoff.
+  /// The spacing, m, with which the surface as it is would have no tension: sum of d phi'(d) over all pairs = 0. This condition
+  /// also gives a flat lattice its spacing. The spacing of lattice() if there is none within the reach of the lists.
   double findSpacingWithoutTension(const State& state) const;
-  /// From now on the lattice has this spacing, m. The state is to be adopted.
+  /// From now on the lattice has this spacing, m. The caller must adopt the state again.
   void setSpacing(double spacing);
-  /// The edge, m, of the equilateral triangle that has the area of the mean triangle between the particles; 0 if they span none.
+  /// The edge, m, of the equilateral triangle with the mean area of the triangles between the particles; 0 if there are none.
   double measureSpacing(const State& state) const;
   /// From now on no force depends on orientations, until the spacing is set.
   void leaveOnlyAttraction();
-  /// That of the parameters, or of the cloud.
+  /// The spacing of the parameters, or of the cloud.
   double statedSpacing() const { return stated_spacing_; }
   void adopt(const State& state) override;
   void refreshDisplay(const State& state) const override;
-  /// Elements are pairs within the reach of the lists where the state was followed.
+  /// Elements are the pairs within reach of the lists in the followed state.
   bool followPartners(const State& state) override;
   double maxPartMotion() const override;
   bool markPartners(const std::vector<Index>& points, std::vector<char>& marked) const override;
-  /// Of the particles that are there when all of them are told apart by their ids: it takes no births, and begins no state.
+  /// A part of the present particles, which must have distinct ids. It has no births and starts no state.
   Part makePart(const std::vector<char>& wanted) const override;
-  /// From Gershgorin's bound of the stiffness at the state, that of orientations included. Of the state alone.
+  /// From Gershgorin's bound of the stiffness at the state, including orientations. A function of the state alone.
   double findStableStep(const State& state) const override;
-  /// Above that of as many particles in a flat sheet without edges: an edge costs the bonds that it lacks.
+  /// Relative to a flat sheet of as many particles without edges: an edge costs the energy of its missing bonds.
   double elasticEnergy(const State& state) const override;
   double energyScale() const override { return std::abs(lattice_.energy_per_particle) * static_cast<double>(masses_.size()); }
 
-  /// There is no stiffness for implicit methods: bonds come and go with the distance.
+  /// There is no stiffness matrix for implicit methods: bonds form and break with distance.
   void addRowBounds(const State& state, std::vector<double>& stiffness, std::vector<double>& damping) const override;
   /// The normal times the area per particle of the flat lattice.
   void computeAreaVectors(const State& state, Points& area_vectors) const override;
   bool isClosed() const override { return false; }
-  /// Sum of x.A / 3 over the particles' area vectors: it means something only if they close a surface.
+  /// Sum of x.A / 3 over the particles' area vectors. Meaningful only if they close a surface.
   double enclosedVolume(const State& state) const override;
   void computeVolumeGradient(const State& state, Points& gradient) const override;
   double maxStretch(const State& state) const override;
   void computePointStrain(const State& state, std::vector<double>& strain) const override;
-  /// Those of the last refreshDisplay(), as the triangles.
+  /// From the last refreshDisplay(), like the triangles.
   const std::vector<std::pair<Index, Index>>& stretchLinks() const override { return links_; }
   const std::vector<std::pair<Index, Index>>& bendLinks() const override { return no_links_; }
   const std::vector<WeightedTriangle>& triangles() const override { return triangles_; }
 
   const Lattice& lattice() const { return lattice_; }
   const OrientedParticlesParams& params() const { return params_; }
-  /// What happens beside the motion in a time, s, and moves nothing: x axes turn towards a principal direction where params.spin
-  /// says so [Szeliski 1991, eq. 14 or 15], without inertia, exactly as they would in that time if the surface stood still.
+  /// Changes beside the motion in a time, s, without moving anything: x axes turn towards a principal direction if params.spin
+  /// is set [Szeliski 1991, eq. 14 or 15], without inertia, exactly as on a surface that stands still for that time.
   void turnAxes(double time, State& state) const;
-  /// Whether rest curvatures count; newborn particles then take those of their parents.
+  /// Whether rest curvatures are used. New particles then take those of their parents.
   bool isBent() const { return is_bent_; }
-  /// Plasticity: rest curvatures follow what is beyond params.yield_curvature. Returns whether any did.
+  /// Plasticity: rest curvatures change where bending exceeds params.yield_curvature. Returns whether any did.
   bool flow(State& state) const;
-  /// The temperature, K, that becomes of one after a time, s: it falls exponentially.
+  /// The temperature, K, after a time, s: it falls exponentially.
   double coolDown(double temperature, double time) const;
-  /// Bytes that the lists and copies hold.
+  /// Memory of the lists and copies.
   std::size_t bytes() const;
 
  private:
-  OrientedParticles(const OrientedParticles& whole, std::size_t count);  // a part of so many
+  OrientedParticles(const OrientedParticles& whole, std::size_t count);  // a part with `count` particles
   bool prepare(const State& state) const;
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
@@ -125,8 +125,8 @@ class OrientedParticles : public DeformableModel,
   mutable std::vector<WeightedTriangle> triangles_;
   // Scratch.
   mutable NeighborList lists_;
-  NeighborList partners_;     // by which it is taken in parts
-  bool has_partners_ = true;  // false: they cannot be told, and all are partners
+  NeighborList partners_;     // for parts of the surface
+  bool has_partners_ = true;  // false: unknown, and all are partners
   mutable PackedParticles packed_;
   mutable Points torques_;
   mutable std::vector<double> strain_, row_maxima_;

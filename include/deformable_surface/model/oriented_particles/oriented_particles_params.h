@@ -13,25 +13,25 @@ namespace deformable_surface::model {
 /// space: a surface. plane: a curve, as a section of a surface; particles stay in y = 0 and their normals in that plane.
 enum class ParticleMode { kSpace, kPlane };
 
-/// How far the forces between orientations reach: isotropic = by distance alone; anisotropic = [Szeliski 1991, eq. 10], which
-/// counts those near a particle's tangent plane more.
+/// Range of the forces between orientations: isotropic = by distance alone; anisotropic = [Szeliski 1991, eq. 10], with
+/// more weight near a particle's tangent plane.
 enum class ParticleWeighting { kIsotropic, kAnisotropic };
 
-/// By which potential the x axes turn to a principal direction: that of the least signed curvature [Szeliski 1991, eq. 14] or of
+/// The principal direction that the x axes turn to: that of the least signed curvature [Szeliski 1991, eq. 14] or of
 /// the least absolute one [eq. 15].
 enum class PrincipalDirection { kSigned, kAbsolute };
 
-/// Where particles are born by themselves: nowhere, in gaps that face another side, or at open edges as well.
+/// Where particles are added automatically: nowhere, in gaps that face another side, or at open edges as well.
 enum class Growing { kNone, kGaps, kEdges };
 
-/// What is at rest: the flat lattice, as published, so that other clouds move from the beginning; or the cloud as it is given.
-/// auto: the cloud where particles can remember a shape.
+/// The rest shape: the flat lattice, as published, so that other clouds move from the beginning; or the cloud as given.
+/// auto: the cloud if particles can remember a shape.
 enum class RestShape { kAuto, kFlat, kCloud };
 
 struct OrientedParticlesParams {
   ParticleMode mode = ParticleMode::kSpace;
   OrAuto<double> spacing;  // m, > 0: between neighbours on the flat surface at rest; auto = that of the cloud
-  // Each multiplies a value that comes from the material.
+  // Each multiplies a value derived from the material.
   double lennard_jones = 1.0;        // >= 0: 1 = the surface has Young's modulus
   double co_planarity = 1.0;         // >= 0: the bending rigidity is (co_planarity + co_normality) / 2 times the material's
   double co_normality = 1.0;         // >= 0
@@ -39,8 +39,8 @@ struct OrientedParticlesParams {
   double axis_alignment_rate = 0.0;  // 1/s, >= 0: how fast x axes turn to a principal direction
   PrincipalDirection principal = PrincipalDirection::kSigned;
   Vec2 exponents{8.0, 4.0};  // of repulsion and attraction, whole, the first the larger
-  double cutoff = 1.6;       // of the pair's distance of least energy, > 1: nothing is felt beyond
-  // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as exponents and cutoff make it.
+  double cutoff = 1.6;       // of the pair's distance of least energy, > 1: no interaction beyond
+  // >= 0: stretch at which a bond carries most, by a shorter cutoff; 0 = as given by exponents and cutoff.
   double tear_strain = 0.0;
   ParticleWeighting weighting = ParticleWeighting::kIsotropic;
   double weighting_width = 1.0;   // > 0, spacings: a of eq. 10
@@ -49,9 +49,9 @@ struct OrientedParticlesParams {
   double melting = 1000.0;       // K above ambient, > 0: bonds weaken linearly until there
   double cooling = 0.0;          // 1/s, >= 0: rate at which temperatures fall to the ambient one
   double freeze_below = 0.0;     // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
-  double yield_curvature = 0.0;  // 1/m, >= 0: what is bent by more stays bent by the rest; 0 = nothing stays
+  double yield_curvature = 0.0;  // 1/m, >= 0: bending beyond it stays; 0 = no plasticity
   bool delete_trapped = false;   // particles inside two solid tools at once go
-  bool stretching = false;       // particles are born between those that were drawn apart
+  bool stretching = false;       // particles are added between those that were drawn apart
   Growing growing = Growing::kNone;
   double growth_interval = 0.02;  // s, > 0: between two looks for room
   bool grow_surface = false;      // before time 0 a surface is grown through the particles

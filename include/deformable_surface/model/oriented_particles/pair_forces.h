@@ -1,5 +1,5 @@
-// The sum over pairs: what the neighbours of a particle do to it. It is a file of its own because it is the hot loop: four
-// neighbours at a time, a version for every set of terms.
+// The forces between a particle and its neighbours. This is the hot loop: four neighbours at a time, with a compiled version for
+// every set of terms.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/neighbor_list.h"
@@ -19,22 +19,22 @@ struct PackedParticles {
   const double* normal(Index i) const { return normals.data() + 4 * static_cast<std::ptrdiff_t>(i); }
 };
 
-/// Adds to forces (N) and torques (N m), (n x 3) each, what acts on particles begin .. end - 1. A particle gathers from its
-/// neighbours in ascending order, so that the bits depend neither on threads nor on what else the lists hold.
+/// Adds to forces (N) and torques (N m), (n x 3) each, those on particles begin .. end - 1. A particle gathers from its
+/// neighbours in ascending order: the bits depend neither on threads nor on other entries of the lists.
 ///
 /// With r = p_j - p_i, d = |r|, u = n.r for either normal, s = u_i + u_j, Q = |n_i - n_j|^2 the energy of a pair, both orders
 /// summed, is
 ///   E = 2 phi(d) + psi_i (aP u_i^2 + aN Q + aC s^2) + psi_j (aP u_j^2 + aN Q + aC s^2)
-/// [Szeliski 1991, eq. 5 to 8, 11]. The strength of the weaker particle's bonds multiplies psi and what attracts in phi: all of
-/// it beyond its minimum, and its depth; the repulsion nearer than that stays, so that melted particles do not come to lie in
-/// each other. psi is also times 0 if one is not smooth; psi_i = psi_j = psi(d), or [eq. 10]
+/// [Szeliski 1991, eq. 5 to 8, 11]. The strength of the weaker particle's bonds multiplies psi and the attraction in phi: all of
+/// it beyond its minimum, and its depth. The repulsion nearer than that stays, so that melted particles do not overlap.
+/// psi is zero for pairs with a particle that is not smooth; psi_i = psi_j = psi(d), or [eq. 10]
 /// exp(-(d^2 - u^2) / 2 a^2 - u^2 / 2 b^2) times the switch. Then
 ///   f_i = c_r r + c_i n_i + c_j n_j,  tau_i = (c_i r + 2 aN (psi_i + psi_j) (n_i - n_j)) x n_i,
 ///   c_k = 2 aP u_k psi_k + 2 aC s (psi_i + psi_j) + dE/dpsi_k dpsi_k/du_k,  c_r d = dE/dd.
 /// These are minus the gradient of E; the printed appendix B is not.
 ///
 /// With rest curvatures K (isotropic weighting only), in aP's terms u_i becomes u_i + r.K_i r / 2, u_j becomes u_j - r.K_j r / 2,
-/// and in aN's n_i - n_j becomes q = n_i - n_j + (K_i + K_j) r / 2: both vanish where the surface has those curvatures, but for
+/// and in aN's n_i - n_j becomes q = n_i - n_j + (K_i + K_j) r / 2. Both vanish where the surface has those curvatures, up to
 /// higher powers of them. K turns with its particle.
 void gatherForces(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin, Index end,
                   Vec3* forces, Vec3* torques);

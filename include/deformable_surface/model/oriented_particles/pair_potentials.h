@@ -1,5 +1,5 @@
-// The potentials between two oriented particles as functions of their distance. They are templates in a header, because forces
-// are computed for four neighbours at once and energies for one.
+// The potentials between two oriented particles as functions of their distance. They are templates: forces are computed
+// for four neighbours at once, energies for one.
 #pragma once
 
 #include "deformable_surface/base/simd.h"
@@ -12,7 +12,7 @@ namespace deformable_surface::model {
 struct PairPotentials {
   double depth = 0.0;         // J, e0 of the Lennard-Jones potential
   double distance = 0.0;      // m, r0: where that potential is least
-  double core = 0.0;          // m: nearer than this its force stays what it is there, so that no state has infinite forces
+  double core = 0.0;          // m: nearer than this its force stays constant, so that no state has infinite forces
   double switch_begin = 0.0;  // m: from here to the cutoff it is switched off
   double cutoff = 0.0;        // m
   int repulsion = 12, attraction = 6;               // exponents
@@ -77,8 +77,8 @@ DEFORMABLE_SURFACE_INLINE void weighByDistance(const PairPotentials& p, const T&
   slope_by_distance = -6.0 * inverse * q * q;
 }
 
-/// The second derivative of the Lennard-Jones potential, N/m; nearer than the core its value there, so that a bound of the
-/// stiffness holds when the pair comes out again.
+/// The second derivative of the Lennard-Jones potential, N/m. Nearer than the core its value there, so that a bound of the
+/// stiffness holds when the pair separates again.
 inline double findLennardJonesCurvature(const PairPotentials& p, double d) {
   if (!(d < p.cutoff)) return 0.0;
   const double at = d > p.core ? d : p.core, n = p.repulsion, m = p.attraction, share = p.depth / (n - m);

@@ -1,5 +1,5 @@
-// The triangles that oriented particles span, and what kind of surface they make of it. Particles have no connectivity of their
-// own: this is found anew from positions and normals whenever somebody wants to see or measure the surface.
+// Triangulates oriented particles, and measures the topology of the surface that they form. Particles have no connectivity:
+// the triangles are computed from positions and normals for each display or measurement.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -11,14 +11,14 @@ namespace deformable_surface::model {
 
 /// The surface triangulation of [Szeliski and Tonnesen 1991, sec. 5]: a triangle belongs to the surface if no other particle lies
 /// within its smallest circumscribing sphere. That is the smallest sphere through its three corners, centre in the triangle's
-/// plane, for obtuse triangles too: in the plane this is Delaunay's rule (the smallest sphere that merely contains an obtuse
-/// triangle is not: it accepts triangles that overlap). Only particles that face the triangle's way can be in the way, so that
-/// the two sides of something thin do not disturb each other.
+/// plane, for obtuse triangles too: in the plane this is Delaunay's rule. (The smallest sphere that merely contains an obtuse
+/// triangle would accept triangles that overlap.) Only particles that face the triangle's way are tested, so that
+/// the two sides of a thin body do not disturb each other.
 ///
 /// Further rules: no edge, and no sphere's radius, is longer than max_edge (m, > 0); the triangle's plane is at most 60 degrees
-/// from the tangent plane of each corner; triangles overlap at no corner, seen along its normal, so that they are a manifold.
-/// Among triangles that would overlap those with an empty sphere come first, then those with particles on the sphere
-/// (cocircular particles; the square of a grid gets one diagonal), then those that close a gap between others; equals in the
+/// from the tangent plane of each corner; triangles overlap at no corner, seen along its normal: they form a manifold.
+/// Among triangles that would overlap, those with an empty sphere come first, then those with particles on the sphere
+/// (cocircular particles; the square of a grid gets one diagonal), then those that close a gap between others; ties in the
 /// order of their corners.
 ///
 /// positions, normals (n x 3, unit). Corners are counter-clockwise seen from the tip of the normals, the smallest index first;
@@ -27,11 +27,11 @@ namespace deformable_surface::model {
 std::vector<WeightedTriangle> triangulateParticles(const Points& positions, const Points& normals, double max_edge);
 
 /// The links of particles in a plane curve ("chains", sec. 6): pairs (smaller index first, sorted) of at most max_edge (m) with
-/// no other particle within the sphere whose diameter they are, under the same rules for normals; the triangulation's rule, one
+/// no other particle within the sphere that has the pair as diameter, under the same rules for normals: the same rule, one
 /// dimension lower.
 std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const Points& normals, double max_edge);
 
-/// What kind of surface it is. Particles without a triangle (link) are isolated and count nowhere else.
+/// The topology of the surface. Particles without a triangle (link) count as isolated and in nothing else.
 struct ParticleTopology {
   Index components = 0;
   Index boundary_loops = 0;        // of a surface: closed chains of boundary edges; of chains: their ends
@@ -44,7 +44,7 @@ struct ParticleTopology {
 /// triangles: a manifold, as triangulateParticles() makes them, of num_particles particles.
 ParticleTopology measureTopology(Index num_particles, const std::vector<WeightedTriangle>& triangles);
 
-/// The same of chains; a closed one has no genus and Euler characteristic 0.
+/// The same for chains. A closed one has no genus and Euler characteristic 0.
 ParticleTopology measureTopology(Index num_particles, const std::vector<std::pair<Index, Index>>& links);
 
 }  // namespace deformable_surface::model

@@ -1,4 +1,4 @@
-// The shape to which particles are bent at rest, and how it flows where they are bent too far. Apart from the forces, because it
+// The bent rest shape of particles, and its plastic flow where they are bent too far. Unlike forces, it
 // changes between steps only.
 #pragma once
 
@@ -13,20 +13,20 @@ namespace deformable_surface::model {
 Mat3 turnCurvatureToWorld(const Quaternion& orientation, const Vec3& curvature);
 Vec3 turnCurvatureToFrame(const Quaternion& orientation, const Mat3& curvature);
 
-/// Eigenvalues of a curvature in a frame, the larger first, and the angle of the first's direction from the x axis, rad.
+/// Eigenvalues of a curvature, the larger first, and the angle of the first's direction from the x axis of the frame, rad.
 struct PrincipalCurvatures {
   double larger = 0.0, smaller = 0.0, angle = 0.0;
 };
 PrincipalCurvatures findPrincipalCurvatures(const Vec3& curvature);
 
-/// Gathers what neighbours tell of a particle's curvature: the least squares of n_j - n_i - K (p_j - p_i) across its normal, each
-/// by its weight. Exact on spheres and cylinders.
+/// Estimates a particle's curvature from its neighbours: the least squares of n_j - n_i - K (p_j - p_i) across its normal, each
+/// with its weight. Exact on spheres and cylinders.
 class CurvatureFit {
  public:
   explicit CurvatureFit(const Quaternion& orientation) : to_frame_(orientation.conjugate().toRotationMatrix()) {}
   /// offset: p_j - p_i, m; turn: n_j - n_i.
   void add(double weight, const Vec3& offset, const Vec3& turn);
-  /// In the frame; nothing if the neighbours do not tell, being in line or too few.
+  /// In the frame; none if the neighbours are collinear or too few.
   std::optional<Vec3> solve() const;
 
  private:
@@ -35,8 +35,8 @@ class CurvatureFit {
   Vec3 right_ = Vec3::Zero();
 };
 
-/// Perfect plasticity: the rest curvature after a particle has had a curvature. What is bent by more than the yield (1/m, > 0) in
-/// its most bent direction keeps what is beyond; else nothing changes.
+/// Perfect plasticity: the new rest curvature after a particle had a curvature. Bending beyond the yield (1/m, > 0) in
+/// its most bent direction stays as rest curvature. Below the yield nothing changes.
 Vec3 flowToYield(const Vec3& rest, const Vec3& curvature, double yield);
 
 }  // namespace deformable_surface::model
