@@ -13,16 +13,16 @@ namespace deformable_surface::simulation {
 /// The first number of points tried: its coarser copies still carry a shape, and a step of it costs next to nothing.
 constexpr Index kFewestTried = 8 * kCoarsestPoints;
 
-/// The rest surface with the number of simulation points that params.accuracy leads to; without a wish, the one that params
+/// The rest surface with the number of simulation points chosen from params.accuracy; without a target, the number that params
 /// state. Throws InputError.
 RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice);
 
-/// What a step costs, s: the least of the last few that step() takes, each of which returns its time. The first never counts,
-/// whatever it took. A probe that fits the budget (s) is taken farther than one that does not. Infinite if a step is.
+/// Time of a step, s: the least of the last few calls of step(), each of which returns its time. The first never counts.
+/// A probe that fits the budget (s) is run longer than one that does not. Infinite if a step is.
 double timeSteps(const std::function<double()>& step, double budget);
 
-/// The most of n points whose step fits the budget (s), by what time_step(points) says a step costs (s): doubled until it does
-/// not fit, then once in between.
+/// The largest number, up to n, of points whose step fits the budget (s); time_step(points) returns the time of a step (s). The
+/// number is doubled until it does not fit; then one number in between is tried.
 Index chooseByTime(Index n, double budget, const std::function<double(Index)>& time_step, AccuracyChoice& choice);
 
 }  // namespace deformable_surface::simulation

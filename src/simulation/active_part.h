@@ -1,5 +1,5 @@
-// The part of a surface that is awake, simulated as if it were all there is: its own model, loads and march on arrays of its own,
-// so that every loop of a step costs what is awake. What surrounds it is held where it sleeps.
+// Simulates the part of a surface that is awake as if it were alone: with a model, loads and time march of its own on arrays of
+// its own. Every loop of a step then costs only the awake points. The surrounding points are held in place.
 #pragma once
 
 #include "deformable_surface/solve/time_march.h"
@@ -9,34 +9,34 @@
 
 namespace deformable_surface::simulation {
 
-/// Points of three kinds: moving ones; the wall, which is held and has elements in common with them; and what is behind the wall,
-/// which shares elements with it, so that the forces on the wall are whole: they say when it should have moved.
+/// Its points are of three kinds: moving ones; the wall, held points that share elements with them; and points behind the
+/// wall that share elements with it. These make the forces on the wall complete: the forces show when it should have moved.
 class ActivePart {
  public:
-  /// moving (n): of the surface, at least one. params is kept by reference. Throws nothing; the model must know parts.
+  /// moving (n): of the surface, at least one. params is kept by reference. Throws nothing; the model must have a Partition.
   /// loads: of the surface; damping: 1/s.
   ActivePart(const model::DeformableModel& whole, const std::vector<char>& moving, const SceneParams& params,
              const LoadSet& loads, double damping);
 
-  /// Loads or tools of the surface have changed.
+  /// The loads or tools of the surface have changed.
   void setLoads(const LoadSet& loads);
 
-  /// Advances a copy of the moving points by a step from the surface's state; held, held_turns (n): as the surface has it.
+  /// Advances a copy of the moving points by a step from the surface's state; held, held_turns (n): of the surface.
   solve::TimeMarch::Outcome step(double time, const State& state, const std::vector<char>& held,
                                  const std::vector<char>& held_turns);
-  /// The copy into the surface's state.
+  /// Writes the copy into the surface's state.
   void put(State& state) const;
 
-  /// The points of the surface at which the copy disturbs the wall: those of the wall that are not in balance at a time (s)
-  /// within the acceleration (m/s^2), and moving ones beside it that are faster than the speed (m/s). Turns count by what they
-  /// move at the spacing (m). Overwritten. Returns the largest acceleration of the wall.
+  /// The points of the surface where the copy disturbs the wall: points of the wall whose acceleration at a time (s) exceeds
+  /// a limit (m/s^2), and moving points beside it that are faster than the speed (m/s). Turns count by the motion they cause
+  /// at the distance of a spacing (m). Overwritten. Returns the largest acceleration of the wall.
   double findHits(double time, double acceleration, double speed, double spacing, std::vector<Index>& hits);
-  /// Whether a moving point of the copy is farther than a distance, m, from where it was, since (n x 3 of the surface).
+  /// Whether a moving point of the copy is farther than a distance, m, from its place in since (n x 3 of the surface).
   bool hasMoved(const Points& since, double distance) const;
 
-  /// (n) As it was made for.
+  /// (n) The moving points that it was made for.
   const std::vector<char>& moving() const { return moving_; }
-  /// For looking at the copy.
+  /// The state of the copy, for display.
   const State& state() const { return state_; }
   const solve::System& system() const { return system_; }
   const std::vector<Index>& points() const { return points_; }  // of the surface, ascending

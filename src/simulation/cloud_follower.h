@@ -1,4 +1,4 @@
-// How the points of the cloud follow the simulation points of a model for which the transfer of its rest surface does not say it.
+// How the points of the cloud follow the simulation points, for models whose rest surface has no transfer for that.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -17,14 +17,14 @@ class CloudFollower {
   virtual void follow(const model::State& state, Points& dense, std::vector<Eigen::Vector3f>* normals) = 0;
   /// Whether normals may be found by covariance analysis of the dense points.
   virtual bool isSurface() const { return false; }
-  /// Of the last state that was followed: where the simulation points of the beginning are.
+  /// For the last state that was followed: where the initial simulation points are.
   virtual const Points& firstPositions(const model::State& state) const { return state.positions; }
-  /// (dense) 1: the point is gone; empty: none is.
+  /// (dense) 1: the point is removed; empty: none is.
   virtual const std::vector<char>& gone() const {
     static const std::vector<char> none;
     return none;
   }
-  /// Adds rows for simulation points that have come since. first_input: (dense) the first input point that each is.
+  /// Appends rows for simulation points that were added since. first_input: (dense) the first input point of each.
   virtual void append(const model::State& /*state*/, const std::vector<Index>& /*first_input*/, bool /*with_normals*/,
                       Surface& /*surface*/) const {}
 };

@@ -1,5 +1,5 @@
-// What a command may not ask for: every refusal is here, before anything is changed. Apart from what commands do, since copies of
-// a surface take commands that were checked.
+// Checks commands before anything is changed: every refusal is here. Copies of a surface take commands that were checked
+// before.
 #pragma once
 
 #include "deformable_surface/simulation/commands.h"

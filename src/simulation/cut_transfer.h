@@ -1,5 +1,5 @@
-// The transfer of a surface that is cut: dense points follow simulation points of their own side alone. Apart from the transfer
-// itself, which knows neither links nor knives, and from the deformed surface, which needs it rarely.
+// The transfer of a cut surface: dense points follow only simulation points on their own side. The general transfer
+// knows neither links nor knives.
 #pragma once
 
 #include "deformable_surface/simulation/rest_surface.h"
@@ -15,23 +15,23 @@ class CutTransfer {
  public:
   using Link = std::pair<Index, Index>;
 
-  /// Begins as the transfer of the rest surface, which is kept by reference.
+  /// Starts from the transfer of the rest surface, which is kept by reference.
   CutTransfer(const RestSurface& rest, const transfer::TransferParams& params);
 
-  /// A knife went through while the simulation points (m x 3) moved from before to after. A dense point that it parted from one
-  /// of those that the point follows at rest will not follow it again. Returns whether there is any.
+  /// A knife passed while the simulation points (m x 3) moved from before to after. A dense point never again follows a point, of
+  /// those that it follows at rest, from which the knife separated it. Returns whether any was separated.
   bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after);
 
-  /// The links (m) that are whole now. A dense point goes with its home, the nearest simulation point that it was not severed
-  /// from, and follows what can be reached from there over a few whole links: as many as at rest, as far as there are. Rows of
-  /// the operator where nothing is cut stay as they are.
+  /// Sets the whole links (m). The home of a dense point is the nearest simulation point that it was not separated from.
+  /// It follows the points that can be reached from there over a few whole links: as many as at rest, if there are as many. Rows
+  /// of the operator where nothing is cut stay as they are.
   void followLinks(const std::vector<Link>& whole);
 
   const transfer::Transfer& transfer() const { return transfer_; }
 
-  /// What a snapshot must hold: bit j of a dense point, it is severed from the j-th simulation point that it follows at rest.
+  /// What a snapshot must hold: bit j of a dense point: it is separated from the j-th simulation point that it follows at rest.
   using Memory = std::vector<std::uint64_t>;
-  /// The same one until sever() finds something more.
+  /// The same pointer until sever() separates more.
   std::shared_ptr<const Memory> memory() const;
   void setMemory(const std::shared_ptr<const Memory>& severed, const std::vector<Link>& whole);
 
@@ -41,7 +41,7 @@ class CutTransfer {
   transfer::Transfer transfer_;
   Memory severed_;                                // (dense)
   mutable std::shared_ptr<const Memory> memory_;  // the same; null: not asked for yet
-  std::vector<char> is_refit_;                    // (dense) its row is another than at rest
+  std::vector<char> is_refit_;                    // (dense) its row differs from the one at rest
   // Scratch.
   Points dense_before_, dense_after_;
   Memory parted_;  // (dense) by the last knife

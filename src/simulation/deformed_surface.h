@@ -1,5 +1,5 @@
-// The full surface of a state: every input point where it is now, with its normal, and those that came since. A file of its own,
-// because nothing of it is needed for a step: it is made when somebody looks.
+// The full surface of a state: every input point at its present place, with its normal, and the points added since. Steps do not
+// need it: it is made on demand.
 #pragma once
 
 #include "deformable_surface/simulation/evolution.h"
@@ -16,14 +16,14 @@ namespace deformable_surface::simulation {
 
 class DeformedSurface : public CutFollower {
  public:
-  /// All are kept by reference and stay what they are. follower: of the model; null: the transfer of the rest surface.
+  /// All are kept by reference and do not change. follower: of the model; null: the transfer of the rest surface.
   DeformedSurface(const RestSurface& rest, const cloud::PointCloud& input, const SceneParams& params,
                   std::unique_ptr<CloudFollower> follower);
 
-  /// At rest again: inserted points go.
+  /// Back at rest: inserted points are removed.
   void reset();
-  /// Where points are inserted, in every step, so that what is inserted does not depend on who looks; it costs a transfer per
-  /// step.
+  /// If points are inserted: to be called in every step, so that the insertion does not depend on who reads the surface. It costs
+  /// a transfer per step.
   void resample(const model::State& state);
   /// The inserted points, for a snapshot; null if none are ever inserted.
   std::shared_ptr<const transfer::Resampler> saveInserted() const;
@@ -31,19 +31,19 @@ class DeformedSurface : public CutFollower {
 
   bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after) override;
   void followLinks(const std::vector<std::pair<Index, Index>>& whole) override;
-  /// What was severed, for a snapshot; null: nothing.
+  /// What was separated by cuts, for a snapshot; null: nothing.
   std::shared_ptr<const CutTransfer::Memory> saveCut() const { return cut_ ? cut_->memory() : nullptr; }
   void restoreCut(const std::shared_ptr<const CutTransfer::Memory>& saved, const std::vector<std::pair<Index, Index>>& whole);
 
-  /// The state is another than that of the last make().
+  /// The state has changed since the last make().
   void invalidate();
-  /// Another number whenever the state may be another, also than that of any other surface.
+  /// Changes whenever the state may have changed; unique among all surfaces.
   std::uint64_t revision() const { return revision_; }
   bool isMade() const { return is_made_; }
   bool hasNormals() const { return has_normals_; }
-  /// Whether the last make() left parts of it as they were, because nothing that they follow had moved.
+  /// Whether the last make() kept parts of it because nothing that they follow had moved.
   bool hasRested() const { return has_rested_; }
-  /// The surface of the state, if it has not been made yet. with_normals: computed if params.output.normals, too.
+  /// The surface of the state, computed once per state. with_normals: computed if params.output.normals, too.
   const Surface& make(const model::State& state, bool with_normals);
 
  private:
@@ -57,7 +57,7 @@ class DeformedSurface : public CutFollower {
   void groupRows();
   void fillRows(Index begin, Index end, bool with_normals);
   void expand(bool with_normals);
-  // Where the input's point is now that is this dense one.
+  // The present place of the input's point of this dense point.
   Vec3 placeRow(Index d) const { return rest_.off_surface.empty() ? dense_now_[d] : Vec3(dense_now_[d] + rest_.off_surface[d]); }
   void appendInserted(bool with_normals);
 
@@ -75,11 +75,11 @@ class DeformedSurface : public CutFollower {
   std::vector<Eigen::Vector3f> inserted_normals_now_;
 
   std::unique_ptr<CutTransfer> cut_;            // null: nothing is cut
-  std::vector<std::pair<Index, Index>> whole_;  // the links that it was told of last
-  bool is_following_ = false;                   // it is being told of others, or was interrupted there
+  std::vector<std::pair<Index, Index>> whole_;  // the links of the last followLinks()
+  bool is_following_ = false;                   // followLinks() is running, or was interrupted
 
-  // Of a surface that is made in tiles: of each its rows of the input, ascending. Without holes and coincident points (is_plain_)
-  // these are the points themselves, and there is no list.
+  // For a surface that is made in tiles: the rows of the input of each tile, ascending. Without holes and coincident points
+  // (is_plain_) these are the points themselves, and there is no list.
   const bool is_plain_;
   Lists rows_;
   transfer::Transfer::Frame frame_;

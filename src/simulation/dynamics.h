@@ -1,5 +1,5 @@
-// The surface as a mechanical system: its state, what holds and loads it, the order of a step, and what of it sleeps. It knows
-// nothing of clouds, of error estimates and of what is published: the simulation, its coarser copies and trials all run one.
+// The mechanical system: state, constraints, loads, the order of a step, and sleep. It knows nothing of clouds, error estimates
+// and published data. The simulation, its coarser copies and trials each run one.
 #pragma once
 
 #include "deformable_surface/base/interrupt.h"
@@ -21,46 +21,46 @@
 
 namespace deformable_surface::simulation {
 
-/// Of points from those of the same index, m.
+/// The largest distance between points of the same index, m.
 double findLargestDistance(const Points& a, const Points& b);
 
 class Dynamics {
  public:
-  /// At rest, at time 0. The model is taken out of the rest surface, which forks share. Throws InputError for what the scene's
-  /// tools may not do here.
+  /// At rest, at time 0. Takes the model out of the rest surface; forks share the rest. Throws InputError if the scene's
+  /// tools are not accepted on this surface.
   Dynamics(const SceneParams& params, RestSurface rest);
   Dynamics(const Dynamics&) = delete;
   Dynamics& operator=(const Dynamics&) = delete;
 
-  /// Another one in the state of this, which goes on as this one would, bit for bit; it shares the rest surface and has a clone
+  /// Another one in the same state. It continues as this one would, bit for bit; it shares the rest surface and has a clone
   /// of the model. to_look: no step will be taken from it. Throws InputError if the model cannot be copied.
   std::unique_ptr<Dynamics> fork(bool to_look = false) const;
   DynamicsState save() const;
-  /// Of a dynamics of the same surface and scene.
+  /// saved: from a dynamics of the same surface and scene.
   void restore(const DynamicsState& saved, bool to_look = false);
-  /// Back to rest at time 0; pins, forces and tools of the scene stay, those added since go.
+  /// Back to rest at time 0. Pins, forces and tools of the scene stay; later ones are removed.
   void reset();
-  /// How a surface was grown through the particles at rest, if the scene asks for it: a sentence; else empty.
+  /// The result of growing a surface through the particles at rest, if the scene asks for it: a sentence; else empty.
   const std::string& growthNotice() const { return growth_notice_; }
 
-  /// Of commands that were checked (command_checks.h). Edits of particles throw InputError, and change nothing, where they cannot
-  /// be done.
+  /// Carries out a command that was checked (command_checks.h). Edits of particles throw InputError, and change nothing, if they
+  /// are impossible.
   Changes apply(const Command& command);
 
   // A step has two halves.
-  /// Looks what wakes in the step that begins now. False: nothing does, and passStep() is all that is left to do.
+  /// Finds out what wakes in this step. False: nothing does, and only passStep() has to be called.
   bool beginStep();
   struct Request {
-    /// Where the search for a first equilibrium may begin: positions of all points, or none. It is asked only where that may be
-    /// worth while.
+    /// Start of the search for a first equilibrium: positions of all points, or none. It is called only where that may
+    /// pay.
     std::function<Points(const SceneParams& now)> find_start;
-    /// m; > 0: an equilibrium is searched for a second time, from positions that are disturbed by so much.
+    /// m; > 0: an equilibrium is searched for a second time, from positions disturbed by this distance.
     double second_search = 0.0;
   };
   struct Outcome {
     bool ok = true;
     std::string failure;     // what was wrong, as the end of "step 3 ..."
-    std::string notice;      // what a user should know though all is well; else empty
+    std::string notice;      // for the user of a step that succeeded; else empty
     bool has_slept = false;  // through the step
     bool has_cut = false;
     bool has_new_arrival = false;                        // see ContactLoad
@@ -68,36 +68,36 @@ class Dynamics {
     double contact_seconds = 0.0, search_seconds = 0.0;  // s of wall time
     solve::SolveReport report;
   };
-  /// Numbers that went wrong, and an interrupt, never throw: everything is then as before the step; so it is if anything throws.
+  /// Numbers that are not finite, and an interrupt, never throw. Everything is then as before the step, also if anything throws.
   Outcome takeStep(const Request& request);
   /// Both halves.
   Outcome step();
-  /// Time alone passes.
+  /// Only time passes.
   Outcome passStep();
-  /// As if the last step had not been taken; no command may have come since.
+  /// Undoes the last step; no command may have come since.
   void undoStep();
 
   /// See Simulation::setInterrupt().
   void setInterrupt(const std::atomic<bool>* interrupt);
   const std::atomic<bool>* interrupt() const { return interrupt_; }
-  /// Cuts are told to this one while they are made; null: to nobody.
+  /// Cuts are reported to this follower while they are made; null: to none.
   void setCutFollower(CutFollower* follower) { cut_follower_ = follower; }
 
   // For copies and trials.
-  /// Moves every free point by up to size (m) along each axis, always in the same way: what a twin starts from.
+  /// Moves every free point by up to size (m) along each axis, always in the same way: the start of a twin.
   void disturb(double size);
-  /// Only this share, in (0, 1], of the stated membrane stiffness acts from now on and after resets, which is at rest; bending
+  /// At rest: uses only this share, in (0, 1], of the stated membrane stiffness from now on and after resets; bending
   /// and masses are as stated.
   void softenMembrane(double share);
   void stiffenMembrane() { setMembraneShare(1.0); }  // all of it acts, until the next reset
   double membraneShare() const { return now_.membrane_share; }
-  /// A step is taken in fineness times as many sub-steps.
+  /// Multiplies the number of sub-steps of every step by fineness.
   void setFineness(Index fineness);
-  /// From the next step on, in place of that of the params.
+  /// From the next step on, instead of that of the params.
   void setIntegrator(solve::IntegratorType type);
-  /// The same from now on and after resets.
+  /// The same, also after resets.
   void chooseIntegrator(solve::IntegratorType type) { params_.integrator.type = chosen_.integrator = type; }
-  /// Whether that is the one that acts, and another than auto.
+  /// Whether the chosen integrator is in use, and is another than auto.
   bool hasChosenIntegrator() const {
     return chosen_.integrator != solve::IntegratorType::kAuto && params_.integrator.type == chosen_.integrator;
   }
@@ -106,13 +106,13 @@ class Dynamics {
   const RestSurface& rest() const { return *rest_; }
   const model::DeformableModel& model() const { return *model_; }
   const ModelKind& kind() const { return kind_; }
-  /// See ModelKind; of this model, which it keeps by reference.
+  /// See ModelKind; the follower keeps this model by reference.
   std::unique_ptr<CloudFollower> makeFollower() const { return kind_.makeFollower(*rest_, params_, *model_); }
   const solve::System& system() const { return system_; }
   const LoadSet& loads() const { return loads_; }
   const Grips& grips() const { return grips_; }
   const Activity& activity() const { return activity_; }
-  /// Throws InputError for what tools may not do to this surface.
+  /// Throws InputError for tools that are not accepted on this surface.
   void requireTools(const std::vector<tool::ToolParams>& tools) const;
 
   double time() const { return static_cast<double>(steps_) * params_.integrator.time_step; }
@@ -125,7 +125,7 @@ class Dynamics {
   /// Of the last step.
   solve::IntegratorType lastIntegrator() const { return lastMarch().lastType(); }
   Index lastSubsteps() const { return last_substeps_; }
-  /// Another number whenever anything that can be asked for may be another, but the time.
+  /// Changes whenever anything that can be asked for may have changed, except the time.
   std::uint64_t revision() const { return revision_; }
   /// See Simulation.
   bool hasSnapped() const;
@@ -186,7 +186,7 @@ class Dynamics {
   Changes changeForce(const std::string& id);
   void follow(const Changes& changes);
 
-  // What a checkpoint and a snapshot hold.
+  // The content of a checkpoint and of a snapshot.
   void keepWaiting(DynamicsState::Waiting& waiting) const;
   void keepHolding(DynamicsState::Holding& holding) const;
   void giveBack(const DynamicsState& saved, bool to_look);
@@ -222,13 +222,13 @@ class Dynamics {
 
   SceneParams params_;  // with the integrator and the physics of now
 
-  // Made once from the rest state: what forks share, and what each has for itself.
+  // Made once from the rest state: shared by forks, or one for each.
   const std::shared_ptr<const RestSurface> rest_;
   const std::unique_ptr<model::DeformableModel> model_;
   const ModelKind& kind_;
   const std::unique_ptr<Evolution> evolution_;
 
-  // What a DynamicsState holds: as it is, or as the memories of those that it acts by.
+  // What a DynamicsState holds: directly, or as the memory of these objects.
   DynamicsState::Motion now_;
   std::uint64_t steps_ = 0;
   std::vector<tool::ToolParams> tools_;
@@ -243,13 +243,13 @@ class Dynamics {
   std::unique_ptr<ActivePart> part_;     // null: to be made when it is needed
   solve::TimeMarch::Memory part_march_;  // that a part which is made goes on from
 
-  // What resets and snapshots leave as it is.
+  // Not changed by resets and snapshots.
   struct Chosen {
     double membrane_share = 1.0;                                      // from each reset on
-    solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // another: in the place of auto, from each reset on
-    model::MaterialParams made;                                       // what the model was made with
+    solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // another: replaces auto, from each reset on
+    model::MaterialParams made;                                       // the material that the model was made with
   } chosen_;
-  std::vector<model::PointMaterial> shares_;  // values_ as the model has them; empty: as it was made
+  std::vector<model::PointMaterial> shares_;  // values_ as given to the model; empty: as it was made
   Index fineness_ = 1;
   const std::atomic<bool>* interrupt_ = nullptr;
   CutFollower* cut_follower_ = nullptr;

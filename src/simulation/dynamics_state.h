@@ -1,5 +1,5 @@
-// Everything that a dynamics needs to go on from where it was, bit for bit, as one value: what a snapshot holds, and what a step
-// that is refused gives back.
+// Everything that a dynamics needs to continue from a state, bit for bit, as one value: the content of a snapshot, and what a
+// refused step restores.
 #pragma once
 
 #include "deformable_surface/simulation/evolution.h"
@@ -15,7 +15,7 @@
 namespace deformable_surface::simulation {
 
 struct DynamicsState {
-  /// What time alone and tools in motion change, also of a surface that sleeps.
+  /// Changed by time alone and by moving tools, also of a surface that sleeps.
   struct Waiting {
     std::uint64_t steps = 0;
     std::vector<NamedForces::Named> forces;
@@ -24,16 +24,16 @@ struct DynamicsState {
     solve::TimeMarch::Memory march, part_march;
     bool has_part = false;
   };
-  /// Where the points are, and who is held: what steps and commands change of a surface that is awake.
+  /// Where the points are and which are held: changed by steps and commands of a surface that is awake.
   struct Motion {
     model::State points;
     std::vector<char> pinned, pinned_turns;     // (n) pinned: of PinMark
     std::vector<model::ClampEdge> clamp_edges;  // of the pins, ascending
     double membrane_share = 1.0;                // of the stated membrane stiffness, that acts
     double contact_rate = 0.0;                  // 1/s; 0: not found yet
-    Points followed;  // m, where all were when the model was told by which elements it is taken in parts; or empty
+    Points followed;  // m, positions at the last followPartners() of the model; or empty
   };
-  /// What tools and pins hold and have done, and the method that takes the steps. As Motion.
+  /// What tools and pins hold and have done, and the method that takes the steps. Changed as Motion is.
   struct Holding {
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;
     std::vector<Grips::Grip> grips;
@@ -42,10 +42,10 @@ struct DynamicsState {
     std::vector<TrackLoad::Seen> tracked;
     bool may_touch_itself = false;  // in the last step
   };
-  /// What commands alone change.
+  /// Changed by commands only.
   struct Settings {
     std::vector<tool::ToolParams> tools;
-    std::vector<PointValues> values;  // (n) what points are made of that are not as everywhere; empty if the model is another
+    std::vector<PointValues> values;  // (n) materials of points that differ from the general one; empty for models without
     Vec3 gravity = Vec3::Zero();      // m/s^2
     double damping = 0.0;             // 1/s
     RunTimePhysics physics;           // of the scene
@@ -56,7 +56,7 @@ struct DynamicsState {
   Holding holding;
   Settings settings;
 
-  /// What it holds in memory, but for a few small lists.
+  /// Memory in use, except for a few small lists.
   std::size_t bytes() const;
 };
 

@@ -1,5 +1,5 @@
-// The live error estimate: coarser copies of a dynamics run beside it, and how far they are from it and from each other says how
-// far it may be from the full surface. Apart from the dynamics, which knows nothing of it.
+// The live error estimate: coarser copies of a dynamics run beside it. Their distances from it and from each other give
+// an estimate of its distance from the full surface. The dynamics knows nothing of it.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace deformable_surface::simulation {
 /// Method, calibration and limits: docs/accuracy_control.md.
 class ErrorEstimator {
  public:
-  /// level: at rest, the dynamics whose error is estimated. Its rest surface has the dense points that its points were chosen
+  /// level: the dynamics whose error is estimated, at rest. Its rest surface has the dense points that its points were chosen
   /// from, and their order of removal. It is not kept. Throws InputError if the copies cannot be built.
   explicit ErrorEstimator(const Dynamics& level);
   /// With forks of the copies.
@@ -28,48 +28,48 @@ class ErrorEstimator {
   std::shared_ptr<const Memory> memory() const;
   void setMemory(const Memory& saved);
 
-  /// The same command for every copy. A state that was given to the level they take at the points that they have in common, the
-  /// twin disturbed, and what has been seen is forgotten: from now on the estimate is that of what this state becomes. A lost
+  /// Applies the command to every copy. When a state was set, the copies take it at their common points with the level, and the
+  /// twin is disturbed; earlier observations are forgotten: from now on the estimate is that of the set state. A lost
   /// estimate stays lost.
   void apply(const Command& command);
   void setInterrupt(const std::atomic<bool>* interrupt);
   /// Tools arrive in the copies as they do in the level.
   void adoptArrivals(const ContactLoad& contact);
 
-  /// Only this share of the membrane's stiffness acts in the simulation, which is at rest, and in the copies: what that changes
-  /// is no part of the estimate.
+  /// At rest: only this share of the membrane's stiffness acts in the simulation and in the copies. The change that this
+  /// makes is not part of the estimate.
   void softenMembrane(double share);
-  /// All of it acts again.
+  /// The full stiffness acts again.
   void stiffenMembrane();
 
   /// The level has slept through a step.
   void pass();
 
-  /// The level has gone to a state that the copies do not know: there is no estimate until the next reset.
+  /// The level has a state that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
   /// Follows a step that the level has taken. Allocates nothing after the first. Returns a sentence when the estimate becomes
-  /// impossible; else nothing. Throws Interrupted if the level's interrupt is true at the end: it is then as if the step had not
-  /// been followed.
+  /// impossible; else an empty one. Throws Interrupted if the level's interrupt is true at the end: the step then counts as not
+  /// followed.
   std::string follow(const Dynamics& level);
 
-  /// Whether the next equilibrium, the first since the last reset or given state, should be searched for twice: copies of fewer
-  /// points may know nothing of others. The second search begins searchDisturbance() (m) from where the first did.
+  /// Whether the next equilibrium, the first since the last reset or set state, should be searched for twice: copies of fewer
+  /// points may miss other equilibria. The second search starts searchDisturbance() (m) from the start of the first.
   bool wantsSecondSearch() const {
     return is_simplified_ && !is_body_ && !has_hinged_pins_ && !seen_.has_searched && !seen_.is_lost;
   }
   double searchDisturbance() const;
-  /// How far from the first the second search ended, m; infinity: it found none, 0: it was not worth while. As follow().
+  /// How far from the first the second search ended, m; infinity: it failed, 0: it did not pay. As follow().
   std::string learnSecondSearch(double distance);
-  /// Whether the last step ended in balance, if it is static: where it did not there is no estimate until one does.
+  /// Whether the last static step ended in balance. If not, there is no estimate until one does.
   void learnBalance(bool is_balanced) { seen_.is_unbalanced = !is_balanced; }
 
   double space() const { return seen_.space; }        // m
   double transfer() const { return seen_.transfer; }  // m
   double time() const { return seen_.time; }          // m
-  /// Whether the numbers of points are those for which the estimate is calibrated.
+  /// Whether the estimate is calibrated for these numbers of points.
   bool isCalibrated() const { return is_calibrated_; }
-  /// Whether the surface may have buckled where its points do not show it since the last reset or given state.
+  /// Whether the surface may have buckled since the last reset or set state where its points do not show it.
   bool mayBuckle() const { return seen_.may_buckle; }
   /// Their sum, m; infinite where there is no bound, see docs/accuracy_control.md.
   double total() const;
@@ -79,7 +79,7 @@ class ErrorEstimator {
   void forEachCopy(const Visit& visit);
   void setState(const model::State& state);
 
-  // What has been seen since the last reset.
+  // Observations since the last reset.
   struct Seen {
     double space = 0.0, transfer = 0.0, time = 0.0;  // m
     double twin_distance = 0.0;                      // m
@@ -97,7 +97,7 @@ class ErrorEstimator {
   Dynamics::Outcome step(Dynamics& copy);
   void followVerlet(solve::IntegratorType type);
   bool stepCopies(solve::IntegratorType type, Index substeps);
-  // What the twin takes the same steps as: what a method damps cannot tell of chaos.
+  // The copy that takes the same kind of steps as the twin: a damping method cannot show chaos.
   const Dynamics& besideTwin() const { return seen_.follows_verlet ? *verlet_ : *shadow_; }
   double measureTime(solve::IntegratorType type) const;
   Buckling judgeBuckling(const Dynamics& level);
@@ -114,13 +114,13 @@ class ErrorEstimator {
   std::vector<Index> common_;                           // (m) the level's point that each point of the copies is; -1: none
   std::function<void(const Points&, Points&)> refine_;  // from the copies' points to the level's
 
-  // Copies of fewer points: one like the simulation; one that takes Verlet's steps beside an integrator that damps, as long as
-  // they fit; and one from disturbed positions, which takes Verlet's steps, too, or, where they do not fit, finer ones.
+  // Copies of fewer points: one like the simulation; one with Verlet steps, beside an integrator that damps, as long as
+  // they fit; and one from disturbed positions, also with Verlet steps or, where they do not fit, with finer ones.
   std::unique_ptr<Dynamics> shadow_, twin_, verlet_;
 
   DentWatch dents_;
   Seen seen_;
-  // Before the step that is followed, and the copies that have begun to take it.
+  // State before the followed step, and the copies that have begun to take it.
   Seen seen_before_;
   std::vector<double> dents_before_;
   std::vector<Dynamics*> stepped_;

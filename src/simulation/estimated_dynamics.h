@@ -1,5 +1,5 @@
-// A dynamics with its error estimate: the coarser copies follow every command and every step. Apart from both, because the
-// simulation and the trials of an accuracy target run the same.
+// A dynamics with its error estimate: the coarser copies follow every command and every step. The
+// simulation and the trials of an accuracy target both run it.
 #pragma once
 
 #include "error_estimator.h"
@@ -8,32 +8,32 @@ namespace deformable_surface::simulation {
 
 class EstimatedDynamics {
  public:
-  /// As Dynamics; without an estimate as yet.
+  /// As Dynamics; at first without an estimate.
   EstimatedDynamics(const SceneParams& params, RestSurface rest)
       : dynamics_(std::make_unique<Dynamics>(params, std::move(rest))) {}
   /// A fork. to_look: without an estimate, see Dynamics::fork().
   EstimatedDynamics(const EstimatedDynamics& other, bool to_look);
 
-  /// Estimates the error from now on, which is at rest. Throws InputError if the copies cannot be built.
+  /// At rest: estimates the error from now on. Throws InputError if the copies cannot be built.
   void estimateError() { estimator_ = std::make_unique<ErrorEstimator>(*dynamics_); }
   Dynamics& dynamics() { return *dynamics_; }
   const Dynamics& dynamics() const { return *dynamics_; }
   ErrorEstimator* estimator() { return estimator_.get(); }  // null: no estimate
   const ErrorEstimator* estimator() const { return estimator_.get(); }
-  /// With an estimate, m: what it says of all, and of time stepping; and what falling asleep has cost.
+  /// With an estimate, m: in all, and of time stepping; both with the error of falling asleep.
   double error() const { return estimator_->total() + dynamics_->activity().lost(); }
   double timeError() const { return estimator_->time() + dynamics_->activity().lost(); }
 
   Changes apply(const Command& command);
   void reset();
   void setInterrupt(const std::atomic<bool>* interrupt);
-  /// See Dynamics; what that changes is no part of the estimate.
+  /// See Dynamics; its effect is not part of the estimate.
   void softenMembrane(double share);
   void stiffenMembrane();
-  /// estimate: null if the state has none, which is then lost.
+  /// estimate: null if the state has none; the estimate is then lost.
   void restore(const DynamicsState& saved, const ErrorEstimator::Memory* estimate, bool to_look);
 
-  // As of Dynamics; an interrupt undoes both.
+  // As in Dynamics; an interrupt undoes both.
   bool beginStep() { return dynamics_->beginStep(); }
   struct Outcome : Dynamics::Outcome {
     double estimate_seconds = 0.0;  // s of wall time

@@ -1,25 +1,25 @@
-// The choice between Verlet's sub-steps and implicit steps where a scene asks for an accuracy and leaves the integrator to auto.
-// Apart from the choice of the points, because it is made for points that are known (docs/accuracy_control.md).
+// Chooses between Verlet sub-steps and implicit steps if a scene has an accuracy target and leaves the integrator to auto.
+// The points are known by then (docs/accuracy_control.md).
 #pragma once
 
 #include "accuracy_probe.h"
 
 namespace deformable_surface::simulation {
 
-/// Whether it is left to auto, and there are both.
+/// Whether the scene leaves it to auto, and the model has both.
 bool mayChooseIntegrator(const SceneParams& params);
 
-/// Where auto's implicit steps cost the wish, though its points keep it: a probe with Verlet's sub-steps however many takes its
-/// place if it keeps the wish.
+/// For points that would meet the target but for auto's implicit steps: a probe with Verlet sub-steps, however many, replaces
+/// the failed one if it meets the target.
 void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice);
 
-/// Of a choice that keeps the wish: the other integrator is taken, with all of the stated membrane stiffness, if its trial keeps
-/// the wish for less work. first: the trial of auto with the stated membrane. What implicit steps change is measured beside
-/// Verlet's of that trial, which coarser copies could miss: a tool between their points moves none of them.
+/// For a choice that meets the target: the other integrator is taken, with all of the stated membrane stiffness, if its trial
+/// meets the target with less work. first: the trial of auto with the stated membrane. The error of implicit steps is measured
+/// against Verlet's of that trial. Coarser copies could miss it: a tool between their points moves none of them.
 void chooseIntegrator(const SceneParams& params, const RestSurface& full, const Probe& first, AccuracyChoice& choice);
 
-/// Of the choices by time that auto and the other integrator lead to: the other one is taken if its estimated error is smaller,
-/// over the first steps of both, or if it alone fits.
+/// For choices by time with auto and with the other integrator: the other one is taken if its estimated error is smaller,
+/// over the first steps of both, or if only it fits.
 void compareIntegrators(const SceneParams& params, const RestSurface& full, solve::IntegratorType other,
                         AccuracyChoice& with_other, AccuracyChoice& choice);
 

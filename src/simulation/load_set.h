@@ -1,5 +1,5 @@
-// All loads that a surface can have, and which of them act. Apart from the dynamics, because the part of a surface that is awake
-// has the same loads on fewer points.
+// All loads that a surface can have, and which of them act. The dynamics and the awake part of a surface, with
+// fewer points, both have one.
 #pragma once
 
 #include "deformable_surface/simulation/contact_load.h"
@@ -29,16 +29,16 @@ class LoadSet {
   ContactLoad contact;
   FrictionLoad friction;
   TrackLoad track;
-  /// Null: the surface may pass through itself. Not on parts.
+  /// Null: the surface may pass through itself. Not for parts.
   std::unique_ptr<SelfContactLoads> self_contact;
 
   /// The loads that can act, which a solver evaluates, in a fixed order.
   const std::vector<const solve::ExternalLoad*>& acting() const { return acting_; }
-  /// To be called after a load has become empty, or no longer is.
+  /// To be called after a load has become empty, or is no longer empty.
   void choose();
 
-  /// Takes the loads of a larger surface: new_index (of its points) is the point of this one, or -1. Observed clouds are left
-  /// out, since they keep all of a surface awake.
+  /// Takes the loads of a larger surface: new_index (of its points) is the index here, or -1. Observed clouds are
+  /// omitted: they keep the whole surface awake.
   void takePart(const LoadSet& whole, const std::vector<Index>& new_index);
 
  private:

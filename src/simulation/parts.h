@@ -1,5 +1,5 @@
-// The parts that a surface or body is in: what is connected with nothing else. Private, and apart from how they are built and
-// stepped, because both ask for them.
+// The connected parts of a surface or body. Both the building of the rest surface and steps need
+// them. Private.
 #pragma once
 
 #include "deformable_surface/simulation/contact_load.h"
@@ -22,18 +22,18 @@ struct Parts {
 Parts findParts(Index n, const std::vector<std::pair<Index, Index>>& links);
 std::vector<std::pair<Index, Index>> linksOf(const Lists& neighbors);
 
-/// Marks (n, 1) the points of that many largest parts, of equal ones the first.
+/// Marks (n, 1) the points of the `most` largest parts; of equal ones the first.
 std::vector<char> markLargest(const Parts& parts, Index most);
 
-/// Leaves out of the dense points whole parts, those whose points are not kept (n, 1): they become holes of the input, and a note
+/// Removes whole parts from the dense points, those whose points are not kept (n, 1). They become holes of the input, and a note
 /// says how many and why.
 void leaveOut(const std::string& why, const Parts& parts, const std::vector<char>& kept, RestSurface& s);
 
-/// Of a scene with input.largest_parts: leaves only that many largest parts of the dense points.
+/// For a scene with input.largest_parts: keeps only that many largest parts of the dense points.
 void keepLargestParts(const SceneParams& params, const Parts& parts, RestSurface& s);
 
-/// Of an equilibrium: the parts that neither a held point nor a load that resists motion holds, nor perhaps a tool, though their
-/// loads do not sum to zero. Allocates nothing while the numbers of points and parts stay.
+/// Loose parts of an equilibrium: held neither by a held point nor by a load that resists motion, nor perhaps by a tool, though
+/// their loads do not sum to zero. Allocates nothing while the numbers of points and parts stay.
 class LooseParts {
  public:
   /// links: of the n points now; null: all points are one part.
@@ -44,11 +44,11 @@ class LooseParts {
             const ContactLoad& contact, double time);
 
   bool isLoose(Index point) const { return is_loose_[parts_.label[point]]; }
-  /// Whether no part that there is has an equilibrium.
+  /// Whether no part has an equilibrium.
   bool areAll() const { return count_ > 0 && count_ == parts_.count(); }
   Index numPoints() const { return points_; }  // that are loose
   double load() const { return load_; }        // N, the sum of the loads on the first loose part
-  /// What a user should know of those that stay where they are.
+  /// The notice about loose parts, which stay in place.
   std::string describe() const;
 
  private:

@@ -1,4 +1,4 @@
-// What surfaces and bodies share on the way from a cloud to what can be simulated. Private.
+// Steps that surfaces and bodies share when they are made from a cloud. Private.
 #pragma once
 
 #include "deformable_surface/cloud/geodesics.h"
@@ -12,22 +12,22 @@ std::string count(Index n, const std::string& what);
 /// The finite, distinct points of the input. InputError if there are fewer than three.
 RestSurface cleanInput(const cloud::PointCloud& input);
 
-/// Whether there are gaps, and not just holes of the sampling.
+/// Whether there are gaps, not only holes of the sampling.
 bool hasGaps(const cloud::GeodesicNeighbors& found, const RestSurface& s);
-/// Tells of gaps that the sampling hardly resolves.
+/// Adds a note about gaps that the sampling hardly resolves.
 void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s);
 
-/// Points that no simplification may take: of every pinned region three that are far from each other.
+/// Points that simplification must keep: of every pinned region three that are far from each other.
 std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense);
 
-/// Whether points lie in several rows side by side, so that a pin that holds them clamps; spacing: theirs, m. Of all points or of
-/// those that a pin holds.
+/// Whether points lie in several rows side by side, so that a pin that holds them clamps; spacing: theirs, m. For all points or
+/// for those that a pin holds.
 bool isBandOfRows(const Points& points, double spacing);
-/// How wide the points are that a pin holds, m, across the way in which they spread most.
+/// The width of the points that a pin holds, m, across the direction in which they spread most.
 double measureBand(const Points& points, const PinParams& pin);
 bool isBandOfRows(const Points& points, const PinParams& pin, double spacing);
 
-/// Which simulation points the scene's pins hold, and with input.unconstrained_parts: freeze those of parts that nothing holds.
+/// Marks the simulation points that the scene's pins hold and, with input.unconstrained_parts: freeze, those of unheld parts.
 void applyPins(const SceneParams& params, RestSurface& s);
 
 /// Neighbours of a body's points, in space or over the body, and the weights of their detours (empty: all one). neighbors: their

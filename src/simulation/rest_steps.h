@@ -1,4 +1,4 @@
-// The steps from a cloud to simulation points that several models take, in their order. Private.
+// Steps from a cloud to simulation points that several models share, in their order. Private.
 #pragma once
 
 #include "deformable_surface/cloud/normals.h"
@@ -9,18 +9,18 @@
 
 namespace deformable_surface::simulation {
 
-/// Finds s.dense_neighbors, and returns normals of the dense points, or none if they are to be estimated from these.
+/// Finds s.dense_neighbors, and returns normals of the dense points, or none if they have to be estimated from these.
 using FindNeighbors = std::function<Points(const SceneParams& params, RestSurface& s)>;
-/// The 2k neighbours of the dense points: in space, or over the surface. What normals say beside positions is what is given, else
-/// what the neighbours in space show: returned if it is what the neighbours over the surface show as well, else empty.
+/// The 2k neighbours of the dense points: in space, or along the surface. The normals used are the given ones, else those of the
+/// neighbours in space. These are returned if the neighbours along the surface give the same, else none.
 Points findNeighbors(const SceneParams& params, RestSurface& s);
-/// The same in space, or over a body. The normals are zero, to which every link is flat.
+/// The same in space, or over a body. The normals are zero; every link counts as flat to them.
 Points findBodyNeighbors(const SceneParams& params, RestSurface& s);
 
-/// Leaves out of the dense points the parts that input.largest_parts and input.unconstrained_parts do not keep.
+/// Removes the parts that input.largest_parts and input.unconstrained_parts do not keep from the dense points.
 void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSurface& s);
 
-/// Normals of the dense points: those given, estimated (if that has not been done yet) where none is given, all on one consistent
+/// Normals of the dense points: the given ones, estimated ones (if not done yet) where none is given, all on one consistent
 /// side. Returns the boundary.
 cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s);
 

@@ -1,5 +1,5 @@
-// What a simulation is made of: a dynamics with its error estimate, and what only those need who look at it. Private, and apart
-// from the files that implement it: commands and steps (simulation.cpp), statistics (simulation_statistics.cpp), snapshots and
+// The members of a simulation: a dynamics with its error estimate, and data for display. Private. Implemented in several
+// files: commands and steps (simulation.cpp), statistics (simulation_statistics.cpp), snapshots and
 // forks (snapshot.cpp).
 #pragma once
 
@@ -14,7 +14,7 @@
 
 namespace deformable_surface::simulation {
 
-/// What belongs to a simulation beside its dynamics.
+/// The part of a simulation's state beside its dynamics.
 struct Looks {
   double softening = 0.0;                                // m
   std::shared_ptr<const CutTransfer::Memory> severed;    // null: nothing
@@ -27,7 +27,7 @@ struct Looks {
 struct Snapshot::Contents {
   std::uint64_t scene = 0;  // see Simulation::Impl::identify()
   double time = 0.0;        // s
-  bool is_sight = false;    // it holds nothing that only steps need
+  bool is_sight = false;    // it is without the parts that only steps need
   DynamicsState dynamics;
   Looks looks;
   std::shared_ptr<const ErrorEstimator::Memory> estimate;  // null: no estimate
@@ -39,20 +39,20 @@ struct Simulation::Impl {
   EstimatedDynamics run;
   DeformedSurface surface;
   std::vector<std::string> notes;
-  std::uint64_t scene_hash;  // of what was given
+  std::uint64_t scene_hash;  // of the given scene
 
-  // A trial has shown that the membrane may be softer than stated, or which integrator to take, until a command comes or its
-  // time is over.
+  // A trial has shown that the membrane may be softer than stated, or which integrator to take. It is valid until a command
+  // comes or its time is over.
   AccuracyChoice choice;
-  double softening = 0.0;         // m, what that has changed so far, in the trial
-  std::string trial_notice;       // for the next step, that it has ended
+  double softening = 0.0;         // m, effect of the softer membrane so far, in the trial
+  std::string trial_notice;       // for the next step: the trial has ended
   bool is_target_missed = false;  // said since the last reset
 
   Statistics statistics;
   std::optional<std::uint64_t> measured_revision;  // of the dynamics, that the statistics are of
 
-  bool is_viewer = false, is_estimated_elsewhere = false;  // it takes no steps; what it shows has an estimate
-  std::optional<std::uint64_t> seen_revision;              // of the surface, in the sight that a viewer was given last
+  bool is_viewer = false, is_estimated_elsewhere = false;  // it takes no steps; the simulation that it shows has an estimate
+  std::optional<std::uint64_t> seen_revision;              // of the surface, in the viewer's last sight
 
   Impl(const SceneParams& params, cloud::PointCloud&& cloud, RestSurface&& rest, AccuracyChoice&& chosen);
   /// A fork.

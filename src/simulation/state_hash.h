@@ -1,5 +1,5 @@
-// What tells two states apart: a hash of every bit of a state. Apart from the simulation, because snapshots and tests of points
-// need it too.
+// A hash of every bit of a state: different states have different hashes. Snapshots and tests of points
+// use it too.
 #pragma once
 
 #include "deformable_surface/base/hash.h"

@@ -1,5 +1,5 @@
-// Which tools have changed their place since the last look, and where that can be felt: what wakes a surface that sleeps. Apart
-// from contact, which asks for forces at an instant.
+// Detects tools that have changed since the last check, and where they act: this wakes a sleeping surface. Contact only asks for
+// forces at an instant.
 #pragma once
 
 #include "deformable_surface/tool/tool.h"
@@ -10,14 +10,14 @@ namespace deformable_surface::simulation {
 
 class ToolWatch {
  public:
-  /// Has seen no tool.
+  /// Forgets all tools.
   void reset() { seen_.clear(); }
 
-  /// Looks at the tools as they are at a time (s), the end of a step (s). Returns a box (m) around what each can act on in the
-  /// step for those that are other than at the last look: moved, begun, ended, new, gone or made another. Empty if none is. Valid
-  /// until the next look.
+  /// Checks the tools at a time (s), the end of a step (s). Returns, for each tool that has changed since the last check (moved,
+  /// begun, ended, new, removed or modified), a box (m) around everything it can act on in the step. Empty if none has. Valid
+  /// until the next check.
   const std::vector<Eigen::AlignedBox3d>& look(const std::vector<tool::ToolParams>& tools, double time, double step);
-  /// What the last look returned.
+  /// The result of the last check.
   const std::vector<Eigen::AlignedBox3d>& changed() const { return changed_; }
 
   /// What a snapshot must hold.

@@ -1,4 +1,4 @@
-// What was chosen from the accuracy that a scene asks for, and why: published beside the simulation that it made.
+// The choice made from a scene's accuracy target, and its reason: published beside the simulation that was built from it.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -10,14 +10,14 @@
 namespace deformable_surface::simulation {
 
 struct AccuracyChoice {
-  /// One number of simulation points, with an integrator and a share of the membrane's stiffness, that was tried.
+  /// A number of simulation points that was tried, with an integrator and a share of the membrane's stiffness.
   struct Candidate {
     Index points = 0;
     double error = 0.0;      // m, largest estimate of the probe as far as it ran; 0 if it was tried for its time
     double step_time = 0.0;  // s of wall time per step; 0 if it was tried for its error
     double membrane_share = 1.0;
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;
-    double work = 0.0;        // points times sub-steps of all of it, or what takes as long; 0 if it was tried for its time
+    double work = 0.0;        // points times sub-steps in all, or an equivalent time; 0 if only its time was measured
     bool may_buckle = false;  // see Statistics
   };
 
@@ -32,8 +32,8 @@ struct AccuracyChoice {
   double work = 0.0;              // of its trial, as a candidate's
   bool may_buckle = false;        // in its trial
   std::vector<Candidate> candidates;  // in the order of trying
-  std::string why_integrator;         // another than auto's; else empty
-  std::string sentence;               // what was chosen and why; empty if nothing was asked
+  std::string why_integrator;         // reason for another integrator than that of auto; else empty
+  std::string sentence;               // the choice and its reason; empty without an accuracy target
 
   void take(const Candidate& candidate) {
     points = candidate.points;

@@ -1,5 +1,5 @@
-// What may be asked of a simulation while it runs, as values: a command can be kept, passed on and given to several copies of a
-// surface. Apart from the simulation, because whoever carries commands need not know it.
+// Commands to a running simulation as values: they can be stored, passed on and given to several copies of a surface. Code that
+// only passes commands on does not need the simulation.
 #pragma once
 
 #include "deformable_surface/geometry/region.h"
@@ -18,7 +18,7 @@
 
 namespace deformable_surface::simulation {
 
-/// What each of them does and refuses: see the function of the same name in Simulation.
+/// Meaning and refusals of each command: see the function of the same name in Simulation.
 namespace command {
 
 struct SetForce {
@@ -63,7 +63,7 @@ struct SetMaterial {
 struct SetDamping {
   double damping;  // 1/s
 };
-/// Of these only the values that may change while a surface runs are taken (run_time_params.h).
+/// Only the values that may change while a surface runs are used (run_time_params.h).
 struct SetParams {
   SceneParams params;
 };
@@ -87,18 +87,18 @@ using Command = std::variant<command::SetForce, command::RemoveForce, command::S
                              command::SetMaterial, command::SetDamping, command::SetParams, command::Observe, command::SetState,
                              command::EditParticles, command::GrowSurface>;
 
-/// What a command, or an event within a step, has changed. Dynamics::follow() draws every conclusion from the first ones.
+/// What a command, or an event within a step, has changed. Dynamics::follow() acts on the first group of members.
 struct Changes {
   bool loads = false;            // which loads act, or how strongly
   bool parts = false;            // whether parts of the surface may sleep
   bool material = false;         // stiffness or masses
-  bool motion = false;           // positions, velocities, elastic forces or masses are not those that the last step ended with
+  bool motion = false;           // positions, velocities, elastic forces or masses have changed since the end of the last step
   bool everywhere = false;       // all of the surface is disturbed
   std::vector<Index> disturbed;  // else these points
 
   bool done = true;          // false: there was nothing to do
   bool moved = false;        // points are elsewhere, or others
-  Index points = 0;          // simulation points that it concerns
+  Index points = 0;          // number of simulation points concerned
   std::vector<Index> added;  // ids of new particles
   std::string notice;
 };

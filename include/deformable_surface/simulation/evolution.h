@@ -1,5 +1,5 @@
-// What of a model changes beside the motion: links are cut, matter flows, particles are born and go. Every model may bring one;
-// the dynamics says when.
+// Changes of a model beside the motion: links are cut, material flows, particles are added and removed. Each model may bring one
+// Evolution; the dynamics calls it.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -15,25 +15,25 @@
 
 namespace deformable_surface::simulation {
 
-/// What follows the simulation points and must know on which side of a cut it is.
+/// Follows the simulation points, and must know on which side of a cut it is.
 class CutFollower {
  public:
   virtual ~CutFollower() = default;
-  /// A knife went through the surface while the simulation points (m x 3) moved from before to after: what follows them no longer
-  /// follows those that the knife went between. Returns whether there is any.
+  /// A knife passed through the surface while the simulation points (m x 3) moved from before to after. Whatever follows them
+  /// stops following points on the other side of the knife's path. Returns whether anything was separated.
   virtual bool sever(const tool::BladeSweep& blade, const Points& before, const Points& after) = 0;
-  /// The links (m) that are whole are others than before.
+  /// The set of whole links (m) has changed.
   virtual void followLinks(const std::vector<std::pair<Index, Index>>& whole) = 0;
 };
 
-/// Which points have gone and come.
+/// Which points were removed and added.
 struct Population {
   std::vector<Index> new_index;  // of the points before; -1 = gone; empty if none went
   Index born = 0;                // they are the last of the state
-  std::string notice;            // what a user should know; else empty
+  std::string notice;            // for the user; else empty
 };
 
-/// Keeps what belongs to points that are left, in their order: new_index (of those before), -1 = gone.
+/// Keeps the values of the remaining points, in their order. new_index: of the former points, -1 = removed.
 template <class T>
 void keepThose(const std::vector<Index>& new_index, std::vector<T>& items) {
   std::size_t kept = 0;
@@ -42,62 +42,62 @@ void keepThose(const std::vector<Index>& new_index, std::vector<T>& items) {
   items.resize(kept);
 }
 
-/// By default nothing changes but the motion.
+/// By default, nothing but the motion changes.
 class Evolution {
  public:
   virtual ~Evolution() = default;
 
-  /// A reset begins: the model is again as it was made, but for points that have gone or come.
+  /// A reset begins: the model is again as it was made, except for removed and added points.
   virtual void forget() {}
   /// The state is at rest, as the model began it. pinned (n).
   virtual Population begin(const std::vector<char>& /*pinned*/, model::State& /*state*/) { return {}; }
 
   struct Change {
     Population population;
-    bool has_energy = false;  // points, elements or what they are at rest are others, and so is the energy
+    bool has_energy = false;  // points, elements or their rest state have changed, and so has the energy
   };
   /// Before the step from time (s) to time + step.
   virtual Change beforeStep(double /*time*/, double /*step*/, const std::vector<tool::ToolParams>& /*tools*/,
                             model::State& /*state*/) {
     return {};
   }
-  /// Which points do not move in it, beside those that pins and tools hold: held, held_turns (n), added to. Their velocities are
-  /// set to zero.
+  /// Adds the points that do not move in the step, beside those held by pins and tools, to held, held_turns (n). Sets their
+  /// velocities to zero.
   virtual void hold(model::State& /*state*/, std::vector<char>& /*held*/, std::vector<char>& /*held_turns*/) const {}
-  /// The points begin to move.
+  /// Before the points move.
   virtual void beginStep(double /*time*/, const std::vector<tool::ToolParams>& /*tools*/, const Points& /*positions*/) {}
   struct AfterStep {
     bool has_cut = false, has_flowed = false;
   };
-  /// They have moved. follower: null, if nothing follows them.
+  /// After the points have moved. follower: null if nothing follows them.
   virtual AfterStep endStep(double /*time*/, double /*step*/, const std::vector<tool::ToolParams>& /*tools*/,
                             model::State& /*state*/, CutFollower* /*follower*/) {
     return {};
   }
 
-  /// Whether such a tool pushes the points out.
+  /// Whether this tool pushes points out of itself.
   virtual bool isPushedBy(const tool::ToolParams& /*tool*/) const { return true; }
-  /// Whether steps may leave out points that are at rest; and whether some, while others move.
+  /// Whether steps may skip points at rest; and whether they may skip some while others move.
   virtual bool maySleep() const { return true; }
   virtual bool maySleepInParts() const { return true; }
 
-  /// What a snapshot must hold of it beside the state.
+  /// The part of a snapshot that is not in the state.
   struct Memory {
     virtual ~Memory() = default;
     virtual std::size_t bytes() const = 0;
   };
-  /// Null: nothing. Allocates only if it has changed.
+  /// Null: nothing. Allocates only after a change.
   virtual std::shared_ptr<const Memory> memory() const { return nullptr; }
   virtual void setMemory(const std::shared_ptr<const Memory>& /*saved*/) {}
 
-  // Of a model that has_population.
-  /// Does the edit wholly, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and
+  // For models with has_population.
+  /// Makes the whole edit, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and
   /// orientation held.
   virtual Population edit(const ParticleEdit& /*edit*/, model::State& /*state*/, std::vector<char>& /*pinned*/,
                           std::vector<char>& /*pinned_turns*/) {
     return {};
   }
-  /// Grows a surface through the points that there are; held (n, 1 = fixed in place) stay in any case. is_start: at rest.
+  /// Grows a surface through the present points; held (n, 1 = fixed in place) stay. is_start: at rest.
   virtual Population growSurface(const model::GrowthParams& /*growth*/, const std::vector<char>& /*held*/, bool /*is_start*/,
                                  model::State& /*state*/) {
     return {};

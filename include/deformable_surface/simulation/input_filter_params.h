@@ -1,5 +1,5 @@
-// What is taken away from a cloud before it becomes a surface or something to track; all off by default. io::filterCloud() does
-// it, with PCL, and is called by `simulate` and by the node. The core reads these values and takes nothing away.
+// Filters of a cloud before it becomes a surface or is tracked; all are off by default. io::filterCloud() applies them, with PCL,
+// called by `simulate` and by the node. The core reads these values and removes nothing.
 #pragma once
 
 #include "deformable_surface/base/params.h"
@@ -10,26 +10,26 @@
 
 namespace deformable_surface::simulation {
 
-/// Only what lies in the region stays.
+/// Keeps only points in the region.
 struct CropParams {
   geometry::Region region;
 };
 
 /// Distances from the eye, PointCloud::eye().
 struct RangeParams {
-  double min = 0.0, max = 1e9;  // m, 0 <= min < max; the defaults take nothing
+  double min = 0.0, max = 1e9;  // m, 0 <= min < max; the defaults remove nothing
 };
 
-/// The plane that most points lie on: the table under a towel.
+/// Removes the plane with the most points: the table under a towel.
 struct PlaneFilterParams {
   enum class Keep { kBoth, kNearSide, kFarSide };
-  double distance = 0.0;    // m, >= 0; what lies within it goes; 0 = no plane is looked for
+  double distance = 0.0;    // m, >= 0; points within it are removed; 0 = no plane is searched
   double radius = 0.0;      // m, >= 0; the median height of the points within it decides; 0 = each point's own
   double min_share = 0.1;   // of the points; a plane that holds fewer stays
   Keep keep = Keep::kBoth;  // of its sides; the near one is that of the eye
 };
 
-/// Points that are alone.
+/// Removes isolated points.
 struct OutlierParams {
   enum class Method { kNone, kRadius, kStatistical };
   Method method = Method::kNone;
@@ -38,9 +38,9 @@ struct OutlierParams {
   double deviations = 2.0;  // kStatistical: >= 0
 };
 
-/// In the order in which they are carried out.
+/// In the order of their application.
 struct InputFilterParams {
-  std::vector<CropParams> crop;  // what stays lies in all of them
+  std::vector<CropParams> crop;  // a point stays if it is in all of them
   RangeParams range;
   double flying_pixels = 0.0;  // m at a distance of 1 m, >= 0; 0 = off
   PlaneFilterParams plane;

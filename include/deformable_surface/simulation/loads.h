@@ -1,4 +1,4 @@
-// The loads of a scene: gravity, pressure and drag of the air, named forces, world springs.
+// The loads of a scene: gravity, pressure and drag of the air, named forces, anchors.
 #pragma once
 
 #include "deformable_surface/simulation/scene_params.h"
@@ -35,7 +35,7 @@ class PressureLoad : public solve::ExternalLoad {
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return isClosed(model_); }
-  /// Exact by Simpson's rule: along a straight way the area is quadratic.
+  /// Exact by Simpson's rule: along a straight path the area is quadratic.
   double estimateWork(double from, double to, const State& before, const State& after) const override;
   void setPressure(double pressure) { pressure_ = pressure; }
   bool isEmpty() const { return pressure_ == 0.0; }
@@ -64,7 +64,7 @@ class DragLoad : public solve::ExternalLoad {
   mutable Points area_;
 };
 
-/// World springs, F = k (r0 - s) [Su 2007, eq. 5].
+/// Anchors, springs to fixed places: F = k (r0 - s) [Su 2007, eq. 5].
 class AnchorLoad : public solve::ExternalLoad {
  public:
   struct Anchor {
@@ -77,7 +77,7 @@ class AnchorLoad : public solve::ExternalLoad {
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
   bool isEmpty() const { return anchors_.empty(); }
-  /// Points have got other indices: new_index (of those before), -1 = gone.
+  /// The indices of points have changed: new_index (of the former points), -1 = removed.
   void renumber(const std::vector<Index>& new_index);
   double storedEnergy(double time, const State& state) const override { return potential(time, state); }
   void addStiffness(double time, const State& state, double step, BlockSparse& stiffness) const override;
@@ -87,10 +87,10 @@ class AnchorLoad : public solve::ExternalLoad {
   std::vector<Anchor> anchors_;
 };
 
-/// Whether the window of a force holds the beginning of a step of a run from 0 to duration (s).
+/// Whether a step of a run from 0 to duration (s) begins while the force acts.
 bool actsInAStep(const ForceParams& force, double time_step, double duration);
 
-/// Named forces: each keeps the points that it took when it started, shared in proportion to mass.
+/// Named forces. Each keeps the points that it took when it started; they share it in proportion to mass.
 class NamedForces : public solve::ExternalLoad {
  public:
   struct Named {
@@ -101,7 +101,7 @@ class NamedForces : public solve::ExternalLoad {
   };
 
   explicit NamedForces(const std::vector<double>& masses) : masses_(masses) {}
-  /// Of a model that takes nothing along it: unit vector; forces that have a part along it are told of. Zero (default): none.
+  /// For a model without motion along this unit vector: a notice names forces with a part along it. Zero (default): none.
   void setDropped(const Vec3& along) { dropped_ = along; }
 
   /// Adds the force or replaces the one of the same id; a zero force removes it.
@@ -112,27 +112,27 @@ class NamedForces : public solve::ExternalLoad {
     told_.clear();
   }
 
-  /// Called at the beginning of a step: forces whose time has come take their points, those whose time is over leave. The notice
-  /// is what a user should know of those that begin: a force that takes its points far from where it was put, or pinned ones
-  /// only, or of which a part is dropped, is told of once, until one of its id is well.
+  /// To be called at the beginning of a step: forces that begin take their points, forces that end are removed. The notice
+  /// tells users of forces that begin badly: the points are far from where the force was put, or all pinned,
+  /// or a part of it is dropped. It is given once, until a force of the same id begins well.
   struct Update {
     bool changed = false;  // any began or left
     std::string notice;
-    std::vector<Index> points;  // on which those acted or will
+    std::vector<Index> points;  // on which these forces acted or will act
   };
   Update update(double time, const State& state, const std::vector<char>& pinned);
 
-  /// All there are, by ascending id: what a snapshot holds.
+  /// All forces, by ascending id: for snapshots.
   const std::vector<Named>& all() const { return forces_; }
   void restore(const std::vector<Named>& forces) { forces_ = forces; }
-  /// Points have got other indices: new_index (of those before), -1 = gone. Those left share the force.
+  /// The indices of points have changed: new_index (of the former points), -1 = removed. The remaining points share the force.
   void renumber(const std::vector<Index>& new_index);
 
   void addForces(double time, const State& state, Points& forces) const override;
   double potential(double time, const State& state) const override;
   bool isConservative() const override { return true; }
 
-  /// Mean position of the loaded points, and the force, of each that acts now.
+  /// Mean position of the loaded points, and the force, of each force that acts now.
   std::vector<std::pair<Vec3, Vec3>> active(const State& state) const;
 
  private:

@@ -1,6 +1,6 @@
-// What a model brings to a simulation beside its mechanics (model/deformable_model.h): rules for scenes, its rest state, copies
-// of fewer points, how the full cloud follows, and what changes beside the motion. Each model derives one class from ModelKind,
-// in its folder below src/simulation/models. The registry lists them; nothing else names a model. How to add one:
+// The part of a model beside its mechanics (model/deformable_model.h): rules for scenes, rest state, copies of fewer points, the
+// motion of the full cloud, and changes beside the motion. Each model derives one class from ModelKind, in its folder below
+// src/simulation/models. The registry lists them; no other file names a model. How to add one:
 // docs/extending.md.
 #pragma once
 
@@ -38,13 +38,13 @@ constexpr Index kCoarsestPoints = 16;
 /// The copies have one point for so many of the simulation's: doubled spacing, an eighth of the cost of explicit steps.
 constexpr Index kCoarserRatio = 4;
 
-/// A surface of fewer points for the error estimate, and how it lies beside the level that it is a copy of.
+/// A surface of fewer points for the error estimate, and its relation to the level that it copies.
 struct CoarserLevel {
   RestSurface surface;        // without dense points
-  std::vector<Index> common;  // (m) the level's point that each of its points is; -1: none
-  /// Moves the level's points as they would follow those of the copy, m.
+  std::vector<Index> common;  // (m) the point of the level that each of its points is; -1: none
+  /// Moves the level's points as they would follow the points of the copy, m.
   std::function<void(const Points& coarse, Points& level)> refine;
-  bool is_body = false;        // the level's points are few of a body, and none of the surface of a cloud
+  bool is_body = false;        // the level's points fill a body; they are not the surface of a cloud
   bool is_simplified = false;  // the level has fewer points than the surface
   double unresolved = 1.0;     // share of the surface's points that are no simulation points
 };
@@ -52,30 +52,30 @@ struct CoarserLevel {
 class ModelKind {
  public:
   virtual ~ModelKind() = default;
-  /// As in scenes.
+  /// Its name in scenes.
   virtual const char* name() const = 0;
   virtual ModelTraits traits() const { return {}; }
 
   // Scenes.
   /// The section of its options, with the rules that concern them, in scenes of every model.
   virtual void visitOptions(Fields& /*fields*/, SceneParams& /*scene*/) const {}
-  /// What else scenes of this model may not say.
+  /// Further rules for scenes of this model.
   virtual void checkScene(Fields& /*fields*/, const SceneParams& /*scene*/) const {}
   /// Which fields a tool mode uses; by default those that it uses with every model.
   virtual tool::ModeUse useOf(const tool::ModeInfo& mode) const { return mode.everywhere; }
-  /// What is wrong with a tool of a mode that the model has.
+  /// Problems of a tool whose mode the model has.
   virtual std::vector<ToolProblem> findToolProblems(const tool::ToolParams& /*tool*/) const { return {}; }
-  /// Why this tool may not come to a surface of this scene; empty if it may. The beginning of the sentence is "tool ID ".
+  /// Why this tool is refused on a surface of this scene; empty if it is accepted. The sentence begins with "tool ID ".
   virtual std::string refuseTool(const SceneParams& /*scene*/, const tool::ToolParams& /*tool*/) const { return ""; }
-  /// Of a model that has_regions: why a scene cannot have this change; empty if it can.
+  /// For models with has_regions: why a scene cannot have this change; empty if it can.
   virtual std::string findMaterialProblem(const SceneParams& /*scene*/, const MaterialChangeParams& /*change*/) const {
     return "";
   }
-  /// Whether the surface bends by material.bendingRigidity(), so that pins of several rows of points clamp it.
+  /// Whether the surface bends with material.bendingRigidity(), so that pins of several rows of points clamp it.
   virtual bool isPlate(const SceneParams& /*scene*/) const { return false; }
-  /// Whether dents may grow that are too short for the points to show.
+  /// Whether dents may grow that are too short to show in the points.
   virtual bool mayDent(const SceneParams& /*scene*/) const { return false; }
-  /// Whether a trial may find that less of the membrane's stiffness will do.
+  /// Whether a trial may choose a lower membrane stiffness.
   virtual bool maySoften(const SceneParams& /*scene*/) const { return false; }
 
   // From a cloud.
@@ -83,11 +83,11 @@ class ModelKind {
   /// See buildRestSurface().
   virtual RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                                const Choose& choose) const = 0;
-  /// See buildTrial(). Of a model that is_timed.
+  /// See buildTrial(). For models with is_timed.
   virtual RestSurface makeTrial(const SceneParams& params, const RestSurface& full, Index points) const;
   /// See buildCoarser(). By default it throws InputError.
   virtual RestSurface makeCoarser(const SceneParams& params, const RestSurface& of, Index target) const;
-  /// Of a model that has_estimate. Throws InputError if so few points span nothing.
+  /// For models with has_estimate. Throws InputError if so few points span no surface or body.
   virtual CoarserLevel makeCopies(const SceneParams& params, const RestSurface& level) const;
   /// See copyCoarser(). By default a clone of the model.
   virtual RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) const;
@@ -96,16 +96,16 @@ class ModelKind {
   /// How the full cloud follows the simulation points; null: by the transfer of the rest surface.
   virtual std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,
                                                       const model::DeformableModel& model) const;
-  /// What changes beside the motion. All are kept by reference.
+  /// Changes beside the motion. All arguments are kept by reference.
   virtual std::unique_ptr<Evolution> makeEvolution(model::DeformableModel& model, const RestSurface& rest,
                                                    const SceneParams& params) const;
-  /// A quantity of `expect` that only this model has; nothing: it has none of that name.
+  /// A quantity of `expect` that only this model has; none if it has no quantity of that name.
   virtual std::optional<double> findQuantity(const std::string& /*name*/, const Simulation& /*simulation*/) const { return {}; }
 };
 
 /// All models, in the order of the registry.
 const std::vector<const ModelKind*>& modelKinds();
-/// Adds a model of a program's own to the registry, before anything else runs; it is kept by reference.
+/// Adds a model to the registry; a program calls it before anything else runs. The model is kept by reference.
 void registerModel(const ModelKind& kind);
 /// The model of that name. Throws InputError if there is none.
 const ModelKind& findModel(const std::string& name);

@@ -1,4 +1,4 @@
-// The options of every model: the part of the registry (src/simulation/models/registry.cpp) that scenes hold.
+// The options of every model: the part of the registry (src/simulation/models/registry.cpp) that is in scenes.
 #pragma once
 
 #include "deformable_surface/model/elastic_solid/elastic_solid_params.h"

@@ -1,5 +1,5 @@
-// A cloud that a surface is to be drawn towards, made ready to be looked into. Apart from the load that draws, because this takes
-// long for large clouds and may be done by any thread beforehand.
+// A cloud to track, prepared for searches. For large clouds the preparation takes long. Any thread may do it before the load
+// (track_load.h) gets it.
 #pragma once
 
 #include "deformable_surface/cloud/kd_tree.h"

@@ -1,5 +1,5 @@
-// What a user does to single oriented particles, as data. Apart from the simulation that carries it out, because services fill
-// it.
+// Edits of single oriented particles, as data. Services fill it, the simulation carries it
+// out.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -8,8 +8,8 @@
 
 namespace deformable_surface::simulation {
 
-/// kCrease takes away the forces that keep the surface flat there; kOrient turns particles, which ends their crease; kFix holds
-/// position and orientation where they are, kFree lets go of both.
+/// kCrease removes the forces that keep the surface flat there; kOrient turns particles, which ends their crease; kFix holds
+/// position and orientation where they are, kFree releases both.
 enum class ParticleAction { kAdd, kMove, kDelete, kCrease, kOrient, kFix, kFree };
 
 struct ParticleEdit {

@@ -1,5 +1,5 @@
-// What regions of a surface are made of when they differ from the rest: values by point, and their shares of the material that
-// the model was made with. Apart from the simulation, because the rest surface and its coarser copies need them, too.
+// Materials of regions that differ from the rest: values by point, relative to the model's material. The rest surface and its
+// coarser copies need them as well as the simulation.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -10,7 +10,7 @@
 
 namespace deformable_surface::simulation {
 
-/// The values of a point that differ from the material's; NaN: as everywhere.
+/// The values of a point that differ from the material's; NaN: no difference.
 struct PointValues {
   static constexpr double kAsEverywhere = std::numeric_limits<double>::quiet_NaN();
   double young_modulus = kAsEverywhere;     // Pa
@@ -21,10 +21,10 @@ struct PointValues {
   bool areOwn() const;
 };
 
-/// Those of the scene's regions, (n): a later region goes over an earlier one. rest (n x 3): where points lie at rest.
+/// The values of the scene's regions, (n): a later region overrides an earlier one. rest (n x 3): the points at rest.
 std::vector<PointValues> findRegionValues(const std::vector<RegionParams>& regions, const Points& rest);
 
-/// made: what the model was made with; material: what holds everywhere now; values (n).
+/// made: the material of the model when it was made; material: the general one now; values (n).
 std::vector<model::PointMaterial> findShares(const model::MaterialParams& made, const model::MaterialParams& material,
                                              const std::vector<PointValues>& values);
 

@@ -1,4 +1,4 @@
-// From a cloud to what can be simulated: the order of data through the cloud and transfer rooms, done once per accepted cloud.
+// From a cloud to a surface that can be simulated, once per accepted cloud, through the rooms cloud, model and transfer.
 #pragma once
 
 #include "deformable_surface/cloud/clean.h"
@@ -18,15 +18,15 @@
 
 namespace deformable_surface::simulation {
 
-/// How a point is held by a pin: it lies in the region, or so near to the edge of one that clamps that it goes with it.
+/// How a pin holds a point: it lies in the region, or so near to the edge of a clamping region that it moves with it.
 enum PinMark : char { kNotPinned = 0, kInPin = 1, kRidesOnPin = 2 };
 
 constexpr Index kMaxIndex = std::numeric_limits<Index>::max();
 
-/// Everything made from the rest state; nothing in it changes afterwards.
+/// Everything made from the rest state. It does not change afterwards.
 struct RestSurface {
   cloud::CleanCloud dense;         // finite distinct points on the surface; normals complete and consistently oriented
-  Points off_surface;              // (dense) m, from there to where the input has them; empty: they are there
+  Points off_surface;              // (dense) m, from there to the input's points; empty: they are the same
   cloud::PixelLinks pixel_links;   // of an image whose points were moved onto the surface; else empty
   bool is_thick = false;           // the points fill their neighbourhoods: over the surface is where it is near in space
   Lists dense_neighbors;           // (dense) nearest first
@@ -44,31 +44,31 @@ struct RestSurface {
   Lists solid_neighbors;                      // (m) of the simulation points of a solid, over its body, nearest first; else empty
   std::vector<char> pinned;                   // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
   std::vector<model::ClampEdge> clamp_edges;  // where the pins that clamp end
-  std::vector<char> pinned_turns;             // (m) those whose orientation is held too
-  std::vector<char> creased;                  // (m) particles that are not smooth; empty if the model is another
-  std::vector<PointValues> values;            // (m) of the scene's regions; empty if the model is another
+  std::vector<char> pinned_turns;             // (m) points whose orientation is held too
+  std::vector<char> creased;                  // (m) particles that are not smooth; empty for other models
+  std::vector<PointValues> values;            // (m) of the scene's regions; empty for models without them
   bool has_hinged_pins = false;               // a pin clamps the dense surface and is a hinge to the simulation points
-  std::vector<std::string> warnings;          // what will not be as the scene says, or not go well
-  std::vector<std::string> notes;             // what a user should know: counts, rules, choices of auto
+  std::vector<std::string> warnings;          // what will differ from the scene, or not go well
+  std::vector<std::string> notes;             // for the user: counts, rules, choices of auto
 };
 
 /// Cleans, orients, simplifies, connects and builds the model and the transfer operator. Throws InputError.
-/// O(n k log n) for n input points. coarsest: simulation points down to which the order of removal is recorded; what is built
-/// does not depend on it. choose: if given, finds the number of simulation points instead of params.simplification, from the
-/// full surface: dense points, order and area, with nothing built on them yet.
+/// O(n k log n) for n input points. coarsest: the order of removal is recorded down to this number of simulation points; the
+/// result does not depend on it. choose: if given, finds the number of simulation points instead of params.simplification, from
+/// the full surface: dense points, order and area, without a model.
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest = kMaxIndex,
                              const std::function<Index(const RestSurface& full)>& choose = nullptr);
 
-/// The surface that buildRestSurface() makes where choose(full) returns this number of points, but for its transfer: what is
-/// tried is what will be run. Throws InputError.
+/// The surface that buildRestSurface() makes if choose(full) returns this number of points, without its transfer: a trial runs
+/// the same surface as the simulation later. Throws InputError.
 RestSurface buildTrial(const SceneParams& params, const RestSurface& full, Index points);
 
 /// The same surface with about target simulation points, from the recorded order: model and pins, without dense points or
 /// transfer. Its masses sum to those of the full surface. Throws InputError if so few points span no surface.
 RestSurface buildCoarser(const SceneParams& params, const RestSurface& of, Index target);
 
-/// A coarser surface or solid once more, for another simulation: the same points with a model of its own, at a fraction of the
-/// cost.
+/// A second copy of a coarser surface or solid for another simulation: the same points with a model of its own, at a fraction of
+/// the cost.
 RestSurface copyCoarser(const SceneParams& params, const RestSurface& of);
 
 }  // namespace deformable_surface::simulation

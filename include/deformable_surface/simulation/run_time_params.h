@@ -1,5 +1,5 @@
-// The values of a scene that may change while its surface runs. In a file of its own, because the simulation takes them,
-// snapshots hold them and the node offers them by the same list.
+// The values of a scene that may change while its surface runs. The simulation takes them, snapshots hold them, and the node
+// offers them, all by the same list.
 #pragma once
 
 #include "deformable_surface/simulation/scene_params.h"
@@ -9,7 +9,7 @@
 
 namespace deformable_surface::simulation {
 
-/// What a step reads of them: it belongs to the state.
+/// The values that a step reads. They belong to the state.
 struct RunTimePhysics {
   Vec3 gravity = Vec3::Zero();  // m/s^2
   double young_modulus = 0.0;   // Pa
@@ -30,7 +30,7 @@ inline void setPhysics(const RunTimePhysics& physics, SceneParams& p) {
   p.pressure = physics.pressure;
 }
 
-/// The scene with the values of the other one where they may change: those above and what is said of outputs.
+/// The scene with those values of the other one that may change at run time: the above and those of outputs.
 inline SceneParams withRunTimeValues(SceneParams scene, const SceneParams& other) {
   setPhysics(findPhysics(other), scene);
   scene.output.normals = other.output.normals;
@@ -38,7 +38,7 @@ inline SceneParams withRunTimeValues(SceneParams scene, const SceneParams& other
   return scene;
 }
 
-/// The keys of the same.
+/// The keys of these values.
 inline const std::vector<std::string>& runTimeKeys() {
   static const std::vector<std::string> keys = {"gravity",  "material.young_modulus", "material.damping",   "viscous_drag",
                                                 "pressure", "output.normals",         "output.publish_rate"};

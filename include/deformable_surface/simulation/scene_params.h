@@ -1,5 +1,5 @@
-// Everything a scene file or the node's parameters can say, as plain values. The schema (names, units, ranges) is in the
-// functions that visit these structs; the meaning is in docs/parameters.md.
+// Everything a scene file or the node's parameters can state, as plain values. The functions that visit these structs hold the
+// schema (names, units, ranges, meaning); docs/parameters.md is made from them.
 #pragma once
 
 #include "deformable_surface/base/params.h"
@@ -30,7 +30,7 @@ namespace deformable_surface::simulation {
 struct ToolProblem {
   std::string field, sentence;
 };
-/// What a model refuses of a tool: a mode that it does not have, and fields that the mode does not use.
+/// Problems of a tool for a model: a mode that the model does not have, and fields that the mode does not use.
 std::vector<ToolProblem> findToolProblems(const std::string& model, const tool::ToolParams& tool);
 
 /// Where `simulate` takes its cloud from; the node takes ~cloud_in and ignores this.
@@ -62,17 +62,17 @@ struct AccuracyParams {
 struct PinParams {
   geometry::Region region;
   bool orientation = false;  // also clamp the tangent plane (models with orientation)
-  /// Of a frame that carries them along rigidly, ascending times; none: they stay where they are.
+  /// The path of a frame that carries them rigidly, ascending times; empty: they stay in place.
   std::vector<tool::WaypointParams> path;
 };
 
-/// Particles whose rest position lies in the region are not smooth: only their spacing is kept, so that the surface can bend
-/// there.
+/// Particles whose rest position lies in the region are not smooth: only their spacing is maintained, so that the surface can
+/// bend there.
 struct CreaseParams {
   geometry::Region region;
 };
 
-/// Values of the material that are others than everywhere; auto: the same.
+/// Values of the material that differ from the general ones; auto: no difference.
 struct MaterialChangeParams {
   OrAuto<double> young_modulus;     // Pa, > 0
   OrAuto<double> bending_rigidity;  // N m, > 0; auto also follows young_modulus where that of the material is auto
@@ -81,13 +81,13 @@ struct MaterialChangeParams {
   bool isEmpty() const { return young_modulus.is_auto && bending_rigidity.is_auto && density.is_auto; }
 };
 
-/// What lies in the region at rest is made of something else.
+/// Another material for points that lie in the region at rest.
 struct RegionParams {
   geometry::Region region;
   MaterialChangeParams material;
 };
 
-/// A world spring [Su 2007, eq. 5]: F = stiffness (target - s) on the simulation point nearest to point at rest.
+/// A spring to a fixed place [Su 2007, eq. 5]: F = stiffness (target - s) on the simulation point nearest to point at rest.
 struct AnchorParams {
   Vec3 point = Vec3::Zero(), target = Vec3::Zero();  // m
   double stiffness = 0.0;                            // N/m, >= 0
@@ -120,7 +120,7 @@ struct OutputParams {
 
 enum class InputPolicy { kIgnore, kReplace, kTrack };  // a cloud on a running surface
 
-enum class UnconstrainedParts { kKeep, kFreeze, kDrop };  // what becomes of parts that nothing holds
+enum class UnconstrainedParts { kKeep, kFreeze, kDrop };  // what happens to parts that nothing holds
 
 struct InputParams {
   InputPolicy policy = InputPolicy::kReplace;
@@ -132,12 +132,12 @@ struct InputParams {
   UnconstrainedParts unconstrained_parts = UnconstrainedParts::kKeep;
   double tracking_gain = 400.0;      // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> tracking_distance;  // m, > 0; auto = three spacings of the simulation points
-  double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that what is on its way comes in time
+  double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that messages arrive in time
   double tool_timeout = 0.5;  // s, >= 0: a tool is silent after this long without news; 0 = never
   std::string lockstep;       // topics that each step waits for; empty = steps follow the clock
 };
 
-/// What a test checks after the run: bounds by name, e.g. max_displacement: [0.01, 0.02].
+/// The bounds that a test checks after the run, by name, e.g. max_displacement: [0.01, 0.02].
 struct ExpectParams {
   std::string quantity;
   double min = 0.0, max = 0.0;
@@ -174,7 +174,7 @@ struct SceneParams : ModelOptions {
   std::string save_directory;
   bool diagnostics = true;
   std::vector<ExpectParams> expect;
-  std::vector<std::string> notices;  // of whoever read the scene, such as keys under old names; no key
+  std::vector<std::string> notices;  // from the reader of the scene, such as keys under old names; no key
 };
 
 /// The names that `expect` may bound: the numbers of Statistics and what the final cloud shows.
@@ -272,7 +272,7 @@ inline void visit(Fields& fields, AccuracyParams& p) {
               "estimate it");
 }
 
-/// Why an accuracy cannot choose the number of simulation points: the keys that state it, and how to free it. Empty if it can.
+/// Why an accuracy target cannot choose the number of simulation points: the keys that state it, and the remedy. Empty if it can.
 inline std::string describeStatedNumber(const cloud::SimplificationParams& how) {
   std::string keys, values;
   const auto add = [&](const std::string& key, const std::string& found, const std::string& free) {
@@ -358,7 +358,7 @@ inline void visit(Fields& fields, OutputParams& p) {
                 "the node: largest rate of `~contacts`; 0 = after every step");
 }
 
-/// The names in a text, which spaces or commas separate.
+/// The names in a text, separated by spaces or commas.
 inline std::vector<std::string> splitNames(const std::string& text) {
   std::vector<std::string> names(1);
   for (const char c : text) {
@@ -416,10 +416,10 @@ inline void visit(Fields& fields, InputParams& p) {
 /// Why a scene's model cannot have this change; empty if it can.
 std::string findMaterialProblem(const SceneParams& p, const MaterialChangeParams& change);
 
-// What the models of the registry say of a scene (src/simulation/scene_rules.cpp).
+// Rules of the registered models for a scene (src/simulation/scene_rules.cpp).
 void visitModelName(Fields& fields, std::string& model);
 void visitModelOptions(Fields& fields, SceneParams& p);
-/// What the scene asks of its model that this has not.
+/// Problems of features that the scene asks for and its model does not have.
 void requireModel(Fields& fields, const SceneParams& p);
 
 inline void visit(Fields& fields, SceneParams& p) {

@@ -1,4 +1,4 @@
-// When parts of a surface that are at rest are left out of the steps.
+// When steps skip parts of a surface that are at rest.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -6,7 +6,7 @@
 
 namespace deformable_surface::simulation {
 
-/// kAuto: as kAlways, but never with explicit Euler, whose results are to be those that were published.
+/// kAuto: as kAlways, but never with explicit Euler, whose results should be as published.
 enum class Sleep { kAuto, kAlways, kNever };
 
 struct SleepParams {

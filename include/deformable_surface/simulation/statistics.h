@@ -1,4 +1,4 @@
-// What a step did and cost: the fields of Statistics.msg and of the CSV, in one list.
+// Results and costs of a step: the fields of Statistics.msg and of the CSV, in one list.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -16,7 +16,7 @@ struct Statistics {
   double kinetic_energy = 0.0, elastic_energy = 0.0, potential_energy = 0.0;  // J
   double max_stretch = 0.0;                                                   // |l / l0 - 1|
   double max_speed = 0.0;                                                     // m/s
-  // m; NaN where there is no estimate; the sum is infinite where small differences grow so much that there can be none
+  // m; NaN without an estimate; the sum is infinite where small differences grow so much that no estimate is possible
   double error_estimate = std::numeric_limits<double>::quiet_NaN();
   double error_time = std::numeric_limits<double>::quiet_NaN();
   double error_space = std::numeric_limits<double>::quiet_NaN();
@@ -32,11 +32,11 @@ struct Statistics {
   double time_input = 0.0, time_forces = 0.0, time_solve = 0.0, time_contact = 0.0, time_estimate = 0.0, time_transfer = 0.0,
          time_normals = 0.0, time_publish = 0.0, time_total = 0.0;
   double real_time_factor = 0.0;  // time step over time_total
-  // M, rms distance from the cloud that is tracked; NaN: from none.
+  // m, rms distance from the tracked cloud; NaN without one
   double tracking_residual = std::numeric_limits<double>::quiet_NaN();
-  std::uint32_t tracked_points = 0;                                // simulation points that it shows
+  std::uint32_t tracked_points = 0;                                // simulation points that the tracked cloud shows
   std::uint32_t self_contacts = 0;                                 // pairs of parts of the surface that push each other apart
-  double self_distance = std::numeric_limits<double>::infinity();  // m, of the nearest of them; infinite: there is none
+  double self_distance = std::numeric_limits<double>::infinity();  // m, of the nearest of these pairs; infinite: there is none
   std::uint32_t stopped_points = 0;  // simulation points that were stopped short in the last step, before parts met
   std::uint64_t state_hash = 0;
   std::vector<std::string> skipped;  // stages that were not run because nobody needed them

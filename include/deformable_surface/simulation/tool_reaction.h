@@ -1,5 +1,5 @@
-// What the surface does to tools and pins, and where it touches them and itself: contact forces as data. Apart from the loads
-// that give it, because the node publishes and draws it.
+// Contact wrenches on tools and pins, and contact points with tools and of the surface with itself, as data. Loads compute it;
+// the node publishes and draws it.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_surface::simulation {
 
-/// What the surface does to a tool.
+/// The wrench of the surface on a tool.
 struct ToolReaction {
   std::string id;
   Vec3 force = Vec3::Zero();   // N, in the tool's frame
@@ -17,7 +17,7 @@ struct ToolReaction {
   double penetration = 0.0;    // m, the deepest
 };
 
-/// Where a tool pushes or draws a simulation point. World frame.
+/// A contact: a tool pushes or draws a simulation point. World frame.
 struct Contact {
   Index tool;     // place among Simulation::tools()
   Index point;    // simulation point
@@ -27,17 +27,17 @@ struct Contact {
   Vec3 force;     // N, on the point, friction included
 };
 
-/// Where two parts of the surface push each other apart. World frame.
+/// A contact of the surface with itself: two parts push each other apart. World frame.
 struct SelfTouch {
   Index points[4];    // simulation points: of a vertex and a triangle, or of two edges
-  double weights[4];  // of the two places that are nearest: those of the first part sum to 1, those of the second to -1
+  double weights[4];  // of the two nearest places: those of the first part sum to 1, those of the second to -1
   Vec3 position;      // m, midway between these places
   Vec3 normal;        // unit, from the second part to the first
   double depth;       // m, the thickness less the distance
   Vec3 force;         // N, on the first part, friction included
 };
 
-/// What the surface does to the pins of a region.
+/// The wrench of the surface on the pins of a region.
 struct PinReaction {
   std::string id;              // "pins[0]": that of the scene; kOtherPins: points that were pinned by commands
   Vec3 force = Vec3::Zero();   // N, in the surface's frame

@@ -1,4 +1,4 @@
-// What elastic solids bring to a simulation. For the registry alone.
+// The ModelKind of elastic solids. Only the registry includes it.
 #pragma once
 
 #include "deformable_surface/simulation/model_kind.h"

@@ -12,11 +12,11 @@ namespace deformable_surface::simulation {
 RestSurface makeSolidRest(const SceneParams& params, const cloud::PointCloud& input);
 CoarserLevel makeSolidCopies(const SceneParams& params, const RestSurface& level);
 
-/// Neighbours, simulation points, model and transfer of a body of which the cleaned points are the closed surface: with
-/// neighbours over it, and outward normals. Throws InputError. O(n k log n).
+/// Neighbours, simulation points, model and transfer of a body whose closed surface are the cleaned points: with
+/// neighbours along it, and outward normals. Throws InputError. O(n k log n).
 void buildFilledSolid(const SceneParams& params, RestSurface& s);
 
-/// How many simulation points are asked for, of so many; of a threshold as well.
+/// The number of simulation points asked for, out of `of`; a threshold is converted.
 Index findSolidTarget(const cloud::SimplificationParams& how, Index of);
 /// Model, pins and notes on the simulation points s.points. across, outline: see model::ElasticSolid.
 void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,

@@ -1,4 +1,4 @@
-// What knives and tears do to a mass-spring surface in a step. Apart from the order of a step, because most surfaces are never
+// Cuts of a mass-spring surface by knives and tears in a step. Most surfaces are never
 // cut.
 #pragma once
 
@@ -14,7 +14,7 @@ class Cutting : public Evolution {
 
   void forget() override { setCuts({}); }
   void beginStep(double time, const std::vector<tool::ToolParams>& tools, const Points& positions) override;
-  /// Cuts the links that knives went through and those that are stretched too far, and tells the follower.
+  /// Cuts the links that knives passed through and those that are stretched too far, and informs the follower.
   AfterStep endStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state,
                     CutFollower* follower) override;
   /// Knives cut springs without resistance.
@@ -39,7 +39,7 @@ class Cutting : public Evolution {
   model::MassSpring& model_;
   const double tear_strain_;
   double spacing_ = 0.0, longest_ = 0.0;  // m, mean and largest length of links at rest
-  std::shared_ptr<const Cuts> cuts_;      // those of the model; null: none
+  std::shared_ptr<const Cuts> cuts_;      // of the model; null: none
   bool may_cut_ = false;                  // in this step
   Points before_;                         // m, when a step with a knife began last
   std::vector<Link> found_;               // in this step

@@ -1,4 +1,4 @@
-// What the mass-spring surface brings to a simulation. For the registry alone.
+// The ModelKind of the mass-spring surface. Only the registry includes it.
 #pragma once
 
 #include "deformable_surface/simulation/model_kind.h"

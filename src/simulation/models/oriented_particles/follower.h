@@ -1,4 +1,4 @@
-// How the cloud follows particles that are born and go. Private to this model.
+// How the cloud follows particles that are added and removed. Private to this model.
 #pragma once
 
 #include "deformable_surface/simulation/rest_surface.h"
@@ -28,11 +28,11 @@ class ParticleFollower : public CloudFollower {
   const RestSurface& rest_;
   const transfer::TransferParams& transfer_;
   const bool is_direct_;  // every dense point is a particle: none has to follow others
-  // Which of the particles of the beginning are left, and what moves with them.
+  // The initial particles that are left, and what moves with them.
   std::vector<Index> ids_;                         // of the state that the rest below belongs to
   std::vector<Index> point_of_id_;                 // its point now; -1: gone
   std::vector<char> is_gone_;                      // (dense) its particle is gone
-  std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without those that are gone; null: all are there
+  std::unique_ptr<transfer::Transfer> survivors_;  // the transfer without the removed ones; null: all are present
   Points first_positions_;                         // (m x 3) of the particles of the beginning
 };
 

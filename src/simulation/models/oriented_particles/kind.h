@@ -1,4 +1,4 @@
-// What surfaces of oriented particles bring to a simulation. For the registry alone.
+// The ModelKind of oriented particles. Only the registry includes it.
 #pragma once
 
 #include "deformable_surface/simulation/model_kind.h"
