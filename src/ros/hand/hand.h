@@ -1,5 +1,5 @@
-// A person's hand on a surface: interactive markers in RViz on one side, the public topics and services of a running node on the
-// other. It is a program of its own beside the node, so that the node need not know of it.
+// Interactive markers in RViz to pull, pin and move tools on a surface. It uses the public topics and services of a running
+// node. It is a program of its own: the node does not know it.
 #pragma once
 
 #include "hand_markers.h"
@@ -26,11 +26,11 @@ class Hand {
 
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedbackConstPtr;
-  /// A pull that goes on: a tool that moves what it grips.
+  /// A pull in progress: a tool that moves what it grips.
   struct Grip {
-    std::string handle;    // by which it is dragged
+    std::string handle;    // the marker that is dragged
     Vec3 from, start;      // m: the place that was gripped, and where the handle was then
-    bool is_sent = false;  // a click alone grips nothing
+    bool is_sent = false;  // a mere click grips nothing
     ros::WallTime heard;   // RViz speaks up several times a second while the button is down
     bool holds = false;    // as the surface says
   };
@@ -48,7 +48,7 @@ class Hand {
   void refresh();
   void followSurface();
 
-  // From the person.
+  // From the user.
   void onPull(const Feedback& feedback);
   void onTool(const Feedback& feedback);
   void moveGrip(const Vec3& handle);
@@ -77,7 +77,7 @@ class Hand {
   bool isOfParticles() const { return !ids_.empty(); }
   double radius() const { return params_.radius.valueOr(kRadiusShare * spacing_); }
 
-  // The tool by which the surface is gripped; those that are added have a number.
+  // The tool that grips the surface; added tools have a number.
   static constexpr char kGripId[] = "hand";
   // Holds the nearest points and not only one.
   static constexpr double kRadiusShare = 1.5;
@@ -103,7 +103,7 @@ class Hand {
   std::uint32_t spot_ = 0;  // a row of points_, or the id of a particle
   std::optional<Grip> grip_;
   std::map<std::string, HeldTool> held_;
-  int num_made_ = 0;  // tools and sprays, so that none is like another
+  int num_made_ = 0;  // tools and sprays so far, for unique names
   std::string sentence_;
 };
 

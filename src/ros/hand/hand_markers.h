@@ -1,5 +1,5 @@
-// The interactive markers with which a person works on a surface in RViz: what they look like and which of their parts can be
-// dragged. Apart from the hand that answers them, because this is only drawing.
+// The interactive markers for work on a surface in RViz: their looks, and which parts can be
+// dragged. hand.h answers them.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -17,7 +17,7 @@
 
 namespace deformable_surface::node {
 
-/// A tool that the hand keeps: what ~tools is told, and what is drawn.
+/// A tool kept by this program: the message for ~tools, and its marker.
 struct HandTool {
   std::string id;
   std::uint8_t mode = 0;  // as in Tool.msg
@@ -26,12 +26,12 @@ struct HandTool {
   double strength = 0.0;  // N, of one that moves
 };
 
-// Names of the markers that are always there; the others are the ids of tools.
+// Names of the markers that always exist; the others are the ids of tools.
 constexpr char kSurfaceHandle[] = "surface", kSpotHandle[] = "spot", kPanelHandle[] = "panel";
 
-// The header's stamp of all of them is to be zero: RViz then answers in the header's frame.
+// All headers must have the stamp zero: RViz then answers in the header's frame.
 
-/// The surface to be clicked and dragged in the plane of the screen: faint balls at points (m), at most some thousand of them.
+/// The surface, to be clicked and dragged in the plane of the screen: faint balls at points (m), at most a few thousand.
 /// diameter: m, > 0.
 visualization_msgs::InteractiveMarker makeSurfaceHandle(const std_msgs::Header& header, const Points& points, double diameter);
 

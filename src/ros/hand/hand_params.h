@@ -1,4 +1,4 @@
-// What the hand can be told. In a file of its own like the parameters of every other part.
+// Parameters of the interactive markers.
 #pragma once
 
 #include "deformable_surface/base/params.h"

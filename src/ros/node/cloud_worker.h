@@ -1,5 +1,5 @@
-// The thread that does with clouds what takes long: it decodes them, builds surfaces of them, and makes them ready to be tracked,
-// while the stepping thread steps on. A file of its own, because all that the two share is here: the newest cloud that came, one
+// The thread for slow work on clouds: it decodes them, builds surfaces from them, and prepares them for tracking,
+// while the stepping thread goes on. The two threads share only this: the newest cloud that came, one
 // piece of work, one result.
 #pragma once
 
@@ -22,7 +22,7 @@
 
 namespace deformable_surface::node {
 
-/// What is to be made of a cloud.
+/// What to make of a cloud.
 struct CloudWork {
   enum class Kind { kBuild, kObserve };
   Kind kind = Kind::kBuild;
@@ -34,14 +34,14 @@ struct CloudWork {
   int num_threads = 1;                                          // of the loops over its points; >= 1
 };
 
-/// What became of it.
+/// The result.
 struct CloudResult {
   std::int64_t stamp = 0, arrival = 0;  // ns
   std::string frame, cloud_frame;
-  std::string problem;  // one sentence; empty: it was accepted, and of these there is what was asked for:
+  std::string problem;  // one sentence; empty: it was accepted, and the requested one of these is there:
   std::unique_ptr<simulation::Simulation> simulation, viewer;
   std::shared_ptr<const simulation::ObservedCloud> observed;
-  // Of a simulation whose cloud was filtered: what became of it, and the cloud before, in the surface's frame.
+  // For a simulation whose cloud was filtered: notices, and the cloud before the filters, in the surface's frame.
   std::vector<std::string> filter_notices;
   std::unique_ptr<cloud::PointCloud> unfiltered;
 };
@@ -49,28 +49,28 @@ struct CloudResult {
 class CloudWorker {
  public:
   CloudWorker(Inbox& inbox, WarningLog& warnings, const DecodeLimits& limits);
-  /// After the inbox is closed, which ends what is under way.
+  /// To be called after the inbox is closed, which ends running work.
   ~CloudWorker();
   CloudWorker(const CloudWorker&) = delete;
   CloudWorker& operator=(const CloudWorker&) = delete;
 
-  /// From any thread: a cloud that came. It is decoded and put into the inbox when there is no other work; of those that come
+  /// From any thread: a cloud that came. It is decoded and put into the inbox when there is no other work. Of clouds that come
   /// meanwhile the newest is kept.
   void put(const boost::shared_ptr<const BoundedCloud>& message);
-  /// How many came; of these were replaced by newer ones; and were not even decoded, because clouds are ignored.
+  /// Numbers of clouds that came; that were replaced by newer ones; that were not even decoded, because clouds are ignored.
   struct Counts {
     int received = 0, replaced = 0, ignored = 0;
   };
   Counts counts() const;
 
   // From the stepping thread.
-  /// Clouds are (not) taken from now on.
+  /// Whether clouds are ignored from now on.
   void ignore(bool is_ignoring);
-  /// Whether there is work under way, or a result that was not taken.
+  /// Whether work is running, or a result was not taken.
   bool isBusy() const;
-  /// Only when it is not.
+  /// Only if it is not busy.
   void begin(CloudWork&& work);
-  /// Nothing if there is none (yet). The inbox is woken when one comes.
+  /// None if there is no result (yet). A result wakes the inbox.
   std::optional<CloudResult> take();
 
  private:

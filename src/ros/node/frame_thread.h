@@ -1,5 +1,5 @@
-// The thread in which what is to be seen of the surface is made and published: the stepping thread hands moments over and never
-// waits for one to be shown. A file of its own, because all that the two threads share is here: the moments that wait.
+// The thread that makes and publishes what is displayed of the surface. The stepping thread hands moments over and never
+// waits for one to be shown. The two threads share only the waiting moments.
 #pragma once
 
 #include "moment.h"
@@ -14,17 +14,17 @@ namespace deformable_surface::node {
 
 class FrameThread {
  public:
-  /// show: is called in this thread, with one moment after the other, and must not throw. num_threads: of its loops over points;
+  /// show: called in this thread, with one moment after the other; must not throw. num_threads: of its loops over points;
   /// >= 1.
   FrameThread(std::function<void(Moment&)> show, int num_threads);
-  /// What waits is not shown any more.
+  /// Waiting moments are not shown any more.
   ~FrameThread();
   FrameThread(const FrameThread&) = delete;
   FrameThread& operator=(const FrameThread&) = delete;
 
-  /// One that still waits gives way to it, unless that is to be kept. Waits only while several wait that are.
+  /// Replaces a waiting moment, unless that one must be kept. Blocks only while several such moments wait.
   void show(Moment&& moment);
-  /// How many gave way.
+  /// How many were replaced.
   int numDropped() const;
 
  private:

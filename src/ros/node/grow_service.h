@@ -1,5 +1,5 @@
-// The service ~grow_surface, also under its old name, ~fit. Apart from the others because growing a surface takes seconds: it is
-// done on a copy, in threads of its own, while the surface stands and the node goes on answering.
+// The service ~grow_surface, also under its old name ~fit. Growing a surface takes seconds: it is
+// done on a copy, in threads of its own. Meanwhile the surface stands still and the node goes on answering.
 #pragma once
 
 #include "inbox.h"
@@ -20,21 +20,21 @@ namespace deformable_surface::node {
 class GrowService {
  public:
   GrowService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings);
-  /// After the inbox is closed, which ends what is under way.
+  /// To be called after the inbox is closed, which ends running work.
   ~GrowService();
 
-  /// Resolved, for registering them again.
+  /// Resolved names, for registering them again.
   std::vector<std::string> names() const { return {server_.getService(), old_server_.getService()}; }
 
  private:
-  /// notice: what each call is told by a warning; empty: nothing.
+  /// notice: logged as a warning at each call; empty: none.
   template <class Request, class Response>
   ros::ServiceServer advertise(ros::NodeHandle& node, const std::string& name, const std::string& notice);
   /// Throws.
   template <class Request, class Response>
   void grow(const Request& request, Response& response);
   void perform(const std::function<void()>& work);
-  /// However busy the simulation is: it must come to it, for the surface is held until then.
+  /// Performs the work however busy the simulation is: the surface is held until it is done.
   void performInTheEnd(const std::function<void()>& work);
 
   Inbox& inbox_;
@@ -42,7 +42,7 @@ class GrowService {
   WarningLog& warnings_;
   ros::CallbackQueue queue_;
   ros::ServiceServer server_, old_server_;
-  // One grows a surface while the other refuses to.
+  // While one grows a surface, the other refuses calls.
   QueueThread first_thread_, second_thread_;
 };
 

@@ -1,5 +1,5 @@
-// Where everything that comes from outside waits for the simulation thread: clouds, commands, service calls, the clock. Callbacks
-// only put here, so that no message ever waits for a step, and the simulation itself needs no locks.
+// The queue of everything that comes from outside for the simulation thread: clouds, commands, service calls, the clock.
+// Callbacks only put events here: no message waits for a step, and the simulation needs no locks.
 #pragma once
 
 #include "deformable_surface/PointForce.h"
@@ -28,7 +28,7 @@ struct IncomingCloud {
   std::int64_t arrival = 0;
 };
 
-/// A command and its stamp (ns), or the time of its arrival if it brings none: it counts from the first step that begins at its
+/// A command and its stamp (ns), or the time of its arrival if it has none. It counts from the first step that begins at its
 /// stamp or later, or from the one in which it arrives.
 struct Command {
   std::int64_t stamp = 0;
@@ -46,7 +46,7 @@ class Inbox {
  public:
   using SteadyTime = std::chrono::steady_clock::time_point;
 
-  /// Work to be done by the simulation thread for a service that waits.
+  /// Work for the simulation thread; a service call waits for it.
   struct Job {
     enum class State { kWaiting, kRunning, kDone, kRefused };
     const std::function<void()>* work;
@@ -65,14 +65,14 @@ class Inbox {
 
   Inbox(bool use_simulated_clock, const tf2::BufferCore& transforms) : clock_(use_simulated_clock), transforms_(transforms) {}
 
-  // For callbacks. None of them waits but perform().
-  /// A cloud that was not fetched yet gives way to the new one. arrival: as in IncomingCloud.
+  // For callbacks. Only perform() waits.
+  /// Replaces a cloud that was not fetched yet. arrival: as in IncomingCloud.
   void put(DecodedCloud&& cloud, std::int64_t arrival);
-  /// Too many: the oldest is dropped.
+  /// If there are too many, the oldest is dropped.
   void put(const PointForceConstPtr& force);
   void put(const geometry_msgs::WrenchStampedConstPtr& wrench);
   void put(const ToolConstPtr& tool);
-  /// Why a message of tools could not be read.
+  /// Why a message of tools was refused.
   void putRefusedTools(const std::string& reason);
   /// ns of the ROS clock; 0 if there is no valid time yet.
   std::int64_t now();
@@ -80,25 +80,25 @@ class Inbox {
   void observeClock(std::int64_t now);
   /// Asks for a frame at once, for a new subscriber.
   void wantFrame();
-  /// Has the simulation thread look around, for the diagnostics.
+  /// Wakes the simulation thread, for the diagnostics.
   void wake();
-  /// Has the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done. ends_step: a step
-  /// that is under way is worth nothing any more and need not be waited for.
+  /// Lets the simulation thread do the work, and waits for it. Returns an empty text, or why it was not done. ends_step: a
+  /// running step is void and is ended.
   std::string perform(const std::function<void()>& work, bool ends_step = false);
-  /// Ends the simulation thread; whoever waits is refused.
+  /// Ends the simulation thread; waiting calls are refused.
   void close();
 
   // For the simulation thread.
-  /// Waits until something comes or the time is there, and takes all but the jobs.
+  /// Waits until something comes or the time is reached, and takes everything but the jobs.
   Content take(SteadyTime until);
-  /// The frame of the surface that commands are for, from now on.
+  /// Sets the frame of the surface that commands are for.
   void setSurfaceFrame(const std::string& frame);
-  /// Does the jobs that wait.
+  /// Does the waiting jobs.
   void doJobs();
   bool isClosed() const { return closed_; }
-  /// The same, for what looks at it while it works.
+  /// The closed state, for code to check while it works.
   const std::atomic<bool>* closing() const { return &closed_; }
-  /// Whether a step that is under way is to end, for it to look at: the inbox is closed, or work waits that ends it.
+  /// Whether a running step must end; steps check it. True if the inbox is closed, or work waits that ends a step.
   const std::atomic<bool>* endingStep() const { return &ends_step_; }
 
   int numCloudsReplaced() const;
@@ -107,9 +107,9 @@ class Inbox {
  private:
   void putCommand(Command command);
   // With the mutex held:
-  /// After what it depends on has changed.
+  /// To be called after a change of what it depends on.
   void updateEndsStep();
-  /// The computer's clock is looked at; /clock has been observed already.
+  /// Reads the computer's clock; /clock has been observed already.
   std::int64_t readClock();
   void observe(std::int64_t now, std::int64_t steady);
 

@@ -1,4 +1,4 @@
-// A moment of the surface on its way from the thread that steps to the one that shows.
+// A moment of the surface, handed from the stepping thread to the one that shows it.
 #pragma once
 
 #include "deformable_surface/ros/convert/surface_output.h"
@@ -19,10 +19,10 @@ struct Moment {
   std::uint64_t revision = 0, surface_revision = 0;  // of the simulation
   bool all = false;                                  // clouds and markers too that have not changed since they were published
   bool is_kept = false;                              // it is shown, also where a newer one comes
-  // Of a moment that begins another surface, at rest; else null and empty:
+  // For the first moment of a new surface, at rest; else null and empty:
   std::unique_ptr<simulation::Simulation> viewer;
   std::string frame;
-  // Where output.normals may have changed.
+  // If output.normals may have changed.
   std::optional<simulation::SceneParams> params;
 };
 

@@ -1,5 +1,5 @@
-// Names that come over ROS and become names of files or of what is kept: they cannot leave a directory, hide themselves or be
-// taken for an option.
+// Checks names that come over ROS and become names of files or of stored items: they cannot leave a directory, be hidden or
+// look like an option.
 #pragma once
 
 #include <algorithm>

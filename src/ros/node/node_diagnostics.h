@@ -1,4 +1,4 @@
-// What the node says of itself on /diagnostics.
+// The node's messages on /diagnostics.
 #pragma once
 
 #include "inbox.h"
@@ -14,14 +14,14 @@
 
 namespace deformable_surface::node {
 
-/// To be used by the simulation thread. While a step takes long, which this thread then waits for, a timer says so on the queue
+/// For the simulation thread. During a long step this thread is busy; a timer then reports it on the queue
 /// of watch_node.
 class NodeDiagnostics {
  public:
   NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHandle& private_node, const ros::NodeHandle& watch_node,
                   const Stepper& stepper, const Inbox& inbox, const WarningLog& warnings);
 
-  /// Publishes if it is time: regularly, and soon after something happened. By wall time, since a clock that stands still or
+  /// Publishes if it is time: regularly, and soon after an event. By wall time, since a clock that stands still or
   /// jumps back must be reported too.
   void update();
   /// When update() is to be called next, at the latest.
@@ -29,7 +29,7 @@ class NodeDiagnostics {
 
  private:
   using Status = diagnostic_updater::DiagnosticStatusWrapper;
-  // What is told soon: state, clouds accepted and refused, warnings, commands waiting.
+  // Changes that are reported soon: state, clouds accepted and refused, warnings, commands waiting.
   using Happened = std::tuple<std::string, int, int, std::string, int, int>;
 
   void watchStep();
@@ -41,7 +41,7 @@ class NodeDiagnostics {
   const Inbox& inbox_;
   const WarningLog& warnings_;
   const std::string name_;
-  ros::Publisher topic_;  // of the updater's messages: who listens
+  ros::Publisher topic_;  // of the updater's messages, to see whether anybody listens
   ros::WallTimer watch_;
   Inbox::SteadyTime last_warning_;
   diagnostic_updater::Updater updater_;

@@ -1,5 +1,5 @@
-// Commands that came over ROS and wait for their step, and the forces and tools that they became. Apart from the stepper, which
-// only says when a step begins.
+// Commands that came over ROS and wait for their step, and the forces and tools made from them. The stepper
+// only reports when a step begins.
 #pragma once
 
 #include "inbox.h"
@@ -38,53 +38,53 @@ class PendingCommands {
                    const std::string& frame) {
     return tools_.pinToFrame(header, region, simulation, frame);
   }
-  /// The frame of the surface that commands are for. Those without a stamp that came before see their transforms now.
+  /// Sets the frame of the surface that commands are for. Earlier commands without a stamp take their transforms now.
   void setSurfaceFrame(const std::string& frame);
-  /// Too many: the oldest are dropped. In lockstep those without a stamp are refused.
+  /// If there are too many, the oldest are dropped. In lockstep commands without a stamp are refused.
   void append(std::vector<Command>&& commands);
-  /// Drops those that count from before the stamp (ns).
+  /// Drops commands that count from before the stamp (ns).
   void dropBefore(std::int64_t stamp);
   void clear();
-  /// Those that count from the stamp (ns) on are remembered while they are applied, for a surface that is to begin then; also
-  /// those that the surface of now has no use for.
+  /// Commands that count from the stamp (ns) on are kept when they are applied, for a surface that will begin then, including
+  /// those that the present surface cannot use.
   void keepSince(std::int64_t stamp);
-  /// They wait once more.
+  /// The kept commands wait again.
   void takeBack();
   void forgetKept();
-  /// Steps to come count anew: none of them is late for what the last one began with.
+  /// Later steps count anew: no command is late by the beginning of the last step.
   void forgetSteps() { last_begin_ = kNever; }
-  /// The surface is another or at rest again: the forces and tools of before are gone.
+  /// The surface is new or at rest again: its former forces and tools are gone.
   void forget();
 
-  /// The forces and tools that commands became: what a snapshot of the surface needs to go on with them.
+  /// The forces and tools made from commands: a snapshot of the surface needs them.
   struct Memory {
     std::map<std::string, double> forces;
     ToolCommands::Memory tools;
   };
   Memory memory() const { return {forces_, tools_.memory()}; }
-  /// That of a surface which has been restored; what waits belongs to the run before it and is dropped.
+  /// For a surface that was restored. Waiting commands belong to the run before and are dropped.
   void restore(const Memory& memory);
 
-  /// Applies what counts by the time at which a step begins (ns), in the order of the stamps, then of arrival, and moves the
-  /// tools through that step, to its end. A command whose transform is not known waits for it, for a while, unless a newer one
-  /// for the same force or tool takes its place.
+  /// Applies commands that count by the time at which a step begins (ns), in the order of stamps, then of arrival, and moves the
+  /// tools through that step, to its end. A command whose transform is unknown waits for it, for a while, unless a newer one
+  /// for the same force or tool replaces it.
   void apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame);
-  /// Whether what is done before a step may change with time, by itself.
+  /// Whether a step may need work before it without a new command.
   bool isMoving() const { return numWaiting() > 0 || tools_.isMoving(); }
 
   /// In lockstep: whether every topic that steps wait for has brought a command stamped after the time (ns).
   bool areCompleteAt(std::int64_t time) const;
-  /// In lockstep: the frame that a command for the step, or a tool in it, needs and tf does not know yet; empty: there is none.
+  /// In lockstep: a frame that a command for the step, or a tool in it, needs and tf does not know yet; empty if there is none.
   std::string missingFrame(std::int64_t begin, std::int64_t end, const std::string& frame) const;
 
   ToolStatuses& toolStatuses() { return tool_statuses_; }
   std::set<std::string> silentTools() const { return tools_.silent(); }
 
-  /// The ids of the forces that wait, each once, in the order of arrival.
+  /// The ids of the waiting forces, each once, in the order of arrival.
   std::vector<std::string> waitingForces() const;
   int numWaiting() const { return static_cast<int>(commands_.size() + without_frame_.size()); }
   int numDropped() const { return num_dropped_; }
-  /// How many were applied after the step at whose beginning they should have been, or with a transform that was not known when
+  /// How many were applied after the step in which they should have been, or with a transform that was unknown when
   /// they came.
   std::uint64_t numLate() const { return num_late_; }
   std::uint64_t numApplied() const { return num_applied_; }
@@ -97,7 +97,7 @@ class PendingCommands {
   };
   static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::min();
 
-  /// give_up: when its transform is waited for no longer.
+  /// give_up: until when it waits for its transform.
   void carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
                 const std::string& frame);
   void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);

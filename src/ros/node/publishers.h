@@ -1,5 +1,5 @@
-// What the node publishes of its surface for those who look at it. Each output is made only for those who listen, and a message
-// that somebody holds is never changed again, so that nodelets in the same process share it without a copy.
+// Publishes the surface for display. Each output is made only if somebody subscribes. A message that a subscriber holds is
+// never changed again, so that nodelets in the same process share it without a copy.
 #pragma once
 
 #include "moment.h"
@@ -23,11 +23,11 @@ namespace deformable_surface::node {
 
 class Publishers {
  public:
-  /// on_subscriber is called when somebody begins to listen. The node handle must outlive this.
+  /// on_subscriber is called when a subscriber appears. The node handle must outlive this.
   Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
 
   // From any thread.
-  /// Whether anybody would get a message of a moment.
+  /// Whether any subscriber would get a message of a moment.
   bool isWanted(bool has_changed, bool has_moved) const;
   bool isStatisticsHeard() const { return statistics_.getNumSubscribers() > 0; }
 
@@ -45,10 +45,10 @@ class Publishers {
   std::optional<SurfaceEncoder> encoder_;
   MessagePool<sensor_msgs::PointCloud2> clouds_;
   CloudUpdates changes_;
-  std::atomic<bool> is_update_wanted_whole_{false};  // somebody who listens to the updates has nothing yet
+  std::atomic<bool> is_update_wanted_whole_{false};  // a subscriber of the updates has nothing yet
   std::chrono::steady_clock::time_point next_whole_update_;
   std::optional<SimulationMarkers> marker_maker_;
-  std::chrono::steady_clock::time_point next_markers_;                               // though nothing has changed
+  std::chrono::steady_clock::time_point next_markers_;                               // even without a change
   bool is_new_ = false;                                                              // nothing of this surface was published yet
   std::uint64_t surface_revision_ = 0, points_revision_ = 0, markers_revision_ = 0;  // of the simulation, when published last
   double time_publish_ = 0.0;                                                        // s, of the last frame

@@ -1,5 +1,5 @@
-// A thread that works off a queue of callbacks. In place of roscpp's AsyncSpinner, which wakes up ten times a second to see
-// whether it is to end: a node whose surface rests should rest, too.
+// A thread for a queue of callbacks. Unlike roscpp's AsyncSpinner it does not wake up ten times a second to check
+// whether to end: a node whose surface rests uses no time.
 #pragma once
 
 #include <ros/callback_queue.h>
@@ -22,7 +22,7 @@ class QueueThread {
       while (!is_ended_ && ros::ok()) queue_.callAvailable(ros::WallDuration(kPatience));
     });
   }
-  /// Waits for the callback that is under way; the queue takes no others.
+  /// Waits for the running callback; no others are called.
   void stop() {
     is_ended_ = true;
     queue_.disable();  // which wakes the thread

@@ -1,6 +1,6 @@
-// Parameters that change while the node runs, as dynamic_reconfigure's clients (rqt_reconfigure, dynparam) know them. The
-// descriptions come from the schema of the scene file, so that there is one list of names, units and ranges;
-// dynamic_reconfigure's own server would want a second one, in a .cfg file.
+// Parameters that may change while the node runs, for the clients of dynamic_reconfigure (rqt_reconfigure, dynparam). The
+// descriptions come from the schema of the scene file: there is one list of names, units and ranges.
+// dynamic_reconfigure's own server would need a second one, in a .cfg file.
 #pragma once
 
 #include "inbox.h"
@@ -24,20 +24,20 @@
 
 namespace deformable_surface::node {
 
-/// What there is to change: names are the keys of the scene file, with .x, .y and .z for the numbers of a vector.
+/// The parameters that may change: names are the keys of the scene file, with .x, .y and .z for the numbers of a vector.
 dynamic_reconfigure::ConfigDescription describeRunTimeParams();
 dynamic_reconfigure::Config printRunTimeParams(const simulation::SceneParams& params);
-/// The params with the values of the config. Throws InputError, as for a scene file, and for names that are not among those.
+/// The params with the values of the config. Throws InputError, as for a scene file, and for unknown names.
 simulation::SceneParams readRunTimeParams(const dynamic_reconfigure::Config& config, const simulation::SceneParams& params);
 
 class Reconfigure {
  public:
   Reconfigure(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, WarningLog& warnings);
 
-  /// Tells the listeners what holds now. By the simulation thread.
+  /// Publishes the present values. For the simulation thread.
   void publish();
-  /// Writes what is another than last time to the parameter server, so that who looks there, or starts the node again, finds what
-  /// holds. Not by the simulation thread, since the server may be away. Calls what onStore() was given, if anything was written.
+  /// Writes changed values to the parameter server, so that readers of the server, or a restarted node, find the present
+  /// values. Not for the simulation thread: the server may not answer. Calls what onStore() was given, if anything was written.
   void store();
   void onStore(std::function<void()> call) { on_store_ = std::move(call); }
   std::string serviceName() const { return server_.getService(); }

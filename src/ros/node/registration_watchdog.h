@@ -1,5 +1,5 @@
-// Registers the process again after the roscore was restarted, and gives the new one the parameters that the old one had of it.
-// roscpp does not: the node would vanish from the graph, and nobody new could find it, while old connections live on.
+// Registers the process again after a restart of the roscore, and sets the parameters that the old one had of it.
+// roscpp does not: the node would vanish from the graph. New nodes could not find it, while old connections continue.
 #pragma once
 
 #include <xmlrpcpp/XmlRpcValue.h>
@@ -16,12 +16,12 @@ namespace deformable_surface::node {
 
 class RegistrationWatchdog {
  public:
-  /// services: resolved names; topics are found by themselves. Runs in a thread of its own, since a master that hangs blocks
-  /// whoever asks it.
+  /// services: resolved names; topics are found automatically. Runs in a thread of its own, since a master that hangs blocks
+  /// its callers.
   explicit RegistrationWatchdog(std::vector<std::string> services);
   ~RegistrationWatchdog();
 
-  /// Sets parameters (a tree) below a name in the new roscore, unless it has some there already.
+  /// Sets parameters (a tree) below a name in the new roscore, unless they are set there already.
   void keepParameters(const std::string& name, const XmlRpc::XmlRpcValue& tree);
 
   RegistrationWatchdog(const RegistrationWatchdog&) = delete;
@@ -29,13 +29,13 @@ class RegistrationWatchdog {
 
  private:
   void run();
-  /// True if a master that can be reached does not know this process, or not all of it.
+  /// True if a reachable master does not know this process, or not all of it.
   bool isMissing();
-  /// Connections that live are left alone; only the master's books are written again.
+  /// Leaves existing connections alone; only the registration is renewed.
   void registerAll();
   void restoreParameters();
-  /// Asks a master or a slave API, of which this process has one that knows its topics with their types: the name of the node and
-  /// the values in, code, text and value out. Nothing if no answer comes, or the process ends meanwhile.
+  /// Calls a master or a slave API, of which this process has one that knows its topics with their types: name of the node and
+  /// the values in, code, text and value out. None if there is no answer, or the process ends meanwhile.
   template <class... Values>
   std::optional<XmlRpc::XmlRpcValue> ask(const std::string& uri, const char* method, const Values&... values);
   /// True if the process ends meanwhile.

@@ -1,5 +1,5 @@
-// One rollout: from the goal of the action to tools and forces on a copy of the surface, and from its steps to the result. Apart
-// from the server of the action, so that it is tested without a roscore.
+// One rollout: from the goal of the action to tools and forces on a copy of the surface, and from its steps to the result. It
+// does not need the action server: it is tested without a roscore.
 #pragma once
 
 #include "deformable_surface/RolloutGoal.h"
@@ -17,25 +17,25 @@
 
 namespace deformable_surface::node {
 
-// As many as ~step takes in a call.
+// As many as ~step accepts in a call.
 constexpr std::uint64_t kMaxRolloutSteps = 1000000;
-// What a result may hold: with the fields of a cloud, some hundred megabytes.
+// Limits of a result: with the fields of a cloud, a few hundred megabytes.
 constexpr std::uint64_t kMaxRolloutPoints = 4000000, kMaxRolloutSamples = 20000;
 
 struct RolloutPlan {
-  std::uint64_t first = 0, steps = 0;                    // the step that it begins with, and how many are taken
+  std::uint64_t first = 0, steps = 0;                    // the first step and the number of steps
   std::vector<std::uint64_t> cloud_steps, sample_steps;  // ascending: after so many steps of the rollout
   std::uint8_t clouds = RolloutGoal::NONE;
   CloudId cloud;  // of the surface
 };
 
-/// Gives the goal's tools and forces to the copy. Throws InputError for what is not accepted; the copy is then of no use.
+/// Gives the goal's tools and forces to the copy. Throws InputError if the goal is not accepted; the copy is then unusable.
 RolloutPlan prepareRollout(const RolloutGoal& goal, const std::string& surface_frame, const tf2::BufferCore& transforms,
                            simulation::Simulation& copy);
 
 enum class RolloutEnd { kDone, kStopped, kFailed };
 
-/// Takes the steps. goes_on is asked before each with the share that is done. Fills the result, as far as it came.
+/// Takes the steps. goes_on is called before each with the progress, 0 to 1. Fills the result as far as it came.
 RolloutEnd runRollout(const RolloutPlan& plan, const std::string& surface_frame, const StepSchedule& schedule,
                       const std::function<bool(double progress)>& goes_on, simulation::Simulation& copy, RolloutResult& result);
 

@@ -1,5 +1,5 @@
-// The server of the action ~rollout: goals become copies of the surface, which threads of their own step while the surface goes
-// on.
+// The server of the action ~rollout: each goal becomes a copy of the surface, which a thread of its own steps while the surface
+// goes on.
 #pragma once
 
 #include "inbox.h"
@@ -26,7 +26,7 @@
 
 namespace deformable_surface::node {
 
-/// Of the action, and of the parameters below the node that its clients read.
+/// Name of the action, and of the parameters below the node that its clients read.
 constexpr char kRolloutName[] = "rollout";
 
 class Rollouts {

@@ -1,4 +1,4 @@
-// The services of the node. Each hands its work to the simulation thread and waits for the answer; none of them throws.
+// The services of the node. Each hands its work to the simulation thread and waits for the answer. None throws.
 #pragma once
 
 #include "inbox.h"
@@ -28,18 +28,18 @@ namespace deformable_surface::node {
 
 class Services {
  public:
-  /// reset_node: of a queue of its own, since a reset ends what other calls wait for. save_directory: absolute and there; empty =
-  /// ~save is off.
+  /// reset_node: with a queue of its own, since a reset ends work that other calls wait for. save_directory: absolute, existing;
+  /// empty = ~save is off.
   Services(ros::NodeHandle& node, ros::NodeHandle& reset_node, Inbox& inbox, Stepper& stepper, const tf2::BufferCore& transforms,
            WarningLog& warnings, std::string save_directory);
 
-  /// Is called after ~restore, by the thread that answers it.
+  /// call: called after ~restore, by the thread that answers it.
   void onRestore(std::function<void()> call) { on_restore_ = std::move(call); }
   /// Resolved names, for registering them again.
   std::vector<std::string> names() const;
 
  private:
-  /// Has the work done, which returns the message of success; failures become success = false with the reason.
+  /// Lets the simulation thread do the work, which returns the message of success. Failures give success = false and the reason.
   template <class Response, class Work>
   bool perform(Response& response, const Work& work, bool ends_step = false);
 

@@ -1,4 +1,4 @@
-// The states of a surface that the node keeps by name, in bounded memory.
+// Named snapshots of a surface, in bounded memory.
 #pragma once
 
 #include "pending_commands.h"
@@ -11,7 +11,7 @@
 
 namespace deformable_surface::node {
 
-// Far more than a planner branches from, and a share of the memory of any computer that runs it.
+// Far more than a planner needs, and a share of the memory of any computer that runs it.
 constexpr std::size_t kMaxSnapshots = 256;
 constexpr std::size_t kMaxSnapshotBytes = std::size_t{1} << 30;
 
@@ -23,7 +23,7 @@ class SnapshotShelf {
     std::uint64_t state_hash = 0;
   };
 
-  /// Replaces the one of that name. Throws InputError, and changes nothing, for a name that is not accepted and where there are
+  /// Replaces the one of that name. Throws InputError, and changes nothing, for a name that is not accepted and if there are
   /// too many or too large ones already.
   void put(const std::string& name, Entry entry);
   /// Throws InputError if there is none.

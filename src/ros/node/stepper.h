@@ -1,5 +1,5 @@
-// The simulation thread: takes the steps of the surface when they are due, hands over what is to be shown, begins with another
-// surface when one was built. All that touches the simulation happens here, one thing after the other.
+// The simulation thread: takes the steps of the surface when they are due, hands over moments for display, and changes to another
+// surface when one was built. Only this thread touches the simulation.
 #pragma once
 
 #include "cloud_worker.h"
@@ -27,7 +27,7 @@
 
 namespace deformable_surface::node {
 
-/// What the diagnostics tell of the simulation.
+/// The state of the simulation, for diagnostics.
 struct StepperStatus {
   std::string state = "waiting for a cloud";
   bool is_failed = false;                         // the last step failed
@@ -35,7 +35,7 @@ struct StepperStatus {
   std::uint64_t step = 0;
   std::uint64_t steps_taken = 0;  // of all surfaces
   int clouds_received = 0, clouds_accepted = 0, clouds_ignored = 0, clouds_tracked = 0, clouds_late = 0, clouds_dropped = 0;
-  int clouds_again = 0;  // of those accepted: as the one that the surface was made of
+  int clouds_again = 0;  // accepted clouds that equal the one of the surface
   int frames_dropped = 0, jumps_back = 0;
   std::uint64_t commands_applied = 0, commands_late = 0;
   int commands_waiting = 0, commands_dropped = 0;
@@ -44,8 +44,8 @@ struct StepperStatus {
   double lag = 0.0;             // s that the next step is late
   double time_let_go = 0.0;     // s of the ROS clock for which no steps were taken, since they took too long
   double time_in_calls = 0.0;   // the same, since a call of a service did
-  double time_in_builds = 0.0;  // between the stamps of clouds and the first steps of the surfaces made of them
-  std::string accuracy;         // what was chosen from the accuracy asked for, and why; empty if nothing was
+  double time_in_builds = 0.0;  // from the stamps of clouds to the first steps of the surfaces made from them
+  std::string accuracy;         // the choice for the accuracy target, and its reason; empty without a target
 };
 
 class Stepper {
@@ -64,7 +64,7 @@ class Stepper {
   /// Waits for the next thing to do, but not beyond the given time, and does it. Returns false when the inbox is closed.
   bool turn(Inbox::SteadyTime until);
 
-  // For services; only from work given to the inbox.
+  // For services; only in work given to the inbox.
   /// Null while there is no surface.
   simulation::Simulation* simulation() { return simulation_.get(); }
   const std::string& frame() const { return frame_; }
@@ -75,35 +75,35 @@ class Stepper {
   void reset();
   /// Takes up to count steps now and returns how many; fewer if one failed or the node is shutting down.
   std::uint32_t takeSteps(std::uint32_t count);
-  /// Shows all of it, for who asked for it.
+  /// Shows all of it on request.
   void show();
-  /// Keeps the surface as it is now; the surface as it was then, with its forces and tools. Both throw InputError.
+  /// Stores the surface as it is now; restores it with its forces and tools. Both throw InputError.
   void keepSnapshot(const std::string& name);
   void restoreSnapshot(const std::string& name);
   SnapshotShelf& snapshots() { return snapshots_; }
   const simulation::SceneParams& params() const { return params_; }
-  /// For the surface that there is and those to come. Throws InputError, and changes nothing, for another value of what cannot
-  /// change.
+  /// For the present surface and later ones. Throws InputError, and changes nothing, if a value differs that may not change at
+  /// run time.
   void setParams(const simulation::SceneParams& params);
-  /// Is called when a snapshot has brought back others.
+  /// call: called when a snapshot has restored other values.
   void onParams(std::function<void()> call) { on_params_ = std::move(call); }
-  /// Where the stamps of a rollout lie that begins now with this step.
+  /// The stamps of a rollout that begins now with this step.
   StepSchedule scheduleFrom(std::uint64_t step) const;
-  /// Takes no step until letGo() or replaceHeld(), because a copy of the surface is being worked on that is to take its place.
+  /// Takes no step until letGo() or replaceHeld(): a copy of the surface is being worked on and will replace it.
   void hold();
   void letGo();
-  /// Throws InputError if the surface has become another since hold(), by a reset, a snapshot or a cloud.
+  /// Throws InputError if a reset, a snapshot or a cloud has changed the surface since hold().
   void replaceHeld(std::unique_ptr<simulation::Simulation> simulation);
-  /// Throws InputError while it is held: for what would change it.
+  /// Throws InputError while it is held; for calls that would change it.
   void requireFree() const;
   /// The reason why no step can be taken now; empty if there is none.
   std::string obstacle();
-  /// Whether a surface is being made of a cloud that came.
+  /// Whether a surface is being built from a cloud.
   bool isBuilding() const { return building_.has_value(); }
 
   StepperStatus status() const;
 
-  /// For any thread: s of wall time since the step that is under way began; 0 if there is none.
+  /// For any thread: s of wall time since the running step began; 0 without one.
   double secondsInStep() const;
 
  private:
@@ -126,15 +126,15 @@ class Stepper {
   std::int64_t delayed(std::int64_t clock) const;
 
   bool isLockstep() const { return !params_.input.lockstep.empty(); }
-  /// Is there what a step in lockstep waits for?
+  /// In lockstep: whether everything that the step waits for has come.
   bool isHeard() const;
   bool hasFrames();
-  // In lockstep no time passes but that of the commands.
+  // In lockstep time only passes with the commands.
   void skipTo(std::int64_t now, std::uint64_t step);
   void resumeAt(std::int64_t now, std::uint64_t step);
 
   bool isDue() const;
-  /// Whether the next step begins more than a step later: as after a jump back before the stamp of the cloud.
+  /// Whether the next step begins more than a step later, as after a jump back to before the stamp of the cloud.
   bool waitsUntilLater(std::int64_t now) const;
   bool canRest() const;
   bool takeStep();
@@ -150,14 +150,14 @@ class Stepper {
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
-  // A stamp further ahead than clocks of different computers ever are is a mistake, which would stop the surface for that long.
+  // A stamp further ahead than clocks of different computers ever differ is a mistake. It would stop the surface for that long.
   static constexpr std::int64_t kMaxAhead = 3600'000'000'000;
 
   simulation::SceneParams params_;
   std::function<void()> on_params_;
   Inbox& inbox_;
   CloudWorker& worker_;
-  const Publishers& publishers_;  // what any thread may ask of them
+  const Publishers& publishers_;  // only functions that any thread may call
   FrameThread& frames_;
   WrenchPublishers& wrenches_;
   const tf2::BufferCore& transforms_;
@@ -168,7 +168,7 @@ class Stepper {
   std::unique_ptr<simulation::Simulation> simulation_;
   std::string frame_;
   CloudId cloud_;
-  std::unique_ptr<cloud::PointCloud> unfiltered_;  // what it was made of; null: the simulation's input itself
+  std::unique_ptr<cloud::PointCloud> unfiltered_;  // the cloud before the filters; null: the simulation's input itself
   StepSchedule schedule_;
   std::int64_t now_ = 0;  // ns of the ROS clock, less the delay; 0 = there is no valid time yet
   WaitingClouds clouds_;
@@ -183,18 +183,18 @@ class Stepper {
     bool is_told = false;
   };
   std::optional<Building> building_;
-  std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and when a surface was last begun to be built with them
+  std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and of those that the last build began with
   PendingCommands commands_;
   SnapshotShelf snapshots_;                         // of this surface
   std::optional<Inbox::SteadyTime> missing_since_;  // in lockstep: tf does not know a frame that the next step needs
   bool is_paused_ = false;                          // asked for
   bool is_failed_ = false, is_gravity_known_ = false;
   bool is_held_ = false, is_held_valid_ = false;
-  bool is_as_built_ = false;                      // its cloud and params_ made the surface, and nothing else
+  bool is_as_built_ = false;                      // only its cloud and params_ have shaped the surface
   double time_input_ = 0.0, step_seconds_ = 0.0;  // s of wall time: the commands of the last step, all of it
   double call_seconds_ = 0.0;                     // of the services called in the last turn
 
-  // Frames lie on simulation time; this one is the last that was due.
+  // Frames lie on simulation time; this is the last one that was due.
   std::int64_t last_frame_ = 0;
   bool is_frame_due_ = false;
   std::uint64_t shown_revision_ = 0, shown_surface_revision_ = 0;  // of the simulation, when it was handed over last

@@ -1,5 +1,5 @@
-// What became of the last command to each tool, so that its sender is answered. Apart from the commands that wait, which it
-// outlives.
+// The result of the last command to each tool, for its sender. It outlives the waiting
+// commands.
 #pragma once
 
 #include "deformable_surface/Tool.h"
@@ -14,7 +14,7 @@ namespace deformable_surface::node {
 class ToolStatuses {
  public:
   void tellWaiting(const Tool& command, const std::string& reason);
-  /// step: the first one that it counts for.
+  /// step: the first step that it counts for.
   void tellAccepted(const Tool& command, std::uint64_t step);
   void tellRefused(const Tool& command, const std::string& reason);
   void clear();

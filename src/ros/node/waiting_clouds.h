@@ -1,5 +1,5 @@
-// Clouds that wait: for the transform of their frame, or for the step that begins at their stamp. In a file of its own because a
-// transform that always comes a little later than the next cloud must not keep every cloud from being taken.
+// Clouds that wait for the transform of their frame, or for the step that begins at their stamp. Even if each
+// transform comes a little later than the next cloud, a cloud is taken.
 #pragma once
 
 #include "inbox.h"
@@ -15,17 +15,17 @@ class WaitingClouds {
   using SteadyTime = Inbox::SteadyTime;
   enum class Answer { kTake, kWait, kRefuse };
 
-  /// Too many: the oldest is dropped.
+  /// If there are too many, the oldest is dropped.
   void put(IncomingCloud&& cloud);
   bool isEmpty() const { return clouds_.empty(); }
   void clear() { clouds_.clear(); }
   std::size_t size() const { return clouds_.size(); }
 
-  /// Asks of each cloud, the newest first, what is to become of it, and returns the first that is to be taken; those that came
-  /// before it are dropped. is_patient: its transform is still waited for. Refused ones are dropped.
+  /// Asks for each cloud, the newest first, what to do with it, and returns the first one to take. Earlier ones
+  /// are dropped. is_patient: it may still wait for its transform. Refused ones are dropped.
   std::optional<IncomingCloud> take(const std::function<Answer(IncomingCloud& cloud, bool is_patient)>& ask);
 
-  /// How many gave way to newer ones.
+  /// How many were replaced by newer ones.
   int numDropped() const { return num_dropped_; }
 
  private:

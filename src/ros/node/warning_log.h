@@ -29,8 +29,8 @@ class WarningLog {
   /// name: of the node, which begins each line.
   explicit WarningLog(std::string name) : name_(std::move(name)) {}
 
-  /// Counts, and writes one line unless one of the same cause was written a short while ago; the next then says how many were
-  /// left out. Sentences of a kind that differ in numbers only have the same cause.
+  /// Counts, and writes one line unless one of the same cause was written a short while ago. The next line then says how many
+  /// were left out. Sentences of a kind that differ only in numbers have the same cause.
   void report(Warning kind, const std::string& sentence);
 
   const std::string& name() const { return name_; }

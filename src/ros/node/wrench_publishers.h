@@ -1,6 +1,6 @@
-// What the node publishes after every step: contact wrenches of tools and pins, single contacts, and what became of commands to
-// tools. Apart from what is made for the eye (publishers.h), which a thread of its own makes and which may be dropped:
-// controllers close their loops over this.
+// Publishes after every step: contact wrenches of tools and pins, single contacts, and results of commands to
+// tools. Controllers close their loops over this. Outputs for display (publishers.h) have a thread of their own and may
+// be dropped.
 #pragma once
 
 #include "deformable_surface/ToolStatusArray.h"
@@ -21,11 +21,11 @@ namespace deformable_surface::node {
 /// For the stepping thread.
 class WrenchPublishers {
  public:
-  /// on_subscriber is called when somebody begins to listen. The node handle must outlive this.
+  /// on_subscriber is called when a subscriber appears. The node handle must outlive this.
   WrenchPublishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber);
 
-  /// stamp: ns, of the simulation's state; frame: that of the surface; silent: ids of the tools that are, whose own topics keep
-  /// the stamp of before.
+  /// stamp: ns, of the simulation's state; frame: of the surface; silent: ids of the silent tools; their own topics keep
+  /// the former stamp.
   void publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame,
                const std::set<std::string>& silent);
   void publish(const ToolStatusArray& statuses) { statuses_.publish(statuses); }

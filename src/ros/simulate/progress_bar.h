@@ -1,4 +1,4 @@
-// How far a run of `simulate` is, for a person at a terminal. Apart from the run, which only tells it the time.
+// The progress bar of `simulate` for a terminal.
 #pragma once
 
 #include "deformable_surface/base/timer.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_surface::node {
 
-/// A bar that is drawn anew a few times a second.
+/// A bar that is redrawn a few times a second.
 class ProgressBar {
  public:
   /// show: whether there is a bar at all.

@@ -1,4 +1,4 @@
-// The program `simulate`: a scene in, and a bag if given; clouds, a bag and a CSV out. Apart from its main, for tests.
+// The program `simulate`: reads a scene, and a bag if given; writes clouds, a bag and a CSV. Tests call it without its main.
 #pragma once
 
 #include <atomic>
@@ -8,13 +8,13 @@
 
 namespace deformable_surface::node {
 
-/// A signal that is to end a run. A handler sets the number first.
+/// A signal that ends a run. A handler sets the number first.
 struct StopSignal {
   std::atomic<int> number{0};
   std::atomic<bool> has_come{false};
 };
 
-/// Where a run shows itself, and how it is interrupted.
+/// The terminal of a run, and how it is interrupted.
 struct Terminal {
   std::ostream& out;
   std::ostream& err;
@@ -22,9 +22,9 @@ struct Terminal {
   const StopSignal& stop;
 };
 
-/// arguments: without the name of the program. Returns the exit status: 0 done; 2 the command line, the scene or an input file is
-/// wrong (a line on err for each problem); 3 no sound step could be taken, and the last good state is written; 4
-/// with --strict: the expectations of the scene are not kept, and everything is written; 128 + the signal.
+/// arguments: without the name of the program. Returns the exit status: 0 success; 2 the command line, the scene or an input file
+/// is wrong (a line on err for each problem); 3 no sound step could be taken, and the last good state is written; 4
+/// with --strict: the expectations of the scene are not met, and everything is written; 128 + the signal.
 int simulate(const std::vector<std::string>& arguments, const Terminal& terminal);
 
 }  // namespace deformable_surface::node

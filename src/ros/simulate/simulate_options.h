@@ -20,7 +20,7 @@ struct SimulateOptions {
   std::vector<std::string> measured;          // quantities, as in expect
   double frame_rate = 0.0;                    // Hz; 0 = output.publish_rate
   std::map<std::string, std::string> topics;  // of bag_in: cloud_in, force, wrench, tools -> topic
-  std::set<std::string> given_topics;         // those of the names that --topic gave
+  std::set<std::string> given_topics;         // names that --topic gave
 };
 
 /// Throws InputError with all problems at once.

@@ -1,4 +1,4 @@
-// The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each becomes visible under its name only
+// The files that `simulate` writes while it runs: statistics, numbered clouds, a bag. Each gets its name only
 // when it is complete.
 #pragma once
 
@@ -56,7 +56,7 @@ class StatisticsFile {
   CsvFile file_;
 };
 
-/// One CSV row per step and tool or pin: what the surface does to it.
+/// One CSV row per step and tool or pin: its contact wrench.
 class WrenchesFile {
  public:
   explicit WrenchesFile(const std::string& file);
@@ -71,7 +71,7 @@ class WrenchesFile {
 bool isFrameName(const std::string& name);
 class FrameFiles {
  public:
-  /// Makes the folder if there is none. Throws InputError if it cannot, or if the folder holds frames: the frames of two runs
+  /// Makes the folder if it does not exist. Throws InputError if it cannot, or if the folder holds frames: the frames of two runs
   /// would look like those of one.
   FrameFiles(const std::string& directory, double rate, double time_step);
   void add(double time, simulation::Simulation& simulation);
@@ -82,18 +82,18 @@ class FrameFiles {
   int count_ = 0;
 };
 
-/// What the node would publish. Wall times are left out as NaN, so that equal input gives equal bytes.
+/// The topics that the node would publish. Wall times are NaN, so that equal input gives equal bytes.
 class OutputBag {
  public:
   OutputBag(const std::string& file, double rate, double time_step);
   /// For a new surface, at rest.
   void begin(const std::string& frame_id, const CloudId& cloud, const simulation::Simulation& simulation);
-  /// time: s since the run began; stamp: ns on the clock of the bag, >= 0; silent: ids of the tools that are.
+  /// time: s since the run began; stamp: ns on the clock of the bag, >= 0; silent: ids of the silent tools.
   void add(double time, std::int64_t stamp, const std::set<std::string>& silent, simulation::Simulation& simulation);
   void finish();
 
  private:
-  // A bag that cannot be written ends the program from its own destructor; such a one is not destroyed.
+  // A bag that cannot be written ends the program in its own destructor; therefore it is not destroyed.
   struct CloseOrLeave {
     void operator()(rosbag::Bag* bag) const noexcept;
   };

@@ -1,5 +1,5 @@
-// From a PointCloud2, as bytes from the network or as a message, to a point cloud, with every length checked before it is used.
-// The common ways to read a PointCloud2 trust its numbers and read out of bounds; nothing else in this package reads one.
+// Decodes a PointCloud2, as bytes or as a message, into a point cloud. Every length is checked before it is used.
+// The usual ways to read a PointCloud2 trust its numbers and read out of bounds. No other code in this package reads one.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -13,16 +13,16 @@
 
 namespace deformable_surface::node {
 
-/// A cloud as its bytes came.
+/// A cloud in its serialised form.
 using BoundedCloud = RawMessage<sensor_msgs::PointCloud2>;
 
-/// What a cloud may ask for at most.
+/// Upper limits of an accepted cloud.
 struct DecodeLimits {
   Index max_points = 20000000;  // as input.max_points
   double max_coordinate = 1e6;  // m; beyond it a point counts as not finite, as in cloud::clean
 };
 
-/// A cloud, or the reason why there is none.
+/// A cloud, or the reason why it was refused.
 struct DecodedCloud {
   std_msgs::Header header;   // frame_id without a leading slash
   cloud::PointCloud cloud;   // one point per input point; rows that are not finite or out of range are NaN

@@ -1,4 +1,4 @@
-// What has changed from one cloud to the next, row by row: for those who look from afar at a large surface of which a part moves.
+// Finds the rows that have changed between one cloud and the next: for remote viewers of a large surface of which a part moves.
 #pragma once
 
 #include "deformable_surface/DeformedUpdate.h"
@@ -12,11 +12,11 @@ namespace deformable_surface::node {
 
 class CloudUpdates {
  public:
-  /// Fills the message with the rows of the cloud that differ from those of the cloud before, in any bit, or with all of them: if
-  /// whole, if the layout is another, or if there was none before. Returns whether there is anything to send; only then it is
-  /// counted.
+  /// Fills the message with the rows of the cloud that differ from the cloud before, in any bit. It takes all rows if
+  /// whole, if the layout has changed, or if there was no cloud before. Returns whether there is anything to send; only then it
+  /// is counted.
   bool make(const sensor_msgs::PointCloud2ConstPtr& cloud, bool whole, DeformedUpdate& message);
-  /// The cloud before is let go of, so that the next message is whole.
+  /// Forgets the cloud before: the next message has all rows.
   void forget() { last_.reset(); }
 
  private:

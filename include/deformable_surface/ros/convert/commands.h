@@ -1,5 +1,5 @@
-// From the command messages to what the simulation understands, in the surface's frame. The node takes them from topics and
-// `simulate` from a bag; what they mean is written here once.
+// Converts command messages to commands of the simulation, in the surface's frame. The node takes them from topics,
+// `simulate` from a bag.
 #pragma once
 
 #include "deformable_surface/PointForce.h"
@@ -15,8 +15,8 @@ namespace deformable_surface::node {
 struct SeenTransform;  // src/ros/frames.h
 
 /// The force of a message that takes effect now (s of simulation time). A frame other than the surface's is looked up at the
-/// message's stamp; seen: the transform that a message without a stamp uses instead, or null. Throws InputError for values that
-/// are not finite or negative where that means nothing, an empty id, and a frame without a transform.
+/// message's stamp; seen: the transform for a message without a stamp, or null. Throws InputError for values that
+/// are not finite, or negative where this is meaningless, for an empty id, and for a frame without a transform.
 simulation::ForceParams toForce(const PointForce& message, double now, const std::string& surface_frame,
                                 const tf2::BufferCore& transforms, const SeenTransform* seen = nullptr);
 
@@ -25,7 +25,7 @@ simulation::ForceParams toForce(const geometry_msgs::WrenchStamped& message, dou
                                 const tf2::BufferCore& transforms, const simulation::WrenchParams& params,
                                 const SeenTransform* seen = nullptr);
 
-/// The id of the force that comes as a wrench.
+/// The id of the force given as a wrench.
 constexpr char kWrenchId[] = "wrench";
 
 }  // namespace deformable_surface::node

@@ -1,4 +1,4 @@
-// Where the surface touches tools and itself, as a message. The node and `simulate` share it.
+// Contacts of the surface with tools and itself, as a message. The node and `simulate` share it.
 #pragma once
 
 #include "deformable_surface/ContactArray.h"

@@ -1,4 +1,4 @@
-// From the simulation to PointCloud2: the deformed surface with the input's other fields, and the simulation points.
+// Encodes PointCloud2 messages: the deformed surface with the input's other fields, and the simulation points.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -11,12 +11,12 @@
 namespace deformable_surface::node {
 
 /// The layout of ~deformed, made once per input cloud, so that a frame only copies. Fields, tightly packed: x y z, normal_x
-/// normal_y normal_z (if wanted), displacement, then the input's extra fields except those of one of these names.
+/// normal_y normal_z (if wanted), displacement, then the input's extra fields except those with one of these names.
 class SurfaceEncoder {
  public:
   SurfaceEncoder(const cloud::PointCloud& input, bool with_normals);
 
-  /// Fills all but the header. The surface must stem from the input given to the constructor and bring normals if they are
+  /// Fills all but the header. The surface must stem from the input given to the constructor, with normals if they are
   /// wanted. Without inserted points the width and height are those of the input, else the height is one. Throws InputError if
   /// the points do not fit in a message.
   void encode(const simulation::Surface& surface, sensor_msgs::PointCloud2& message) const;
@@ -42,10 +42,10 @@ struct SimulationPoints {
   const std::vector<double>& stress;                 // Pa, von Mises' equivalent of elastic solids, else empty
 };
 
-/// Fills all but the header: x y z normal_x normal_y normal_z mass strain as float32, awake and pinned as uint8; of oriented
-/// particles also temperature (K above ambient) as float32 and id as uint32; of elastic solids also stress as float32.
+/// Fills all but the header: x y z normal_x normal_y normal_z mass strain as float32, awake and pinned as uint8; for oriented
+/// particles also temperature (K above ambient) as float32 and id as uint32; for elastic solids also stress as float32.
 void encodeSimulationPoints(const SimulationPoints& points, sensor_msgs::PointCloud2& message);
-/// The same of a simulation now. Pinned points are not awake.
+/// The same for a simulation now. Pinned points are not awake.
 void encodeSimulationPoints(const simulation::Simulation& simulation, sensor_msgs::PointCloud2& message);
 
 }  // namespace deformable_surface::node

@@ -5,8 +5,8 @@
 
 namespace deformable_surface::node {
 
-/// The folder of a package by ROS, else of this one beside the program in an install space without a ROS environment. An
-/// io::FindPackage. Throws InputError.
+/// The folder of a package, found by ROS. In an install space without a ROS environment, the folder of this package beside the
+/// program. An io::FindPackage. Throws InputError.
 std::string findPackage(const std::string& package);
 
 }  // namespace deformable_surface::node

@@ -1,5 +1,5 @@
-// What RViz draws of a simulation, as few markers with many elements each: RViz is slow with many markers, and refuses or even
-// dies from markers that break its rules. Every function here returns markers that keep them.
+// RViz markers of a simulation: few markers with many elements each. RViz is slow with many markers, and refuses markers that
+// break its rules, or crashes. Every function here returns markers that follow them.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -17,7 +17,7 @@
 namespace deformable_surface::node {
 
 /// Lines between linked points (LINE_LIST), each end in the colour of value / full_scale. positions (m x 3), values (m).
-/// width: of a line, m, > 0. Without links the marker deletes itself; so do those below when they have nothing to show.
+/// width: of a line, m, > 0. Without links the marker deletes itself; the markers below do the same.
 visualization_msgs::Marker makeLinksMarker(const std_msgs::Header& header, const std::string& ns, const Points& positions,
                                            const std::vector<std::pair<Index, Index>>& links, const std::vector<double>& values,
                                            double full_scale, double width);
@@ -39,23 +39,23 @@ visualization_msgs::Marker makeContactsMarker(const std_msgs::Header& header, co
 visualization_msgs::Marker makePinsMarker(const std_msgs::Header& header, const Points& positions,
                                           const std::vector<char>& pinned, double diameter);
 
-/// Appends one ARROW per force, from the point of attack along the force, the largest of length `length` (m), and deletes the
+/// Appends one ARROW per force, from the point of attack along the force, the largest of length `length` (m). Deletes the
 /// arrows left over from the `num_before` of last time. At most kMaxArrows, the first ones, are shown. Returns how many.
 int addForceMarkers(const std_msgs::Header& header, const std::string& ns, const std_msgs::ColorRGBA& color,
                     const std::vector<std::pair<Vec3, Vec3>>& forces, double length, int num_before,
                     visualization_msgs::MarkerArray& markers);
 
-/// What the last step did, as lines of text (TEXT_VIEW_FACING) above the place.
+/// The statistics of the last step, as lines of text (TEXT_VIEW_FACING) above the place.
 visualization_msgs::Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics,
                                                 const TextPlace& place);
 
-/// Appends what the colours mean: the name of the quantity, and below it in one row numbers from 0 to full_scale (in the unit),
-/// each in its own colour. Both stand above the statistics.
+/// Appends the legend of the colours: the name of the quantity, and below it in one row numbers from 0 to full_scale (in the
+/// unit), each in its own colour. Both are above the statistics.
 void addLegendMarkers(const std_msgs::Header& header, const std::string& ns, const std::string& quantity, const std::string& unit,
                       double full_scale, const TextPlace& place, visualization_msgs::MarkerArray& markers);
 
-/// Appends one marker per tool that acts at the time (s), in the colour of what it does: the primitive, a cone as triangles, a
-/// plane as a thin plate of the extent (m, > 0); and deletes those left over from the `num_before` of last time. Returns how many
+/// Appends one marker per tool that acts at the time (s), in the colour of its mode: the primitive, a cone as triangles, a
+/// plane as a thin plate of the extent (m, > 0). Deletes those left over from the `num_before` of last time. Returns how many
 /// there are.
 int addToolMarkers(const std_msgs::Header& header, const std::vector<tool::ToolParams>& tools, double time, double extent,
                    int num_before, visualization_msgs::MarkerArray& markers);
@@ -72,15 +72,15 @@ visualization_msgs::Marker makeAxesMarker(const std_msgs::Header& header, const 
 // RViz draws a few hundred arrows smoothly, thousands of them at a crawl.
 constexpr int kMaxArrows = 100;
 
-/// All of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts (what it
-/// does to each tool, at its origin), statistics, strain_legend, displacement_legend and, of oriented particles, discs and axes.
-/// Particles may be born and go; where displacements are shown, what was not there at first has the colour of NaN.
+/// All markers of a simulation: namespaces stretch_springs, bending_springs, surface, wireframe, pins, forces, tools, contacts
+/// (the force on each tool, at its origin), statistics, strain_legend, displacement_legend and, for oriented particles, discs and
+/// axes. Particles may be added and removed; for displacements, particles that were not there at first have the colour of NaN.
 class SimulationMarkers {
  public:
-  /// The simulation must be at rest: displacements are measured from its positions now, sizes derived from its spacing.
+  /// The simulation must be at rest: displacements are measured from its positions now, sizes come from its spacing.
   SimulationMarkers(const simulation::Simulation& simulation, const std::string& frame_id);
 
-  /// Replaces the content of markers: all of them, those that are gone as well, so that each message is whole.
+  /// Replaces the content of markers by all of them, including deletions, so that each message is complete.
   void make(const std_msgs::Header& header, const simulation::Simulation& simulation, visualization_msgs::MarkerArray& markers);
 
  private:
@@ -88,7 +88,7 @@ class SimulationMarkers {
 
   Points rest_positions_;                                  // by the particles' ids, else by index; NaN: none
   std::vector<std::pair<Index, Index>> edges_;             // of the triangles, each once
-  std::size_t num_triangles_ = 0;                          // that the edges are those of
+  std::size_t num_triangles_ = 0;                          // number of triangles that the edges were made from
   double spacing_ = 0.0;                                   // m, mean length of an edge or link at rest
   double extent_ = 0.0;                                    // m, diagonal of the main box at rest
   TextPlace text_place_;                                   // above the surface at rest

@@ -1,5 +1,5 @@
-// A message type that talks to publishers of another but keeps the bytes as they came, for a decoder of our own, so that
-// roscpp's, which allocates whatever a length field asks for, never reads them. Clouds and tools come this way.
+// A message type that receives another type but keeps its bytes, for a decoder of our own. roscpp's decoder, which allocates
+// whatever a length field asks for, never reads them. Clouds and tools are received this way.
 #pragma once
 
 #include <ros/exceptions.h>
@@ -11,7 +11,7 @@
 
 namespace deformable_surface::node {
 
-/// A Message in its serialised form. It is not decoded here, because roscpp shares one message among all subscribers of a topic
+/// A Message in its serialised form. It is not decoded here: roscpp shares one message among all subscribers of a topic
 /// in a process, and these may have different limits.
 template <class Message>
 struct RawMessage {

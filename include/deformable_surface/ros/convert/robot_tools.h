@@ -1,4 +1,4 @@
-// Links of a robot as tools: from a URDF to the commands that add them. Apart from the other commands, because it happens once.
+// Links of a robot as tools: from a URDF to the commands that add them, once at the start.
 #pragma once
 
 #include "deformable_surface/Tool.h"
@@ -9,10 +9,10 @@
 
 namespace deformable_surface::node {
 
-/// A solid tool for every piece of collision geometry of the links, which follows the frame of its link. The first of a link has
-/// the link's name as its id, with '_' for what an id may not have; the next ones NAME_1, NAME_2. Spheres, boxes, cylinders and
-/// closed meshes. Throws InputError for a description that is none, a link that it does not have, and geometry that is not
-/// accepted.
+/// A solid tool for every piece of collision geometry of the links; it follows the frame of its link. The first of a link has
+/// the link's name as its id, with '_' for characters that ids may not have; the next ones NAME_1, NAME_2. Spheres, boxes,
+/// cylinders and closed meshes. Throws InputError for an invalid description, a link that it does not have, and geometry that is
+/// not accepted.
 std::vector<Tool> makeRobotTools(const std::string& urdf, const std::vector<tool::RobotLinkParams>& links);
 
 /// The URDF in a file. Throws InputError.

@@ -1,5 +1,5 @@
-// When steps are due: what the ROS clock did, and where the steps of the simulation lie on it. Apart from the thread that takes
-// the steps, so that jumps of the clock can be tested without waiting for one. Times are nanoseconds of the ROS clock.
+// When steps are due: changes of the ROS clock, and the times of the simulation's steps on it. It is independent of the stepping
+// thread, so that jumps of the clock can be tested without waiting. Times are nanoseconds of the ROS clock.
 #pragma once
 
 #include <cstdint>
@@ -8,23 +8,23 @@ namespace deformable_surface::node {
 
 inline double toSeconds(std::int64_t nanoseconds) { return 1e-9 * static_cast<double>(nanoseconds); }
 
-/// The stamp that makes a command which arrived at a time, without a stamp, count from the step in which it arrived: one that
-/// begins then is the next one's.
+/// The stamp of a command without one: it then counts from the step in which it arrived. A command that arrives as a step begins
+/// belongs to the next step.
 inline std::int64_t stampOfArrival(std::int64_t arrival, std::int64_t time_step) { return arrival - time_step + 1; }
 
-/// What the ROS clock did since it was last asked.
+/// Changes of the ROS clock since the last call.
 struct ClockChange {
   std::int64_t now = 0;      // 0 = there is no valid time yet
   std::int64_t skipped = 0;  // sum of the forward jumps, which are not caught up
-  bool jumped_back = false;  // what was before the jump counts no more, skipped least of all
+  bool jumped_back = false;  // everything before the jump is void, skipped time included
   std::int64_t restart = 0;  // the first time after the jump
 };
 
-/// Tells jumps from the normal run of a clock.
+/// Detects jumps of a clock.
 class ClockWatch {
  public:
-  /// simulated: the clock is /clock, whose every message must be observed and which goes at any speed; else it is the computer's,
-  /// which is observed at any time and compared with a clock that never jumps.
+  /// simulated: the clock is /clock, which may run at any speed; every message of it must be observed. Else it is the computer's
+  /// clock: it may be observed at any time, and is compared with a clock that never jumps.
   explicit ClockWatch(bool simulated) : simulated_(simulated) {}
 
   /// Returns true if the clock jumped back.
@@ -32,7 +32,7 @@ class ClockWatch {
   std::int64_t now() const { return change_.now; }
   bool isSimulated() const { return simulated_; }
 
-  /// What it did since the last call.
+  /// The changes since the last call.
   ClockChange take();
 
  private:
@@ -41,7 +41,7 @@ class ClockWatch {
   std::int64_t last_steady_ = 0;
 };
 
-/// Where the steps lie on the clock: step n begins at zero + n * time_step + what was skipped (pauses, jumps, lag let go).
+/// Times of the steps: step n begins at zero + n * time_step + skipped time (pauses, jumps, dropped lag).
 class StepSchedule {
  public:
   explicit StepSchedule(double time_step) : time_step_(time_step) {}
@@ -50,9 +50,9 @@ class StepSchedule {
   void start(std::int64_t zero);
   /// All steps from now on begin later by this.
   void skip(std::int64_t duration) { skipped_ += duration; }
-  /// Skips what is needed for the step not to begin before now.
+  /// Skips time such that the step does not begin before now.
   void skipTo(std::int64_t now, std::uint64_t step);
-  /// The step begins now, though it may have been taken before, or lie ahead of the clock.
+  /// The step begins now, even if it was taken before or lies ahead of the clock.
   void resumeAt(std::int64_t now, std::uint64_t step) { skipped_ = now - stamp(step); }
 
   std::int64_t zero() const { return zero_; }

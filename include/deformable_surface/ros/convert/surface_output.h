@@ -1,4 +1,4 @@
-// What is written and published of a simulation besides the clouds of encode.h: the surface as a cloud for files, and the
+// Outputs of a simulation besides the clouds of encode.h: the surface as a cloud for files, and the
 // statistics message. The node and `simulate` share it.
 #pragma once
 
@@ -16,9 +16,9 @@ namespace deformable_surface::node {
 /// The surface with the input's extra fields, width and height (a row if points were inserted), for io::writePointFile().
 cloud::PointCloud makeOutputCloud(const simulation::Surface& surface, const cloud::PointCloud& input);
 
-/// The cloud that a surface is made of.
+/// The cloud that a surface was made from.
 struct CloudId {
-  std::uint32_t number = 0;  // counts those that became a surface, from 1
+  std::uint32_t number = 0;  // counts the clouds that became a surface, from 1
   ros::Time stamp;
   std::string frame;
 };

@@ -1,5 +1,5 @@
-// Where text stands about a surface in RViz, so that no text lies on another nor on a handle from wherever one looks. A file of
-// its own because the node's markers and the hand, two programs, keep to the same places.
+// Places of texts around a surface in RViz, so that no text covers another or a handle from any side. The
+// node's markers and the interactive markers, two programs, use the same places.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_surface::node {
 
-// Rows of text above and below the anchor; those next to it stay free.
+// Rows of text above and below the anchor; the rows next to it stay free.
 constexpr int kRowsAbove = 6, kRowsBelow = 4;
 
 struct TextPlace {
@@ -21,19 +21,19 @@ struct Box {
   double extent() const { return (high - low).norm(); }
 };
 
-/// The bounding box of the points without stray ones, which would make a surface small in its own window: those farther
+/// The bounding box of the points without stray ones, which would make the surface small in its window: points farther
 /// outside the middle eight tenths along an axis than these are wide. points: not empty.
 Box findMainBox(const Points& points);
 
-/// Above a surface in this box, so high that kRowsBelow rows find room between them. Up is z, and in a frame with "optical" in
-/// its name, as of cameras, -y (REP 103).
+/// A place above a surface in this box, high enough for kRowsBelow rows between them. Up is z; in a frame with "optical" in
+/// its name, as of cameras, it is -y (REP 103).
 TextPlace placeText(const Box& box, const std::string& frame_id);
 
-/// The lines padded with empty ones, so that RViz, which centres a text on its position, shows them from this row on; rows
-/// count from the highest, 2 kRowsAbove are centred on the anchor.
+/// The lines padded with empty ones, so that RViz, which centres a text on its position, shows them from this row on. Rows
+/// count from the highest; 2 kRowsAbove are centred on the anchor.
 std::string showFromRow(int row, const std::string& lines);
 
-/// The sentence in at most kRowsBelow - 1 lines below the anchor; what does not fit is left out with dots in its place.
+/// The sentence in at most kRowsBelow - 1 lines below the anchor; dots replace what does not fit.
 std::string showBelow(const std::string& sentence);
 
 }  // namespace deformable_surface::node

@@ -1,4 +1,4 @@
-// From the bytes of a ToolArray to its tools. In a file of its own because the lengths that a message claims must be checked
+// Decodes the bytes of a ToolArray. The lengths in a message are checked
 // before anything is allocated, which roscpp's own decoder does not do.
 #pragma once
 
@@ -11,7 +11,7 @@
 
 namespace deformable_surface::node {
 
-/// More than a scene uses: every tool is looked at for every point in every sub-step.
+/// More than scenes use: every tool is tested against every point in every sub-step.
 constexpr std::uint32_t kMaxTools = 100;
 
 struct DecodedTools {
@@ -21,7 +21,7 @@ struct DecodedTools {
   bool ok() const { return problem.empty(); }
 };
 
-/// Takes memory in proportion to the bytes only. Refuses more than kMaxTools and messages shorter than they claim.
+/// Memory is proportional to the bytes. Refuses more than kMaxTools and messages shorter than they claim.
 DecodedTools decodeTools(const std::uint8_t* bytes, std::size_t size);
 
 }  // namespace deformable_surface::node

@@ -1,4 +1,4 @@
-// From the values of the parameter server to the value tree that the reader of parameters knows.
+// Converts values of the parameter server to the value tree that the reader of parameters takes.
 #pragma once
 
 #include "deformable_surface/base/value.h"

@@ -1,5 +1,5 @@
-// Large messages that are used again once nobody holds them any more. A file of its own, because a message that was published in
-// its process without a copy belongs to whoever still looks at it.
+// Reuses large messages once nobody holds them any more. A message that was published within its process without a copy
+// belongs to its readers until they release it.
 #pragma once
 
 #include <boost/make_shared.hpp>
@@ -10,15 +10,15 @@
 
 namespace deformable_surface::node {
 
-/// For one thread; the messages may be let go of by any.
+/// For one thread; any thread may release the messages.
 template <class Message>
 class MessagePool {
  public:
-  /// One that nobody else holds, with whatever it held before.
+  /// A message that nobody else holds, with its former content.
   boost::shared_ptr<Message> take() {
     for (const boost::shared_ptr<Message>& message : messages_) {
       if (message.use_count() != 1) continue;
-      // Whoever let go of it last has read it before.
+      // Its last holder read it before releasing it.
       std::atomic_thread_fence(std::memory_order_acquire);
       return message;
     }
@@ -28,7 +28,7 @@ class MessagePool {
   }
 
  private:
-  // One in work, one on its way, one that a listener looks at; who holds more than that costs an allocation a message.
+  // One in work, one on its way, one with a listener. If listeners hold more, each message costs an allocation.
   static constexpr std::size_t kMost = 3;
 
   std::vector<boost::shared_ptr<Message>> messages_;

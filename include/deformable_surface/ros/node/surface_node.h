@@ -1,4 +1,4 @@
-// The node as a class, so that the executable and the nodelet are the same thing.
+// The node as a class, shared by the executable and the nodelet.
 #pragma once
 
 #include "deformable_surface/simulation/scene_params.h"
@@ -9,7 +9,7 @@
 
 namespace deformable_surface::node {
 
-/// The scene that the private parameters describe; also checks what only the node uses. Throws InputError with all problems.
+/// The scene given by the private parameters; also checks those that only the node uses. Throws InputError with all problems.
 simulation::SceneParams readNodeParameters(const ros::NodeHandle& private_node);
 
 /// Runs in threads of its own from construction to destruction; topics and services are those of the private node handle.
