@@ -11,6 +11,10 @@ from .errors import SweepError
 
 THREADS_A_PROCESS = 8  # a run takes a few milliseconds of Python, one thread at a time
 
+# What Dask watches of itself many times a second takes more time than the runs do that nobody looks at.
+SELDOM = {"distributed.worker.profile.interval": "1s", "distributed.worker.profile.cycle": "100s", "distributed.admin.tick.interval": "1s",
+          "distributed.admin.system-monitor.interval": "5s", "distributed.worker.memory.monitor-interval": "5s"}
+
 
 def find_versions():
     """Of what runs the sweep."""
@@ -33,7 +37,7 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
     with contextlib.ExitStack() as stack:
         # Else the files of workers would lie in the folder that the command is called from.
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="sweep_workers_"))
-        dask.config.set({"distributed.comm.timeouts.connect": "10s", "temporary-directory": folder})
+        dask.config.set({"distributed.comm.timeouts.connect": "10s", "temporary-directory": folder, **SELDOM})
         if scheduler or scheduler_file:
             where = scheduler or scheduler_file
             if scheduler_file and not os.path.exists(scheduler_file):

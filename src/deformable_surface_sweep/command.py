@@ -11,7 +11,8 @@ from .documents import merge, find_files, set_by_path, to_text
 from .dry_run import describe_plan
 from .engine import Engine, Run
 from .errors import SweepError
-from .identity import Files, find_program, find_version, hash_run
+from .identity import Files, find_program, find_version, hash_run, resolve
+from .names import check_plan, find_reactions
 from .plan import Plan
 from .progress import Progress, describe_time
 from .store import Store, write_whole
@@ -69,7 +70,8 @@ class Sweep:
         self.files = Files()
         self.inputs = {}  # name -> path
         self.scene = self.add_input(self.plan.scene_file)
-        self.bag = self.add_input(self.files.resolve(self.plan.bag)) if self.plan.bag else ""
+        self.bag = self.add_input(self.plan.bag) if self.plan.bag else ""
+        self.reactions = set()  # ids of tools and pins in any run
         self.runs = [self.describe_run(run) for run in self.plan.runs]
 
     def add_input(self, path):
@@ -80,11 +82,18 @@ class Sweep:
 
     def describe_run(self, run):
         document = merge(self.plan.scene, run)
-        files = {key: self.add_input(self.files.resolve(name)) for key, name in find_files(document)}
+        self.reactions.update(find_reactions(document))
+        files = {key: self.add_input(resolve(name)) for key, name in find_files(document)}
         for key, name in files.items():
             set_by_path(document, key, name)
         name = hash_run(document, self.bag, self.plan.topics, self.plan.keep.describe(), self.version)
         return Run(name, ["%s=%s" % (key, to_text(value)) for key, value in run.items() if key not in files], files)
+
+    def describe_for_program(self, run):
+        """(scene, assignments, bag, topics, keep) of a run on this machine, as Simulator takes them."""
+        assignments = run.assignments + ["%s=%s" % (key, self.inputs[name]) for key, name in run.files.items()]
+        job = self.job()
+        return self.inputs[self.scene], assignments, self.inputs.get(self.bag, ""), job["topics"], job["keep"]
 
     def job(self):
         """What all runs share."""
@@ -94,6 +103,7 @@ class Sweep:
 
 def run_sweep(options):
     sweep = Sweep(options)
+    check_plan(sweep)
     if options.dry_run:
         print(describe_plan(sweep))
         return 0

@@ -22,13 +22,8 @@ def describe_plan(sweep):
 
 def describe_probes(sweep, probes, count):
     simulator = Simulator(sweep.program)
-    job = sweep.job()
-    results = []
     try:
-        for run in probes:
-            assignments = run.assignments + ["%s=%s" % (key, sweep.inputs[name]) for key, name in run.files.items()]
-            results.append(simulator.run(sweep.inputs[sweep.scene], assignments, sweep.inputs.get(sweep.bag, ""), job["topics"], job["keep"],
-                                         job["timeout"]))
+        results = [simulator.run(*sweep.describe_for_program(run), sweep.plan.timeout) for run in probes]
     finally:
         simulator.close()
     # The first also loads the program.

@@ -29,10 +29,10 @@ Run.__doc__ = """name: its hash; assignments: KEY=VALUE; files: {KEY: name of an
 
 class Engine:
     """job: what all runs share (worker.py). inputs: {name: path} of the files that they read. shares_files: whether workers see
-    these paths. say: takes a line for the user."""
+    these paths. say: takes a line for the user. batch: what a worker does, as run_batch()."""
 
-    def __init__(self, client, job, inputs, shares_files, say):
-        self.client, self.job, self.inputs, self.shares_files, self.say = client, job, inputs, shares_files, say
+    def __init__(self, client, job, inputs, shares_files, say, batch=run_batch):
+        self.client, self.job, self.inputs, self.shares_files, self.say, self.batch = client, job, inputs, shares_files, say, batch
         self.job_key = hashlib.sha256(repr(sorted(job.items())).encode()).hexdigest()[:16]
         self.ended = queue.Queue()
         self.under_way = {}     # future -> (runs, attempts)
@@ -96,10 +96,10 @@ class Engine:
         size = max(1, min(int(BATCH_TIME / max(typical, 1e-6)), len(waiting) // (2 * self.slots), MOST_IN_BATCH))
         batch = [waiting.popleft() for _ in range(size if waiting[0][1] == 0 else 1)]
         runs, attempts = [run for run, _ in batch], batch[0][1]
-        names = {self.job["scene"], *(name for run in runs for name in run.files.values())} | ({self.job["bag"]} - {""})
+        names = {self.job["scene"], self.job["bag"], *(name for run in runs for name in run.files.values())} - {""}
         inputs = {name: self.send(name) for name in names}
         key = "sweep-%s-%s" % (self.job_key, hashlib.sha256(" ".join([run.name for run in runs] + [str(attempts)]).encode()).hexdigest()[:32])
-        future = self.client.submit(run_batch, self.send_job(), [(run.assignments, run.files) for run in runs], inputs, key=key,
+        future = self.client.submit(self.batch, self.send_job(), [(run.assignments, run.files) for run in runs], inputs, key=key,
                                     workers=self.allowed())
         self.under_way[future] = (runs, attempts)
         future.add_done_callback(self.ended.put)

@@ -66,15 +66,17 @@ def find_package(package):
     raise SweepError("package '%s': not found; accepted: packages on ROS_PACKAGE_PATH" % package)
 
 
+def resolve(name):
+    """The path of a file that a scene or a plan names."""
+    match = re.match(r"package://([^/]+)/(.*)", name)
+    return os.path.join(find_package(match.group(1)), match.group(2)) if match else os.path.abspath(name)
+
+
 class Files:
     """Hashes of the files that runs read, each made once."""
 
     def __init__(self):
         self.hashes = {}  # path -> hash
-
-    def resolve(self, name):
-        match = re.match(r"package://([^/]+)/(.*)", name)
-        return os.path.join(find_package(match.group(1)), match.group(2)) if match else os.path.abspath(name)
 
     def hash(self, path):
         if path not in self.hashes:

@@ -4,6 +4,7 @@ import os
 
 from .documents import merge, read_yaml
 from .errors import SweepError
+from .identity import resolve
 from .reduce import REDUCTIONS, name_reduction
 from .sampling import METHODS, is_number, limited_product, read_grid, read_paired, read_samples
 
@@ -93,8 +94,8 @@ class Plan:
     def check_keys(self):
         names = list(self.fixed) + self.varied
         for name in names:
-            if not isinstance(name, str) or not all(name.split(".")):
-                raise SweepError("found the key '%s'; accepted: dotted paths of the scene, as in material.thickness" % name)
+            if not isinstance(name, str) or not all(name.split(".")) or set(name) & set("[]="):
+                raise SweepError("found the key '%s'; accepted: dotted paths of the scene, as in material.thickness or tools.0.friction" % name)
             if name in OWN_KEYS:
                 raise SweepError("found the key '%s'; accepted: all but it, %s" % (name, OWN_KEYS[name]))
             if names.count(name) > 1:
@@ -103,7 +104,7 @@ class Plan:
         merge(self.scene, dict.fromkeys(names))
 
     def find(self, name):
-        return name if name.startswith("package://") else os.path.join(os.path.dirname(self.path), name)
+        return resolve(name) if name.startswith("package://") else os.path.join(os.path.dirname(self.path), name)
 
     def find_clouds(self, patterns):
         patterns = [patterns] if isinstance(patterns, str) else patterns
@@ -126,7 +127,7 @@ class Plan:
 
 def require_map(where, value, known=None):
     if not isinstance(value, dict):
-        raise SweepError("%s: found %s; accepted: a map of keys" % (where, value))
+        raise SweepError("%s: found %s; accepted: a map of keys" % (where, "nothing" if value is None else value))
     for key in value:
         if known and key not in known:
             raise SweepError("%s: found the key '%s'; accepted: %s" % (where, key, ", ".join(known)))

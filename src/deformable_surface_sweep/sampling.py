@@ -27,8 +27,10 @@ def read_values(where, values):
                 not (is_log and not (first > 0 and last > 0))):
             points = np.geomspace(first, last, steps) if is_log else np.linspace(first, last, steps)
             return [float(value) for value in points]
-    raise SweepError("%s: found %s; accepted: a list of values, or {from: A, to: B, steps: N} with N of 2 or more, "
-                     "and scale: linear or log (A and B above 0)" % (where, values))
+    accepted = "a list of values, or {from: A, to: B, steps: N} with N of 2 or more, and scale: linear or log (A and B above 0)"
+    if isinstance(values, dict) and values and not set(values) & {"from", "to", "steps", "scale"}:
+        accepted += "; keys below keys are written as dotted paths, here %s.%s" % (where.rpartition(": ")[2], next(iter(values)))
+    raise SweepError("%s: found %s; accepted: %s" % (where, "nothing" if values is None else values, accepted))
 
 
 class Distribution:

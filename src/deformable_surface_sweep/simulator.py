@@ -51,6 +51,19 @@ class Simulator:
         name = status if isinstance(status, str) else STATUSES.get(status, "failed")
         return Result(name, problem, values, files, state, time.monotonic() - begin)
 
+    def check(self, scene, assignments, bag, topics, keep, timeout):
+        """(what is wrong with a run that is not begun, in sentences; columns of numbers in its statistics)."""
+        folder = tempfile.mkdtemp(prefix="sweep_")
+        try:
+            status, problem = self.ask([folder, scene] + make_options(assignments, bag, topics, keep) + ["--check"], timeout)
+            if isinstance(status, str):
+                raise SweepError(problem)
+            said = [line[len("simulate: "):] for line in read_lines(os.path.join(folder, "err")) if line.startswith("simulate: ")]
+            words = [line.split() for line in read_lines(os.path.join(folder, "out"))]
+            return said, [word[1] for word in words if word[0] == "statistics"]
+        finally:
+            shutil.rmtree(folder, ignore_errors=True)
+
     def ask(self, arguments, timeout):
         """(status, problem): the exit status of a run, or "failed" or "timed out" and the sentence."""
         try:
@@ -83,7 +96,10 @@ class Simulator:
             os.killpg(self.process.pid, signal.SIGKILL)
         except ProcessLookupError:
             pass
-        self.process.stdin.close()
+        try:
+            self.process.stdin.close()
+        except BrokenPipeError:  # what it did not take
+            pass
         self.process.stdout.close()
         self.process.wait()
         self.process = None

@@ -28,6 +28,12 @@ def describe_version(program):
         return "", str(error)
 
 
+def require_version(job):
+    version, problem = describe_version(job["program"])
+    if version != job["version"]:
+        raise WrongWorker(problem or "found simulate of another build, %s; accepted: that of the sweep, %s" % (version, job["version"]))
+
+
 def keep_value(value):
     """A task that only holds a value, for the tasks that read it: workers fetch it once each, and another has it when one dies."""
     return value
@@ -50,9 +56,7 @@ def place_file(name, content):
 def run_batch(job, runs, inputs):
     """Results of the runs, in order. job: what they share; runs: (assignments KEY=VALUE, {KEY: input} of files); inputs: {name: path or
     bytes}."""
-    version, problem = describe_version(job["program"])
-    if version != job["version"]:
-        raise WrongWorker(problem or "found simulate of another build, %s; accepted: that of the sweep, %s" % (version, job["version"]))
+    require_version(job)
     waiting = simulators.setdefault(job["program"], queue.Queue())
     try:
         simulator = waiting.get_nowait()

@@ -229,19 +229,34 @@ Index chooseByTime(Index n, double budget, const std::function<double(Index)>& t
   return choice.points;
 }
 
-RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice) {
-  const AccuracyParams& wish = params.accuracy;
+namespace {
+
+// build: makes the surface with the function that chooses, or with none.
+RestSurface buildChosenBy(const std::function<RestSurface(const ModelKind::Choose&)>& build, const SceneParams& params,
+                          AccuracyChoice& choice) {
   choice = AccuracyChoice{};
-  choice.is_asked = wish.position_error > 0.0 || wish.step_budget > 0.0;
-  const bool needs_coarser = choice.is_asked || wish.estimate || params.integrator.type == IntegratorType::kStatic;
-  const Index coarsest = needs_coarser ? kCoarsestPoints : kMaxIndex;
-  if (!choice.is_asked) return buildRestSurface(params, input, coarsest);
-  RestSurface rest = buildRestSurface(params, input, coarsest, [&](const RestSurface& full) {
-    if (wish.position_error > 0.0) return chooseByError(params, full, choice);
+  choice.is_asked = hasWish(params.accuracy);
+  if (!choice.is_asked) return build(nullptr);
+  RestSurface rest = build([&](const RestSurface& full) {
+    if (params.accuracy.position_error > 0.0) return chooseByError(params, full, choice);
     return chooseByBudget(params, full, choice);
   });
   rest.notes.push_back(choice.sentence);
   return rest;
+}
+
+}  // namespace
+
+RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice) {
+  const auto build = [&](const ModelKind::Choose& choose) {
+    return buildRestSurface(params, input, findCoarsest(params), choose);
+  };
+  return buildChosenBy(build, params, choice);
+}
+
+RestSurface buildChosen(const SceneParams& params, RestSurface prepared, AccuracyChoice& choice) {
+  const auto build = [&](const ModelKind::Choose& choose) { return buildRestSurface(params, std::move(prepared), choose); };
+  return buildChosenBy(build, params, choice);
 }
 
 }  // namespace deformable_surface::simulation

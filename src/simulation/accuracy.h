@@ -2,7 +2,7 @@
 #pragma once
 
 #include "deformable_surface/simulation/accuracy_choice.h"
-#include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/simulation/prepared_surface.h"
 
 #include <functional>
 
@@ -16,6 +16,8 @@ constexpr Index kFewestTried = 8 * kCoarsestPoints;
 /// The rest surface with the number of simulation points chosen from params.accuracy; without a target, the number that params
 /// state. Throws InputError.
 RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice);
+/// The same of a surface that was prepared to_choose if the scene has a wish.
+RestSurface buildChosen(const SceneParams& params, RestSurface prepared, AccuracyChoice& choice);
 
 /// Time of a step, s: the least of the last few calls of step(), each of which returns its time. The first never counts.
 /// A probe that fits the budget (s) is run longer than one that does not. Infinite if a step is.

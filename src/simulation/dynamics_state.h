@@ -31,7 +31,7 @@ struct DynamicsState {
     std::vector<model::ClampEdge> clamp_edges;  // of the pins, ascending
     double membrane_share = 1.0;                // of the stated membrane stiffness, that acts
     double contact_rate = 0.0;                  // 1/s; 0: not found yet
-    Points followed;  // m, positions at the last followPartners() of the model; or empty
+    Points followed;                            // m, positions at the last followPartners() of the model; or empty
   };
   /// What tools and pins hold and have done, and the method that takes the steps. Changed as Motion is.
   struct Holding {

@@ -15,6 +15,19 @@ namespace {
 
 }  // namespace
 
+RestSurface ModelKind::makeRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
+                                const Choose& choose) const {
+  return finishRest(params, prepareSurface(params, input, coarsest, choose != nullptr), choose);
+}
+
+RestSurface ModelKind::prepare(const SceneParams&, const cloud::PointCloud&, Index, bool) const {
+  refuse("part of a surface to share", *this);
+}
+
+RestSurface ModelKind::finishRest(const SceneParams&, RestSurface, const Choose&) const {
+  refuse("part of a surface to share", *this);
+}
+
 RestSurface ModelKind::makeTrial(const SceneParams&, const RestSurface&, Index) const { refuse("trials", *this); }
 
 RestSurface ModelKind::makeCoarser(const SceneParams&, const RestSurface&, Index) const { refuse("coarser copies", *this); }

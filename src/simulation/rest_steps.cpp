@@ -181,6 +181,9 @@ void followSimulationPoints(const SceneParams& params, RestSurface& s) {
   const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(s.cells, s.dense.positions, params.transfer.k);
   s.transfer = transfer::Transfer(s.dense.positions, s.dense.normals, s.points, std::vector<char>(s.points.size(), 1),
                                   params.transfer, is_euclidean ? nullptr : &followed);
+}
+
+void noteFollowing(RestSurface& s) {
   if (s.transfer.numDegenerate() > 0)
     s.notes.push_back(
         count(s.transfer.numDegenerate(), "points see simulation points in a line only; across it they move rigidly"));

@@ -30,7 +30,9 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
 /// Makes these dense points the simulation points.
 void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s);
 
-/// The transfer from the simulation points to the dense ones, and the note that counts both.
+/// The transfer from the simulation points to the dense ones.
 void followSimulationPoints(const SceneParams& params, RestSurface& s);
+/// The notes on it, and that counts what there is.
+void noteFollowing(RestSurface& s);
 
 }  // namespace deformable_surface::simulation

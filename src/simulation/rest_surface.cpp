@@ -2,6 +2,8 @@
 
 #include "deformable_surface/simulation/model_kind.h"
 
+#include <utility>
+
 #include "unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
@@ -9,6 +11,13 @@ namespace deformable_surface::simulation {
 RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = findModel(params.model).makeRest(params, input, coarsest, choose);
+  noteUnconstrained(params, s);
+  return s;
+}
+
+RestSurface buildRestSurface(const SceneParams& params, RestSurface prepared,
+                             const std::function<Index(const RestSurface&)>& choose) {
+  RestSurface s = findModel(params.model).finishRest(params, std::move(prepared), choose);
   noteUnconstrained(params, s);
   return s;
 }

@@ -130,6 +130,11 @@ Simulation::Simulation(const SceneParams& params, cloud::PointCloud input) {
   RestSurface rest = buildChosen(params, input, choice);
   impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice));
 }
+Simulation::Simulation(const SceneParams& params, cloud::PointCloud input, RestSurface&& prepared) {
+  AccuracyChoice choice;
+  RestSurface rest = buildChosen(params, std::move(prepared), choice);
+  impl_ = std::make_unique<Impl>(params, std::move(input), std::move(rest), std::move(choice));
+}
 Simulation::Simulation(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
 Simulation::~Simulation() = default;
 Simulation::Simulation(Simulation&&) noexcept = default;

@@ -102,12 +102,17 @@ std::vector<double> findShares(const RestSurface& s, Index k, const std::vector<
 
 }  // namespace
 
-std::vector<Index> chooseLoadedPoints(const SceneParams& params, const Points& dense) {
-  std::vector<Vec3> places;
+Points findLoadedPlaces(const SceneParams& params) {
+  Points places;
   for (const ForceParams& force : params.forces)
     if (force.radius == 0.0 && !force.force.isZero(0.0) && force.end > 0.0) places.push_back(force.point);
   for (const AnchorParams& anchor : params.anchors)
     if (anchor.stiffness > 0.0) places.push_back(anchor.point);
+  return places;
+}
+
+std::vector<Index> chooseLoadedPoints(const SceneParams& params, const Points& dense) {
+  const Points places = findLoadedPlaces(params);
   if (places.empty()) return {};
   const cloud::KdTree tree(dense);
   std::vector<cloud::Neighbor> nearest;

@@ -21,6 +21,9 @@ constexpr double kFinestWanted = 0.4, kCoarsestWanted = 2.5, kWantedGrowth = 0.3
 std::vector<double> findWantedSpacing(const SceneParams& params, const std::vector<char>& is_boundary, Index target,
                                       const RestSurface& s);
 
+/// The points at which forces without a radius and anchors act.
+Points findLoadedPlaces(const SceneParams& params);
+
 /// The dense points at which forces without a radius and anchors act, ascending. They stay simulation points, so that these
 /// loads act where they were put. A force that starts later takes the nearest point at that time. O(n log n) if there is any.
 std::vector<Index> chooseLoadedPoints(const SceneParams& params, const Points& dense);

@@ -92,10 +92,23 @@ class LocalSweeps(SweepCase):
         self.write("dask.py", "raise ImportError('as if there were none')\n")
         self.assertIn("sweep: found no Dask", self.sweep(PLAN % "", status=2, environment=dict(os.environ, PYTHONPATH=self.folder)))
 
-    def test_what_a_scene_has_not_and_is_to_be_kept_is_refused(self):
-        said = self.sweep("scene: scene.yaml\nkeep: {statistics: {speed: max}}\n", "--workers", "1", status=1)
-        self.assertIn("0 of 1 runs are done, 1 are not, the first: keep: statistics: found 'speed'; accepted: simulation_time", said)
-        self.assertEqual(self.table()[0]["status"], "refused")
+    def test_names_that_no_run_has_are_refused_before_any_run(self):
+        cases = {"keep: {statistics: {speed: max}}": "keep: statistics: found 'speed'; accepted: simulation_time, step",
+                 "keep: {measure: [minz]}": "keep: measure: found 'minz'; the nearest known one is min_z",
+                 "keep: {wrenches: {ball.force_z: max}}": "keep: wrenches: found 'ball'; accepted: pins[0]",
+                 "grid: {material.thicknes: [0.001]}": "found the key 'material.thicknes' in the plan, which scenes have not; "
+                                                       "the nearest known one is material.thickness",
+                 "grid: {pins.0.paths: [1]}": "found the key 'pins[0].paths' in the plan",
+                 "set: {materials.thickness: 0.001}": "found the key 'materials' in the plan"}
+        for text, sentence in cases.items():
+            self.assertIn("sweep: " + sentence, self.sweep("scene: scene.yaml\n%s\n" % text, status=2))
+        self.assertFalse(os.path.exists(self.path("out")))
+
+    def test_a_wrench_that_some_runs_have_is_refused_in_the_others(self):
+        plan = "scene: scene.yaml\ngrid: {pins: [[], [{sphere: {center: [0, 0, 0], radius: 0.3}}]]}\nkeep: {wrenches: {'pins[0].force_z': last}}\n"
+        self.sweep(plan, "--workers", "1", status=1)
+        self.assertEqual([row["status"] for row in self.table()], ["refused", "done"])
+        self.assertIn("keep: wrenches: found 'pins[0]'; accepted: none", self.table()[0]["problem"])
 
 
 if __name__ == "__main__":

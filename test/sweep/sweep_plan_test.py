@@ -94,6 +94,10 @@ random: {samples: 3, keys: {cloud.seed: {integers: [1, 9]}}}
             "random: {samples: 3, keys: {a: {log_uniform: [0, 1]}}}": "0 < A < B",
             "sobol: {samples: 3}": "found keys: None",
             "grid: {a: [1]}\nset: {a: 1}": "found the key 'a' twice",
+            "grid: {'pins[0].box': [1]}": "found the key 'pins[0].box'; accepted: dotted paths of the scene, as in material.thickness or",
+            "grid: {a=b: [1]}": "found the key 'a=b'; accepted",
+            "grid: {material: {damping: [1]}}": "keys below keys are written as dotted paths, here material.damping",
+            "keep:": "keep: found nothing; accepted: a map of keys",
             "grid: {threads: [1]}": "found the key 'threads'",
             "grid: {pins.3.box: [1]}": "found '3' as the place in a list of 1",
             "grid: {duration.x: [1]}": "found 'x' below a value",
@@ -117,7 +121,7 @@ random: {samples: 3, keys: {cloud.seed: {integers: [1, 9]}}}
                 self.plan(text)
             self.assertIn(sentence, str(caught.exception))
             self.assertNotIn("\n", str(caught.exception))
-        for text in ("", "scene: none.yaml\n", "scene: 3\n"):
+        for text in ("", "scene: none.yaml\n", "scene: 3\n", "scene: package://no_such_package/scene.yaml\n"):
             with self.assertRaises(SweepError):
                 Plan(self.write("plan.yaml", text))
 

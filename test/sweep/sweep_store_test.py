@@ -3,8 +3,11 @@
 import importlib.util
 import math
 import os
+import sys
 import threading
+import types
 import unittest
+import unittest.mock
 
 from sweep_cases import SweepCase
 
@@ -93,6 +96,39 @@ class Stores(SweepCase):
         store.close()
         csv, parquet = write_table(plan, ["a", "b"], records, self.path("out"))
         pandas.testing.assert_frame_equal(pandas.read_csv(csv), pandas.read_parquet(parquet))
+
+
+    def test_what_is_handed_to_pyarrow_is_the_table(self):
+        """With a stand-in, for Debian has no pyarrow: what it shows is what is handed over, and not that a file can be read."""
+        plan = Plan(self.write("plan.yaml", "scene: scene.yaml\ngrid: {duration: [0.1, 0.2], model: [mass_spring]}\nkeep: {measure: [min_z]}\n"))
+        store = Store(self.path("out"))
+        records = {"a": store.add("a", make_result(0.1 + 0.2)), "b": store.add("b", Result("refused", "found 1, 2", {}, {}, "", 0.0))}
+        store.close()
+        handed = {}
+
+        class Buffer:
+            def getvalue(self):
+                return self
+
+            def to_pybytes(self):
+                return b"what was written"
+
+        parquet = types.ModuleType("pyarrow.parquet")
+        parquet.write_table = lambda table, buffer: handed.update(table)
+        pyarrow = types.ModuleType("pyarrow")
+        pyarrow.parquet, pyarrow.BufferOutputStream, pyarrow.table = parquet, Buffer, dict
+        pyarrow.float64, pyarrow.string, pyarrow.array = lambda: "number", lambda: "text", lambda cells, kind: (kind, cells)
+        with unittest.mock.patch.dict(sys.modules, {"pyarrow": pyarrow, "pyarrow.parquet": parquet}):
+            written = write_table(plan, ["a", "b"], records, self.path("out"))
+        with open(written[1], "rb") as stream:
+            self.assertEqual(stream.read(), b"what was written")
+        self.assertEqual(list(handed), ["run", "duration", "model", "status", "problem", "min_z", "hash"])
+        self.assertEqual(handed["duration"], ("number", [0.1, 0.2]))
+        self.assertEqual(handed["model"], ("text", ["mass_spring"] * 2))
+        self.assertEqual(handed["problem"], ("text", [None, "found 1, 2"]))
+        self.assertEqual(handed["min_z"][0], "number")
+        self.assertEqual(handed["min_z"][1][0], 0.1 + 0.2)
+        self.assertTrue(math.isnan(handed["min_z"][1][1]))
 
 
 class Reductions(SweepCase):

@@ -12,9 +12,9 @@ constexpr Index kNoParent = -1;
 
 /// Further quantities of an oriented particle.
 struct ParticleTraits {
-  double temperature = 0.0;  // K above ambient; weakens its bonds
-  Index id = 0;              // never used again: the initial particles are numbered by rank, later ones by birth
-  Index ancestor = 0;        // id of the initial particle that it descends from; its own if it is one
+  double temperature = 0.0;                   // K above ambient; weakens its bonds
+  Index id = 0;                               // never used again: the initial particles are numbered by rank, later ones by birth
+  Index ancestor = 0;                         // id of the initial particle that it descends from; its own if it is one
   Index parents[2] = {kNoParent, kNoParent};  // ids of the two between which it was added
   double turn = 0.0;                   // rad, about its normal, of its x axis from that of its orientation; no force reads it
   Vec3 rest_curvature = Vec3::Zero();  // 1/m: xx, yy, xy in the orientation's frame, to which it is bent at rest

@@ -4,7 +4,7 @@
 // docs/extending.md.
 #pragma once
 
-#include "deformable_surface/simulation/rest_surface.h"
+#include "deformable_surface/simulation/prepared_surface.h"
 #include "deformable_surface/simulation/scene_params.h"
 
 #include <functional>
@@ -31,6 +31,7 @@ struct ModelTraits {
   bool is_tuned = false;        // trials choose points, membrane stiffness and integrator for an accuracy target
   bool is_timed = false;        // accuracy.step_budget chooses the number of points
   bool can_snap = false;        // it may rest without loads in another shape than its own
+  bool is_prepared = false;     // its makeRest() is prepare() and finishRest(), so that scenes may share the first
 };
 
 /// The order of removal is recorded down to this many points, for the coarser copies: fewer carry no shape.
@@ -80,9 +81,13 @@ class ModelKind {
 
   // From a cloud.
   using Choose = std::function<Index(const RestSurface& full)>;
-  /// See buildRestSurface().
+  /// See buildRestSurface(). By default, of a model that is_prepared, what the next two functions make.
   virtual RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                               const Choose& choose) const = 0;
+                               const Choose& choose) const;
+  /// See prepareSurface(). params: the result of keepWhatPrepares().
+  virtual RestSurface prepare(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) const;
+  /// Completes a prepared surface. choose: given if the surface was prepared with to_choose.
+  virtual RestSurface finishRest(const SceneParams& params, RestSurface prepared, const Choose& choose) const;
   /// See buildTrial(). For models with is_timed.
   virtual RestSurface makeTrial(const SceneParams& params, const RestSurface& full, Index points) const;
   /// See buildCoarser(). By default it throws InputError.

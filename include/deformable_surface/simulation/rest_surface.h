@@ -42,6 +42,7 @@ struct RestSurface {
   transfer::Transfer transfer;
   transfer::SolidTransfer solid_transfer;     // in its place, of a solid; empty where every point is simulated
   Lists solid_neighbors;                      // (m) of the simulation points of a solid, over its body, nearest first; else empty
+  std::vector<double> detours;                // of these, weights; empty: all one
   std::vector<char> pinned;                   // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0
   std::vector<model::ClampEdge> clamp_edges;  // where the pins that clamp end
   std::vector<char> pinned_turns;             // (m) points whose orientation is held too

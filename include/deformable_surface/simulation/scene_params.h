@@ -132,9 +132,9 @@ struct InputParams {
   UnconstrainedParts unconstrained_parts = UnconstrainedParts::kKeep;
   double tracking_gain = 400.0;      // 1/s^2, > 0: half of a distance is gone in about a tenth of a second
   OrAuto<double> tracking_distance;  // m, > 0; auto = three spacings of the simulation points
-  double delay = 0.0;  // s, >= 0: the node's steps stay this far behind the clock, so that messages arrive in time
-  double tool_timeout = 0.5;  // s, >= 0: a tool is silent after this long without news; 0 = never
-  std::string lockstep;       // topics that each step waits for; empty = steps follow the clock
+  double delay = 0.0;                // s, >= 0: the node's steps stay this far behind the clock, so that messages arrive in time
+  double tool_timeout = 0.5;         // s, >= 0: a tool is silent after this long without news; 0 = never
+  std::string lockstep;              // topics that each step waits for; empty = steps follow the clock
 };
 
 /// The bounds that a test checks after the run, by name, e.g. max_displacement: [0.01, 0.02].

@@ -17,6 +17,7 @@
 namespace deformable_surface::simulation {
 
 class Dynamics;
+struct RestSurface;
 
 /// The result of one step. Numbers that are not finite never throw: the state is then as it was before the step.
 struct StepOutcome {
@@ -58,6 +59,8 @@ class Simulation {
   /// Builds the surface. Throws InputError naming each problem: fewer than three distinct points, a pin that holds no point, a
   /// value or mode that is not accepted.
   Simulation(const SceneParams& params, cloud::PointCloud input);
+  /// The same from what prepareSurface() made of this cloud and a scene that shares it (prepared_surface.h).
+  Simulation(const SceneParams& params, cloud::PointCloud input, RestSurface&& prepared);
   ~Simulation();
   Simulation(Simulation&&) noexcept;
   Simulation& operator=(Simulation&&) noexcept;

@@ -1,5 +1,8 @@
 #include "serve.h"
 
+#include "deformable_surface/base/parallel.h"
+
+#include "kept_surfaces.h"
 #include "simulate.h"
 
 #include <fcntl.h>
@@ -55,12 +58,12 @@ bool redirect(int descriptor, const char* file) {
 }
 
 // What the copy of the process does.
-int runHere(const std::vector<std::string>& arguments) {
+int runHere(const std::vector<std::string>& arguments, KeptSurfaces& kept) {
   std::signal(SIGINT, SIG_DFL);
   if (chdir(arguments[0].c_str()) != 0 || !redirect(STDOUT_FILENO, "out") || !redirect(STDERR_FILENO, "err"))
     return kWrongRequest;
   const StopSignal never;
-  const int status = simulate({arguments.begin() + 1, arguments.end()}, {std::cout, std::cerr, false, never});
+  const int status = simulate({arguments.begin() + 1, arguments.end()}, {std::cout, std::cerr, false, never}, &kept);
   std::cout.flush();
   std::cerr.flush();
   return status;
@@ -93,9 +96,13 @@ std::optional<int> awaitRun(pid_t child, int in, int alive) {
 }  // namespace
 
 int serve(int in, int out) {
+  setNumThreads(1);  // others would be lost to the copies
   Requests requests(in);
+  KeptSurfaces kept;
   while (const auto arguments = requests.read()) {
     if (arguments->size() < 2) return kWrongRequest;
+    // Here, so that the next copies have it, too.
+    prepare({arguments->begin() + 1, arguments->end()}, kept);
     int alive[2];
     if (pipe2(alive, O_CLOEXEC) != 0) return kWrongRequest;
     const pid_t server = getpid();
@@ -105,7 +112,7 @@ int serve(int in, int out) {
       // A server that is killed leaves no run behind; it may have been before this call.
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != server) _exit(kWrongRequest);
-      _exit(runHere(*arguments));
+      _exit(runHere(*arguments, kept));
     }
     close(alive[1]);
     const std::optional<int> status = awaitRun(child, in, alive[0]);

@@ -1,5 +1,6 @@
 #include "simulate.h"
 
+#include "kept_surfaces.h"
 #include "progress_bar.h"
 #include "simulate_bag.h"
 #include "simulate_files.h"
@@ -30,6 +31,7 @@
 #include <cstdio>
 #include <optional>
 #include <set>
+#include <type_traits>
 
 namespace deformable_surface::node {
 namespace {
@@ -65,9 +67,10 @@ SceneParams loadScene(const SimulateOptions& options) {
 /// One run: surfaces from the scene or the bag, one after the other, and the outputs.
 class Run {
  public:
-  Run(const SimulateOptions& options, const Terminal& terminal)
+  Run(const SimulateOptions& options, const Terminal& terminal, KeptSurfaces* kept)
       : options_(options),
         terminal_(terminal),
+        kept_(kept),
         params_(loadScene(options)),
         progress_(terminal.err, terminal.show_progress && !options.quiet) {
     setNumThreads(params_.threads);
@@ -99,7 +102,7 @@ class Run {
   int run() {
     noteIdleForces();
     if (options_.bag_in.empty()) {
-      begin(build(io::loadCloud(params_, findPackage), "", 0), {}, 0);
+      begin(buildOfScene(), {}, 0);
     } else {
       bag_.emplace(
           options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},
@@ -215,11 +218,23 @@ class Run {
     return report.notices;
   }
 
+  std::unique_ptr<Simulation> buildOfScene() {
+    std::optional<KeptSurface> found;
+    if (kept_ && options_.filtered_file.empty()) found = kept_->take(params_);
+    if (!found) return build(io::loadCloud(params_, findPackage), "", 0);
+    filter_notices_ = std::move(found->notices);
+    return place(std::make_unique<Simulation>(params_, std::move(found->cloud), std::move(found->prepared)), "", 0);
+  }
+
   std::unique_ptr<Simulation> build(cloud::PointCloud cloud, const std::string& cloud_frame, std::int64_t stamp) {
     const InterruptScope scope(terminal_.stop.has_come);
     endIfInterrupted();
     filter_notices_ = filter(cloud);
-    auto simulation = std::make_unique<Simulation>(params_, std::move(cloud));
+    return place(std::make_unique<Simulation>(params_, std::move(cloud)), cloud_frame, stamp);
+  }
+
+  // Into its frame.
+  std::unique_ptr<Simulation> place(std::unique_ptr<Simulation> simulation, const std::string& cloud_frame, std::int64_t stamp) {
     simulation->setInterrupt(&terminal_.stop.has_come);
     const std::string frame = findFrame(cloud_frame);
     simulation->setGravity(findGravity(frame, stamp));
@@ -431,6 +446,7 @@ class Run {
 
   const SimulateOptions& options_;
   const Terminal& terminal_;
+  KeptSurfaces* const kept_;
   SceneParams params_;
   ProgressBar progress_;
   std::optional<StatisticsFile> statistics_;
@@ -456,7 +472,25 @@ class Run {
 
 }  // namespace
 
-int simulate(const std::vector<std::string>& arguments, const Terminal& terminal) {
+namespace {
+
+// What other programs ask for before they run many scenes: the columns of numbers that --statistics writes.
+void listColumns(std::ostream& out) {
+  simulation::visitFields(simulation::Statistics(), [&](const std::string& name, const auto& value) {
+    if constexpr (std::is_arithmetic<std::decay_t<decltype(value)>>::value) out << "statistics " << name << '\n';
+  });
+}
+
+}  // namespace
+
+void prepare(const std::vector<std::string>& arguments, KeptSurfaces& kept) {
+  try {
+    const SimulateOptions options = parseOptions(arguments);
+    if (options.bag_in.empty() && !options.check) kept.make(loadScene(options));
+  } catch (const std::exception&) {}
+}
+
+int simulate(const std::vector<std::string>& arguments, const Terminal& terminal, KeptSurfaces* kept) {
   const auto report = [&](const std::string& line) { terminal.err << "simulate: " << line << '\n'; };
   try {
     const SimulateOptions options = parseOptions(arguments);
@@ -468,7 +502,12 @@ int simulate(const std::vector<std::string>& arguments, const Terminal& terminal
       terminal.out << version() << '\n';
       return kDone;
     }
-    return Run(options, terminal).run();
+    if (options.check) {
+      loadScene(options);
+      listColumns(terminal.out);
+      return kDone;
+    }
+    return Run(options, terminal, kept).run();
   } catch (const InputError& error) {
     for (const std::string& problem : error.problems()) report(problem);
   } catch (const Interrupted&) {

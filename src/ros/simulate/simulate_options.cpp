@@ -15,7 +15,7 @@ namespace {
 const std::vector<std::string> kValueOptions{"--set",        "--duration", "--final",  "--filtered", "--frames",
                                              "--frame_rate", "--bag_in",   "--topic",  "--bag_out",  "--statistics",
                                              "--threads",    "--wrenches", "--measure"};
-const std::vector<std::string> kFlags{"--quiet", "--strict", "--help", "--version"};
+const std::vector<std::string> kFlags{"--check", "--quiet", "--strict", "--help", "--version"};
 
 std::string refuseUnknown(const std::string& option) {
   std::vector<std::string> known = kValueOptions;
@@ -86,7 +86,8 @@ SimulateOptions parseOptions(const std::vector<std::string>& arguments) {
     }
     // Options without a value.
     if (std::find(kFlags.begin(), kFlags.end(), argument) != kFlags.end()) {
-      (argument == "--quiet"    ? options.quiet
+      (argument == "--check"    ? options.check
+       : argument == "--quiet"  ? options.quiet
        : argument == "--strict" ? options.strict
        : argument == "--help"   ? options.help
                                 : options.version) = true;
@@ -159,6 +160,7 @@ std::string describeOptions() {
          "  --measure QUANTITY    print it after the last step with all digits; one of those of expect; repeatable\n"
          "  --threads N           worker threads; the result is the same for every N\n"
          "  --strict              exit status 4 if the scene's expectations are not kept\n"
+         "  --check               only read the scene and the options: what is wrong, and the columns of --statistics\n"
          "  --quiet               errors and measured quantities only\n"
          "  --version             print the version of the package\n"
          "  --serve               only alone: run after run as a program asks for them on the standard input (docs/sweeps.md)\n\n"

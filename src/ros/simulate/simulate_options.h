@@ -11,6 +11,7 @@ namespace deformable_surface::node {
 struct SimulateOptions {
   bool help = false;
   bool version = false;
+  bool check = false;  // nothing is built
   bool quiet = false;
   bool strict = false;  // expectations that are not kept are an error
   std::string scene;

@@ -85,6 +85,33 @@ TEST_F(Serve, TellsTheSentencesOfARefusedRunInItsFolder) {
   EXPECT_NE(readFile(path("err")).find("material.thickness: found -1; accepted"), std::string::npos);
 }
 
+TEST_F(Serve, GivesRunsOfOneCloudTheResultsOfSimulateAlsoAfterTheCloudWasWrittenAnew) {
+  const auto writeCloud = [&](double height) {
+    std::ofstream cloud(path("cloud.xyz"));
+    for (int i = 0; i < 100; ++i) cloud << 0.1 * (i % 10) << ' ' << 0.1 * (i / 10) << ' ' << height * (i % 10) * (i % 10) << '\n';
+  };
+  const std::vector<std::vector<std::string>> others{
+      {},
+      {"--set", "material.thickness=0.01"},
+      {"--set", "simplification.target_points=30"},
+      {"--set", "accuracy.position_error=0.1", "--set", "simplification={}"},
+      {"--set", "input.filter.crop=[{box: {min: [-1, -1, -1], max: [0.75, 2, 2]}}]"}};
+  for (const double height : {0.0, 0.001})
+    for (std::vector<std::string> arguments : others) {
+      writeCloud(height);
+      arguments.insert(arguments.end(),
+                       {"--set", "cloud={file: " + path("cloud.xyz") + "}", "--set", "gravity=[0, 0, -9.81]", "--threads", "1"});
+      for (int again = 0; again < 2; ++again) {
+        ask(arguments);
+        EXPECT_EQ(answer(), "0");
+        EXPECT_EQ(run(arguments), 0) << err_;
+        const std::string out = readFile(path("out"));
+        EXPECT_EQ(out.substr(0, out.find("wall time")), out_.substr(0, out_.find("wall time")));
+        EXPECT_EQ(out.substr(out.find("state hash")), out_.substr(out_.find("state hash")));
+      }
+    }
+}
+
 TEST_F(Serve, EndsItsRunWithWhoeverAsked) {
   ask({"--duration", "1000", "--frames", "frames"});
   while (!fs::exists(path("frames/frame_000001.ply"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));

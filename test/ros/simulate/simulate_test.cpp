@@ -35,6 +35,15 @@ TEST_F(Simulate, PrintsHelpWithoutAScene) {
     EXPECT_NE(out_.find(option), std::string::npos) << option;
 }
 
+TEST_F(Simulate, ChecksASceneAndTellsTheColumnsOfItsStatisticsWithoutARun) {
+  EXPECT_EQ(run({"--check", "--statistics", path("s.csv"), "--final", path("f.ply")}), 0);
+  EXPECT_EQ(countFiles(".csv") + countFiles(".ply"), 0);
+  EXPECT_NE(out_.find("statistics max_speed\n"), std::string::npos);
+  EXPECT_EQ(out_.find("skipped"), std::string::npos);  // a list of words
+  EXPECT_EQ(run({"--check", "--set", "material.thicknes=1"}), 2);
+  EXPECT_EQ(err_, "simulate: material.thicknes: unknown key; the nearest known one is material.thickness\n");
+}
+
 TEST_F(Simulate, PrintsItsVersionWithoutAScene) {
   EXPECT_EQ(runWithoutScene({"--version"}), 0);
   EXPECT_EQ(out_, std::string(version()) + "\n");

@@ -10,12 +10,12 @@ namespace deformable_surface::model {
 
 /// Constants of all pairs. The energy is summed over ordered pairs [Szeliski 1991, eq. 11].
 struct PairPotentials {
-  double depth = 0.0;         // J, e0 of the Lennard-Jones potential
-  double distance = 0.0;      // m, r0: where that potential is least
-  double core = 0.0;          // m: nearer than this its force stays constant, so that no state has infinite forces
-  double switch_begin = 0.0;  // m: from here to the cutoff it is switched off
-  double cutoff = 0.0;        // m
-  int repulsion = 12, attraction = 6;               // exponents
+  double depth = 0.0;                  // J, e0 of the Lennard-Jones potential
+  double distance = 0.0;               // m, r0: where that potential is least
+  double core = 0.0;                   // m: nearer than this its force stays constant, so that no state has infinite forces
+  double switch_begin = 0.0;           // m: from here to the cutoff it is switched off
+  double cutoff = 0.0;                 // m
+  int repulsion = 12, attraction = 6;  // exponents
   double co_planarity = 0.0, co_circularity = 0.0;  // J/m^2
   double co_normality = 0.0;                        // J
   bool is_anisotropic = false;

@@ -3,6 +3,8 @@
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 #include "deformable_surface/simulation/evolution.h"
 
+#include <utility>
+
 #include "../../cloud_follower.h"
 #include "rest.h"
 
@@ -44,15 +46,18 @@ class ElasticSolidKind : public ModelKind {
   const char* name() const override { return "elastic_solid"; }
   ModelTraits traits() const override {
     ModelTraits traits;
-    traits.has_estimate = true;
+    traits.has_estimate = traits.is_prepared = true;
     return traits;
   }
   void visitOptions(Fields& fields, SceneParams& p) const override {
     fields.section("elastic_solid", p.elastic_solid, "Options of elastic solids (docs/elastic_solid.md).");
   }
 
-  RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index, const Choose&) const override {
-    return makeSolidRest(params, input);
+  RestSurface prepare(const SceneParams& params, const cloud::PointCloud& input, Index, bool) const override {
+    return prepareSolid(params, input);
+  }
+  RestSurface finishRest(const SceneParams& params, RestSurface prepared, const Choose&) const override {
+    return finishSolidRest(params, std::move(prepared));
   }
   CoarserLevel makeCopies(const SceneParams& params, const RestSurface& level) const override {
     return makeSolidCopies(params, level);

@@ -130,10 +130,9 @@ void buildFilledSolid(const SceneParams& params, RestSurface& s) {
   s.notes.push_back(count(static_cast<Index>(interior.points.size()), "points inside, ") + formatShort(spacing) +
                     " m apart, fill the surface");
 
-  Lists neighbors = cloud::nearestNeighbors(s.points, 2 * params.neighbors.k);
-  const std::vector<double> detours = keepNearOverBody(params.neighbors, s.points, neighbors, s);
-  finishSolid(params, neighbors, detours, Vec3::Zero(), model::Outline::kSurface, s);
-  const Lists followed = findFollowed(s, owner, neighbors, 2 * params.transfer.k);
+  s.solid_neighbors = cloud::nearestNeighbors(s.points, 2 * params.neighbors.k);
+  s.detours = keepNearOverBody(params.neighbors, s.points, s.solid_neighbors, s);
+  const Lists followed = findFollowed(s, owner, s.solid_neighbors, 2 * params.transfer.k);
   s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points, followed);
 }
 

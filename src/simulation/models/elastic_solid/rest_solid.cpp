@@ -146,20 +146,20 @@ Index findSolidTarget(const cloud::SimplificationParams& how, Index of) {
   return how.target_points > 0 ? how.target_points : kAutoPoints;
 }
 
-void finishSolid(const SceneParams& params, const Lists& neighbors, const std::vector<double>& detours, const Vec3& across,
-                 model::Outline outline, RestSurface& s) {
-  auto solid =
-      std::make_unique<model::ElasticSolid>(s.points, neighbors, detours, across, params.material, params.elastic_solid, outline);
+namespace {
+
+// Model, pins and notes on the simulation points.
+void finishSolid(const SceneParams& params, model::Outline outline, RestSurface& s) {
+  auto solid = std::make_unique<model::ElasticSolid>(s.points, s.solid_neighbors, s.detours, s.across, params.material,
+                                                     params.elastic_solid, outline);
   if (solid->numDeficient() > 0)
     s.notes.push_back(
         count(solid->numDeficient(), "points have neighbours in a plane or on a line only; across it they have no strain"));
   const double volume = std::accumulate(solid->volumes().begin(), solid->volumes().end(), 0.0);
   s.model = std::move(solid);
-  s.solid_neighbors = neighbors;
-  s.across = across;
   applyPins(params, s);
-  const bool is_planar = !across.isZero(0.0);
-  if (is_planar) noteGravityAcross(params, across, s);
+  const bool is_planar = !s.across.isZero(0.0);
+  if (is_planar) noteGravityAcross(params, s.across, s);
   const Index m = static_cast<Index>(s.points.size());
   // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
   const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
@@ -169,13 +169,14 @@ void finishSolid(const SceneParams& params, const Lists& neighbors, const std::v
                     count(static_cast<Index>(std::count(s.pinned.begin(), s.pinned.end(), 1)), "pinned"));
 }
 
-void buildRestSolid(const SceneParams& params, RestSurface& s) {
+// Simulation points, their neighbours and the transfer.
+void prepareBody(const SceneParams& params, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.neighbors.k);
   std::vector<double> detours = keepNearOverBody(params.neighbors, s.dense.positions, s.dense_neighbors, s);
-  const Vec3 across = findAcross(params, s);
-  const bool is_planar = !across.isZero(0.0);
-  completeNormals(across, s);
+  s.across = findAcross(params, s);
+  const bool is_planar = !s.across.isZero(0.0);
+  completeNormals(s.across, s);
   s.dense_index = choosePoints(params, s);
   const Index m = static_cast<Index>(s.dense_index.size());
   for (Index i : s.dense_index) {
@@ -183,24 +184,20 @@ void buildRestSolid(const SceneParams& params, RestSurface& s) {
     s.normals.push_back(s.dense.normals[i]);
   }
 
-  const bool is_euclidean = params.neighbors.areEuclidean();
-  const Index k = countNeighbors(params, across);
-  cloud::GeodesicCells cells;
-  Lists neighbors;
-  if (m < n || is_planar) {
-    detours.clear();
-    if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, s.dense_index, k);
-    neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
+  if (m == n && !is_planar) {
+    s.solid_neighbors = s.dense_neighbors;
+    s.detours = std::move(detours);
+    return;
   }
-  finishSolid(params, m < n || is_planar ? neighbors : s.dense_neighbors, detours, across,
-              m < n ? model::Outline::kRough : model::Outline::kSurface, s);
-
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  const Index k = countNeighbors(params, s.across);
+  cloud::GeodesicCells cells;
+  if (!is_euclidean) cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, s.dense_index, k);
+  s.solid_neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
   if (m < n)
     s.solid_transfer = transfer::SolidTransfer(s.dense.positions, s.dense.normals, s.points,
                                                findFollowed(params, cells, s.dense.positions, s.points));
 }
-
-namespace {
 
 // On the farthest of the simulation points, of which its dense_index and solid_transfer are. Masses are those of the hull of so
 // few points. InputError if these span no body.
@@ -215,8 +212,9 @@ RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, 
   const Index k = countNeighbors(params, of.across);
   cloud::GeodesicCells cells;
   if (!params.neighbors.areEuclidean()) cells = cloud::findGeodesicCells(of.points, of.solid_neighbors, s.dense_index, k);
-  finishSolid(params, params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors, {}, of.across,
-              model::Outline::kRough, s);
+  s.solid_neighbors = params.neighbors.areEuclidean() ? cloud::nearestNeighbors(s.points, k) : cells.neighbors;
+  s.across = of.across;
+  finishSolid(params, model::Outline::kRough, s);
   s.solid_transfer = transfer::SolidTransfer(of.points, of.normals, s.points, findFollowed(params, cells, of.points, s.points));
   return s;
 }
@@ -242,7 +240,7 @@ CoarserLevel makeSolidCopies(const SceneParams& params, const RestSurface& level
   return copies;
 }
 
-RestSurface makeSolidRest(const SceneParams& params, const cloud::PointCloud& input) {
+RestSurface prepareSolid(const SceneParams& params, const cloud::PointCloud& input) {
   RestSurface s = cleanInput(input);
   if (params.elastic_solid.fill) {
     const std::optional<Vec3> viewpoint = moveOntoSurface(params.input, input, s);
@@ -253,8 +251,14 @@ RestSurface makeSolidRest(const SceneParams& params, const cloud::PointCloud& in
   } else {
     warnOfNoisyBody(params.input, input, s);
     leaveOutParts(params, findBodyNeighbors, s);
-    buildRestSolid(params, s);
+    prepareBody(params, s);
   }
+  return s;
+}
+
+RestSurface finishSolidRest(const SceneParams& params, RestSurface s) {
+  const bool is_rough = !params.elastic_solid.fill && s.points.size() < s.dense.positions.size();
+  finishSolid(params, is_rough ? model::Outline::kRough : model::Outline::kSurface, s);
   return s;
 }
 

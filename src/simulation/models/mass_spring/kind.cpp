@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "cutting.h"
 #include "rest.h"
@@ -20,7 +21,7 @@ class MassSpringKind : public ModelKind {
   ModelTraits traits() const override {
     ModelTraits traits;
     traits.is_surface = traits.has_springs = traits.has_regions = traits.has_estimate = true;
-    traits.is_tuned = traits.is_timed = traits.can_snap = traits.meets_itself = true;
+    traits.is_tuned = traits.is_timed = traits.can_snap = traits.meets_itself = traits.is_prepared = true;
     return traits;
   }
 
@@ -66,9 +67,11 @@ class MassSpringKind : public ModelKind {
            p.mass_spring.stiffness == model::Stiffness::kMaterial;
   }
 
-  RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                       const Choose& choose) const override {
-    return makeMassSpringRest(params, input, coarsest, choose);
+  RestSurface prepare(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) const override {
+    return prepareMassSpring(params, input, coarsest, to_choose);
+  }
+  RestSurface finishRest(const SceneParams& params, RestSurface prepared, const Choose& choose) const override {
+    return finishMassSpringRest(params, std::move(prepared), choose);
   }
   RestSurface makeTrial(const SceneParams& params, const RestSurface& full, Index points) const override {
     return makeMassSpringTrial(params, full, points);

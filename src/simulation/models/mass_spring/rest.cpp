@@ -122,8 +122,9 @@ void requireRegions(const SceneParams& params, const RestSurface& s) {
           count(static_cast<Index>(s.points.size()), "simulation points at rest; accepted: a shape that holds at least one"));
 }
 
-// Simulation points of a full surface with masses, model and pins. area: finds that of the dense points, m^2.
-void finishSurface(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area, RestSurface& s) {
+// Simulation points of a full surface, their surroundings and its area. area: finds that of the dense points, m^2.
+void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area,
+                          RestSurface& s) {
   // As many as were asked for, but for a twentieth, also where some belong to no surface.
   const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
   const Index asked = static_cast<Index>(kept.size());
@@ -144,7 +145,6 @@ void finishSurface(const SceneParams& params, std::vector<Index> kept, const std
   // The area of the full surface; where every point is simulated it is that of the rings.
   const bool is_all = s.points.size() == s.dense.positions.size();
   s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
-  buildModel(params, s, s);
 }
 
 // Over the surface: the usable ones among the coarser points near each point of the level.
@@ -162,8 +162,7 @@ Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& u
 
 }  // namespace
 
-RestSurface makeMassSpringRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                               const ModelKind::Choose& choose) {
+RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) {
   RestSurface s = cleanInput(input);
   const std::optional<Vec3> viewpoint = moveOntoSurface(params.input, input, s);
   leaveOutParts(params, findNeighbors, s);
@@ -173,15 +172,25 @@ RestSurface makeMassSpringRest(const SceneParams& params, const cloud::PointClou
   const auto measureArea = [&] {
     return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
   };
-  if (choose) {
+  if (to_choose) {
     s.area = measureArea();
-    kept = s.order.keepCount(choose(s));
+    return s;
   }
-  const double known = s.area;
-  finishSurface(
-      params, std::move(kept), [&] { return choose ? known : measureArea(); }, s);
-  requireRegions(params, s);
+  takeSimulationPoints(params, std::move(kept), measureArea, s);
   followSimulationPoints(params, s);
+  return s;
+}
+
+RestSurface finishMassSpringRest(const SceneParams& params, RestSurface s, const ModelKind::Choose& choose) {
+  if (choose) {
+    const double area = s.area;
+    takeSimulationPoints(
+        params, s.order.keepCount(choose(s)), [&] { return area; }, s);
+    followSimulationPoints(params, s);
+  }
+  buildModel(params, s, s);
+  requireRegions(params, s);
+  noteFollowing(s);
   return s;
 }
 
@@ -191,8 +200,9 @@ RestSurface makeMassSpringTrial(const SceneParams& params, const RestSurface& fu
   s.dense_neighbors = full.dense_neighbors;
   s.order = full.order;
   s.closed = full.closed;
-  finishSurface(
+  takeSimulationPoints(
       params, full.order.keepCount(points), [&] { return full.area; }, s);
+  buildModel(params, s, s);
   return s;
 }
 

@@ -6,8 +6,8 @@
 namespace deformable_surface::simulation {
 
 // See ModelKind.
-RestSurface makeMassSpringRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                               const ModelKind::Choose& choose);
+RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose);
+RestSurface finishMassSpringRest(const SceneParams& params, RestSurface prepared, const ModelKind::Choose& choose);
 RestSurface makeMassSpringTrial(const SceneParams& params, const RestSurface& full, Index points);
 RestSurface makeCoarserMassSpring(const SceneParams& params, const RestSurface& of, Index target);
 CoarserLevel makeMassSpringCopies(const SceneParams& params, const RestSurface& level);

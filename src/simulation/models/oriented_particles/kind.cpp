@@ -2,6 +2,8 @@
 
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 
+#include <utility>
+
 #include "follower.h"
 #include "particle_life.h"
 #include "quantities.h"
@@ -17,7 +19,7 @@ class OrientedParticlesKind : public ModelKind {
   const char* name() const override { return "oriented_particles"; }
   ModelTraits traits() const override {
     ModelTraits traits;
-    traits.is_surface = traits.is_oriented = traits.has_population = traits.is_timed = true;
+    traits.is_surface = traits.is_oriented = traits.has_population = traits.is_timed = traits.is_prepared = true;
     return traits;
   }
 
@@ -39,9 +41,11 @@ class OrientedParticlesKind : public ModelKind {
     }
   }
 
-  RestSurface makeRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                       const Choose& choose) const override {
-    return makeParticlesRest(params, input, coarsest, choose);
+  RestSurface prepare(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) const override {
+    return prepareParticles(params, input, coarsest, to_choose);
+  }
+  RestSurface finishRest(const SceneParams& params, RestSurface prepared, const Choose& choose) const override {
+    return finishParticlesRest(params, std::move(prepared), choose);
   }
   RestSurface makeTrial(const SceneParams& params, const RestSurface& full, Index points) const override {
     return makeParticlesTrial(params, full, points);

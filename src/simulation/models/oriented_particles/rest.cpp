@@ -141,19 +141,17 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.grow_surface) takeCloudAsRest(model, s);
 }
 
-// Makes these dense points particles.
-void takeParticles(const SceneParams& params, std::vector<Index> kept, RestSurface& s) {
+// Makes these dense points simulation points.
+void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, RestSurface& s) {
   std::sort(kept.begin(), kept.end());
   takePoints(s.dense, kept, s);
   if (!params.neighbors.areEuclidean())
     s.cells = cloud::findGeodesicCells(s.dense.positions, s.dense_neighbors, kept, 2 * params.neighbors.k);
-  buildParticles(params, s);
 }
 
 }  // namespace
 
-RestSurface makeParticlesRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                              const ModelKind::Choose& choose) {
+RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) {
   RestSurface s = cleanInput(input);
   const bool is_curve = params.oriented_particles.mode == model::ParticleMode::kPlane;
   const std::optional<Vec3> viewpoint = is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
@@ -162,12 +160,18 @@ RestSurface makeParticlesRest(const SceneParams& params, const cloud::PointCloud
   cloud::Boundary boundary =
       is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
-  if (choose) {
+  if (to_choose)
     s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
-    kept = s.order.keepCount(choose(s));
-  }
-  takeParticles(params, std::move(kept), s);
+  else
+    takeSimulationPoints(params, std::move(kept), s);
+  return s;
+}
+
+RestSurface finishParticlesRest(const SceneParams& params, RestSurface s, const ModelKind::Choose& choose) {
+  if (choose) takeSimulationPoints(params, s.order.keepCount(choose(s)), s);
+  buildParticles(params, s);
   followSimulationPoints(params, s);
+  noteFollowing(s);
   return s;
 }
 
@@ -176,7 +180,8 @@ RestSurface makeParticlesTrial(const SceneParams& params, const RestSurface& ful
   s.dense = full.dense;
   s.dense_neighbors = full.dense_neighbors;
   s.closed = full.closed;
-  takeParticles(params, full.order.keepCount(points), s);
+  takeSimulationPoints(params, full.order.keepCount(points), s);
+  buildParticles(params, s);
   return s;
 }
 

@@ -6,8 +6,8 @@
 namespace deformable_surface::simulation {
 
 // See ModelKind.
-RestSurface makeParticlesRest(const SceneParams& params, const cloud::PointCloud& input, Index coarsest,
-                              const ModelKind::Choose& choose);
+RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose);
+RestSurface finishParticlesRest(const SceneParams& params, RestSurface prepared, const ModelKind::Choose& choose);
 RestSurface makeParticlesTrial(const SceneParams& params, const RestSurface& full, Index points);
 
 }  // namespace deformable_surface::simulation
