@@ -68,6 +68,7 @@ void Dynamics::reset() {
   now_.pinned = rest_->pinned;
   now_.pinned_turns = rest_->pinned_turns;
   now_.clamp_edges = rest_->clamp_edges;
+  grips_.reset();
   placePins();
   placeAnchors();
   const Population begun = evolution_->begin(now_.pinned, points);
@@ -82,7 +83,6 @@ void Dynamics::reset() {
   loads_.gravity.gravity = params_.gravity;
   loads_.forces.clear();
   for (const ForceParams& force : params_.forces) loads_.forces.set(force);
-  grips_.reset();
   loads_.contact.reset();
   part_.reset();
   now_.followed.clear();

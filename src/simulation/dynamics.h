@@ -150,7 +150,9 @@ class Dynamics {
   void placePins();
   void placeAnchors();
   void clampHeld();
-  std::vector<Index> findClamps(const std::vector<char>& inside, const Contains& contains);
+  ClampEdges findEdges(const std::vector<char>& inside, const Contains& contains) const;
+  std::vector<Index> clampPin(const std::vector<char>& inside, const Contains& contains);
+  void clampGrips(const std::vector<std::size_t>& begun);
   void endClamps();
   std::size_t findPin(Index point) const;
   void setTools(std::vector<tool::ToolParams> tools);
@@ -265,6 +267,8 @@ class Dynamics {
   NamedForces::Update woken_;      // by the step that is taken
   bool has_woken_ = false;         // in its first half
   // Scratch.
+  std::vector<char> patches_;  // (n) see model::Clamping
+  std::vector<model::ClampEdge> patch_edges_;
   std::vector<Index> hits_, moving_;                   // moving: points on pins that move in the step
   std::vector<double> load_stiffness_, load_damping_;  // N/m, N s/m
   mutable Points forces_on_all_;                       // N

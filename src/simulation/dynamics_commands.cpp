@@ -112,7 +112,7 @@ Changes Dynamics::perform(const command::Pin& c) {
   Changes changes;
   changes.points = static_cast<Index>(points.size());
   changes.everywhere = !points.empty();
-  if (!points.empty()) findClamps(inside, [&](const Vec3& place) { return c.region.contains(place); });
+  if (!points.empty()) clampPin(inside, [&](const Vec3& place) { return c.region.contains(place); });
   return changes;
 }
 
@@ -123,7 +123,7 @@ Changes Dynamics::perform(const command::PinAlong& c) {
   changes.points = static_cast<Index>(points.size());
   changes.everywhere = !points.empty();
   if (points.empty()) return changes;
-  const std::vector<Index> riding = findClamps(inside, [&](const Vec3& place) { return c.region.contains(place); });
+  const std::vector<Index> riding = clampPin(inside, [&](const Vec3& place) { return c.region.contains(place); });
   points.insert(points.end(), riding.begin(), riding.end());
   std::sort(points.begin(), points.end());
   grips_.addPin(c.id, c.path, time(), std::move(points), now_.points);

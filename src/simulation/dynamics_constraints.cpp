@@ -4,6 +4,27 @@
 #include <algorithm>
 
 namespace deformable_surface::simulation {
+namespace {
+
+// Of the marked points their first two rings; at the corner of a sheet one is too few to tell a row of points from several.
+Lists findTwoRings(const Lists& ring, const std::vector<char>& marked) {
+  Lists two;
+  for (Index i = 0; i < ring.size(); ++i) {
+    const std::size_t first = two.items.size();
+    const auto add = [&](Index k) {
+      if (k != i && std::find(two.items.begin() + first, two.items.end(), k) == two.items.end()) two.items.push_back(k);
+    };
+    if (marked[i])
+      for (const Index* j = ring.begin(i); j != ring.end(i); ++j) {
+        add(*j);
+        for (const Index* k = ring.begin(*j); k != ring.end(*j); ++k) add(*k);
+      }
+    two.offsets.push_back(static_cast<Index>(two.items.size()));
+  }
+  return two;
+}
+
+}  // namespace
 
 // The first of the scene's pins that holds a point at rest or, where it rides on one, a neighbour of it; as many as there are:
 // none.
@@ -35,12 +56,18 @@ void Dynamics::placePins() {
       grips_.addPin("pins[" + std::to_string(p) + "]", pins[p].path, 0.0, std::move(points[p]), now_.points);
 }
 
-// Where a region that has just been pinned ends; inside (m): its points. Returns the points that ride on it.
-std::vector<Index> Dynamics::findClamps(const std::vector<char>& inside, const Contains& contains) {
+// Where a region that has just been pinned or gripped ends; inside (m): its points.
+ClampEdges Dynamics::findEdges(const std::vector<char>& inside, const Contains& contains) const {
   if (!canClamp(params_)) return {};
-  const std::vector<char> clamping = markClamping(rest_->points, rest_->rings.ring, inside, activity_.spacing());
-  const ClampEdges found = findClampEdges(
-      {rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, trianglesOf(*model_)}, clamping, contains);
+  const std::vector<char> clamping =
+      markClamping(rest_->points, findTwoRings(rest_->rings.ring, inside), inside, activity_.spacing());
+  return findClampEdges({rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, trianglesOf(*model_)},
+                        clamping, contains);
+}
+
+// The same of a pin, which holds it from now on. Returns the points that ride on it.
+std::vector<Index> Dynamics::clampPin(const std::vector<char>& inside, const Contains& contains) {
+  const ClampEdges found = findEdges(inside, contains);
   std::vector<Index> riding;
   for (const Index i : found.riding) {
     if (now_.pinned[i]) continue;
@@ -73,12 +100,38 @@ void Dynamics::endClamps() {
               edges.end());
 }
 
-// Tells the model what is held; what was measured and kept of it with other clamps is then worth nothing.
+// Of tools that have just taken hold.
+void Dynamics::clampGrips(const std::vector<std::size_t>& begun) {
+  if (!canClamp(params_)) return;
+  for (const std::size_t g : begun) {
+    const Grips::Grip& grip = grips_.all()[g];
+    const tool::Pose pose = tool::interpolate(grip.tool.path, time());
+    std::vector<char> inside(now_.points.positions.size(), 0);
+    for (const Index i : grip.points) inside[i] = 1;
+    ClampEdges found = findEdges(
+        inside, [&](const Vec3& place) { return tool::findSignedDistance(grip.tool.shape, pose, place, 0.0).distance <= 0.0; });
+    const auto isHeld = [&](Index i) { return held_[i] != 0; };
+    found.riding.erase(std::remove_if(found.riding.begin(), found.riding.end(), isHeld), found.riding.end());
+    grips_.clamp(g, time(), std::move(found.edges), found.riding, now_.points);
+  }
+}
+
+// Tells the model what is held, in patches that move as one; what was measured and kept of it with other clamps is then worth
+// nothing.
 void Dynamics::clampHeld() {
   held_ = now_.pinned;
   held_turns_ = now_.pinned_turns;
   model::Clamping* const clamping = model_->clamping();
-  if (clamping && clamping->setHeld(now_.pinned, now_.clamp_edges)) march_.restart();
+  if (clamping) {
+    patches_.assign(held_.begin(), held_.end());
+    for (char& patch : patches_) patch = patch != kNotPinned;
+    patch_edges_ = now_.clamp_edges;
+    grips_.addPatches(patches_, patch_edges_);
+    if (clamping->setHeld(patches_, patch_edges_)) {
+      march_.restart();
+      wakeAll();
+    }
+  }
   evolution_->hold(now_.points, held_, held_turns_);
 }
 

@@ -57,6 +57,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   now_ = motion;
   adopt(*model_, now_.points);
   placeAnchors();
+  grips_.restore(holding.grips);
   clampHeld();
   now_.points = motion.points;  // cold particles may have been moving
   steps_ = waiting.steps;
@@ -65,7 +66,6 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   setContactRate(now_.contact_rate);
   loads_.forces.restore(waiting.forces);
   loads_.track.restore(holding.tracked);
-  grips_.restore(holding.grips);
   loads_.contact.restore(holding.bodies);
   if (loads_.self_contact) loads_.self_contact->setMayAct(holding.may_touch_itself);
   loads_.choose();

@@ -14,7 +14,9 @@ std::size_t bytesInside(const T&) {
 std::size_t bytesInside(const tool::ToolParams& tool) { return bytesOf(tool.path); }
 std::size_t bytesInside(const NamedForces::Named& force) { return bytesOf(force.points) + bytesOf(force.shares); }
 std::size_t bytesInside(const ContactLoad::Body& body) { return bytesInside(body.tool) + bytesOf(body.passed); }
-std::size_t bytesInside(const Grips::Grip& grip) { return bytesInside(grip.tool) + bytesOf(grip.points) + bytesOf(grip.places); }
+std::size_t bytesInside(const Grips::Grip& grip) {
+  return bytesInside(grip.tool) + bytesOf(grip.points) + bytesOf(grip.places) + bytesOf(grip.edges);
+}
 std::size_t bytesInside(const std::shared_ptr<const Evolution::Memory>& evolution) { return evolution ? evolution->bytes() : 0; }
 std::size_t bytesInside(const Activity::Memory& activity) { return bytesOf(activity.quiet) + bytesOf(activity.moves); }
 std::size_t bytesInside(const model::State& s) {

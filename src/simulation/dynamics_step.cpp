@@ -195,9 +195,11 @@ bool Dynamics::beginElsewhere(const Request& request) {
   scene.gravity = loads_.gravity.gravity;
   scene.forces.clear();
   for (const NamedForces::Named& force : loads_.forces.all()) scene.forces.push_back(force.params);
-  Points start = request.find_start(scene);
+  const Points start = request.find_start(scene);
   if (start.empty()) return false;
-  now_.points.positions = std::move(start);
+  // What is held goes from where it is.
+  for (std::size_t i = 0; i < start.size(); ++i)
+    if (!held_[i]) now_.points.positions[i] = start[i];
   return true;
 }
 
@@ -248,6 +250,8 @@ std::optional<double> Dynamics::searchAgain(double now, double disturbance, mode
 Grips::Update Dynamics::updateGrips(double now, double dt) {
   if (grips_.readForces()) system_.computeForcesOnAll(now, now_.points, forces_on_all_);
   const Grips::Update update = grips_.update(now, 1e-6 * dt, now_.points, now_.pinned, forces_on_all_);
+  clampGrips(update.begun);
+  if (update.changed) clampHeld();
   grips_.carry(now, dt, now_.points, held_);
   return update;
 }

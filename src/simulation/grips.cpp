@@ -11,6 +11,13 @@ namespace {
 constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew";
 
 constexpr Index kLook = 1024;  // points between two looks at an interrupt
+constexpr int kMaxPatch = 127;
+
+void release(Grips::Grip& grip) {
+  grip.points.clear();
+  grip.places.clear();
+  grip.edges.clear();
+}
 
 }  // namespace
 
@@ -105,8 +112,7 @@ void Grips::reset() {
   for (Grip& grip : grips_) {
     if (grip.is_pin) continue;
     grip.has_begun = false;
-    grip.points.clear();
-    grip.places.clear();
+    release(grip);
   }
 }
 
@@ -114,8 +120,7 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
                             const Points& forces) {
   Update update;
   const auto letGo = [&](Grip& grip) {
-    grip.points.clear();
-    grip.places.clear();
+    release(grip);
     update.changed = true;
   };
   for (Grip& grip : grips_) {
@@ -132,6 +137,7 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
         grip.places.push_back(pose.orientation.conjugate() * (state.positions[i] - pose.position));
       }
       update.changed = true;
+      update.begun.push_back(&grip - grips_.data());
       if (grip.points.empty())
         update.notice = "tool " + quote(grip.tool.id) + " takes hold of nothing: no free point is inside it; " + kAnew;
     }
@@ -144,6 +150,34 @@ Grips::Update Grips::update(double time, double slack, const model::State& state
                     " N; " + kAnew;
   }
   return update;
+}
+
+void Grips::clamp(std::size_t index, double time, std::vector<model::ClampEdge> edges, const std::vector<Index>& riding,
+                  const model::State& state) {
+  Grip& grip = grips_[index];
+  grip.edges = std::move(edges);
+  const tool::Pose pose = tool::interpolate(grip.tool.path, time);
+  for (const Index i : riding) {
+    const auto at = std::lower_bound(grip.points.begin(), grip.points.end(), i);
+    grip.places.insert(grip.places.begin() + (at - grip.points.begin()),
+                       pose.orientation.conjugate() * (state.positions[i] - pose.position));
+    grip.points.insert(at, i);
+  }
+}
+
+void Grips::addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>& edges) const {
+  const std::size_t num_before = edges.size();
+  int patch = 1;  // that of what does not move
+  for (const Grip& grip : grips_) {
+    if (grip.points.empty()) continue;
+    patch = patch % kMaxPatch + 1;
+    for (const Index i : grip.points) patches[i] = static_cast<char>(patch);
+    edges.insert(edges.end(), grip.edges.begin(), grip.edges.end());
+  }
+  if (edges.size() == num_before) return;
+  // Of a point on two the later one's counts.
+  const auto isBefore = [](const model::ClampEdge& a, const model::ClampEdge& b) { return a.point < b.point; };
+  std::stable_sort(edges.begin(), edges.end(), isBefore);
 }
 
 void Grips::carry(double time, double step, model::State& state, std::vector<char>& held) const {

@@ -74,8 +74,8 @@ TEST_P(ClampEdge, OfASquareIsThatOfAPlate) {
                                              [&](const Vec3& p) { return (p - middle).norm() < std::max(0.06, 2.2 * h); });
     errors[level] = std::abs(fit[0] / 0.00126532 - 1.0);  // of q a^4 / D [Timoshenko and Woinowsky-Krieger 1959, table 35]
   }
-  EXPECT_LT(errors[0], 0.12);
-  EXPECT_LT(errors[1], 0.03);
+  EXPECT_LT(errors[0], 0.08);
+  EXPECT_LT(errors[1], GetParam() == Scatter::kGrid ? 0.02 : 0.023);
   EXPECT_GT(std::log2(errors[0] / errors[1]), 1.7);
 }
 

@@ -47,9 +47,9 @@ struct ClampEdge {
 /// Forces that depend on which points are held.
 class Clamping {
  public:
-  /// From now on these points (n) do not move; edges: where clamped patches end, ascending points. The model treats clamped ones
-  /// as clamped. Held points beside free ones that have no edge are hinges. Returns whether forces and stiffness
-  /// have changed.
+  /// From now on forces do not move these points (n): 0 = free, else the number of the patch that they move with. edges: where
+  /// clamped patches end, ascending points. Held points beside free ones that have no edge are hinges. Returns whether forces
+  /// and stiffness have changed.
   virtual bool setHeld(const std::vector<char>& held, const std::vector<ClampEdge>& edges) = 0;
 
  protected:

@@ -18,9 +18,10 @@ class Grips {
   struct Grip {
     tool::ToolParams tool;
     bool has_begun = false;
-    std::vector<Index> points;  // ascending
-    Points places;              // m, in the tool's frame
-    bool is_pin = false;        // a moving pin; only id and path of its tool are used; it never releases by itself
+    std::vector<Index> points;            // ascending
+    Points places;                        // m, in the tool's frame
+    std::vector<model::ClampEdge> edges;  // of a tool: where it clamps, ascending
+    bool is_pin = false;                  // a moving pin; only id and path of its tool are used; it never releases by itself
   };
 
   /// Takes the tools of mode move. A grip whose tool is unchanged, except for its path, keeps its points.
@@ -50,9 +51,15 @@ class Grips {
   /// much, so that rounding of times does not lose a step. Returns whether any did, and a notice for the user.
   struct Update {
     bool changed = false;
+    std::vector<std::size_t> begun;  // which of all() took hold
     std::string notice;
   };
   Update update(double time, double slack, const model::State& state, const std::vector<char>& pinned, const Points& forces);
+  /// Sets where a grip that has just taken hold clamps, and the free points beside it that it carries, too.
+  void clamp(std::size_t grip, double time, std::vector<model::ClampEdge> edges, const std::vector<Index>& riding,
+             const model::State& state);
+  /// Marks the points of each grip as a patch of their own, and adds its edges, ascending (see model::Clamping).
+  void addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>& edges) const;
   /// Marks the gripped points in held, and gives them the velocity that takes them to their places within the step.
   void carry(double time, double step, model::State& state, std::vector<char>& held) const;
   /// The indices of points have changed: new_index (of the former points), -1 = removed.

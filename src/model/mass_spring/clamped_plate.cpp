@@ -19,12 +19,17 @@ double measureSpacing(Index i, const PlateRest& plate) {
   return sum / std::max(Index{1}, plate.ring.count(i));
 }
 
-// i and so many points held with it, nearest rings first.
-std::vector<Index> findPatch(Index i, const PlateRest& plate, const std::vector<char>& is_inner, std::size_t most) {
+struct Patches {
+  const std::vector<char>& of;  // (n)
+  const std::vector<char>& is_inner;
+};
+
+// i and so many points of its patch, nearest rings first.
+std::vector<Index> findPatch(Index i, const PlateRest& plate, const Patches& patches, std::size_t most) {
   std::vector<Index> patch{i};
   for (std::size_t next = 0; next < patch.size(); ++next)
     for (const Index* j = plate.ring.begin(patch[next]); j != plate.ring.end(patch[next]) && patch.size() < most; ++j)
-      if (is_inner[*j] && !holds(patch, *j)) patch.push_back(*j);
+      if (patches.is_inner[*j] && patches.of[*j] == patches.of[i] && !holds(patch, *j)) patch.push_back(*j);
   return patch;
 }
 
@@ -48,10 +53,10 @@ double chooseTriangle(const std::vector<Index>& patch, const Points& x, Index (&
 }
 
 // What carries the place of an edge near i; false: i and what is held with it lie in one line.
-bool carry(Index i, const Vec3& place, const PlateRest& plate, const std::vector<char>& is_inner, EdgePoint& edge) {
+bool carry(Index i, const Vec3& place, const PlateRest& plate, const Patches& patches, EdgePoint& edge) {
   const Points& x = plate.points;
-  double shape = chooseTriangle(findPatch(i, plate, is_inner, kNear), x, edge.points);
-  if (!(shape >= kFat)) shape = chooseTriangle(findPatch(i, plate, is_inner, kMost), x, edge.points);
+  double shape = chooseTriangle(findPatch(i, plate, patches, kNear), x, edge.points);
+  if (!(shape >= kFat)) shape = chooseTriangle(findPatch(i, plate, patches, kMost), x, edge.points);
   if (!(shape >= kThin)) return false;
   const Vec3 u = x[edge.points[1]] - x[i], v = x[edge.points[2]] - x[i];
   const Vec3 normal = u.cross(v);
@@ -68,12 +73,12 @@ bool carry(Index i, const Vec3& place, const PlateRest& plate, const std::vector
 ClampedPlate clampPlate(const PlateRest& plate, const std::vector<char>& held, const std::vector<ClampEdge>& edges) {
   const Index n = static_cast<Index>(plate.points.size());
   ClampedPlate clamped{plate, n, {}, std::vector<char>(n, 0), 0};
-  if (std::find(held.begin(), held.end(), 1) == held.end()) return clamped;
+  if (std::all_of(held.begin(), held.end(), [](char patch) { return patch == 0; })) return clamped;
   const auto isBesideFree = [&](Index i) {
     return std::any_of(plate.ring.begin(i), plate.ring.end(i), [&](Index j) { return !held[j]; });
   };
   for (Index i = 0; i < n; ++i) clamped.is_inner[i] = held[i] && plate.ring.count(i) > 0 && !isBesideFree(i);
-  for (const ClampEdge& edge : edges) clamped.is_inner[edge.point] = held[edge.point];
+  for (const ClampEdge& edge : edges) clamped.is_inner[edge.point] = held[edge.point] != 0;
 
   // Points on the edge: each held point beside free ones is moved there, or one that is there already stands for it.
   std::vector<Index> moved(n, -1);  // where a held point goes
@@ -82,14 +87,15 @@ ClampedPlate clampPlate(const PlateRest& plate, const std::vector<char>& held, c
   for (const ClampEdge& edge : edges) {
     if (!held[edge.point] || !isBesideFree(edge.point)) continue;
     EdgePoint point;
-    if (!carry(edge.point, edge.place, plate, clamped.is_inner, point)) {
+    if (!carry(edge.point, edge.place, plate, {held, clamped.is_inner}, point)) {
       ++clamped.num_hinged;
       continue;
     }
     const double close = kClose * measureSpacing(edge.point, plate);
     Index same = -1;
     for (Index e = n; e < static_cast<Index>(clamped.plate.points.size()); ++e)
-      if ((clamped.plate.points[e] - edge.place).norm() < close) same = e;
+      if ((clamped.plate.points[e] - edge.place).norm() < close && held[clamped.edge_points[e - n].points[0]] == held[edge.point])
+        same = e;
     if (same < 0) {
       same = static_cast<Index>(clamped.plate.points.size());
       Vec3 place = Vec3::Zero();

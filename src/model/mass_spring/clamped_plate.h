@@ -19,8 +19,9 @@ struct ClampedPlate {
   bool isClamped(Index i) const { return isEdge(i) || is_inner[i]; }
 };
 
-/// held (n), or empty if nothing is. edges: of held points beside free ones, where the clamp ends near them, at rest; held points
-/// beside free ones that have none are hinges, and so are those that lie in one line with all that are held with them.
+/// held (n) by the number of a patch, see Clamping, or empty if nothing is. edges: of held points beside free ones, where the
+/// clamp ends near them, at rest; held points beside free ones that have none are hinges, and so are those that lie in one line
+/// with all that are held with them.
 ClampedPlate clampPlate(const PlateRest& plate, const std::vector<char>& held, const std::vector<ClampEdge>& edges);
 
 }  // namespace deformable_surface::model

@@ -7,14 +7,21 @@
 #include <Eigen/QR>
 
 #include <algorithm>
+#include <cmath>
+#include <utility>
 
 namespace deformable_surface::model {
 namespace {
 
 constexpr Index kFitPoints = CurvatureBending::kFitPoints;
 constexpr Index kSlots = kFitPoints + 1;
-constexpr Index kBlock = 64;             // fits a task: about a millisecond
-constexpr double kReach = 1.05;          // kernel support over the farthest neighbour's distance, so that it still counts
+constexpr Index kBlock = 64;     // fits a task: about a millisecond
+constexpr double kReach = 1.05;  // kernel support over the farthest neighbour's distance, so that it still counts
+// Moments change fast beside clamps, where fits that reach less far smooth less. Elsewhere they would bring to light that
+// membranes of few curved triangles are too stiff (docs/decisions/0007-balanced-bending.md).
+constexpr Index kFitPointsAtClamps = 12;
+constexpr double kSteepness = 1.5;       // exponent of a weight's root
+constexpr int kRingsAtClamps = 3;        // from the edge
 constexpr double kRankTolerance = 1e-3;  // smallest pivot over the largest for a fit to count as determined
 
 // The nearest ones, at most so many, among the first, second and, if those are too few, third ring.
@@ -34,6 +41,23 @@ void chooseFitPoints(Index i, const PlateRest& plate, Index most, std::vector<In
     return da != db ? da < db : a < b;
   });
   if (static_cast<Index>(found.size()) > most) found.resize(most);
+}
+
+// Which points are so few rings from the edge of a clamp.
+std::vector<char> markBesideClamps(const ClampedPlate& clamped) {
+  const Lists& ring = clamped.plate.ring;
+  std::vector<char> marked(ring.size(), 0);
+  std::vector<Index> found;
+  for (Index i = clamped.num_points; i < ring.size(); ++i) found.push_back(i);
+  for (const Index i : found) marked[i] = 1;
+  std::size_t next = 0;
+  for (int depth = 0; depth < kRingsAtClamps; ++depth)
+    for (const std::size_t end = found.size(); next < end; ++next)
+      for (Index k = 0; k < ring.count(found[next]); ++k) {
+        const Index j = ring.begin(found[next])[k];
+        if (!std::exchange(marked[j], 1)) found.push_back(j);
+      }
+  return marked;
 }
 
 template <int Rows, int Columns>
@@ -105,6 +129,7 @@ CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
   std::vector<Index> slots(kSlots * n);
   std::vector<CurvatureRow> rows(kSlots * n);
   std::vector<Index> counts(n, 1);
+  const std::vector<char> beside_clamp = markBesideClamps(clamped);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     std::vector<Index> fit;
     for (Index i = begin; i < end; ++i) {
@@ -114,7 +139,8 @@ CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
       fits.bases[i].q.setZero();
       const EdgePoint* const edge = clamped.isEdge(i) ? &clamped.edge_points[i - clamped.num_points] : nullptr;
       if (!edge && clamped.is_inner[i]) continue;
-      chooseFitPoints(i, plate, edge ? kFitPoints - 3 : kFitPoints, fit);
+      const bool is_beside = beside_clamp[i];
+      chooseFitPoints(i, plate, edge ? kFitPoints - 3 : (is_beside ? kFitPointsAtClamps : kFitPoints), fit);
       const Index k = static_cast<Index>(fit.size());
       if (k < 5) continue;
       // The weighted quadratic in tangent coordinates scaled by the reach.
@@ -124,7 +150,8 @@ CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
       Weights root_weight(k);
       for (Index m = 0; m < k; ++m) {
         const Vec3 d = (plate.points[fit[m]] - plate.points[i]) / reach;
-        const double a = d.dot(axes.first), b = d.dot(axes.second), q = 1.0 - d.squaredNorm();
+        const double a = d.dot(axes.first), b = d.dot(axes.second);
+        const double near = 1.0 - d.squaredNorm(), q = is_beside ? std::pow(near, kSteepness) : near;
         root_weight[m] = q;
         design.row(m) << q * a, q * b, 0.5 * q * a * a, q * a * b, 0.5 * q * b * b;
       }

@@ -370,7 +370,7 @@ Tensors solveForMultipliers(const MomentBalance& balance) {
   planar.solve(residual, solved);
   direction = solved;
   double power = dot(residual, solved), least = first;
-  for (int k = 0; k < kMaxIterations && least > kTolerance * kTolerance * first; ++k) {
+  for (int k = 0; k < kMaxIterations; ++k) {
     balance.multiply(direction, product);
     const double curvature = dot(direction, product);
     if (!(curvature > 0.0) || !(power > 0.0)) break;
@@ -381,6 +381,7 @@ Tensors solveForMultipliers(const MomentBalance& balance) {
       least = squares;
       best = l;
     }
+    if (least <= kTolerance * kTolerance * first) break;
     planar.solve(residual, solved);
     const double before = power;
     power = dot(residual, solved);

@@ -99,8 +99,10 @@ void buildModel(const SceneParams& params, const RestSurface& full, RestSurface&
   } else if (!params.pins.empty() && canClamp(params)) {
     clampPins(params, full, s);
   }
+  std::vector<char> patches;
+  for (const char mark : s.pinned) patches.push_back(mark != kNotPinned);
   auto made = std::make_unique<model::MassSpring>(s.points, s.normals, s.rings, s.area, s.closed, params.material,
-                                                  params.mass_spring, s.pinned, s.clamp_edges);
+                                                  params.mass_spring, patches, s.clamp_edges);
   const model::MassSpring& surface = *made;
   if (surface.numMassRaised() > 0)
     s.notes.push_back(
