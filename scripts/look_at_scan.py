@@ -83,8 +83,11 @@ def to_quaternion(rotation):
 
 
 def read_grid(path):
-    """The coordinates of all points (n x 3), and the grid's width and height; of a file without a grid n and 1."""
-    rows = point_files.read_rows(path)[0]
+    """The coordinates of all points (n x 3), and the grid's width and height; of a file without a grid n and 1. What filters have
+    taken (`simulate --filtered` marks it) is NaN."""
+    rows, _, columns = point_files.read_rows(path)
+    if "removed_by" in columns:
+        rows[columns["removed_by"] != 0] = np.nan
     if path.lower().endswith(".pcd"):
         with open(path, "rb") as stream:
             head = stream.read().split(b"DATA", 1)[0].decode("ascii", "replace")

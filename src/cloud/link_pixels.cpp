@@ -9,16 +9,17 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kRowsPerTask = 8;
-constexpr double kSure = 5.0;  // standard deviations of the difference of two planes
-constexpr double kStep = 0.5;  // pixels: the least step
+// Of its depth from pixel to pixel over their distance: a surface seen at seven degrees. Cameras that smooth their depths make
+// steeper ramps of the steps between two surfaces.
+constexpr double kSteepest = 8.0;
 
 // q: a pixel du columns and dv rows from p, to the right or below.
 bool agree(const DepthImage& image, const FittedDepths& fitted, std::size_t p, std::size_t q, Index du, Index dv) {
   const PixelPlane &a = fitted.planes[p], &b = fitted.planes[q];
   const double w = fitted.inverse_depth[p];
   const double difference = fitted.inverse_depth[q] - w - 0.5 * ((a.along_u + b.along_u) * du + (a.along_v + b.along_v) * dv);
-  const double noise = kSure * std::sqrt(a.deviation * a.deviation + b.deviation * b.deviation);
-  return std::abs(difference) <= std::max(noise, kStep * image.pixel() * w);
+  if (std::abs(fitted.inverse_depth[q] - w) > kSteepest * image.pixel() * w * std::hypot(du, dv)) return false;
+  return std::abs(difference) <= std::max(sureStep(a, b), leastStep(image, w));
 }
 
 }  // namespace

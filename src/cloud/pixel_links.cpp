@@ -15,12 +15,14 @@ constexpr Index kBlock = 1024;  // points per task: a millisecond of work
 // columns.
 constexpr Index kReach = 12;
 constexpr Index kAcross = 2 * kReach + 3;  // with a rim, which is never entered
+constexpr Index kMostHoles = 4;            // in line between two pixels that are joined for their distance
 
 // The pixels around one that links lead to, nearer ones in the image first.
 class PixelSearch {
  public:
-  PixelSearch(const PixelLinks& image, const std::vector<Index>& point, const Points& positions)
-      : image_(image), point_(point), positions_(positions) {
+  // Links lead over pixels without points between pixels that are no farther apart than the gap.
+  PixelSearch(const PixelLinks& image, const std::vector<Index>& point, const Points& positions, double gap)
+      : image_(image), point_(point), positions_(positions), squared_gap_(gap * gap) {
     for (int d = 0; d < 8; ++d) {
       to_pixel_[d] = kPixelSteps[d][1] * image.width + kPixelSteps[d][0];
       to_place_[d] = kPixelSteps[d][1] * kAcross + kPixelSteps[d][0];
@@ -35,21 +37,26 @@ class PixelSearch {
     std::copy(unmet_, unmet_ + kAcross * kAcross, is_unmet_);
     is_unmet_[kMiddle] = 0;
     Index count = 0;
-    queue_[count++] = {pixel, kMiddle, 0.0};
+    queue_[count++] = {pixel, kMiddle, point_[pixel], 0.0};
     for (Index next = 0; next < count; ++next) {
       const Met from = queue_[next];
       if (from.squared_distance > nearest.bound()) continue;
+      const bool is_hole = point_[from.pixel] < 0;
       for (unsigned left = image_.links[from.pixel]; left != 0; left &= left - 1) {
         const int direction = __builtin_ctz(left);
         const Index place = from.place + to_place_[direction];
         if (!is_unmet_[place]) continue;
-        is_unmet_[place] = 0;
         const Index to = from.pixel + to_pixel_[direction], i = point_[to];
-        if (i < 0) continue;
+        if (i >= 0 && is_hole && (positions_[i] - positions_[from.last]).squaredNorm() > squared_gap_) continue;
+        is_unmet_[place] = 0;
+        if (i < 0) {
+          queue_[count++] = {to, place, from.last, from.squared_distance};
+          continue;
+        }
         const double squared = (positions_[i] - origin).squaredNorm();
         if (squared > nearest.bound()) continue;
         nearest.add(squared, i);
-        queue_[count++] = {to, place, squared};
+        queue_[count++] = {to, place, i, squared};
       }
     }
   }
@@ -57,11 +64,13 @@ class PixelSearch {
  private:
   struct Met {
     Index pixel, place;  // in the image, and around the pixel that is searched around
+    Index last;          // point on the way there, its own if it has one
     double squared_distance;
   };
   const PixelLinks& image_;
   const std::vector<Index>& point_;
   const Points& positions_;
+  const double squared_gap_;
   Index to_pixel_[8], to_place_[8];
   char unmet_[kAcross * kAcross], is_unmet_[kAcross * kAcross];
   Met queue_[kAcross * kAcross];
@@ -86,10 +95,17 @@ Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, co
     joined = image;
     for (Index p = 0; p < num_pixels; ++p) {
       for (int d = 0; d < 8 && own[p] >= 0; ++d) {
-        const Index u = p % image.width + kPixelSteps[d][0], v = p / image.width + kPixelSteps[d][1];
-        if (u < 0 || u >= image.width || v < 0 || v >= image.height) continue;
-        const Index other = own[v * image.width + u];
-        if (other >= 0 && (positions[other] - positions[own[p]]).norm() <= min_gap) joined.links[p] |= 1 << d;
+        // The next pixel with a point in that direction.
+        Index steps = 1, u = p % image.width, v = p / image.width, q = -1;
+        for (; steps <= kMostHoles + 1; ++steps) {
+          u += kPixelSteps[d][0];
+          v += kPixelSteps[d][1];
+          q = u < 0 || u >= image.width || v < 0 || v >= image.height ? -1 : v * image.width + u;
+          if (q < 0 || own[q] >= 0) break;
+        }
+        if (steps > kMostHoles + 1 || q < 0 || !((positions[own[q]] - positions[own[p]]).norm() <= min_gap)) continue;
+        const Index step = kPixelSteps[d][1] * image.width + kPixelSteps[d][0];
+        for (Index at = p; at != q; at += step) joined.links[at] |= 1 << d;
       }
     }
   }
@@ -97,7 +113,7 @@ Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, co
   Lists lists;
   lists.offsets.resize(n + 1);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
-    PixelSearch search(min_gap > 0.0 ? joined : image, own, positions);
+    PixelSearch search(min_gap > 0.0 ? joined : image, own, positions, min_gap);
     std::vector<Index>& items = blocks[begin / kBlock];
     items.reserve(static_cast<std::size_t>(end - begin) * k);
     std::vector<Neighbor> found;

@@ -9,6 +9,7 @@
 #include "depth_windows.h"
 #include "link_pixels.h"
 #include "scattered_windows.h"
+#include "settle_pixels.h"
 
 namespace deformable_surface::cloud {
 namespace {
@@ -80,6 +81,7 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
   noise.unexplained = fitted.unexplained;
   noise.window = 2 * radius + 1;
   noise.least_gap = findLeastGap(fitted.factor * noise.deviation, noise.window * noise.window);
+  settlePixels(image, profile, fitted);
   if (isDense(image)) noise.links = linkPixels(image, fitted);
   noise.surface = cloud.positions;
   for (Index v = 0; v < image.height; ++v) {

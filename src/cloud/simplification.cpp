@@ -33,9 +33,8 @@ constexpr Index kSmallPartsShare = 10;
 // The spacing is the distance of the neighbour that completes a hexagon.
 constexpr Index kSpacingNeighbor = 6;
 
-// So many points are thinned one by one in less than a second, and of clouds that are some times as large the surplus goes by
-// distances alone, as long as some times the points wanted are left.
-constexpr Index kOneByOne = 25000;
+// A cloud is large if it has so many times the points that are thinned one by one; of these there are so many times the points
+// wanted.
 constexpr Index kLarge = 6;
 constexpr Index kLeftForRings = 4;
 
@@ -418,7 +417,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
 
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points, const Lists& neighbors, const std::vector<char>& is_corner,
-                        bool over_surface, Index target, const std::vector<double>& wanted) {
+                        bool over_surface, Index target, const std::vector<double>& wanted, Index one_by_one) {
   const Index n = static_cast<Index>(positions.size());
   std::vector<std::string> problems;
   if (positions.size() != normals.size()) {
@@ -445,23 +444,24 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
   std::vector<Index> part = labelParts(positions, normals, neighbors, k, num_parts);
   const std::vector<char> left_out = findLeftOut(part, num_parts, target);
   const Index num_left_out = static_cast<Index>(std::count(left_out.begin(), left_out.end(), 1));
-  Index num_left_out_points = 0;
+  std::vector<Index> left_out_points;
   for (Index i = 0; i < n; ++i) {
-    num_left_out_points += left_out[part[i]];
-    if (left_out[part[i]]) stays[i] = 0;
+    if (!left_out[part[i]]) continue;
+    left_out_points.push_back(i);
+    stays[i] = 0;
   }
   for (const Index i : protected_points) stays[i] = 1;
   // Distances alone space evenly: as many points must be left for the rings as if the finest spacing were everywhere.
   const double finest = wanted.empty() ? 1.0 : std::min(1.0, *std::min_element(wanted.begin(), wanted.end()));
   const std::int64_t stop = static_cast<std::int64_t>(
-      std::max<std::int64_t>(kOneByOne, std::int64_t{kLeftForRings} * std::max(target, min_points)) / (finest * finest));
+      std::max<std::int64_t>(one_by_one, std::int64_t{kLeftForRings} * std::max(target, min_points)) / (finest * finest));
   Simplification result =
       n > kLarge * stop
           ? simplifyLarge(positions, normals, wanted, k, min_points, static_cast<Index>(stop), neighbors, std::move(part),
                           left_out, std::move(stays), over_surface)
           : Thinning(positions, normals, wanted, k, neighbors, std::move(part), left_out, over_surface).run(min_points, stays);
   result.num_left_out = num_left_out;
-  result.num_left_out_points = num_left_out_points;
+  result.left_out = std::move(left_out_points);
   return result;
 }
 

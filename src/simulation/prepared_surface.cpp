@@ -22,6 +22,7 @@ SceneParams keepWhatPrepares(const SceneParams& params) {
   kept.input.largest_parts = params.input.largest_parts;
   kept.input.noise = params.input.noise;
   kept.input.min_gap = params.input.min_gap;
+  kept.output.resample = params.output.resample;
   // Where pins and loads are, and not what they do.
   for (const PinParams& pin : params.pins) {
     kept.pins.emplace_back();

@@ -134,14 +134,19 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
   return boundary;
 }
 
+Index countWanted(const SceneParams& params, Index n) {
+  const cloud::SimplificationParams& how = params.simplification;
+  if (how.method == cloud::SimplificationMethod::kNone) return n;
+  if (how.target_points > 0) return how.target_points;
+  return how.threshold.is_auto ? kAutoPoints : 0;
+}
+
 std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
-                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s) {
+                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s, Index one_by_one) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   const cloud::SimplificationParams& how = params.simplification;
-  const bool by_threshold =
-      how.method == cloud::SimplificationMethod::kDelaunay && how.target_points == 0 && !how.threshold.is_auto;
-  Index target = how.target_points > 0 ? how.target_points : kAutoPoints;
-  if (how.method == cloud::SimplificationMethod::kNone) target = n;
+  const Index target = countWanted(params, n);
+  const bool by_threshold = target == 0;
   s.order.num_points = n;
   const Index last = by_threshold ? Index{3} : std::min(target, coarsest);
   if (last < n) {
@@ -156,14 +161,16 @@ std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::
       wanted = wantSpacing(params, boundary.is_boundary, std::min(expected, n), s);
     cloud::limitCorners(std::max(kCornersOfFew, std::min(expected, n) / kPointsPerCorner), boundary);
     s.order = cloud::simplify(s.dense.positions, s.dense.normals, params.neighbors.k, last, kept, s.dense_neighbors,
-                              boundary.is_corner, !params.neighbors.areEuclidean(), by_threshold ? 0 : target, wanted);
-    if (s.order.num_left_out > 0)
-      s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
-                        count(s.order.num_left_out_points,
-                              "points, are too small for so few simulation points, and ride along "
-                              "with the nearest ones"));
+                              boundary.is_corner, !params.neighbors.areEuclidean(), target, wanted, one_by_one);
   }
   return by_threshold ? s.order.keepDiameter(how.threshold.value) : s.order.keepCount(target);
+}
+
+void noteLeftOut(RestSurface& s) {
+  if (s.order.num_left_out == 0) return;
+  s.notes.push_back(count(s.order.num_left_out, "parts of the cloud, with ") +
+                    count(static_cast<Index>(s.order.left_out.size()),
+                          "points, are too small for so few simulation points, and ride along with the nearest ones"));
 }
 
 void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s) {

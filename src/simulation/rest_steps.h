@@ -24,9 +24,16 @@ void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSur
 /// side. Returns the boundary.
 cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s);
 
+/// How many simulation points are asked for of n points; 0: as many as the threshold leaves.
+Index countWanted(const SceneParams& params, Index n);
+
 /// Records the order of removal as far as it is needed and returns the simulation points. coarsest: see buildRestSurface().
+/// one_by_one: see cloud::simplify().
 std::vector<Index> chooseSimulationPoints(const SceneParams& params, const std::vector<Index>& protected_points,
-                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s);
+                                          cloud::Boundary& boundary, Index coarsest, RestSurface& s,
+                                          Index one_by_one = cloud::kOneByOne);
+/// Tells of parts of the cloud that are left out of that order.
+void noteLeftOut(RestSurface& s);
 /// Makes these dense points the simulation points.
 void takePoints(const cloud::CleanCloud& dense, const std::vector<Index>& kept, RestSurface& s);
 

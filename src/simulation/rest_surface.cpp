@@ -4,6 +4,7 @@
 
 #include <utility>
 
+#include "narrow_gaps.h"
 #include "unconstrained_parts.h"
 
 namespace deformable_surface::simulation {
@@ -12,6 +13,7 @@ RestSurface buildRestSurface(const SceneParams& params, const cloud::PointCloud&
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = findModel(params.model).makeRest(params, input, coarsest, choose);
   noteUnconstrained(params, s);
+  noteNarrowGaps(s);
   return s;
 }
 
@@ -19,6 +21,7 @@ RestSurface buildRestSurface(const SceneParams& params, RestSurface prepared,
                              const std::function<Index(const RestSurface&)>& choose) {
   RestSurface s = findModel(params.model).finishRest(params, std::move(prepared), choose);
   noteUnconstrained(params, s);
+  noteNarrowGaps(s);
   return s;
 }
 

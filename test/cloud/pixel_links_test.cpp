@@ -85,6 +85,19 @@ TEST(PixelLinks, AreAddedBelowTheLeastGap) {
   EXPECT_EQ(findNeighbors(image.links, image.point, image.positions, 8, 5.0).count(55), 8);
 }
 
+TEST(PixelLinks, AreAddedOverMissingRowsBelowTheLeastGap) {
+  Image image(10, 10, 1.0);
+  for (Index u = 0; u < 10; ++u) image.point[5 * 10 + u] = -1;
+  image.cutBetween([](Index p, Index q) { return p / 10 == 5 || q / 10 == 5; });
+  const auto leadsOver = [&](double min_gap) {
+    const Lists found = findNeighbors(image.links, image.point, image.positions, 20, min_gap);
+    return std::any_of(found.begin(45), found.end(45), [](Index j) { return j / 10 == 6; });
+  };
+  EXPECT_FALSE(leadsOver(0.0));
+  EXPECT_FALSE(leadsOver(1.5));
+  EXPECT_TRUE(leadsOver(2.3));
+}
+
 TEST(PixelLinks, GiveTheSameListsForAnyNumberOfThreads) {
   const Image image(80, 60, 1.5);
   setNumThreads(1);

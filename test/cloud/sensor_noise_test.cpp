@@ -167,6 +167,43 @@ TEST(SensorNoise, LeavesSheetsApartThatAreFartherThanItTells) {
   EXPECT_LT(astray, seen / 200);
 }
 
+TEST(SensorNoise, PutsPixelsBesideAStepOnTheirOwnSide) {
+  // Four standard deviations apart.
+  const double gap = 0.01;
+  const test::CameraScene scene = test::makeTwoSheets(1.0, gap);
+  Index astray = 0;
+  for (const unsigned seed : {1u, 2u, 3u, 4u}) {
+    test::DepthCamera camera;
+    camera.noise = 0.1;
+    camera.quantum = 0.125;
+    camera.seed = seed;
+    const CameraFrame frame = test::takeFrame(test::aimAt(scene, camera), scene.sheets);
+    const CleanCloud cloud = clean(frame.cloud);
+    const SensorNoise found = findSensorNoise(frame.cloud, cloud);
+    ASSERT_FALSE(found.surface.empty());
+    for (Index p = 0; p < frame.size(); ++p) {
+      const Index i = cloud.point_of_input[p];
+      astray += i >= 0 && std::abs(found.surface[i].z() - frame.clean.positions[p].z()) > 0.5 * gap;
+    }
+  }
+  EXPECT_LE(astray, 20) << "without a look at their neighbours there are some seventy";
+}
+
+TEST(SensorNoise, LinksNoRampThatACameraMakesOfAStep) {
+  CameraFrame frame = take(test::makeTowel(1.0, 0.0), 0.1, 0.0, 0.0);
+  constexpr Index kWidth = 160, kLast = 8;  // columns of the ramp
+  for (Index p = 0; p < frame.size(); ++p) {
+    const double behind = std::clamp((p % kWidth - kWidth / 2) / static_cast<double>(kLast), 0.0, 1.0);
+    frame.cloud.positions[p] *= 1.0 + 0.5 * behind;
+  }
+  const SensorNoise found = findSensorNoise(frame.cloud, clean(frame.cloud));
+  ASSERT_FALSE(found.links.isEmpty());
+  Index across = 0;
+  for (Index p = 0; p < frame.size(); ++p)
+    if (p % kWidth == kWidth / 2 + kLast / 2) across += found.links.links[p] & 1;  // to the right
+  EXPECT_EQ(across, 0);
+}
+
 TEST(SensorNoise, DoesNotJoinSurfacesByWhatFliesBetweenThem) {
   const CameraFrame frame = take(test::makeTwoSheets(1.0, 0.02), 0.05, 0.125, 0.05, 0.5);
   const CleanCloud cloud = clean(frame.cloud);

@@ -66,7 +66,7 @@ TEST(Simplification, LeavesDebrisOutThatWouldTakeTheTarget) {
   };
   const Simplification few = keep(100);
   EXPECT_EQ(few.num_left_out, kCrumbs);
-  EXPECT_EQ(few.num_left_out_points, kCrumb * kCrumbs);
+  EXPECT_EQ(few.left_out.size(), static_cast<std::size_t>(kCrumb * kCrumbs));
   const std::vector<Index> kept = few.keepCount(100);
   EXPECT_EQ(kept.size(), 100u);
   EXPECT_TRUE(std::all_of(kept.begin(), kept.end(), [&](Index i) { return i < num_sheet; }));

@@ -168,6 +168,83 @@ TEST(CameraClouds, AreBuiltTheSameByAnyNumberOfThreads) {
   setNumThreads(0);
 }
 
+// Large enough that every second pixel of every second row is looked at. As finely sampled as noisy.
+CameraFrame takeLarge(const CameraScene& scene) {
+  DepthCamera camera;
+  camera.focal_length = 1400.0;
+  camera.noise = 0.1;
+  camera.quantum = 0.125;
+  return takeFrame(aimAt(scene, camera), scene.sheets);
+}
+
+TEST(CameraClouds, ThatAreLargeAreSeenInEverySecondPixel) {
+  const CameraFrame frame = takeLarge(makeTowel(1.0, 0.0));
+  const SceneParams scene = makeScene(500);
+  const simulation::RestSurface s = simulation::buildRestSurface(scene, frame.cloud);
+  ASSERT_TRUE(isSaid(s.notes, "every second pixel"));
+  EXPECT_NEAR(static_cast<double>(s.points.size()), 500.0, 25.0);
+  EXPECT_NEAR(s.area, 0.3 * 0.22, 0.01 * 0.3 * 0.22);
+  EXPECT_EQ(s.dense.normals.size(), s.dense.positions.size());
+  double sum = 0.0;
+  for (const Vec3& normal : s.dense.normals) sum += (normal + Vec3::UnitZ()).squaredNorm();
+  EXPECT_LT(std::sqrt(sum / static_cast<double>(s.dense.normals.size())), 0.04);
+  EXPECT_EQ(std::count(s.cells.owner.begin(), s.cells.owner.end(), -1), 0);
+  for (const int threads : {1, 3}) {
+    setNumThreads(threads);
+    const simulation::RestSurface other = simulation::buildRestSurface(scene, frame.cloud);
+    EXPECT_EQ(other.dense.normals, s.dense.normals) << threads;
+    EXPECT_EQ(other.dense_index, s.dense_index) << threads;
+    EXPECT_EQ(other.cells.owner, s.cells.owner) << threads;
+    EXPECT_EQ(other.area, s.area) << threads;
+  }
+  setNumThreads(0);
+}
+
+TEST(CameraClouds, ThatAreLargeKeepTheirPartsApart) {
+  const CameraFrame frame = takeLarge(makeTwoSheets(1.0, 0.01));
+  const simulation::RestSurface s = simulation::buildRestSurface(makeScene(500), frame.cloud);
+  ASSERT_TRUE(isSaid(s.notes, "every second pixel"));
+  std::vector<Index> sheet(s.dense.positions.size());
+  for (Index p = 0; p < frame.size(); ++p)
+    if (s.dense.point_of_input[p] >= 0) sheet[s.dense.point_of_input[p]] = frame.sheet[p];
+  Index across = 0;
+  for (std::size_t i = 0; i < sheet.size(); ++i) across += sheet[s.dense_index[s.cells.owner[i]]] != sheet[i];
+  EXPECT_EQ(across, 0);
+  for (Index i = 0; i < s.rings.ring.size(); ++i)
+    for (const Index* j = s.rings.ring.begin(i); j != s.rings.ring.end(i); ++j)
+      EXPECT_EQ(sheet[s.dense_index[i]], sheet[s.dense_index[*j]]);
+}
+
+TEST(CameraClouds, ThatAreLargeAreSeenInEveryPixelWhereThatMatters) {
+  const CameraFrame frame = takeLarge(makeTowel(1.0, 0.0));
+  const auto isHalved = [&](const SceneParams& scene) {
+    return isSaid(simulation::buildRestSurface(scene, frame.cloud).notes, "every second pixel");
+  };
+  EXPECT_FALSE(isHalved(makeScene(3000))) << "many points";
+  SceneParams scene = makeScene(500);
+  simulation::PinParams pin;
+  pin.region.min = Vec3(0.1, 0.0, 0.0);
+  pin.region.max = Vec3(0.1015, 0.0015, 2.0);
+  scene.pins = {pin};
+  EXPECT_FALSE(isHalved(scene)) << "a pin as wide as two pixels";
+}
+
+TEST(CameraClouds, TellOfMissingRowsAndWhatJoinsThem) {
+  for (const double noise : {0.0, 0.1}) {
+    CameraFrame frame = take(makeTowel(1.0, 0.0), noise, 0.0, 0.0);
+    const auto build = [&](double min_gap) {
+      SceneParams scene = makeScene(300);
+      scene.input.min_gap = min_gap;
+      return simulation::buildRestSurface(scene, frame.cloud);
+    };
+    EXPECT_FALSE(isSaid(build(0.0).warnings, "lie beside each other in one surface")) << noise;
+    for (Index p = 0; p < frame.size(); ++p)
+      if (p / frame.camera.width % 20 == 10) frame.cloud.positions[p].setConstant(std::nan(""));
+    EXPECT_TRUE(isSaid(build(0.0).warnings, "5 parts lie beside each other in one surface")) << noise;
+    EXPECT_FALSE(isSaid(build(0.004).warnings, "lie beside each other in one surface")) << noise;
+  }
+}
+
 TEST(CameraClouds, AreNotToldApartBelowTheGapThatIsStated) {
   const CameraFrame frame = take(makeTwoSheets(1.0, 0.003), 0.0);
   const auto countAcross = [&](double min_gap) {

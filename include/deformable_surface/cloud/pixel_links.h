@@ -21,7 +21,8 @@ struct PixelLinks {
 
 /// The k nearest in space of those points that links lead to from each point, over points that are nearer than the last of them;
 /// fewer where they lead to fewer. Nearest first, ties by index. point: (height x width) of each pixel, -1: none. min_gap, m:
-/// neighbouring pixels that are no farther apart are linked, too. Parallel; O(n k).
+/// pixels that are no farther apart are linked, too, neighbouring ones and those with a few pixels without points in between.
+/// Parallel; O(n k).
 Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, const Points& positions, Index k,
                     double min_gap = 0.0);
 

@@ -7,11 +7,11 @@
 namespace deformable_surface::cloud {
 
 struct Simplification {
-  Index num_points = 0;           // of the input
-  std::vector<Index> removed;     // in the order of removal
-  std::vector<double> diameter;   // m: running maximum of the key at removal; never falls
-  Index num_left_out = 0;         // parts too small for the target; all of their points go first
-  Index num_left_out_points = 0;  // of these parts
+  Index num_points = 0;          // of the input
+  std::vector<Index> removed;    // in the order of removal
+  std::vector<double> diameter;  // m: running maximum of the key at removal; never falls
+  Index num_left_out = 0;        // parts too small for the target; all of their points go first
+  std::vector<Index> left_out;   // the points of these parts, ascending
 
   /// The points left when `target` points remain (or no removable ones, if target is smaller), ascending.
   std::vector<Index> keepCount(Index target) const;
@@ -27,6 +27,9 @@ struct Simplification {
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points);
 
+/// So many points are thinned one by one in less than a second.
+constexpr Index kOneByOne = 25000;
+
 /// The same for callers that have the neighbours (2k of every point, nearest first) and the corners already.
 /// over_surface: the neighbours are those along the surface (keepGeodesicNeighbors). Stars then never look across a gap that
 /// these show, however far apart the remaining points are. target: the number of points wanted (0: min_points): in a large cloud
@@ -34,8 +37,11 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
 /// share of the target is less than three points are left out if they would keep more than a tenth of it.
 /// wanted: (n) the wanted spacing around each point, over the mean, above 0, varying slowly between neighbours. Keys,
 /// and therefore diameters, are divided by it, so that all prefixes are graded alike. Empty: even spacing.
+/// one_by_one: of clouds that are some times as large the surplus is removed by distances alone, as long as some times the wanted
+/// points are left.
 Simplification simplify(const Points& positions, const Points& normals, Index k, Index min_points,
                         const std::vector<Index>& protected_points, const Lists& neighbors, const std::vector<char>& is_corner,
-                        bool over_surface, Index target = 0, const std::vector<double>& wanted = {});
+                        bool over_surface, Index target = 0, const std::vector<double>& wanted = {},
+                        Index one_by_one = kOneByOne);
 
 }  // namespace deformable_surface::cloud

@@ -30,6 +30,7 @@ struct RestSurface {
   cloud::PixelLinks pixel_links;   // of an image whose points were moved onto the surface; else empty
   bool is_thick = false;           // the points fill their neighbourhoods: over the surface is where it is near in space
   Lists dense_neighbors;           // (dense) nearest first
+  std::vector<Index> leader;       // (dense) the one with which each goes that no list has, -1: with what is near; empty: none
   cloud::Simplification order;     // of the dense points: every coarser set of simulation points is a prefix of it
   Points points, normals;          // (m x 3) simulation points
   std::vector<Index> dense_index;  // (m) the dense point that each simulation point is

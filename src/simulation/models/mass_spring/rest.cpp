@@ -12,6 +12,7 @@
 
 #include "../../behind_noise.h"
 #include "../../clamp_edges.h"
+#include "../../half_frame.h"
 #include "../../parts.h"
 #include "../../rest_parts.h"
 #include "../../rest_steps.h"
@@ -21,6 +22,7 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the number asked for: one of so many may be missing
+constexpr Index kOneByOneOfHalf = 6000;                 // points of half a frame: a third of its time with three times as many
 constexpr int kMaxPrunings = 5;        // passes that drop points which belong to no surface; each can uncover a few more
 constexpr double kBandOfOneRow = 0.5;  // spacings of the points up to which a pinned band is of one row
 
@@ -39,15 +41,17 @@ std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
 
 // Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
 // ride along. Returns how many.
-Index connect(const SceneParams& params, const cloud::CleanCloud& dense, const Lists& dense_neighbors, std::vector<Index> kept,
-              RestSurface& s) {
+Index connect(const SceneParams& params, const RestSurface& full, std::vector<Index> kept, RestSurface& s) {
+  const cloud::CleanCloud& dense = full.dense;
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
     takePoints(dense, kept, s);
     // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
     const Index k = params.neighbors.k;
     const bool is_euclidean = params.neighbors.areEuclidean();
-    if (!is_euclidean) s.cells = cloud::findGeodesicCells(dense.positions, dense_neighbors, kept, k);
+    if (!is_euclidean) s.cells = cloud::findGeodesicCells(dense.positions, full.dense_neighbors, kept, k);
+    for (std::size_t i = 0; i < full.leader.size() && !is_euclidean; ++i)
+      if (full.leader[i] >= 0) s.cells.owner[i] = s.cells.owner[full.leader[i]];
     const Lists neighbors = is_euclidean ? cloud::nearestNeighbors(s.points, k) : s.cells.neighbors;
     if (kept.size() < dense.positions.size()) {
       const Points fine = std::move(s.normals);
@@ -130,12 +134,12 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, co
   // As many as were asked for, but for a twentieth, also where some belong to no surface.
   const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
   const Index asked = static_cast<Index>(kept.size());
-  Index dropped = connect(params, s.dense, s.dense_neighbors, std::move(kept), s);
+  Index dropped = connect(params, s, std::move(kept), s);
   for (Index more = 0, refills = 0; !is_by_threshold && refills < kMaxRefills; ++refills) {
     const Index missing = asked - static_cast<Index>(s.points.size());
     if (missing * kCountTolerance <= asked || asked + more >= s.order.num_points) break;
     more += missing;
-    dropped = connect(params, s.dense, s.dense_neighbors, s.order.keepCount(asked + more), s);
+    dropped = connect(params, s, s.order.keepCount(asked + more), s);
   }
   if ((asked - static_cast<Index>(s.points.size())) * kCountTolerance > asked)
     s.notes.push_back(count(asked, "simulation points were chosen, of which ") +
@@ -168,17 +172,28 @@ RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud
   RestSurface s = cleanInput(input);
   const std::optional<Vec3> viewpoint = moveOntoSurface(params.input, input, s);
   leaveOutParts(params, findNeighbors, s);
-  Points estimated = findNeighbors(params, s);
-  cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
-  std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
+  std::optional<HalfFrame> half;
+  if (!to_choose && viewpoint) half = halveFrame(params, s);
+  RestSurface& seen = half ? half->surface : s;
+  Points estimated = half ? Points{} : findNeighbors(params, s);
+  cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), seen);
+  std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, seen.dense.positions), boundary, coarsest,
+                                                   seen, half ? kOneByOneOfHalf : cloud::kOneByOne);
   const auto measureArea = [&] {
-    return cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
+    return cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors, boundary.is_boundary);
   };
   if (to_choose) {
     s.area = measureArea();
+    noteLeftOut(s);
     return s;
   }
-  takeSimulationPoints(params, std::move(kept), measureArea, s);
+  if (half) {
+    s.area = measureArea();
+    takeHalf(*viewpoint, std::move(*half), kept, s);
+  }
+  noteLeftOut(s);
+  takeSimulationPoints(
+      params, std::move(kept), [&, known = s.area] { return half ? known : measureArea(); }, s);
   followSimulationPoints(params, s);
   return s;
 }
@@ -200,6 +215,7 @@ RestSurface makeMassSpringTrial(const SceneParams& params, const RestSurface& fu
   RestSurface s;
   s.dense = full.dense;
   s.dense_neighbors = full.dense_neighbors;
+  s.leader = full.leader;
   s.order = full.order;
   s.closed = full.closed;
   takeSimulationPoints(
@@ -212,7 +228,7 @@ RestSurface makeCoarserMassSpring(const SceneParams& params, const RestSurface& 
   RestSurface s;
   s.area = of.area;
   s.closed = of.closed;
-  connect(params, of.dense, of.dense_neighbors, of.order.keepCount(target), s);
+  connect(params, of, of.order.keepCount(target), s);
   buildModel(params, of, s);
   return s;
 }

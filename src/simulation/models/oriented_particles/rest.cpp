@@ -160,6 +160,7 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   cloud::Boundary boundary =
       is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
+  noteLeftOut(s);
   if (to_choose)
     s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
   else
