@@ -22,7 +22,7 @@ constexpr double kOffPlane = 0.4;  // of its length: what rises more than that g
 constexpr double kMostBehind = 1.2;
 constexpr double kFewest = 0.005;  // of the points: fewer lie at holes
 constexpr double kShare = 0.9;     // of the gaps that the stated length joins
-constexpr double kMargin = 1.1;
+constexpr double kMargin = 1.25;
 constexpr Index kFewestParts = 3;  // that no slit alone makes
 
 // Points of the cloud in cells of simulation points that have one of another part near.
