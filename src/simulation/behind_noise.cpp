@@ -1,5 +1,6 @@
 #include "behind_noise.h"
 
+#include "deformable_surface/base/median.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/sensor_noise.h"
 
@@ -23,6 +24,17 @@ std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
 }
 
+// No depth camera sees so far; in millimetres a metre is a thousand.
+void warnOfUnits(const cloud::PointCloud& input, RestSurface& s) {
+  constexpr double kFarthest = 50.0;  // m
+  std::vector<double> distances;
+  for (const Vec3& p : s.dense.positions) distances.push_back((p - input.eye()).norm());
+  const double middle = findMedian(std::move(distances));
+  if (middle > kFarthest)
+    s.warnings.push_back("half of the image's points are more than " + formatLength(middle) +
+                         " from the eye: lengths are in metres, and these look like millimetres (of a file: cloud.scale 0.001)");
+}
+
 }  // namespace
 
 std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {
@@ -32,6 +44,7 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
     s.warnings.push_back(
         "the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
         "and no gap is told (input.noise 0: the points are exact)");
+  if (noise.is_image) warnOfUnits(input, s);
   if (noise.num_levels > 0)
     s.warnings.push_back("the cloud's depths take only " + std::to_string(noise.num_levels) +
                          " values: steps of the sensor look like gaps between flat parts, and are taken for gaps (input.noise: "

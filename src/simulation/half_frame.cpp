@@ -84,7 +84,9 @@ void takeHalf(const Vec3& eye, HalfFrame half, std::vector<Index>& kept, RestSur
     for (Index i = begin; i < end; ++i) {
       Vec3 sum = Vec3::Zero();
       for (const Index* k = followed.begin(i); k != followed.end(i); ++k) sum += half.surface.dense.normals[*k];
-      s.dense.normals[i] = (sum.isZero(0.0) ? Vec3(eye - s.dense.positions[i]) : sum).normalized();
+      if (sum.isZero(0.0)) sum = eye - s.dense.positions[i];
+      if (sum.isZero(0.0)) sum = Vec3::UnitZ();  // some cameras put what they do not see into their eye
+      s.dense.normals[i] = sum.normalized();
     }
   });
   s.dense_neighbors = spreadNeighbors(half);

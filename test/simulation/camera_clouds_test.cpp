@@ -200,6 +200,22 @@ TEST(CameraClouds, ThatAreLargeAreSeenInEverySecondPixel) {
   setNumThreads(0);
 }
 
+TEST(CameraClouds, ThatAreLargeMayHaveTheEyeInPlaceOfHoles) {
+  CameraFrame frame = takeLarge(makeTowel(1.0, 0.0));
+  for (Vec3& p : frame.cloud.positions)
+    if (!p.allFinite()) p.setZero();
+  const simulation::RestSurface s = simulation::buildRestSurface(makeScene(500), frame.cloud);
+  ASSERT_TRUE(isSaid(s.notes, "every second pixel"));
+  for (const Vec3& normal : s.dense.normals) ASSERT_NEAR(normal.norm(), 1.0, 1e-6);
+}
+
+TEST(CameraClouds, InMillimetresAreWarnedOf) {
+  CameraFrame frame = take(makeTowel(1.0, 0.0), 0.1);
+  EXPECT_FALSE(isSaid(simulation::buildRestSurface(makeScene(300), frame.cloud).warnings, "millimetres"));
+  for (Vec3& p : frame.cloud.positions) p *= 1000.0;
+  EXPECT_TRUE(isSaid(simulation::buildRestSurface(makeScene(300), frame.cloud).warnings, "millimetres"));
+}
+
 TEST(CameraClouds, ThatAreLargeKeepTheirPartsApart) {
   const CameraFrame frame = takeLarge(makeTwoSheets(1.0, 0.01));
   const simulation::RestSurface s = simulation::buildRestSurface(makeScene(500), frame.cloud);
