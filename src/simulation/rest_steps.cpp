@@ -3,6 +3,7 @@
 #include "deformable_surface/cloud/geodesics.h"
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/normals.h"
+#include "deformable_surface/cloud/row_spacing.h"
 #include "deformable_surface/simulation/model_kind.h"
 
 #include <algorithm>
@@ -23,6 +24,7 @@ constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few
 // would sample nothing, above all in the error estimate's copies of a quarter of the points.
 constexpr Index kPointsPerLoad = 10;
 // Of simulation points, at least, for one corner that is kept, if there are more corners than of any clean outline of few points.
+constexpr double kFarRows = 2.5;  // spacings along them: rows farther apart can come apart
 constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
@@ -43,6 +45,14 @@ Parts findDenseParts(const SceneParams& params, const FindNeighbors& find, const
     for (const Index* j = s.dense_neighbors.begin(i); j != s.dense_neighbors.end(i); ++j)
       if (rule.accepts(i, *j)) links.emplace_back(i, *j);
   return findParts(n, links);
+}
+
+void warnOfRows(RestSurface& s) {
+  const double spacing = cloud::findRowSpacing(s.dense.positions, s.dense_neighbors);
+  if (spacing < kFarRows) return;
+  s.warnings.push_back("the points lie in rows, which are about " + formatShort(std::round(10.0 * spacing) / 10.0) +
+                       " times as far apart as the points along them: the surface may come apart between rows, and bends across "
+                       "them as few points do; a cloud sampled evenly avoids both");
 }
 
 // How many simulation points a threshold leaves, before they are chosen: rings of that diameter in a hexagonal lattice.
@@ -88,6 +98,7 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
     return {};
   }
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
+  if (!s.is_thick) warnOfRows(s);
   if (params.areEuclidean() || s.is_thick) return {};
   cloud::SurfaceSides sides;
   const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);

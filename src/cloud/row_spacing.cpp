@@ -1,0 +1,63 @@
+#include "deformable_surface/cloud/row_spacing.h"
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace deformable_surface::cloud {
+namespace {
+
+constexpr Index kLookedAt = 1000;
+constexpr Index kNear = 8;     // neighbours that tell the direction of a row
+constexpr Index kOfArea = 12;  // neighbours that tell the area of a point
+// Of the directions to near neighbours the share across the row over that along it: 0.8 to 1 in lattices, 0.74 at random places,
+// below 0.4 in rows of twice the spacing and more that are jittered by up to 0.3 of it.
+constexpr double kInRows = 0.45;
+
+// The directions to the nearest neighbours, of trace 1.
+Mat3 sumDirections(const Points& x, const Lists& neighbors, Index i) {
+  Mat3 sum = Mat3::Zero();
+  const double nearest = (x[*neighbors.begin(i)] - x[i]).squaredNorm();
+  for (Index k = 0; k < std::min(kNear, neighbors.count(i)); ++k) {
+    const Vec3 d = x[neighbors.begin(i)[k]] - x[i];
+    sum += std::exp(1.0 - d.squaredNorm() / nearest) / d.squaredNorm() * d * d.transpose();
+  }
+  return sum / sum.trace();
+}
+
+double findMedian(std::vector<double>& values) {
+  const auto middle = values.begin() + values.size() / 2;
+  std::nth_element(values.begin(), middle, values.end());
+  return *middle;
+}
+
+}  // namespace
+
+double findRowSpacing(const Points& x, const Lists& neighbors) {
+  std::vector<double> shares, spacings;
+  const Index n = neighbors.size(), stride = std::max(Index{1}, n / kLookedAt);
+  for (Index i = 0; i < n; i += stride) {
+    const Index count = neighbors.count(i);
+    if (count < kNear) continue;
+    Mat3 directions = sumDirections(x, neighbors, i);
+    double along = (x[*neighbors.begin(i)] - x[i]).norm();
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+      if (neighbors.count(*j) < kNear) continue;
+      directions += sumDirections(x, neighbors, *j);
+      along += (x[*neighbors.begin(*j)] - x[*j]).norm() / count;
+    }
+    along /= 2.0;
+    const Vec3 sizes = Eigen::SelfAdjointEigenSolver<Mat3>(directions, Eigen::EigenvaluesOnly).eigenvalues();
+    shares.push_back(sizes[1] / sizes[2]);
+    // Of a point; the disc of more neighbours would reach beyond a narrow strip.
+    const Index num = std::min(kOfArea, count);
+    const double area = kPi * (x[neighbors.begin(i)[num - 1]] - x[i]).squaredNorm() / num;
+    spacings.push_back(area / (along * along));
+  }
+  if (shares.empty() || findMedian(shares) > kInRows) return 1.0;
+  return std::max(1.0, findMedian(spacings));
+}
+
+}  // namespace deformable_surface::cloud
