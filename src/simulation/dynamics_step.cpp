@@ -183,23 +183,22 @@ bool Dynamics::isHeldAround() const {
   return Eigen::AlignedBox3d(pins.min() - rounding, pins.max() + rounding).contains(middle);
 }
 
-// A first equilibrium is looked for from that of fewer points, but where steps that cost little find it from rest. Returns
+// A first equilibrium is looked for from that of fewer points, except where steps that cost little find it from rest, and with
+// grips: what these clamp can be a hinge to fewer points. Returns
 // whether the state was changed.
 bool Dynamics::beginElsewhere(const Request& request) {
   if (!request.find_start || loads_.self_contact || params_.integrator.type != solve::IntegratorType::kStatic ||
       system_.isOriented() || steps_ > 0)
     return false;
-  if (now_.pinned != rest_->pinned || grips_.hasPins() || now_.points.positions != rest_->points) return false;
+  if (now_.pinned != rest_->pinned || !grips_.isEmpty() || now_.points.positions != rest_->points) return false;
   if (isHeldAround() && system_.hasElasticityAlone(time() + params_.integrator.time_step, now_.points)) return false;
   SceneParams scene = params_;
   scene.gravity = loads_.gravity.gravity;
   scene.forces.clear();
   for (const NamedForces::Named& force : loads_.forces.all()) scene.forces.push_back(force.params);
-  const Points start = request.find_start(scene);
+  Points start = request.find_start(scene);
   if (start.empty()) return false;
-  // What is held goes from where it is.
-  for (std::size_t i = 0; i < start.size(); ++i)
-    if (!held_[i]) now_.points.positions[i] = start[i];
+  now_.points.positions = std::move(start);
   return true;
 }
 
