@@ -37,6 +37,18 @@ class Scans(unittest.TestCase):
             np.savetxt(stream, points)
         return path
 
+    def test_what_filters_have_marked_is_left_out(self):
+        sheet = make_sheet(20, 20)
+        path = os.path.join(self.folder.name, "filtered.pcd")
+        with open(path, "w") as stream:
+            stream.write("VERSION 0.7\nFIELDS x y z removed_by\nSIZE 4 4 4 1\nTYPE F F F U\nCOUNT 1 1 1 1\nWIDTH 400\nHEIGHT 1\n"
+                         "VIEWPOINT 0 0 0 1 0 0 0\nPOINTS 400\nDATA ascii\n")
+            np.savetxt(stream, np.column_stack([sheet, np.repeat([0, 4], 200)]), fmt="%g")
+        rows = Scan(path).rows
+        self.assertEqual(len(rows), 400)
+        self.assertTrue(np.isfinite(rows[:200]).all())
+        self.assertTrue(np.isnan(rows[200:]).all())
+
     def look_down_at_wall(self):
         """A wall 1 m before a camera with a hole of NaN, 40 x 30 pixels."""
         column, row = np.meshgrid(np.arange(40), np.arange(30))
