@@ -70,7 +70,10 @@ NoiseProfile::NoiseProfile(const std::vector<std::vector<Sample>>& windows) {
   for (const Fit& fit : fits) all.push_back(fit.value);
   std::vector<double> all_steps = findSteps(all);
   const bool repeats = kRepeats * all_steps.size() <= all.size(), has_levels = repeats && all_steps.size() >= kFewestLevels;
-  if (repeats && !has_levels && !all_steps.empty()) num_few_levels_ = all_steps.size() + 1;
+  if (repeats && !has_levels && !all_steps.empty()) {
+    num_few_levels_ = all_steps.size() + 1;
+    few_levels_step_ = findMedian(all_steps);
+  }
   const double usual = has_levels ? findMedian(std::move(all_steps)) : 0.0;
   const std::size_t parts = std::clamp(fits.size() / kFewest, std::size_t{1}, kMostParts);
   for (std::size_t p = 0; p < parts; ++p) {

@@ -43,10 +43,13 @@ class NoiseProfile {
   bool isEmpty() const { return values_.empty(); }
   /// Of values that take too few levels to tell steps of the sensor from flat parts: how many; else 0.
   std::size_t numFewLevels() const { return num_few_levels_; }
+  /// And from one of these to the next, the median.
+  double fewLevelsStep() const { return few_levels_step_; }
 
  private:
   std::vector<double> values_, deviations_;  // ascending values, between which it is linear
   std::size_t num_few_levels_ = 0;
+  double few_levels_step_ = 0.0;
 };
 
 }  // namespace deformable_surface::cloud

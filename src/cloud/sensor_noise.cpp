@@ -70,7 +70,11 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
       profile = NoiseProfile(deviation.value / (depth * depth));
     noise.deviation = deviation.value;
   }
-  if (deviation.is_auto) noise.num_levels = static_cast<Index>(profile.numFewLevels());
+  if (deviation.is_auto) {
+    const double depth = noise.spacing / image.pixel();
+    noise.num_levels = static_cast<Index>(profile.numFewLevels());
+    noise.level_step = profile.fewLevelsStep() * depth * depth;
+  }
   if (!isNoticed(noise)) return true;
 
   const double wanted = std::ceil(0.5 * (noise.deviation / (kNoticed * noise.spacing) - 1.0));

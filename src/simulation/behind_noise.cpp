@@ -46,9 +46,11 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
         "and no gap is told (input.noise 0: the points are exact)");
   if (noise.is_image) warnOfUnits(input, s);
   if (noise.num_levels > 0)
-    s.warnings.push_back("the cloud's depths take only " + std::to_string(noise.num_levels) +
-                         " values: steps of the sensor look like gaps between flat parts, and are taken for gaps (input.noise: "
-                         "a third of a step, if they are steps)");
+    s.warnings.push_back("the cloud's depths take only " + std::to_string(noise.num_levels) + " values, " +
+                         formatLength(noise.level_step) +
+                         " from one to the next: steps of the sensor look like gaps between flat parts, and are taken for "
+                         "gaps; if they are steps, input.noise " +
+                         formatShort(0.5 * noise.level_step) + " makes them one surface");
   if (noise.surface.empty()) return input.viewpoint;
   for (std::size_t i = 0; i < noise.surface.size(); ++i) s.off_surface.push_back(s.dense.positions[i] - noise.surface[i]);
   s.dense.positions = std::move(noise.surface);

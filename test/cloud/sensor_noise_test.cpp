@@ -119,6 +119,10 @@ TEST(SensorNoise, TellsThatTooFewStepsLookLikeParts) {
     const CleanCloud cloud = clean(frame.cloud);
     const SensorNoise found = findSensorNoise(frame.cloud, cloud);
     EXPECT_EQ(found.num_levels > 0, tilt == 2.0) << found.num_levels << " levels at " << tilt << " degrees";
+    // A step of the disparity at one metre.
+    if (tilt == 2.0) {
+      EXPECT_NEAR(found.level_step, 0.125 / (575.0 * 0.075), 2e-4);
+    }
     EXPECT_EQ(findSensorNoise(frame.cloud, cloud, frame.camera.depthNoise(1.0)).num_levels, 0);
   }
 }
