@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """Checks the lists of cmake/installed_headers.cmake: the public headers and those that they include are exactly the installed ones, and
-docs/cpp_api.md describes exactly the public ones. It is a file of its own because no compiler says this: in the source tree every
-header is found.
+docs/cpp_api.md describes exactly the public ones. No compiler checks this: in the source tree
+every header is found.
   check_headers.py [REPOSITORY]    one line for each header that is wrong; status 1 if there is any
   check_headers.py --self-test     shows on made-up headers that each rule can fail"""
 import os

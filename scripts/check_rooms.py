@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Checks that the folders below include/deformable_surface and src look only into those that the table of rooms in
-CONTRIBUTING.md allows, that ROS, PCL, assimp and YAML stay at the border, and that no line of a source is too long. It is a file of its
-own because no compiler says this.
+"""Checks that the folders below include/deformable_surface and src include only what the table of rooms in
+CONTRIBUTING.md allows, that ROS, PCL, assimp and YAML are used in their rooms only, and that no line of a source is too long. No compiler
+checks this.
   check_rooms.py [REPOSITORY]    one line for each forbidden include and long line; status 1 if there is any
   check_rooms.py --self-test     shows on made-up files that each rule can fail"""
 import os

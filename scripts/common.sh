@@ -1,5 +1,5 @@
-# Sourced by the other scripts: where things are, which packages are needed, how the workspace is built. It is a file of its own
-# so that the demo, the tests and the pictures all stand on the same ground. bash only.
+# Sourced by the other scripts: paths, needed packages, and the build of the workspace, the same for demo, tests and
+# pictures. bash only.
 set -euo pipefail
 
 repository=$(cd -P "$(dirname "${BASH_SOURCE[0]}")/.." && pwd)
@@ -50,7 +50,7 @@ as_root() {
   else fail "this needs root or sudo: $*"; fi
 }
 
-# Installs the packages named that are not there yet; asks the network nothing when all are.
+# Installs the named packages that are missing. Uses no network if there are none.
 install_packages() {
   local package missing=()
   for package in "$@"; do

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
-"""What happens in the demo: publishes a scan as the surface at rest, pulls the surface by the highest point that can move with a
-force that grows and turns, lets go, ends the recording, and writes a summary and a picture. It talks to the node as any other client
-would, over topics only."""
+"""The demo: publishes a scan as the surface at rest, pulls the highest point that can move with a force that grows and turns, releases it,
+ends the recording, and writes a summary and a picture. Like any other client it uses topics only."""
 import os
 import sys
 import threading

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Draws the errors of the physics suite over the spacing, one picture from the table that `scripts/benchmark --physics` writes. It is a
-file of its own so that the picture in docs/accuracy.md can be made again.
+"""Draws the errors of the physics suite over the spacing, from the table that `scripts/benchmark --physics` writes: the picture in
+docs/accuracy.md.
   draw_accuracy.py PHYSICS.csv OUT.png"""
 import csv
 import sys

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Draws clouds of points as shaded surfaces, side by side, into a PNG. It is a file of its own so that the demo, the
-documentation and a user's own results are drawn alike. From the command line:
+"""Draws clouds of points as shaded surfaces, side by side, into a PNG, for the demo, the documentation and users' own results. From the
+command line:
   draw_cloud.py OUT.png REST.ply [DEFORMED.ply ...]     the colour is the distance from the first file's points
-  draw_cloud.py OUT.png FILTERED.pcd                    of `simulate --filtered`: the colour is the filter that took a point"""
+  draw_cloud.py OUT.png FILTERED.pcd                    of `simulate --filtered`: the colour is the filter that removed a point"""
 import argparse
 import os
 import sys

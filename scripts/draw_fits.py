@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Grows surfaces of oriented particles through samples of scans with `simulate` and draws samples, the surface with samples held and
-the surface let go, coloured by distance. It is a file of its own so that docs/images/fits.png can be made again; scans are not shipped.
+"""Grows surfaces of oriented particles through samples of scans with `simulate`. Draws the samples, the surface with samples held, and
+the released surface, coloured by distance: docs/images/fits.png. The scans are not shipped.
   draw_fits.py SIMULATE OUT.png [--sphere FILE] [--head FILE] [--cat FILE] [--view FILE --whole FILE]
-Files: .xyz, .ply or .pcd, with normals but for the whole. In docs: sphere_1k.xyz, oni.ply and kitten.xyz of CGAL's data, bun0.pcd of
+Files: .xyz, .ply or .pcd, with normals, except the whole. In docs: sphere_1k.xyz, oni.ply and kitten.xyz of CGAL's data, bun0.pcd of
 PCL's tests, and the bunny of Open3D."""
 import argparse
 import io

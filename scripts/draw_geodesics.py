@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Draws what is left of the coupling within parts and across gaps, one panel a cloud, from the CSV of
+"""Draws the remaining coupling within parts and across gaps, one panel per cloud, from the CSV of
 `scripts/benchmark --geodesics`.
   draw_geodesics.py geodesics_gaps.csv PICTURE.png"""
 import csv

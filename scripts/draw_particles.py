@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Runs the scenes after the figures of [Szeliski and Tonnesen 1991] with `simulate` and draws each at some times into one picture, from the
-markers that RViz shows: axes, discs, wireframe, shaded triangles. It is a file of its own so that docs/images/particles.png can be made again.
+markers for RViz: axes, discs, wireframe, shaded triangles. Makes docs/images/particles.png.
   draw_particles.py SIMULATE OUT.png [SCENES]      SIMULATE: the program, e.g. .ws/devel/lib/deformable_surface/simulate"""
 import io
 import os

@@ -1,7 +1,6 @@
 #!/usr/bin/env python3
 """Runs the scenes after the figures of the paper on meshfree elasticity with point cloud geodesics, and those of filled and plastic
-solids, with `simulate`, and draws their ends beside each other, coloured by displacement. It is a file of its own so that
-docs/images/solids.png can be made again.
+solids, with `simulate`, and draws their final states side by side, coloured by displacement. Makes docs/images/solids.png.
   draw_solids.py SIMULATE OUT.png      SIMULATE: the program, e.g. .ws/devel/lib/deformable_surface/simulate"""
 import os
 import subprocess

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Makes a surface of the first cloud of tracked points and takes it along with those that follow. Each point is the same place of
-the thing in every message; a gripping tool sits on it, and between them the surface does as its material wants."""
+"""Makes a surface from the first cloud of tracked points and moves it with the later clouds. A point of a cloud is the same place of
+the object in every message. A gripping tool holds the surface there; between the points the surface follows its material."""
 import os
 import sys
 

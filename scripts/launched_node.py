@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""How a node in Python ends: on Ctrl-C at once, and a launch that has done its work without an error. It is a file of its own
-because several nodes of the launch files need it."""
+"""Ends a node in Python: at once on Ctrl-C, and without an error when a launch has done its work. Several nodes of the launch files
+use it."""
 import functools
 import os
 import signal

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Looks at a scan before anything is built or started on it: whether it is a surface at all, which way is up, whether a camera
-took it, and how the demo puts it upright. It is a file of its own because the demo asks before it builds, without ROS. From the
-command line it says what it found, or in one sentence why the scan is refused: look_at_scan.py FILE [UP [HEIGHT]]"""
+"""Examines a scan before anything is built or started: whether it is a surface, which way is up, whether a camera took it, and how the
+demo puts it upright. It needs no ROS, because the demo runs it before the build. On the command line it prints the result, or in one
+sentence why the scan is refused: look_at_scan.py FILE [UP [HEIGHT]]"""
 import os
 import re
 import sys

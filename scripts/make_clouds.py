@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Writes the clouds of scenes/clouds, after the figures of the paper on meshfree elasticity with point cloud geodesics: outlines of
-our own, filled with points. It is a file of its own so that they can be made again, finer or with other gaps.
+our own, filled with points. Can make them finer or with other gaps.
   make_clouds.py [FOLDER]      default: scenes/clouds beside this script. The same files every time."""
 import math
 import os

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
 """The modelling loop of [Szeliski and Tonnesen 1991, sec. 8] without a person: sprays points into space, lets them form a sheet,
-shapes it, freezes it, melts it, trims it, adds to it. It looks at each result as a person would and ends with an error where one
-is not there. With ~spray_only it stops after the first, for a person to go on in RViz."""
+shapes it, freezes it, melts it, trims it, adds to it. It checks each result and ends with an error if one is missing.
+With ~spray_only it stops after the first step, so that a user can continue in RViz."""
 import os
 import sys
 

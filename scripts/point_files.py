@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Reads the points of a .ply, .pcd, .obj, .off or .xyz file into arrays. It is a file of its own because the demo and the pictures
-need it and neither should depend on the other; the node and `simulate` have their own reader in C++."""
+"""Reads the points of a .ply, .pcd, .obj, .off or .xyz file into arrays. The demo and the pictures use it;
+the node and `simulate` have their own reader in C++."""
 import re
 
 import numpy as np

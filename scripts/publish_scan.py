@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Publishes a scan as the surface at rest, once, for all who come: upright on z = 0 and as tall as it is to be. What a driver of
-a camera does in the demos and launch files, without a camera."""
+"""Publishes a scan as the surface at rest, once, on a latched topic: upright on z = 0 and with a given height. In demos and launch files it
+replaces the driver of a camera."""
 import os
 import sys
 

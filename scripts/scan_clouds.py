@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""From scans to clouds that the node takes, and from the clouds that it publishes to arrays. It is a file of its own because
-every client in Python needs it."""
+"""Converts scans to clouds for the node, and clouds that it publishes to arrays. Every client in Python uses it."""
 import os
 import sys
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Puts a ball on a frame of tf as a tool of a surface: the tip of a robot, a tracked hand. Whenever the surface does not have it,
-at the start and after a reset or another cloud, it is sent again. With ~path it moves the frame itself, for trying without a
+"""Puts a ball on a frame of tf as a tool of a surface: the tip of a robot, a tracked hand. It is sent again whenever the surface
+lost it: at the start and after a reset or another cloud. With ~path it moves the frame itself, for trying without a
 robot."""
 import os
 import sys

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Turns a window of RViz to the surface that it shows. The window's fixed frame is a frame of tf of this node's name, which lies in
-the middle of the surface whatever the surface's own frame is; distance, direction, grid and colours follow its size. Before a surface
-comes the window says what it waits for. It is a program of its own since RViz has neither view nor frame that follow a cloud."""
+"""Adjusts the view of an RViz window to the surface that it shows. The window's fixed frame is a tf frame with this node's name. It lies in
+the middle of the surface, whatever the surface's own frame is. Distance, direction, grid and colours follow the size of the surface. Until
+a surface comes, the window says what it waits for. RViz itself has neither a view nor a frame that follows a cloud."""
 import os
 import sys
 import tempfile

@@ -14,7 +14,7 @@
 namespace deformable_surface {
 namespace {
 
-// Threads that wait for a job and take its blocks one by one from a shared counter. There are as many as the largest job needed.
+// Threads that wait for a job and take its blocks one by one from a shared counter. As many as the largest job so far needed.
 class Pool {
  public:
   ~Pool() {
@@ -78,7 +78,7 @@ class Pool {
   const std::atomic<bool>* interrupt_ = nullptr;  // of the thread that began the job: no more blocks once it is true
   Index num_blocks_ = 0;
   std::atomic<Index> next_{0};
-  int helpers_ = 0;  // of the job: the first so many workers
+  int helpers_ = 0;  // of the job: the number of workers that take part
   int busy_ = 0;
   long job_ = 0;
   bool stop_ = false;
@@ -104,7 +104,7 @@ void Pool::takeBlocks() {
   inside_block = false;
 }
 
-std::mutex pool_mutex;  // one job at a time: who finds the pool at work does his blocks himself, for he would wait longer
+std::mutex pool_mutex;  // one job at a time: if the pool is busy, the caller runs its own blocks instead of waiting
 Pool pool;
 thread_local int num_threads = 0;
 

@@ -1,4 +1,4 @@
-// What parameter structs need beside their reader and their page: the visitor that prints them, ranges in words, the nearest
+// Visitors of parameter structs other than reader and page: the printer, ranges in words, and the nearest
 // word.
 #include "deformable_surface/base/params.h"
 

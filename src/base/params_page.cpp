@@ -7,7 +7,7 @@ namespace deformable_surface {
 
 namespace {
 
-// One row per key; rows of a section at the top stand together, whatever order they were visited in.
+// One row per key. Rows of a top-level section stand together, in whatever order they were visited.
 class Page : public Fields {
  public:
   std::vector<std::string> keys;
@@ -36,7 +36,7 @@ class Page : public Fields {
         escapeBars(accepted) + " | " + escapeBars(about.meaning) + " |\n";
   }
 
-  /// A bar ends a cell, also in code.
+  /// A bar would end a cell, also in code.
   static std::string escapeBars(const std::string& text) {
     std::string escaped;
     for (const char c : text) escaped += c == '|' ? "\\|" : std::string(1, c);

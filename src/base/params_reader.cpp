@@ -1,4 +1,4 @@
-// The visitor that reads parameter structs and collects every problem. Apart from the other two, which trust the values they see.
+// The visitor that reads parameter structs and collects every problem. The other two visitors trust the values they see.
 #include "deformable_surface/base/params.h"
 
 #include "params_text.h"
@@ -15,7 +15,7 @@ std::string withUnit(const std::string& accepted, const char* unit) { return *un
 
 std::string trimQuotes(const std::string& quoted) { return quoted.substr(1, quoted.size() - 2); }
 
-// The number in a value, also if it was written as text; false if there is none.
+// The number in a value, even if it was written as text; false if there is none.
 bool toNumber(const Value& value, double& number) {
   if (const std::int64_t* integer = value.asInteger()) {
     number = static_cast<double>(*integer);
@@ -35,7 +35,7 @@ bool toNumber(const Value& value, double& number) {
 // Two steps per edit, so that a key in another section can lose to an equally near one in the same section.
 constexpr int kEditCost = 2;
 
-// Of all keys ("forces[].id"), the one that is nearest to a name in a section: by the last word, then by the section. Empty if
+// The key ("forces[].id") nearest to a name in a section, among all keys: by the last word, then by the section. Empty if
 // more than half of the word would have to change: the nearest would only mislead.
 std::string nearestKey(const std::string& section, const std::string& name, const std::vector<std::string>& all_keys) {
   std::string nearest;

@@ -1,4 +1,4 @@
-// The visitor that writes a map with every value and, above each, what it means: a file to begin with.
+// The visitor that writes a map with every value and its meaning above it: a template.
 #include "deformable_surface/base/params.h"
 
 #include "params_text.h"
@@ -16,7 +16,7 @@ class Template : public Fields {
   const std::string& text() const { return text_; }
 
  private:
-  // Items of lists are examples: in comments, their meaning behind the value.
+  // Items of lists are examples: they are in comments, with their meaning after the value.
   void put(const About& about, const std::string& value, const std::string& accepted) {
     std::string meaning = about.meaning;
     if (about.required && is_example_) meaning = join({"must be given", meaning}, meaning.empty() ? "" : ": ");

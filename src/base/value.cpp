@@ -19,7 +19,7 @@ constexpr std::size_t kMaxQuoted = 60;
 // A line of a log that is still read: two or three sentences.
 constexpr std::size_t kMaxLine = 400;
 
-/// How many bytes the character that begins there takes; 0: it is a control character, or no UTF-8.
+/// Number of bytes of the character that begins there; 0: a control character, or invalid UTF-8.
 std::size_t measurePrintable(const std::string& text, std::size_t begin) {
   const auto byteAt = [&](std::size_t i) { return i < text.size() ? static_cast<unsigned char>(text[i]) : 0u; };
   const unsigned first = byteAt(begin);
@@ -28,14 +28,14 @@ std::size_t measurePrintable(const std::string& text, std::size_t begin) {
   if (first < 0xc2 || first > 0xf4) return 0;
   for (std::size_t k = 1; k < length; ++k)
     if ((byteAt(begin + k) & 0xc0) != 0x80) return 0;
-  // What could be written shorter, surrogates, what lies beyond Unicode, and the second block of control characters.
+  // Refuses overlong forms, surrogates, values beyond Unicode, and the second block of control characters.
   const unsigned second = byteAt(begin + 1);
   const bool is_wrong = (first == 0xc2 && second < 0xa0) || (first == 0xe0 && second < 0xa0) ||
                         (first == 0xed && second > 0x9f) || (first == 0xf0 && second < 0x90) || (first == 0xf4 && second > 0x8f);
   return is_wrong ? 0 : length;
 }
 
-/// The text up to about a length, in whole characters. kept: characters that stay though they are not printable.
+/// The text up to about a length, in whole characters. kept: unprintable characters that stay.
 std::string makePrintable(const std::string& text, std::size_t length, const char* kept) {
   std::string shown;
   for (std::size_t i = 0; i < text.size();) {
@@ -86,7 +86,7 @@ bool isDecimal(const std::string& text, bool& is_integer) {
   return i == text.size() && !(is_integer && leading_zero);
 }
 
-// Text that YAML readers of either version take as this text without quotes.
+// Text that readers of either YAML version take as the same text without quotes.
 bool isPlainText(const std::string& text) {
   if (text.empty() || !std::isalpha(static_cast<unsigned char>(text[0]))) return false;
   for (const char c : text) {
@@ -148,7 +148,7 @@ std::string lineToYaml(const Value& value) {
   return "[" + line + "]";
 }
 
-// The lines of a non-empty map or list, each behind the indent; the first one without it if it follows a "- ".
+// The lines of a non-empty map or list, each after the indent; the first without it if it follows a "- ".
 void appendBlock(const Value& value, const std::string& indent, bool continues_line, std::string& out) {
   const auto beginLine = [&] {
     if (!continues_line) out += indent;
@@ -220,8 +220,8 @@ Value parseNumber(const std::string& text) {
     }
     double real = 0.0;
     stream >> real;
-    // Out of the range of a double: too large becomes infinite and is refused where that is not accepted; too small is no number
-    // that anybody means.
+    // Out of the range of a double: too large becomes infinite and is refused where infinity is not accepted; too small is not
+    // accepted as a number.
     if (!stream.fail()) return real;
     return std::abs(real) > 1.0 ? Value(std::copysign(std::numeric_limits<double>::infinity(), real)) : Value();
   }
@@ -235,7 +235,7 @@ Value parseScalar(const std::string& text) {
   if (isOneOf(text, {"", "~", "null", "Null", "NULL"})) return {};
   if (isOneOf(text, {"true", "True", "TRUE"})) return true;
   if (isOneOf(text, {"false", "False", "FALSE"})) return false;
-  // These two are names in YAML; only a number's place takes them as numbers.
+  // These are names in YAML; they count as numbers only where a number is expected.
   if (isOneOf(text, {"inf", "-inf", "nan"})) return text;
   Value number = parseNumber(text);
   return number.isNull() ? Value(text) : number;
@@ -263,7 +263,7 @@ std::string formatReal(double value) {
 }
 
 std::string formatShort(double value) {
-  if (std::isnan(value)) return "nan";  // whose sign means nothing
+  if (std::isnan(value)) return "nan";  // its sign has no meaning
   char text[32];
   std::snprintf(text, sizeof text, "%.3g", value);
   return text;

@@ -1,4 +1,4 @@
-// CMakeLists.txt reads the number from package.xml and gives it to this file alone.
+// CMakeLists.txt reads the number from package.xml and passes it to this file alone.
 #include "deformable_surface/base/version.h"
 
 namespace deformable_surface {

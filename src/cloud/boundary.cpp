@@ -47,7 +47,7 @@ class BoundaryFinder {
       WideGaps gaps(kBoundaryGap);
       for (Index i = begin; i < end; ++i) has_gap[i] = hasGap(i, gaps);
     });
-    // A lone point with a gap is an uneven spot inside; a boundary goes on at both sides.
+    // A single point with a gap is an uneven spot inside; a boundary continues on both sides.
     for (Index i = 0; i < n; ++i) {
       if (!has_gap[i]) continue;
       Index with_gap = 0;
@@ -92,8 +92,8 @@ class BoundaryFinder {
     return findWidestGap(angles);
   }
 
-  // Both the gap and the two branches of the boundary must turn: the gap alone is wide at every tooth of a ragged edge, the
-  // branches alone turn at the neighbours of a corner too. 0: it is none.
+  // Both the gap and the two branches of the boundary must turn: the gap alone is wide at every tooth of a ragged edge, and the
+  // branches alone turn at the neighbours of a corner too. 0: no corner.
   float findCornerGap(Index i, const std::vector<char>& is_boundary, std::vector<double>& angles) const {
     const Gap gap = findGap(i, k_, angles);
     if (!(gap.width > kPi + kCornerTurn)) return 0.0f;
@@ -105,7 +105,7 @@ class BoundaryFinder {
       const Vec2 q = plane.project(positions_[j]);
       branch[q.dot(along) > 0.0 ? 1 : 0] += q;
     });
-    // The tip of a hair has a single branch, or none.
+    // The end of a hair has one branch or none.
     const double lengths = branch[0].norm() * branch[1].norm();
     const bool is_corner = lengths == 0.0 || branch[0].dot(branch[1]) > -std::cos(kCornerTurn) * lengths;
     return is_corner ? static_cast<float>(gap.width) : 0.0f;

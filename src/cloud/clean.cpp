@@ -1,4 +1,4 @@
-// Leaves out what cannot be simulated: points that are not finite and points on top of others.
+// Removes points that cannot be simulated: points that are not finite and points on top of others.
 #include "deformable_surface/cloud/clean.h"
 
 #include "deformable_surface/base/error.h"
@@ -60,7 +60,7 @@ CleanCloud clean(const PointCloud& input, double max_coordinate) {
     if (repeats) ++result.num_coincident;
   }
 
-  // Number the first ones in the order of the input; a later one brings its normal where the first has none.
+  // Number the first ones in the order of the input; a later one gives its normal if the first has none.
   const Index m = static_cast<Index>(sorted.size()) - result.num_coincident;
   result.positions.reserve(m);
   if (!input.normals.empty()) result.normals.reserve(m);

@@ -17,16 +17,16 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 512;  // points per task: about a millisecond of work
-// Of the least distance from level to level: a count between two levels is met within a third of the points.
+// Ratio of least distances between levels: the number of points is then met within a third.
 constexpr double kLevelFactor = 1.15;
-// Of the distance that half of the lists reach: beyond it a list of some thirty would hold fewer than a ring of points left.
+// Of the distance that half of the lists reach: beyond it a list of about thirty would hold less than a ring of remaining points.
 constexpr double kListReach = 0.6;
-// Of a part: fewer say nothing about a surface, and what is left of it is for the rings to decide.
+// Of a part: fewer points do not show a surface; the rings decide about them.
 constexpr Index kFewestOfPart = 64;
-// A search asks for up to so many times the neighbours wanted, where other parts are in between.
+// A search asks for at most this multiple of the wanted neighbours, if other parts are in between.
 constexpr Index kMaxAsked = 4;
 constexpr Index kSpacingNeighbor = 6;  // that completes a hexagon
-constexpr int kPasses = 2;             // over those found, nearest first: the second finds ways that lead back
+constexpr int kPasses = 2;             // over the points found, nearest first: the second finds paths that lead back
 
 // The median distance of the nearest and of the farthest that are listed, m.
 std::pair<double, double> measureLists(const Points& positions, const Lists& neighbors) {
@@ -39,14 +39,14 @@ std::pair<double, double> measureLists(const Points& positions, const Lists& nei
       farthest[i] = (positions[neighbors.end(i)[-1]] - positions[i]).norm();
     }
   });
-  // Points do not coincide: zero stands for no list.
+  // Points do not coincide: zero means an empty list.
   for (std::vector<double>* distances : {&nearest, &farthest})
     distances->erase(std::remove(distances->begin(), distances->end(), 0.0), distances->end());
   if (nearest.empty()) return {0.0, 0.0};
   return {findMedian(std::move(nearest)), findMedian(std::move(farthest))};
 }
 
-// Among equals no place of the cloud comes first.
+// Breaks ties without preferring any place of the cloud.
 std::uint32_t scramble(Index i) { return static_cast<std::uint32_t>(i) * 2654435769u; }
 
 struct Removal {
@@ -57,8 +57,8 @@ struct Removal {
   }
 };
 
-// Of the points that are left those that are nearer than the least distance to one that stays; whole parts stay if few would be
-// left.
+// The remaining points that are nearer than the least distance to one that stays. Whole parts stay if few of their points would
+// be left.
 std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbors, const std::vector<char>& is_left,
                                  double least, Index num_parts) {
   const Index n = static_cast<Index>(cloud.positions.size());
@@ -79,7 +79,7 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbo
   };
   for (Index i = 0; i < n; ++i)
     if (cloud.stays[i]) keep(i);
-  // Lists are not mutual: where sampling changes one of two near points may not list the other.
+  // Lists are not mutual: where the sampling changes, one of two near points may not list the other.
   const auto lookBack = [&](Index i) {
     forNear(i, [&](Index j, double distance) {
       if (is_kept[j]) nearest[i] = std::min(nearest[i], distance);
@@ -98,7 +98,7 @@ std::vector<Removal> findTooNear(const ThinnedCloud& cloud, const Lists& neighbo
   return removals;
 }
 
-// The points that are left and what was listed of them in their part.
+// The remaining points, and their lists within their part.
 ThinnedCloud takeLeft(ThinnedCloud& cloud, const Lists& neighbors, const std::vector<char>& is_left) {
   ThinnedCloud left;
   left.removed = std::move(cloud.removed);
@@ -122,7 +122,7 @@ ThinnedCloud takeLeft(ThinnedCloud& cloud, const Lists& neighbors, const std::ve
   return left;
 }
 
-// Keeps of those found around a point (nearest first) what no detour over listed points leads to.
+// Keeps the points around a point (nearest first) that can be reached over listed points without a detour.
 class WayCheck {
  public:
   explicit WayCheck(const ThinnedCloud& cloud) : cloud_(cloud) {}
@@ -164,11 +164,11 @@ class WayCheck {
 
   const ThinnedCloud& cloud_;
   PointMap place_;                    // among those found
-  std::vector<double> bound_, most_;  // m, of those found: what leads there, and what is no detour
+  std::vector<double> bound_, most_;  // m, of those found: length of the path, and the longest one without a detour
   std::size_t num_missing_ = 0;       // whose bound is above
 };
 
-// Neighbours of all points that are left, by ways over those that were listed before.
+// Neighbours of all remaining points, by paths over the former lists.
 Lists findNeighbors(const ThinnedCloud& cloud, Index wanted, bool over_surface) {
   const Index n = static_cast<Index>(cloud.positions.size());
   const KdTree tree(cloud.positions);

@@ -6,7 +6,7 @@
 namespace deformable_surface::cloud {
 namespace {
 
-// Bit for bit, as what is no number is equal to nothing.
+// Bit for bit, since NaN equals nothing.
 bool areSame(const Points& a, const Points& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
 }

@@ -49,7 +49,7 @@ Simplification orderByDistance(const Points& positions, const Lists& neighbors, 
       if ((positions[i] - middle).squaredNorm() > (positions[first] - middle).squaredNorm()) first = i;
     choose(first);
   }
-  // The farthest first, of equals that with the smallest index; what has come nearer meanwhile is put back.
+  // The farthest first, of equal ones the smallest index. Entries that have come nearer meanwhile are put back.
   using Entry = std::pair<double, Index>;
   std::priority_queue<Entry> farthest;
   for (Index i = 0; i < n; ++i) farthest.emplace(squared[i], -i);

@@ -1,4 +1,4 @@
-// Paths from all chosen points at once divide the surface into cells; the rest happens on the few.
+// Paths from all chosen points at once divide the surface into cells; the rest works on the chosen points.
 #include "deformable_surface/cloud/geodesic_cells.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -16,9 +16,9 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
-// Points that one thread hands lengths on among, one after the other: what it passes to another's comes a sweep later.
+// Points among which one thread passes lengths on one after the other; lengths for points of other threads follow a sweep later.
 constexpr Index kSweep = 1 << 15;
-// Listed neighbours that the search goes on to: with more, paths are straighter by next to nothing.
+// Listed neighbours that the search visits: more would make paths hardly straighter.
 constexpr Index kSteps = 16;
 
 const Index* endOfSteps(const Lists& neighbors, Index i) { return neighbors.begin(i) + std::min(kSteps, neighbors.count(i)); }
@@ -29,7 +29,7 @@ struct Touch {
   double length;  // m, in space
 };
 
-// Costs are distances of chosen points in space, raised so that a way of kKeptWay is a detour of kKeptDetour.
+// Costs are distances of chosen points in space, raised so that a path of kKeptWay is a detour of kKeptDetour.
 GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const std::vector<double>& distance,
                         const GeodesicCells& cells) {
   const Index n = neighbors.size();
@@ -74,14 +74,14 @@ GeodesicGraph joinCells(const Points& positions, const Lists& neighbors, const s
   return graph;
 }
 
-// Calls visit(v, to) for the points that a path goes on to from u, with its length there.
+// Calls visit(v, to) for the next points of a path from u, with its length there.
 template <class Visit>
 void forSteps(const Points& positions, const Lists& neighbors, double distance, Index u, const Visit& visit) {
   for (const Index* v = neighbors.begin(u); v != endOfSteps(neighbors, u); ++v)
     visit(*v, distance + (positions[*v] - positions[u]).norm());
 }
 
-// Replaces value by `to` while isLess(to, value), whatever other threads replace it by meanwhile. Returns whether it did.
+// Replaces value by `to` while isLess(to, value), whatever other threads write meanwhile. Returns whether it did.
 template <class T, class IsLess>
 bool lower(std::atomic<T>& value, T to, const IsLess& isLess) {
   T known = value.load(std::memory_order_relaxed);
@@ -91,10 +91,10 @@ bool lower(std::atomic<T>& value, T to, const IsLess& isLess) {
   return false;
 }
 
-// Lengths of the shortest paths from any chosen point, m. Points whose length has changed wait to hand it on, and do so in the
-// order of the cloud, there and back again: what is near in space lies near in memory, which an order by length would jump about
-// in. Those beyond a horizon wait until nothing changes below it. The lengths are the same in any order, and so with any number
-// of threads.
+// Lengths of the shortest paths from any chosen point, m. Points whose length has changed wait to pass it on. They do so in the
+// order of the cloud, forwards and backwards: points near in space are near in memory, while an order by length would jump
+// about. Points beyond a horizon wait until nothing changes below it. The lengths do not depend on the order, and so not on the
+// number of threads.
 std::vector<double> findDistances(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen) {
   const Index n = neighbors.size();
   std::vector<std::atomic<double>> distance(n);
@@ -107,7 +107,7 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
     if (neighbors.count(i) > 0)
       spacing += (positions[*neighbors.begin(i)] - positions[i]).norm() / static_cast<double>(chosen.size());
   }
-  // About as far as cells reach.
+  // About the size of cells.
   double horizon = spacing * std::sqrt(static_cast<double>(n) / static_cast<double>(std::max<std::size_t>(1, chosen.size())));
   std::atomic<bool> any_beyond{!chosen.empty()};
   for (; any_beyond; horizon = horizon > 0.0 ? 2.0 * horizon : std::numeric_limits<double>::infinity()) {
@@ -122,7 +122,7 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
             any_beyond = true;
             continue;
           }
-          // First the mark, then the length: one that falls in between is marked again.
+          // First the mark, then the length: a length written in between sets the mark again.
           waits[u].exchange(0);
           any_changed = true;
           forSteps(positions, neighbors, distance[u].load(), u, [&](Index v, double to) {
@@ -135,8 +135,8 @@ std::vector<double> findDistances(const Points& positions, const Lists& neighbor
   return std::vector<double>(distance.begin(), distance.end());
 }
 
-// The chosen point that each path begins at. Of several shortest paths to a point that over the nearest last step's beginning
-// counts, ties by index. A step too short to lengthen a path, as rounded, is on none.
+// The chosen point at the start of each path. Of several shortest paths to a point the one with the nearest last step
+// counts, ties by index. A step too short to lengthen a path, after rounding, is on none.
 void findOwners(const Points& positions, const Lists& neighbors, const std::vector<Index>& chosen,
                 const std::vector<double>& distance, std::vector<Index>& owner) {
   const Index n = neighbors.size();

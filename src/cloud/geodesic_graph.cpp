@@ -1,4 +1,4 @@
-// The graph that geodesics run on: what a link costs, and which links there are. Searching it is another matter.
+// The graph for geodesics: its links and their costs.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/median.h"
 #include "deformable_surface/base/parallel.h"
@@ -14,10 +14,10 @@ namespace {
 
 constexpr Index kBlock = 1024;  // points per task: about a millisecond of work
 
-// How fast the cost grows beyond the trust radius. A gap is then so dear that detours up to several times the distance can be
-// called the same surface, as those around holes and over noise are.
+// How fast the cost grows beyond the trust radius. A gap is then so expensive that detours up to several times the distance still
+// count as the same surface, like those around holes and over noise.
 constexpr double kCostSlope = 18.0;
-// From this exponent on a path over a point inside the ball on a link as diameter is never dearer than the link: a^2 + b^2 <=
+// From this exponent on a path over a point inside the ball on a link as diameter never costs more than the link: a^2 + b^2 <=
 // c^2 gives a^g + b^g <= c^g for g >= 2.
 constexpr double kBallExponent = 2.0;
 
@@ -30,7 +30,7 @@ double findMedianSpacing(const Points& positions, const Lists& neighbors) {
   return median > 0.0 ? median : 1.0;
 }
 
-// The links that keep(i, j, cost) takes, made symmetric.
+// The links for which keep(i, j, cost) is true, made symmetric.
 template <class Keep>
 void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph) {
   const Index n = neighbors.size();
@@ -53,7 +53,7 @@ void collectLinks(const Lists& neighbors, const Keep& keep, GeodesicGraph& graph
     }
   });
 
-  // What is missing the other way round.
+  // Adds missing opposite links.
   Lists kept;
   std::vector<double> kept_cost;
   for (Index i = 0; i < n; ++i) kept.offsets.push_back(kept.offsets[i] + count[i]);
@@ -149,7 +149,7 @@ GeodesicGraph buildGeodesicGraph(const Points& positions, const SurfaceSides& si
           cost = std::sqrt(squared);
           return true;
         }
-        // No link is shorter than in space, where most are too dear already.
+        // No link is shorter than in space, where most are too expensive already.
         if (!(measureCost(squared) <= most)) return false;
         cost = measureCost(measureSquaredLength(positions, sides, i, j));
         return cost <= most;

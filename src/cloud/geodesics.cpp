@@ -1,4 +1,4 @@
-// Shortest paths around single points, and what follows from them for lists of neighbours and weights of links.
+// Shortest paths around single points, and lists of neighbours and weights of links derived from them.
 #include "deformable_surface/cloud/geodesics.h"
 
 #include "deformable_surface/base/error.h"
@@ -21,17 +21,17 @@ namespace {
 constexpr Index kBlock = 256;  // points per task: about a millisecond of work
 // Detour beyond which a point belongs to another part of the surface.
 constexpr double kApartDetour = 1.5 * kKeptDetour;
-// A list is filled up from so many times its length of points met: at a fold most of them belong to other sheets.
+// A list is filled up from at most this multiple of its length of points met: at a fold most of them belong to other sheets.
 constexpr std::size_t kMaxMet = 4;
-// A point is at a gap if so many pairs around it, none of which share a point, are apart. A point that is farther from all others
-// than those are from each other is apart from every one of them, but that is one such pair, and no gap.
+// A point is at a gap if this many pairs around it, none of which share a point, are apart. An isolated point is apart from each
+// of its neighbours, but these pairs share it: they count as one, which is no gap.
 constexpr int kMinPairs = 3;
 constexpr Index kAround = 12;
-// Or if it sees one point apart from it, and both have this many nearest neighbours that are not, each of them so many times
-// nearer: at the corner of a slit too few points see the other side for as many pairs.
+// Or if one point is apart from it, and both have this many nearest neighbours that are not apart, each nearer by this
+// factor: at the corner of a slit too few points see the other side for as many pairs.
 constexpr double kWideGap = 1.5;
 constexpr Index kOwnNeighbors = 3;
-// The margin leaves out this share of the points at gaps: a few holes of the sampling are no gap.
+// The margin ignores this share of the points at gaps: a few holes of the sampling are no gap.
 constexpr double kMarginQuantile = 0.05;
 
 // Neighbours that are clearly apart, of every point.
@@ -49,7 +49,7 @@ void joinBlocks(const std::vector<std::vector<Index>>& blocks, const std::vector
   for (const std::vector<Index>& block : blocks) lists.items.insert(lists.items.end(), block.begin(), block.end());
 }
 
-// What is known of a listed pair. Open: a search from the first point will tell; open there: one from the second.
+// The state of a listed pair. kOpen: a search from the first point decides; kOpenThere: one from the second.
 enum class PairState : char { kNear, kApart, kOpen, kOpenThere };
 
 // The item of i in the list of j; -1 if j does not list it.
@@ -58,7 +58,7 @@ Index findItem(const Lists& neighbors, Index j, Index i) {
   return found == neighbors.end(j) ? Index{-1} : static_cast<Index>(found - neighbors.items.data());
 }
 
-// Of every item. A pair that both ends list is searched from one end only, from that with more open pairs.
+// For every item. A pair that both ends list is searched from one end only: from the one with more open pairs.
 std::vector<PairState> checkPairs(const GeodesicGraph& graph, const Points& positions, const Lists& neighbors) {
   const Index n = neighbors.size();
   std::vector<PairState> from_here(neighbors.items.size(), PairState::kNear);
@@ -94,7 +94,7 @@ std::vector<PairState> checkPairs(const GeodesicGraph& graph, const Points& posi
   return states;
 }
 
-// Settles the open pairs of point i.
+// Decides the open pairs of point i.
 class PairSearch {
  public:
   PairSearch(const GeodesicGraph& graph, const Points& positions, const Lists& neighbors)
@@ -110,9 +110,9 @@ class PairSearch {
     }
     if (wanted_.empty()) return;
     middle /= static_cast<double>(wanted_.size());
-    double radius = 0.0;  // around the middle, of those wanted
+    double radius = 0.0;  // around the middle, of the wanted points
     for (const auto& pair : wanted_) radius = std::max(radius, (positions_[pair.first] - middle).norm());
-    Index farthest = wanted_.back().second;  // of those that are open, which are listed nearest first
+    Index farthest = wanted_.back().second;  // of the open ones, which are listed nearest first
     std::sort(wanted_.begin(), wanted_.end());
     const auto findReach = [&] { return kApartDetour * (positions_[neighbors_.items[farthest]] - positions_[i]).norm(); };
     double reach = findReach();
@@ -128,7 +128,7 @@ class PairSearch {
       }
       return distance <= reach;
     };
-    // No way is shorter than in space.
+    // No path is shorter than in space.
     const auto leadsThere = [&](Index point, double cost) {
       const double room = std::max(0.0, reach - cost) + radius;
       return !search_.costIsDistance() || (positions_[point] - middle).squaredNorm() <= room * room;
@@ -177,12 +177,12 @@ Apart findApart(const GeodesicGraph& graph, const Points& positions, const Surfa
   return apart;
 }
 
-// True where enough separate pairs around a point are apart, or one is that spans a wide gap.
+// True where enough separate pairs around a point are apart, or one pair that spans a wide gap.
 std::vector<char> findAtGap(const Points& positions, const Lists& apart, const Lists& neighbors) {
   const Index n = neighbors.size();
   std::vector<char> at_gap(n);
   const auto isApart = [&](Index i, Index j) { return std::find(apart.begin(i), apart.end(i), j) != apart.end(i); };
-  // How far the nearest reach that are not apart; infinite where one is.
+  // Distance of the nearest neighbours that are not apart; infinite if one of them is.
   const auto findOwnReach = [&](Index i) {
     const Index* const first = neighbors.begin(i);
     if (neighbors.count(i) < kOwnNeighbors) return std::numeric_limits<double>::infinity();

@@ -8,11 +8,11 @@
 namespace deformable_surface::cloud {
 namespace {
 
-// A Delaunay link of an even sampling is up to about twice the spacing; this leaves as much again for density that changes along
-// the surface, and is well below the distance of what one would call a separate part.
+// A Delaunay link of an even sampling is up to about twice the spacing; the same again is allowed for a varying density along
+// the surface. This is well below the distance of separate parts.
 constexpr double kMaxLinkRatio = 4.0;
 
-// The spacing is the distance of the neighbour that completes a hexagon: unlike the nearest one it is not moved by a close pair.
+// The spacing is the distance of the neighbour that completes a hexagon: a close pair changes the nearest distance, not this one.
 constexpr Index kSpacingNeighbor = 6;
 
 // Union-find in which the smallest index of a set is its root.

@@ -19,7 +19,7 @@ namespace {
 
 // Points per block of a parallel loop: about a millisecond of work.
 constexpr Index kBlock = 1024;
-// A sum of n signed terms that is smaller than this share of the sum of their magnitudes is rounding, and decides nothing.
+// A sum of n signed terms that is smaller than this share of the sum of their magnitudes is rounding, and does not decide.
 constexpr double kTie = 1e-9;
 // A closed surface that encloses less than this share of (area x extent) is flat, and has no outside.
 constexpr double kFlat = 1e-6;
@@ -37,7 +37,7 @@ struct Link {
   bool operator<(const Link& other) const { return std::tie(weight, i, j) < std::tie(other.weight, other.i, other.j); }
 };
 
-// Which way given normals say that one points: 1, -1, or 0 where it lies in the surface; empty if none are given.
+// The side of each normal by the given normals: 1, -1, or 0 where these lie in the surface; empty if none are given.
 std::vector<signed char> findGivenSides(const Points& given, const Points& normals) {
   std::vector<signed char> sides(given.size());
   for (std::size_t i = 0; i < sides.size(); ++i) {
@@ -47,9 +47,9 @@ std::vector<signed char> findGivenSides(const Points& given, const Points& norma
   return sides;
 }
 
-// The flatter, the less it weighs; where normals are given those links weigh least of which both given normals say the same as
-// the surface does. Over a thin body, where flat links join its two sides, nothing contradicts the given ones along each side;
-// one wrong normal contradicts all of its neighbours, so that it is joined last, as the surface says.
+// The flatter the link, the smaller its weight. With given normals, links weigh least whose given normals agree with the
+// surface at both ends. On a thin body, where flat links join its two sides, nothing contradicts the given ones along each side;
+// one wrong normal contradicts all of its neighbours, so that it is joined last, as the surface requires.
 Link makeLink(const Points& normals, const std::vector<signed char>& given_sides, Index i, Index j) {
   constexpr float kDoubt = 1.0f;  // more than any link weighs without it
   const double cosine = normals[i].dot(normals[j]);
@@ -59,8 +59,8 @@ Link makeLink(const Points& normals, const std::vector<signed char>& given_sides
   return {weight + (is_doubtful ? kDoubt : 0.0f), std::min(i, j), std::max(i, j), are_opposite};
 }
 
-// Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among what is joined
-// agree, and then the flattest spanning forest joins it to the same sides; are_all: no link leads out of what is joined.
+// Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among the joined points
+// agree: the flattest spanning forest then gives the same sides. are_all: no link leads out of the joined points.
 bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets,
               bool& are_all) {
   constexpr float kFlatWeight = 0.1f;  // 26 degrees: sides are beyond doubt in most clouds
@@ -92,8 +92,8 @@ bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<s
   return agree;
 }
 
-// Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat ones agree it does not matter which of them
-// do.
+// Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat links agree it does not matter which of them
+// decide.
 void joinSides(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets) {
   bool are_all = false;
   const auto forLinks = [&](Index i, const auto& visit) {
@@ -113,7 +113,7 @@ void joinSides(const Lists& neighbors, const Points& normals, const std::vector<
   joinRest();
 }
 
-// What the sides of one component are decided by.
+// Quantities that decide the side of a component.
 struct Component {
   Index count = 0;
   bool closed = true;

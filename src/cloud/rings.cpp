@@ -1,4 +1,4 @@
-// From the stars of single points to the connectivity of the whole: links made symmetric, triangles gathered from their corners.
+// From the stars of single points to the connectivity of the whole: links made symmetric, triangles collected from their corners.
 #include "deformable_surface/cloud/rings.h"
 
 #include "deformable_surface/base/error.h"
@@ -18,12 +18,12 @@ namespace {
 
 constexpr Index kBlock = 1024;  // points per task: some milliseconds of work
 // Widest angle (rad) of a triangle away from boundaries. The circle around a wider one is more than four times as wide as its
-// longest side, and so empty beside a gap only: there points in line would span a triangle of next to no area, which is as stiff
-// as it is thin.
+// longest side, and can be empty only beside a gap. There collinear points would span triangles with almost no area, whose
+// stiffness grows as they get thinner.
 constexpr double kInnerGap = 3.02;
-// Neighbours that nearly every star has its members among.
+// Neighbours that contain the members of nearly every star.
 constexpr Index kFirst = 16;
-// Of a circle's diameter: so far from a point on it, what is farther is outside by more than the tie that the star allows.
+// Of a circle's diameter: a point farther than this from a point on the circle is outside by more than the tie tolerance.
 constexpr double kMargin = 1.1;
 
 // The star of every point, in the place of its neighbour list: star i has count[i] entries from neighbors.offsets[i] on.
@@ -66,7 +66,7 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         }
         return &builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap);
       };
-      // The others are asked for where one of them may belong to the star of the first.
+      // The others are needed only if one of them may belong to the star of the first.
       const Index* const first = neighbors.begin(i) + std::min(kFirst, neighbors.count(i));
       const geometry::DelaunayStar* star = add(neighbors.begin(i), first);
       const double reach = findSquaredReach(projected, *star);
@@ -85,7 +85,7 @@ Stars buildStars(const Points& positions, const Points& normals, const Lists& ne
   const Index n = neighbors.size();
   Stars stars{std::vector<Index>(neighbors.items.size()), std::vector<Index>(neighbors.items.size()), std::vector<Index>(n)};
   rings.open.resize(n);
-  // Half of the neighbours given is what the boundary looks at first, then all of them.
+  // Half of the neighbours are used for the boundary first, then all of them.
   Index max_count = 0;
   for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
   const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));

@@ -1,5 +1,5 @@
-// Greedy thinning with lazily kept keys: the point with the smallest ring goes, until few are left. Of large clouds a coarser
-// pass takes most points first (coarse_thinning.h).
+// Greedy thinning with lazily updated keys: the point with the smallest ring is removed, until few are left. In large clouds a
+// coarser pass removes most points first (coarse_thinning.h).
 #include "deformable_surface/cloud/simplification.h"
 
 #include "deformable_surface/base/error.h"
@@ -24,21 +24,21 @@
 namespace deformable_surface::cloud {
 namespace {
 
-// Fewer points span no surface, so no part is thinned further.
+// Fewer points span no surface: smaller parts are not thinned further.
 constexpr Index kMinPartPoints = 3;
-// At a gap the tree is asked for up to so many lists' lengths: what is still missing then is not worth searching for.
+// At a gap the tree is searched for at most this many list lengths: more would not be worth the time.
 constexpr Index kMaxAsked = 4;
-// Parts too small for that are left out if they would keep more than this share of the points wanted.
+// Parts too small for that are left out if they would keep more than one point in kSmallPartsShare of those wanted.
 constexpr Index kSmallPartsShare = 10;
 // The spacing is the distance of the neighbour that completes a hexagon.
 constexpr Index kSpacingNeighbor = 6;
 
-// A cloud is large if it has so many times the points that are thinned one by one; of these there are so many times the points
-// wanted.
+// A cloud is large if it has kLarge times the points that are thinned one by one. Distances alone decide about its surplus, down
+// to kLeftForRings times the wanted number.
 constexpr Index kLarge = 6;
 constexpr Index kLeftForRings = 4;
 
-// Which part of the surface each point belongs to: connected by links among its k nearest. Parts are numbered in the order of
+// The part of the surface of each point: connected by links among its k nearest. Parts are numbered in the order of
 // their smallest index.
 std::vector<Index> labelParts(const Points& positions, const Points& normals, const Lists& neighbors, Index k, Index& num_parts) {
   const LinkRule rule(positions, normals, neighbors);
@@ -61,7 +61,7 @@ std::vector<Index> labelParts(const Points& positions, const Points& normals, co
   return part;
 }
 
-// Marks (num_parts, 1) those that are left out.
+// Marks (num_parts, 1) the parts that are left out.
 std::vector<char> findLeftOut(const std::vector<Index>& part, Index num_parts, Index target) {
   std::vector<char> is_small(num_parts);
   if (target == 0) return is_small;
@@ -76,7 +76,7 @@ std::vector<char> findLeftOut(const std::vector<Index>& part, Index num_parts, I
   return is_small;
 }
 
-// What a neighbour is asked for, in one cache line.
+// The data of a neighbour, in one cache line.
 struct alignas(64) Sample {
   Vec3 position, normal;
   double wanted;  // spacing, over the mean
@@ -88,12 +88,12 @@ struct Scratch {
   std::vector<Neighbor> found;
   std::vector<Vec2> projected;
   geometry::DelaunayStarBuilder builder;
-  std::vector<Index> place;   // (n) where a point stands among those found; stale where another stands there
-  std::vector<double> bound;  // lengths of ways to those found
+  std::vector<Index> place;   // (n) place of a point among those found; stale if another point is there
+  std::vector<double> bound;  // lengths of paths to those found
   std::vector<char> reached;  // whether they are no detour
 };
 
-// Lists that are to replace those of some points.
+// New lists for some points.
 struct Refills {
   std::vector<Index> points;
   Lists lists;
@@ -139,8 +139,8 @@ class Thinning {
     Simplification result;
     result.num_points = n;
 
-    // Keys of all points, in the order in which the tree holds them in memory. Whose list is too short asks those of others,
-    // which therefore stay as they are until all have been asked.
+    // Keys of all points, in the order in which the tree holds them in memory. A point whose list is too short uses the lists of
+    // others, which therefore do not change until all keys are computed.
     std::vector<double> key(n);
     constexpr Index kBlock = 1024;
     std::vector<Refills> refills((n + kBlock - 1) / kBlock);
@@ -167,7 +167,7 @@ class Thinning {
     }
     std::priority_queue<Entry, std::vector<Entry>, std::greater<Entry>> queue(std::greater<Entry>(), std::move(entries));
 
-    // Removals let keys grow, so a key in the queue is taken for a lower bound and evaluated anew when its turn comes.
+    // Removals let keys grow: a key in the queue is a lower bound and is evaluated again when its turn comes.
     Scratch scratch;
     double diameter = 0.0;
     while (num_alive_ > min_points && !queue.empty()) {
@@ -192,9 +192,9 @@ class Thinning {
   }
 
  private:
-  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; where no ring is seen, as if its diameter were 2 r. Over
-  // the spacing that is wanted.
-  // After findNear().
+  // (d + 2 r) / 2 with the ring's diameter d and the nearest distance r; without a ring, as if its diameter were 2 r. Divided by
+  // the wanted spacing.
+  // Call findNear() first.
   double evaluateKey(Index i, Scratch& scratch) const {
     if (scratch.near.empty() || left_out_[part_[i]]) return 0.0;
     for (Index j : scratch.near) __builtin_prefetch(&samples_[j]);
@@ -219,14 +219,14 @@ class Thinning {
     return (ring.empty() ? 2.0 * nearest : 0.5 * std::sqrt(squared_diameter) + nearest) / own.wanted;
   }
 
-  // Starts to fetch what the evaluation of a key reads first: points come in no order that the processor could foresee.
+  // Prefetches the data that the evaluation of a key reads first: the order of points is unpredictable.
   void prefetch(Index i) const {
     __builtin_prefetch(lists_.begin(i));
     __builtin_prefetch(lists_.end(i));
     __builtin_prefetch(&samples_[i]);
   }
 
-  // False: the stored ones do not suffice, and all that are to be stored in their place are in scratch.found.
+  // False: the stored neighbours do not suffice; scratch.found has all that should be stored instead.
   bool findNear(Index i, Scratch& scratch) const {
     const Index wanted = std::min(k_, num_in_part_[part_[i]] - 1);
     takeStored(i, wanted, scratch.near);
@@ -239,14 +239,14 @@ class Thinning {
     return false;
   }
 
-  // As many as have room. get(s): the s-th.
+  // Stores as many as fit. get(s): the s-th.
   template <class Get>
   void store(Index i, Index count, Get&& get) {
     stored_[i] = count;
     for (Index s = 0; s < count; ++s) lists_.items[lists_.offsets[i] + s] = get(s);
   }
 
-  // Every entry is written and only the alive ones are counted: a branch for each would be mispredicted.
+  // Every entry is written and only alive ones are counted: branches would be mispredicted.
   void takeStored(Index i, Index wanted, std::vector<Index>& near) const {
     near.resize(wanted);
     Index count = 0;
@@ -258,8 +258,8 @@ class Thinning {
     near.resize(count);
   }
 
-  // Finds the nearest alive points of the same part: from the part's own list if it is small, else from the tree, asking for
-  // more and more while points of other parts are in between.
+  // Finds the nearest alive points of the same part: in the part's own list if it is small, else in the tree, with growing
+  // numbers while points of other parts are in between.
   void find(Index i, Index wanted, Scratch& scratch) const {
     std::vector<Neighbor>& found = scratch.found;
     const Index part = part_[i];
@@ -283,10 +283,10 @@ class Thinning {
     }
   }
 
-  // Erases what no short way over stored links leads to. All of these were reached so before, the first ones over the surface
-  // that the full cloud shows, so that none spans a gap, however much wider than the gap the spacing has become. Nearest first,
-  // and only until all are reached; if that leaves any, once more with the shortest of these ways. The way to a point nearer than
-  // the spacing is as long as the points left allow, so the spacing is what it is compared to: it is such points that must go.
+  // Erases points that no short path over stored links leads to. All stored ones were reached in this way before, the first ones
+  // along the surface of the full cloud: none spans a gap, however much larger than the gap the spacing has become. Nearest
+  // first, until all are reached; else once more with the shortest of these paths. A path to a point nearer than the spacing
+  // is as long as the remaining points allow, so it is compared with the spacing: such points must be removed.
   void eraseUnreached(Index i, Scratch& scratch) const {
     std::vector<Neighbor>& found = scratch.found;
     std::vector<Index>& place = scratch.place;
@@ -335,7 +335,7 @@ class Thinning {
     --num_alive_;
     const Index part = part_[i];
     if (--num_in_part_[part] > k_) return;
-    // A part that is small from now on: its list is kept exact, the alive ones first.
+    // A part that has become small: its list is kept exact, the alive points first.
     const auto begin = members_.items.begin() + members_.offsets[part];
     const auto end = begin + (num_in_part_[part] == k_ ? members_.count(part) : num_in_part_[part] + 1);
     std::stable_partition(begin, end, [&](Index j) { return alive_[j] != 0; });
@@ -356,7 +356,7 @@ class Thinning {
   std::vector<Index> num_in_part_;  // alive
 };
 
-// Coarsely first, then the rest by rings.
+// First coarsely, then by rings.
 Simplification simplifyLarge(const Points& positions, const Points& normals, const std::vector<double>& wanted, Index k,
                              Index min_points, Index stop, const Lists& neighbors, std::vector<Index> part,
                              const std::vector<char>& left_out, std::vector<char> stays, bool over_surface) {
@@ -451,7 +451,7 @@ Simplification simplify(const Points& positions, const Points& normals, Index k,
     stays[i] = 0;
   }
   for (const Index i : protected_points) stays[i] = 1;
-  // Distances alone space evenly: as many points must be left for the rings as if the finest spacing were everywhere.
+  // Distances alone space evenly: as many points must be left for the rings as for the finest spacing everywhere.
   const double finest = wanted.empty() ? 1.0 : std::min(1.0, *std::min_element(wanted.begin(), wanted.end()));
   const std::int64_t stop = static_cast<std::int64_t>(
       std::max<std::int64_t>(one_by_one, std::int64_t{kLeftForRings} * std::max(target, min_points)) / (finest * finest));

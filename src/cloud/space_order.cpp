@@ -12,12 +12,12 @@
 namespace deformable_surface::cloud {
 namespace {
 
-// Fewer points are in the caches in any order.
+// Fewer points fit in the caches in any order.
 constexpr Index kFewest = 20000;
-// Rows of a scan, leaves of a tree and tiles go from neighbour to neighbour; a shuffled cloud makes steps as long as the body. In
-// spacings of a flat square of as many points.
+// Rows of a scan, leaves of a tree and tiles go from neighbour to neighbour; in a shuffled cloud steps are as long as the body.
+// In spacings of a flat square of as many points.
 constexpr double kLongestStep = 8.0;
-// One step of so many is looked at.
+// One step in kSampled is measured.
 constexpr Index kSampled = 16;
 constexpr int kBits = 21;  // of each axis: three times this in 64
 

@@ -96,8 +96,8 @@ Loops countLoops(const DirectedEdges& edges, const std::vector<char>& open) {
 Topology measureTopology(const Rings& rings) {
   const Index n = rings.ring.size();
 
-  // Heavier triangles first; one that would use an edge a second time in the same direction overlaps what is there. One on which
-  // stars disagree must join two triangles that are there: with less it may hang over them.
+  // Heavier triangles first. A triangle that would use an edge a second time in the same direction overlaps another. One on which
+  // stars disagree must join two existing triangles: otherwise it may lie above them.
   std::vector<Index> order(rings.triangles.size());
   std::iota(order.begin(), order.end(), 0);
   std::stable_sort(order.begin(), order.end(),

@@ -79,7 +79,7 @@ void ConvexCell::cut(const Vec3& normal, double offset, int label) {
   std::swap(first_, kept_first_);
 }
 
-// What has fewer than three corners is an edge that is left, no facet.
+// A facet with fewer than three corners is only an edge and is dropped.
 void ConvexCell::endFacet(int label) {
   if (static_cast<Index>(kept_.size()) - kept_first_.back() < 3) {
     kept_.resize(kept_first_.back());
@@ -101,7 +101,7 @@ Vec3 ConvexCell::area(int label) const {
 
 double ConvexCell::volume() const {
   if (corners_.empty()) return 0.0;
-  // From one of its corners, so that nothing large cancels.
+  // Relative to one of its corners, so that no large terms cancel.
   const Vec3& from = corners_.front();
   double six_times = 0.0;
   for (std::size_t f = 0; f + 1 < first_.size(); ++f)

@@ -11,8 +11,8 @@
 namespace deformable_surface::geometry {
 namespace {
 
-// Directions closer than this are one: far above rounding, so that the hull never has to decide between points in line with the
-// origin, and far below the angle between true neighbours.
+// Directions closer than this count as one: far above rounding, so that the hull never has to decide between points collinear
+// with the origin, and far below the angle between true neighbours.
 constexpr double kSameDirection = 1e-12;
 
 // True if the angles at a and c of the quadrilateral a b c d (counter-clockwise) sum to at least a straight angle less tie: the
@@ -43,8 +43,8 @@ void DelaunayStarBuilder::sortByDirection(const std::vector<Vec2>& points) {
     angle_.push_back(directionOf(points[i]));
     unsorted_.push_back({angle_.back(), squared_distance, i});
   }
-  // The place of each is the number of those before it: for a few dozen, counting in vector instructions beats a sort, whose
-  // branches are beyond prediction.
+  // The place of each is the number of those before it. For a few dozen, counting in vector instructions is faster than a sort,
+  // whose branches are unpredictable.
   const Index m = static_cast<Index>(unsorted_.size());
   place_.assign(m, 0);
   for (Index b = 0; b < m; ++b) {
@@ -146,9 +146,9 @@ void DelaunayStarBuilder::openRing(const std::vector<Vec2>& points, double max_g
   std::rotate(star_.cell_size.begin(), star_.cell_size.begin() + start, star_.cell_size.end());
 }
 
-// Takes members off the ends of an open ring while the outermost triangle has an angle beyond max_gap at the member next to the
-// end: seen from there it is a gap, so all three corners agree that there is no triangle. On a straight edge this is the triangle
-// of no area that rounding makes of three points in line.
+// Removes members from the ends of an open ring while the outermost triangle has an angle beyond max_gap at the member next to
+// the end: seen from there it is a gap, so that all three corners agree that there is no triangle. On a straight edge this is the
+// degenerate triangle of three collinear points.
 void DelaunayStarBuilder::trimRing(const std::vector<Vec2>& points, double max_gap_cosine) {
   if (!star_.open) return;
   std::vector<Index>&ring = star_.ring, &cell_size = star_.cell_size;

@@ -20,7 +20,7 @@ constexpr double kConverged = 1e-12;  // of the squares, in one iteration
 using Unknowns = Eigen::Matrix<double, kUnknowns, 1>;
 using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 
-// A torus, or with a ring of no radius that never changes a sphere, whose radius is then that of the tube. The columns of `frame`
+// A torus or, with a ring of fixed radius zero, a sphere whose radius is that of the tube. The columns of `frame`
 // are two directions across the axis and the axis.
 struct Shape {
   Vec3 center;
@@ -99,7 +99,7 @@ FittedShape fit(const char* name, const Points& points, bool is_sphere) {
   }
   Sums sums = sumUp(shape, points);
   for (int k = 0; k < kMaxIterations; ++k) {
-    // What has no derivative (a sphere's tilt) is not changed: the factorisation leaves out what has no pivot.
+    // Unknowns without a derivative (a sphere's tilt) do not change: the factorisation skips zero pivots.
     const Shape next = shape.moved(sums.normal.ldlt().solve(sums.descent));
     const Sums next_sums = sumUp(next, points);
     if (!(next_sums.squares < sums.squares)) break;

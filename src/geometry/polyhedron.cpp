@@ -87,7 +87,7 @@ void Polyhedron::mergeVertices(const Points& vertices, const std::vector<Triangl
   if (triangles_.empty()) throw InputError("found triangles whose corners coincide only; accepted: a closed mesh");
 }
 
-// Refuses what is not closed, and turns all triangles if they show inwards.
+// Refuses open surfaces, and flips all triangles if they face inwards.
 void Polyhedron::orient() {
   std::vector<Edge> edges;
   for (std::size_t t = 0; t < triangles_.size(); ++t)

@@ -47,7 +47,7 @@ SignedDistance fromProfile(const Vec2 (&corners)[n], const Vec3& p) {
       away = gap;
     }
   }
-  // Inside, or on the surface: along the face that is nearest. Outside: away from the nearest point.
+  // Inside, or on the surface: along the nearest face. Outside: away from the nearest point.
   const bool outside = deepest > 0.0 && nearest > 0.0;
   const Vec2 normal = outside ? Vec2(away / nearest) : face;
   return {outside ? nearest : deepest, normal.x() * radial + normal.y() * Vec3::UnitZ()};

@@ -30,7 +30,7 @@ std::string join(const std::vector<std::string>& parts) {
   return text;
 }
 
-/// The points of a cloud that are still there, and how the others went.
+/// The remaining points of a cloud, and how the others were removed.
 class Filtering {
  public:
   explicit Filtering(PointCloud& cloud) : cloud_(cloud), removed_by_(cloud.positions.size(), RemovedBy::kNone) {
@@ -39,7 +39,7 @@ class Filtering {
   }
 
   const PointCloud& cloud() const { return cloud_; }
-  /// Indices of those that are still there, ascending.
+  /// Indices of the remaining points, ascending.
   const std::vector<Index>& alive() const { return alive_; }
   Points points() const {
     Points points;
@@ -49,7 +49,7 @@ class Filtering {
   }
   const std::vector<RemovedBy>& removedBy() const { return removed_by_; }
 
-  /// Takes the points away for which find(k, i), of the k-th that is still there, the cloud's i-th, does not say kNone.
+  /// Removes the points for which find(k, i) is not kNone; k: among the remaining points, i: in the cloud.
   template <class Find>
   void remove(const Find& find) {
     std::size_t left = 0;
@@ -92,7 +92,7 @@ std::string describe(const Filtering& filtering) {
          " m";
 }
 
-/// Every so many-th of the points that a ball of this radius around one of them holds enough for a median and not many more.
+/// A regular sample of the points such that a ball of this radius around one of them holds enough for a median, and few more.
 Points thin(const Points& points, double radius) {
   constexpr std::size_t kWanted = 24;  // the median of as many has a quarter of the noise of one
   constexpr std::size_t kAsked = 64;   // points that stand for all
@@ -109,8 +109,8 @@ Points thin(const Points& points, double radius) {
   return thinned;
 }
 
-/// Of each point its height above the plane, or the median of those within the radius, where that can say something else: farther
-/// off all within it lie on the point's own side of the layer.
+/// The height of each point above the plane, or the median of those within the radius where this can differ: farther
+/// off, all within it lie on the point's own side of the layer.
 std::vector<double> findHeights(const PlaneFilterParams& params, const Plane& plane, const Points& points) {
   std::vector<double> heights;
   heights.reserve(points.size());

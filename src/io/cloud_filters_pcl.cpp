@@ -15,10 +15,10 @@ namespace {
 
 using Cloud = pcl::PointCloud<pcl::PointXYZ>;
 
-// A share of points is known to half a percent from as many, and each trial counts them all.
+// This many points give a share to half a percent, and each trial counts them all.
 constexpr std::size_t kMostForPlane = 10000;
 constexpr double kMissed = 1e-4;  // chance that a plane of min_share is not found
-// Nor is one of that share, which is large, where min_share is larger: the plane that is refused is the largest, too.
+// For a larger min_share this share is used: it is large, and a refused plane is then the largest, too.
 constexpr double kLargeShare = 0.3;
 
 Vec3 findMiddle(const Points& points) {
@@ -27,9 +27,9 @@ Vec3 findMiddle(const Points& points) {
   return sum / static_cast<double>(points.size());
 }
 
-/// Every step-th point, about the middle, since PCL has 24 bits for a coordinate.
+/// Every step-th point, relative to the middle: PCL has 24 bits for a coordinate.
 Cloud::Ptr toPcl(const Points& points, const Vec3& middle, std::size_t step) {
-  // PCL writes its complaints to the console; ours are sentences.
+  // PCL would print its messages to the console.
   pcl::console::setVerbosityLevel(pcl::console::L_ALWAYS);
   Cloud::Ptr cloud(new Cloud);
   cloud->reserve(points.size() / step + 1);
@@ -45,7 +45,7 @@ Cloud::Ptr toPcl(const Points& points, const Vec3& middle, std::size_t step) {
 std::optional<Plane> findLargestPlane(const Points& points, double distance, double min_share) {
   if (points.size() < 3) return std::nullopt;
   const Vec3 middle = findMiddle(points);
-  // Three points on the plane are found by a trial with the probability of their share, cubed.
+  // A trial picks three points on the plane with the probability of their share, cubed.
   const double all_on_plane = std::pow(std::min(min_share, kLargeShare), 3);
   pcl::SACSegmentation<pcl::PointXYZ> search;  // its random numbers begin alike each time
   search.setModelType(pcl::SACMODEL_PLANE);
@@ -82,7 +82,7 @@ std::vector<char> findOutliers(const Points& points, const simulation::OutlierPa
   } else {
     pcl::StatisticalOutlierRemoval<pcl::PointXYZ> filter;
     filter.setInputCloud(cloud);
-    // PCL reads as many distances as it was asked for, also where there are fewer points.
+    // PCL reads as many distances as it was asked for, even if there are fewer points.
     filter.setMeanK(std::min(params.neighbors, static_cast<Index>(points.size()) - 1));
     filter.setStddevMulThresh(params.deviations);
     filter.filter(kept.indices);

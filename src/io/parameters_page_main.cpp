@@ -1,4 +1,4 @@
-// Prints what is made from the schema of scenes: the page docs/parameters.md, or with --scene the file scenes/default.yaml.
+// Prints the pages made from the schema of scenes: docs/parameters.md, or with --scene scenes/default.yaml.
 #include "deformable_surface/io/scene.h"
 
 #include <cstdio>

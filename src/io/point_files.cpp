@@ -68,7 +68,7 @@ PointCloud toCloud(const std::string& file, const Table& table) {
     taken.insert(taken.end(), normals.begin(), normals.end());
   }
 
-  // What is left travels along; "_" is padding.
+  // Other fields are kept as extra fields; "_" is padding.
   for (const pcl::PCLPointField& field : data.fields) {
     if (field.name == "_" || std::count(taken.begin(), taken.end(), &field)) continue;
     ExtraField extra{field.name, static_cast<ScalarType>(field.datatype), std::max(1u, static_cast<unsigned>(field.count)), {}};
@@ -112,7 +112,7 @@ cloud::PointCloud readPointFile(const std::string& file, double scale, Index max
   } else {
     refuse(file, "found the extension " + quote(extension) + "; accepted: .pcd, .ply, .obj, .xyz");
   }
-  // All-zero normals are how some writers say that there are none.
+  // Some writers use all-zero normals for no normals.
   const auto is_zero = [](const Vec3& normal) { return normal == Vec3::Zero(); };
   if (std::all_of(cloud.normals.begin(), cloud.normals.end(), is_zero)) cloud.normals.clear();
   for (Vec3& position : cloud.positions) position *= scale;

@@ -102,95 +102,114 @@ void decompressRows(const std::string& file, const std::string& body, Table& tab
   }
 }
 
-}  // namespace
-
-/// PCL's own reader follows broken headers out of its memory, so only the decompression is PCL's.
-Table readPcd(const std::string& file, Index max_points) {
-  const Head head = readHead(file, "DATA");
-  Table table;
+/// The entries of a header, by field, and what follows from the counts.
+struct Header {
   std::vector<std::string> names, sizes, types, counts, viewpoint;
-  std::uint64_t width = 0, height = 1;
-  bool has_points = false;
+  std::uint64_t width = 0, height = 1, points = 0;
   std::string encoding;
+};
+
+Header readHeader(const std::string& file, const Head& head) {
+  Header h;
+  bool has_points = false;
   for (const std::vector<std::string>& words : head.lines) {
     if (words.size() < 2) continue;
     const std::vector<std::string> rest(words.begin() + 1, words.end());
-    if (words[0] == "FIELDS" || words[0] == "COLUMNS") names = rest;
-    if (words[0] == "SIZE") sizes = rest;
-    if (words[0] == "TYPE") types = rest;
-    if (words[0] == "COUNT") counts = rest;
-    if (words[0] == "WIDTH") width = toCount(file, rest[0]);
-    if (words[0] == "HEIGHT") height = toCount(file, rest[0]);
-    if (words[0] == "VIEWPOINT") viewpoint = rest;
-    if (words[0] == "DATA") encoding = rest[0];
+    if (words[0] == "FIELDS" || words[0] == "COLUMNS") h.names = rest;
+    if (words[0] == "SIZE") h.sizes = rest;
+    if (words[0] == "TYPE") h.types = rest;
+    if (words[0] == "COUNT") h.counts = rest;
+    if (words[0] == "WIDTH") h.width = toCount(file, rest[0]);
+    if (words[0] == "HEIGHT") h.height = toCount(file, rest[0]);
+    if (words[0] == "VIEWPOINT") h.viewpoint = rest;
+    if (words[0] == "DATA") h.encoding = rest[0];
     if (words[0] == "POINTS") {
-      table.points = toCount(file, rest[0]);
+      h.points = toCount(file, rest[0]);
       has_points = true;
     }
   }
-  if (counts.empty()) counts.assign(names.size(), "1");
-  if (names.empty() || sizes.size() != names.size() || types.size() != names.size() || counts.size() != names.size()) {
+  if (h.counts.empty()) h.counts.assign(h.names.size(), "1");
+  if (h.names.empty() || h.sizes.size() != h.names.size() || h.types.size() != h.names.size() ||
+      h.counts.size() != h.names.size()) {
     refuse(file, "found FIELDS, SIZE, TYPE and COUNT of different lengths in the header; accepted: one entry for each field");
   }
+  if (!has_points) h.points = h.width * h.height;
+  return h;
+}
 
-  // Bytes and scalars of one point.
+/// Adds the fields to the table and returns the number of scalars in a point.
+std::uint64_t addFields(const std::string& file, const Header& h, Table& table) {
   std::uint64_t step = 0, scalars = 0;
-  for (std::size_t f = 0; f < names.size(); ++f) {
+  for (std::size_t f = 0; f < h.names.size(); ++f) {
     // In the order of ScalarType, which begins at 1.
     static const std::vector<std::string> kTypes{"I1", "U1", "I2", "U2", "I4", "U4", "F4", "F8"};
-    const auto type = std::find(kTypes.begin(), kTypes.end(), types[f] + sizes[f]);
+    const auto type = std::find(kTypes.begin(), kTypes.end(), h.types[f] + h.sizes[f]);
     if (type == kTypes.end()) {
-      refuse(file, "found the type " + quote(types[f] + sizes[f]) + " for the field " + quote(names[f]) +
+      refuse(file, "found the type " + quote(h.types[f] + h.sizes[f]) + " for the field " + quote(h.names[f]) +
                        "; accepted: F4, F8, I1, I2, I4, U1, U2, U4");
     }
     pcl::PCLPointField field;
-    field.name = names[f];
+    field.name = h.names[f];
     field.datatype = static_cast<std::uint8_t>(type - kTypes.begin() + 1);
     field.offset = static_cast<std::uint32_t>(step);
-    const std::uint64_t count = toCount(file, counts[f]);
+    const std::uint64_t count = toCount(file, h.counts[f]);
     scalars += count;
     if (count == 0 || scalars > kMaxScalars) {
-      refuse(file, "found " + quote(counts[f]) + " as the COUNT of the field " + quote(names[f]) +
+      refuse(file, "found " + quote(h.counts[f]) + " as the COUNT of the field " + quote(h.names[f]) +
                        "; accepted: from 1, and at most " + std::to_string(kMaxScalars) + " in all");
     }
     field.count = static_cast<std::uint32_t>(count);
     step += count * cloud::sizeOf(static_cast<ScalarType>(field.datatype));
     table.data.fields.push_back(field);
   }
-  if (!has_points) table.points = width * height;
-  if (table.points != width * height) {
-    refuse(file, "found " + std::to_string(table.points) + " points in " + std::to_string(width) + " x " +
-                     std::to_string(height) + "; accepted: POINTS = WIDTH * HEIGHT");
-  }
-
-  // Too many points are refused before anything is multiplied by them, and a short file before memory is taken.
-  const std::uint64_t body_bytes = head.file_bytes - head.header_bytes;
-  checkCounts(file, table.points, body_bytes, 0, max_points);
-  if (encoding == "ascii") {
-    // The last line may lack its end.
-    checkCounts(file, table.points, body_bytes + 1, table.points * scalars * kMinTextBytes, max_points);
-  } else if (encoding == "binary") {
-    checkCounts(file, table.points, body_bytes, table.points * step, max_points);
-  } else if (encoding == "binary_compressed") {
-    checkCounts(file, table.points, kMaxCompression * body_bytes, table.points * step, max_points);
-  } else {
-    refuse(file, "found DATA " + quote(encoding) + "; accepted: ascii, binary, binary_compressed");
-  }
-  table.data.width = static_cast<std::uint32_t>(width);
-  table.data.height = static_cast<std::uint32_t>(height);
   table.data.point_step = static_cast<std::uint32_t>(step);
+  return scalars;
+}
+
+/// Too many points are refused before anything is multiplied by them, and a short file before memory is allocated.
+void checkBody(const std::string& file, const Header& h, std::uint64_t body_bytes, std::uint64_t step, std::uint64_t scalars,
+               Index max_points) {
+  if (h.points != h.width * h.height) {
+    refuse(file, "found " + std::to_string(h.points) + " points in " + std::to_string(h.width) + " x " +
+                     std::to_string(h.height) + "; accepted: POINTS = WIDTH * HEIGHT");
+  }
+  checkCounts(file, h.points, body_bytes, 0, max_points);
+  if (h.encoding == "ascii") {
+    // The last line may lack its end.
+    checkCounts(file, h.points, body_bytes + 1, h.points * scalars * kMinTextBytes, max_points);
+  } else if (h.encoding == "binary") {
+    checkCounts(file, h.points, body_bytes, h.points * step, max_points);
+  } else if (h.encoding == "binary_compressed") {
+    checkCounts(file, h.points, kMaxCompression * body_bytes, h.points * step, max_points);
+  } else {
+    refuse(file, "found DATA " + quote(h.encoding) + "; accepted: ascii, binary, binary_compressed");
+  }
+}
+
+}  // namespace
+
+/// PCL's own reader follows broken headers out of its memory, so only the decompression is PCL's.
+Table readPcd(const std::string& file, Index max_points) {
+  const Head head = readHead(file, "DATA");
+  const Header h = readHeader(file, head);
+  Table table;
+  const std::uint64_t scalars = addFields(file, h, table), step = table.data.point_step;
+  checkBody(file, h, head.file_bytes - head.header_bytes, step, scalars, max_points);
+  table.points = h.points;
+  table.data.width = static_cast<std::uint32_t>(h.width);
+  table.data.height = static_cast<std::uint32_t>(h.height);
   table.data.data.resize(table.points * step);
   const std::string body = readBody(file, head);
-  if (encoding == "ascii") {
+  if (h.encoding == "ascii") {
     parseRows(file, body, table);
-  } else if (encoding == "binary") {
+  } else if (h.encoding == "binary") {
     std::memcpy(table.data.data.data(), body.data(), table.data.data.size());
   } else {
     decompressRows(file, body, table);
   }
-  for (std::size_t c = 0; c < 3 && c < viewpoint.size(); ++c) {
-    const Value number = parseNumber(viewpoint[c]);
-    if (number.isNull()) refuse(file, "found " + quote(viewpoint[c]) + " in VIEWPOINT; accepted: numbers");
+  for (std::size_t c = 0; c < 3 && c < h.viewpoint.size(); ++c) {
+    const Value number = parseNumber(h.viewpoint[c]);
+    if (number.isNull()) refuse(file, "found " + quote(h.viewpoint[c]) + " in VIEWPOINT; accepted: numbers");
     table.viewpoint[static_cast<int>(c)] = number.asReal() ? *number.asReal() : static_cast<double>(*number.asInteger());
   }
   return table;

@@ -19,10 +19,10 @@ constexpr Index kMaxWidth = 16;  // blocks in a panel: its part that the product
 constexpr Index kLook = 64;      // columns, or products of panels, between two looks at an interrupt
 constexpr Index kPadding = 3;    // numbers that a tile reads beyond the last row of a panel
 
-// Zeros that a panel may hold to become wider: any in the narrowest, as these cost more in handling than in arithmetic.
+// How many zeros a panel may hold in exchange for its width: any in narrow ones, whose handling costs more than arithmetic.
 bool isWorthMerging(Index width, double zeros, double size) { return width <= 4 || zeros <= (width <= 16 ? 0.3 : 0.1) * size; }
 
-// tile (4 V x 3) = sum over p of a(:, p) b(:, p)^T, of a the first 4 V rows and of b the first 3.
+// tile (4 V x 3) = sum over p of a(:, p) b(:, p)^T, with the first 4 V rows of a and the first 3 of b.
 template <int V>
 DEFORMABLE_SURFACE_INLINE void multiplyTile(Index depth, const double* a, const double* b, Index stride, double* tile) {
   Double4 sum[3][V] = {};
@@ -127,7 +127,7 @@ std::vector<Index> findTree(const Lists& upper) {
   return parent;
 }
 
-// Where each node of a tree goes so that subtrees stand together, each before its parent. Parents have larger numbers.
+// The place of each node of a tree such that subtrees are contiguous, each before its parent. Parents have larger numbers.
 std::vector<Index> findPostorder(const std::vector<Index>& parent) {
   const Index n = static_cast<Index>(parent.size());
   std::vector<Index> size(n, 1), place(n), last(n);  // last: the place that the next subtree of a node ends before

@@ -51,8 +51,8 @@ bool BlockSparse::finish() {
   return true;
 }
 
-// The blocks there were, those that wait and the diagonal, by column and row. A first filling names each block many times, so
-// that nothing here may cost more than a look at each.
+// The existing blocks, pending ones and the diagonal, by column and row. A first filling names each block many times, so
+// that the cost per entry must be small.
 void BlockSparse::buildPattern() {
   const Index n = pattern_.size();
   Lists waiting;  // of each column, in the order in which they came
@@ -65,7 +65,7 @@ void BlockSparse::buildPattern() {
 
   const Lists before = std::exchange(pattern_, Lists());
   const std::vector<Mat3> values_before = std::exchange(values_, {});
-  std::vector<Index> moved(values_before.size()), found(pending_.size());  // the slots of those before and of those that wait
+  std::vector<Index> moved(values_before.size()), found(pending_.size());  // slots of existing and of pending blocks
   std::vector<Index> slot(n), seen(n, -1);                                 // of a row; the last column that it was seen in
   std::vector<Index> rows;
   pattern_.offsets.assign(1, 0);
@@ -95,7 +95,7 @@ void BlockSparse::buildPattern() {
     Entry& entry = order_[k];
     if (entry.slot >= 0) {
       entry.slot = moved[entry.slot];
-    } else if (k < next_) {  // those behind are left of a filling that was given up
+    } else if (k < next_) {  // entries after it are left of an abandoned filling
       entry.slot = *next_found++;
     }
   }

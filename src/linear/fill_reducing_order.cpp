@@ -23,7 +23,7 @@ std::vector<Index> order(const Eigen::SparseMatrix<double>& lower) {
 
 }  // namespace
 
-// Eigen's ordering cannot be interrupted. Nobody waits for one that is no longer wanted: it ends by itself in its own thread.
+// Eigen's ordering cannot be interrupted. After an interrupt nobody waits for it: it ends in its own thread.
 std::vector<Index> findFillReducingOrder(Eigen::SparseMatrix<double> lower) {
   const std::atomic<bool>* const interrupt = currentInterrupt();
   if (!interrupt || lower.rows() < kMany) return order(lower);

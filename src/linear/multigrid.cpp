@@ -9,16 +9,16 @@ namespace deformable_surface {
 namespace {
 
 constexpr Index kBlock = 512;       // points a task
-constexpr Index kFewest = 200;      // points that are solved for: a factor of them costs less than a sweep of thousands
+constexpr Index kFewest = 200;      // points that are solved for directly: their factor costs less than a sweep of thousands
 constexpr double kDamping = 0.7;    // of a sweep: eigenvalues over the diagonal reach two
-constexpr double kOvershoot = 1.6;  // of what the next level says: constants on aggregates are stiffer than what they stand for
+constexpr double kOvershoot = 1.6;  // of the next level's correction: constants on aggregates are too stiff
 
 struct Rows {
   const Index *offsets, *columns;
   const double *values, *diagonal, *inverse, *share;
 };
 
-// What a sweep from zero leaves of b, summed over the members of aggregates [begin, end).
+// Residual of b after a sweep from zero, summed over the members of aggregates [begin, end).
 DEFORMABLE_SURFACE_WIDE void restrict(Index begin, Index end, const Rows& a, const Index* first_member, const Index* members,
                                       const double* b, double* to) {
   for (Index g = begin; g < end; ++g) {
@@ -38,7 +38,7 @@ DEFORMABLE_SURFACE_WIDE void restrict(Index begin, Index end, const Rows& a, con
   }
 }
 
-// A sweep from zero, and what the next level adds to it.
+// A sweep from zero, plus the correction of the next level.
 DEFORMABLE_SURFACE_WIDE void correct(Index begin, Index end, const Rows& a, const Index* aggregate, const double* b,
                                      const double* next, double* start) {
   for (Index i = begin; i < end; ++i) {
@@ -90,7 +90,7 @@ void Multigrid::makeRows(Level& level) {
   level.x = level.start = level.b;
 }
 
-// A point and all around it, wherever nobody of them is taken yet; who is left joins a neighbour's.
+// Aggregates: a point and its neighbours, if none of them is taken yet; remaining points join a neighbour's aggregate.
 void Multigrid::aggregate(Level& level, Level& next) {
   const Index n = level.n;
   level.aggregate.assign(n, -1);
@@ -162,7 +162,7 @@ void Multigrid::setValues(const std::vector<double>& diagonal, const std::vector
   factor_.factorize(last_.diagonal, last_.of_pairs);  // diagonally dominant as the first: it cannot fail
 }
 
-// Points that are coupled to none are done by the sweeps alone: they stand for nothing on the next level.
+// Points without couplings are solved by the sweeps alone: they have no share in the next level.
 void Multigrid::setLevel(std::size_t l) {
   Level& level = levels_[l];
   Level& next = l + 1 < levels_.size() ? levels_[l + 1] : last_;

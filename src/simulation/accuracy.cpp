@@ -17,25 +17,25 @@ namespace {
 using Candidate = AccuracyChoice::Candidate;
 using solve::IntegratorType;
 
-// The membranes that are tried: each has this share of the stiffness of the one before, so that its steps take half as many
+// Each membrane that is tried has this share of the stiffness of the one before, so that its steps take half as many
 // sub-steps.
 constexpr double kSofter = 0.25;
-constexpr double kWorthwhile = 0.9;  // of the work: what a softer membrane must save, else bending or loads ask for the sub-steps
-// Points times sub-steps of a probe, about ten seconds of one core: a finer one is not begun if it would take more, and more than
-// all probes before it.
+constexpr double kWorthwhile = 0.9;  // of the work: a softer membrane must save this, else bending or loads set the sub-steps
+// Points times sub-steps of a probe, about ten seconds of one core. A finer probe is not begun if it would take more than this
+// and more than all probes before it.
 constexpr double kMostWork = 1e8;
-// Clouds of up to so many points try all of them before all numbers but the fewest, for two seconds at most: what that shows no
-// guess has to say.
+// For clouds of up to this many points, all points are tried after the smallest number, for two seconds at most. That replaces
+// guesses.
 constexpr Index kSmall = 8 * kFewestTried;
 constexpr double kMostWorkOfSmall = 2e7;
 // Cost of an explicit step by the number of points: the sub-steps grow with its root.
 constexpr double kCostExponent = 1.5;
-constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only ever makes them slower
-constexpr int kSettled = 25;    // steps of a probe that fits: the last ones see a surface in motion, whose sub-steps are finer
+constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only makes steps slower
+constexpr int kSettled = 25;    // steps of a probe that fits: the last ones are of a moving surface, whose sub-steps are finer
 
 std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
 
-// The softest membrane whose estimate stays below the wish, and how far the probe with it is from the one with the stated
+// The softest membrane whose estimate stays below the target, and the distance of its probe from the one with the stated
 // stiffness.
 void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, AccuracyChoice& choice) {
   const auto isBetter = [&](double share) {
@@ -54,7 +54,7 @@ void chooseMembrane(const SceneParams& params, const RestSurface& full, const Pr
   isBetter(share / std::sqrt(kSofter));  // half way back
 }
 
-// The trials of numbers of points.
+// Trials of increasing numbers of points.
 class Ladder {
  public:
   Ladder(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice)
@@ -62,8 +62,8 @@ class Ladder {
 
   Index size() const { return n_; }
 
-  /// Whether a trial of so many points can be afforded after this one, as far as this can tell. An equilibrium costs the most in
-  /// its first step; else every step costs about the same.
+  /// Whether a trial of so many points is affordable after this one, by an extrapolation. For an equilibrium the first step costs
+  /// the most; else every step costs about the same.
   bool canAfford(Index points, const Probe& last) {
     if (n_ <= kSmall && points < n_ && !has_tried_all_) tryAll();
     if (points == n_ && is_all_known_) return true;
@@ -71,7 +71,7 @@ class Ladder {
     return work * std::pow(static_cast<double>(points) / last.candidate.points, kCostExponent) <= grant();
   }
 
-  /// The trial of so many points; those of an equilibrium end at what can be afforded.
+  /// A trial of so many points. A trial of an equilibrium ends when it is no longer affordable.
   Probe take(Index points) {
     if (points == n_ && is_all_known_) return std::move(all_);
     return attempt(points, isStatic() ? grant() : std::numeric_limits<double>::infinity());
@@ -107,12 +107,12 @@ class Ladder {
   double spent_ = 0.0;  // work of all trials so far
 };
 
-// The fewest points whose estimate stays below the wish.
+// The fewest points whose estimate stays below the target.
 Index chooseByError(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
   Ladder ladder(params, full, choice);
   const Index n = ladder.size();
-  const double wish = params.accuracy.position_error;
-  const std::string asked = "accuracy.position_error " + formatReal(wish) + " m: ";
+  const double target = params.accuracy.position_error;
+  const std::string asked = "accuracy.position_error " + formatReal(target) + " m: ";
   for (Index points = std::min(kFewestTried, n);; points = std::min(2 * points, n)) {
     Probe probe = ladder.take(points);
     const bool is_affordable = !probe.is_cut || points == kFewestTried;
@@ -148,12 +148,12 @@ Index chooseByError(const SceneParams& params, const RestSurface& full, Accuracy
   return choice.points;
 }
 
-// What the step of a probe costs, s; taken: by which integrator.
+// Time of a step of the probe, s; taken: the integrator used.
 double timeProbe(const SceneParams& params, const RestSurface& full, Index points, IntegratorType type, IntegratorType& taken) {
   SceneParams quiet = params;
   quiet.integrator.type = type;
   quiet.accuracy = AccuracyParams{};
-  quiet.sleep.mode = Sleep::kNever;  // what is timed is a surface in motion
+  quiet.sleep.mode = Sleep::kNever;  // to time a surface in motion
   quiet.output.resample = false;
   EstimatedDynamics trial(quiet, buildTrial(quiet, full, points));
   if (params.accuracy.estimate && trial.dynamics().kind().traits().has_estimate) trial.estimateError();
@@ -166,7 +166,7 @@ double timeProbe(const SceneParams& params, const RestSurface& full, Index point
   return seconds;
 }
 
-// The most points whose step fits, by auto's integrator or, where that leads to a smaller estimate, by the other one.
+// The most points whose step fits, with auto's integrator or with the other one if that leads to a smaller estimate.
 Index chooseByBudget(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
   const Index n = static_cast<Index>(full.dense.positions.size());
   IntegratorType taken = IntegratorType::kVerlet;
@@ -192,7 +192,7 @@ double timeSteps(const std::function<double()>& step, double budget) {
   for (int k = 0; k <= kTimedSteps || (k < kSettled && spent < kSettled * budget); ++k) {
     const double seconds = step();
     if (!std::isfinite(seconds)) return seconds;
-    if (k == 0) continue;  // it also makes what later ones keep
+    if (k == 0) continue;  // it also builds what later steps reuse
     last[k % kTimedSteps] = seconds;
     spent += seconds;
   }

@@ -10,8 +10,8 @@ namespace {
 
 constexpr double kMostKept = 2e6;  // points whose positions are kept of a probe: some fifty megabytes
 
-// A Newton iteration over a sub-step of Verlet's, from 128 to 2048 points: between what was measured of sheets, whose factors are
-// sparser, and of spheres (docs/decisions/0006).
+// Cost of a Newton iteration over that of a Verlet sub-step, from 128 to 2048 points: between measurements on sheets, whose
+// factors are sparser, and on spheres (docs/decisions/0006).
 constexpr double kNewtonFactor = 3.8, kNewtonExponent = 0.8;
 constexpr double kQuasiNewtonWork = 3.0;  // of an iteration, in passes of forces: 0.06 ms beside 0.02 with 400 points
 
@@ -19,7 +19,7 @@ constexpr double kQuasiNewtonWork = 3.0;  // of an iteration, in passes of force
 
 double newtonWork(Index points) { return kNewtonFactor * std::pow(points, kNewtonExponent); }
 
-Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double wish,
+Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double target,
                  const Probe* beside, double most_work) {
   Probe probe;
   probe.candidate = tried;
@@ -56,9 +56,9 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     if (taken.iterations > 0) ++implicit_steps;
     probe.is_implicit = 2 * implicit_steps > k;
     probe.spent = probe.candidate.work;
-    if (probe.candidate.error <= wish && probe.candidate.work <= most_work) continue;
-    probe.is_cut = probe.candidate.error <= wish;
-    // What all of it would have cost is still of interest.
+    if (probe.candidate.error <= target && probe.candidate.work <= most_work) continue;
+    probe.is_cut = probe.candidate.error <= target;
+    // The cost of the full duration is still reported.
     probe.candidate.work *= static_cast<double>(steps) / k;
     probe.failed = true;
     return probe;

@@ -22,10 +22,10 @@ struct Probe {
   std::vector<double> apart;  // m, after each step the largest distance so far from the probe beside it
 };
 
-/// Runs a candidate: points, integrator and share of the membrane's stiffness. wish: the accuracy target, m.
+/// Runs a candidate: points, integrator and share of the membrane's stiffness. target: of the accuracy, m.
 /// beside: a probe of as many points from which the distance is measured, or null. most_work: see Candidate::work. A
 /// failed probe stops early; its work is extrapolated to the full duration.
-Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double wish,
+Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double target,
                  const Probe* beside = nullptr, double most_work = std::numeric_limits<double>::infinity());
 
 /// Cost of a Newton iteration on so many points, in sub-steps of Verlet.

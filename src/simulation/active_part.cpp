@@ -91,7 +91,7 @@ void ActivePart::put(State& state) const {
   putFriction(state.friction);
 }
 
-// Anchors of points that sleep stay.
+// Anchors of sleeping points stay.
 void ActivePart::putFriction(std::vector<contact::BodyAnchor>& friction) const {
   if (friction.empty() && state_.friction.empty()) return;
   const auto movesHere = [&](const contact::BodyAnchor& a) { return new_index_[a.point] >= 0 && isMoving(new_index_[a.point]); };

@@ -9,14 +9,14 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr double kCaution = 3.0;     // of estimates of a way by its largest speed and force; measured in docs/sleep.md
-constexpr double kTolerance = 1e-4;  // of the spacing: far below what the spacing itself leaves wrong
+constexpr double kTolerance = 1e-4;  // of the spacing: far below the error that the spacing itself causes
 constexpr Index kTilePoints = 16;    // four by four: little more than a poke moves, and few enough lists
 constexpr int kLooks = 8;            // in a quiet time: a look costs two evaluations of the forces
-constexpr double kWorth = 0.25;      // of what moves: fewer leave only together with others, since making a part anew costs
+constexpr double kWorth = 0.25;      // of the moving points: smaller groups wait for others, since a new part costs time
 constexpr double kWhole = 0.7;       // of all points: if more move, all do, since a part has its walls beside
 constexpr double kRounding = 8.0;    // of the force that is rounding in one sum: forces are sums of sums
-constexpr int kMargin = 1;           // rings of tiles around what moves
-constexpr int kMostMargin = 3;  // of those that a front is to find awake: more cost more than to make a part less often saves
+constexpr int kMargin = 1;           // rings of awake tiles around those that move
+constexpr int kMostMargin = 3;       // largest such margin ahead of a front: more costs more than making parts less often saves
 
 // Halves along the longest axis until few enough are left. Ties by index.
 void split(const Points& points, std::vector<Index>::iterator begin, std::vector<Index>::iterator end, Lists& tiles) {
@@ -86,7 +86,7 @@ void Activity::leaveParts() {
 
 double Activity::acceleration() const { return 2.0 / kCaution * tolerance_ / (quiet_time_ * quiet_time_); }
 
-// visit returns false to end.
+// Ends early if visit returns false.
 template <class Visit>
 void Activity::forEachPoint(Index tile, const State& state, Visit&& visit) const {
   if (tile_of_.empty()) {
@@ -159,7 +159,7 @@ void Activity::wakeIn(const Eigen::AlignedBox3d& given) {
   if (any) grow(kMargin, kMargin);
 }
 
-// Tiles that are not quiet, disturbed sleepers included, and those that share elements with them, and so on so many times.
+// Tiles that are not quiet, including disturbed sleepers, and the tiles that share elements with them, `rings` times over.
 void Activity::findNeeded(int rings) {
   for (Index t = 0; t < numTiles(); ++t) needed_[t] = !isQuiet(t);
   if (tile_of_.empty()) return;
@@ -170,7 +170,7 @@ void Activity::findNeeded(int rings) {
   for (int ring = 0; ring < rings; ++ring) addRing();
 }
 
-// The partners of those that came last are all that can be new.
+// Only partners of the tiles added last can be new.
 void Activity::addRing() {
   needed_points_.clear();
   for (const Index t : ring_) needed_points_.insert(needed_points_.end(), tiles_.begin(t), tiles_.end(t));
@@ -197,7 +197,7 @@ Index Activity::countPoints(const std::vector<char>& tiles) const {
   return sum;
 }
 
-// Where fewer rings than are to be kept move, so many are made. Returns true if more tiles move.
+// If fewer than `kept` rings move, makes `made` of them move. Returns true if more tiles move.
 bool Activity::grow(int kept, int made) {
   if (isWhole()) return false;
   findNeeded(kept);
@@ -241,7 +241,7 @@ bool Activity::isLookDue() {
   return num_quiet_ > 0;
 }
 
-// Whether a force, N, moves a point of the system faster than may be lost.
+// Whether a force, N, accelerates a point of the system more than the tolerance allows.
 bool Activity::isPushed(const solve::System& system, Index k, double force) const {
   return !system.isHeld(k) && !(force <= acceleration() * system.masses()[k]);
 }
@@ -250,11 +250,11 @@ bool Activity::fallAsleep(const solve::System& system, double time, const State&
                           State& whole) {
   const auto tileAt = [&](Index k) { return tileOf(points ? (*points)[k] : k); };
   for (Index t = 0; t < numTiles(); ++t) leaves_[t] = memory_.moves[t] && isQuiet(t);
-  if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;  // at no cost while next to nothing is quiet
+  if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;  // costs nothing while almost nothing is quiet
   findLeaving(memory_.margin);
   if (countPoints(leaves_) < kWorth * countPoints(memory_.moves)) return false;
 
-  // As they would lie there.
+  // The same state at rest.
   still_ = state;
   for (Index k = 0; k < still_.size(); ++k) {
     if (!leaves_[tileAt(k)]) continue;
@@ -282,9 +282,9 @@ bool Activity::fallAsleep(const solve::System& system, double time, const State&
   return moveOnlyNeeded(whole);
 }
 
-// How far from here those that leave would settle: with the acceleration r of a point at rest, its velocity v, and the frequency
-// w of the motion that they are in, v / w + r / w^2. w^2 is Rayleigh's quotient of the way d = T v + T^2 r / 2 that they would go
-// at first, as the forces change along it. Infinite if nothing draws them back. still_: with their velocities; forces_: at rest.
+// Distance from here to where the leaving points would settle: with the acceleration r of a point at rest, its velocity v, and
+// the frequency w of its motion, v / w + r / w^2. w^2 is Rayleigh's quotient of the path d = T v + T^2 r / 2 that they would take
+// at first, from the change of forces along it. Infinite without a restoring force. still_: with velocities; forces_: at rest.
 double Activity::estimateLoss(const solve::System& system, double time, const std::vector<Index>* points) {
   const Index n = still_.size();
   const std::vector<double>& masses = system.masses();
@@ -359,7 +359,7 @@ bool Activity::beginAsleep(const solve::System& system, double time, State& whol
   findLeaving(memory_.margin);
   const bool pays = countPoints(leaves_) >= kWorth * countPoints(memory_.moves);
   const bool any = pays && moveOnlyNeeded(whole);
-  // Those that move may not go to sleep for having been in balance before they were pushed.
+  // Moving tiles may not go to sleep because they were in balance before they were pushed.
   for (Index t = 0; !any && t < numTiles(); ++t) memory_.quiet[t] = 0;
   return any;
 }

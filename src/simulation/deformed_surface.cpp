@@ -118,7 +118,7 @@ const Surface& DeformedSurface::make(const model::State& state, bool with_normal
   return surface_;
 }
 
-// What a surface of points that are neither inserted, born nor gone is: its rows depend on the simulation points nearby alone.
+// A surface without inserted, added and removed points: its rows depend only on simulation points nearby.
 bool DeformedSurface::isInTiles() const {
   return !follower_ && !resampler_ && params_.transfer.normals == transfer::NormalMethod::kGradient;
 }
@@ -136,7 +136,7 @@ void DeformedSurface::groupRows() {
     if (point_of_input[i] >= 0) rows_.items[next[tileOf(point_of_input[i])]++] = i;
 }
 
-// The rows of a tile are filled in as soon as its points are there. Rows without a point are NaN for ever.
+// The rows of a tile are filled in as soon as its points are computed. Rows without a point stay NaN.
 void DeformedSurface::moveTiles(const Points& positions, bool with_normals) {
   const Index n = input_.size();
   surface_.num_input = n;
@@ -213,8 +213,8 @@ void DeformedSurface::analyseNormals() {
   }
 }
 
-// Of the inserted points, over the surface: an inserted point lies in the cell of the first of those between which it was
-// inserted.
+// For inserted points, along the surface: an inserted point lies in the cell of the first of the two points between which it
+// was inserted.
 Lists DeformedSurface::findFollowed() const {
   std::vector<Index> owner = rest_.cells.owner;
   for (const auto& [a, b] : resampler_->parents()) owner.push_back(owner[a]);

@@ -8,20 +8,20 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Lengths of the waves that are looked at, in spacings: copies of a quarter of the points show what is longer than eight of the
-// simulation points, and the full cloud nothing shorter than four of its own. Of folds that the points show in part, the twin
-// sees the longer ones.
+// Range of wave lengths, in spacings. Copies with a quarter of the points show waves longer than eight spacings of the
+// simulation points, and the full cloud none shorter than four of its own. Of folds that the points show in part, the twin
+// detects the longer ones.
 constexpr double kLongest = 8.0, kLongestFold = 4.0, kShortest = 4.0;
 constexpr int kDirections = 8;  // along which waves are looked at, over half a turn
 
 // Fitted on scenes that benchmark/calibration_section.cpp draws; see docs/accuracy_control.md.
 constexpr double kGrown = 3.0;       // logarithm of a growth: twenty times; the full cloud's forces peak higher
-constexpr double kGrownFold = 10.0;  // the same of folds: those of one triangle that grow less come to nothing
+constexpr double kGrownFold = 10.0;  // the same for folds: those of one triangle that grow less have no effect
 constexpr double kOverloaded = 1.6;  // of an equilibrium, over the load at which dents begin
-// Of the classical buckling pressure under a force: spheres that are not perfect bear a part of it.
+// Of the classical buckling pressure under a force: imperfect spheres bear a part of it.
 constexpr double kPushed = 0.12;
-// The same where buckling is possible: by as much as it takes for a disturbance to count, fifty times; and by what shells that
-// are far from perfect may bear.
+// The same limits for possible buckling: a growth by fifty times, after which a disturbance counts, and the loads that very
+// imperfect shells may bear.
 constexpr double kMayHaveGrown = 3.9, kMayBeOverloaded = 0.4, kMayBePushed = 0.03;
 constexpr double kSharp = 0.96;      // |n_i - n_j| of unit normals a radian apart
 constexpr double kShortDents = 1.4;  // (D / (S k^2))^(1/4) over the spacing, below which dents are too short for the points
@@ -87,8 +87,8 @@ DentWatch::DentWatch(const model::MaterialParams& material, const Points& points
 
 void DentWatch::reset() { growth_.assign((has_short_dents_ ? 1 : 2) * triangles_.size(), 0.0); }
 
-// The sum of the cross products of the edges at a point, each over the squares of their lengths: on a sphere that is its normal,
-// whatever the triangles [Max 1999].
+// The sum of the cross products of the edges at a point, each divided by the squares of their lengths: on a sphere it is the
+// normal, whatever the triangles [Max 1999].
 void DentWatch::findNormals(const Points& positions) {
   std::fill(normals_.begin(), normals_.end(), Vec3::Zero());
   for (const Triangle& t : triangles_) {
@@ -104,7 +104,7 @@ void DentWatch::findNormals(const Points& positions) {
   }
 }
 
-// The membrane force by Green's strain, and the change of the normals along the surface.
+// The membrane force from Green's strain, and the change of the normals along the surface.
 DentWatch::Local DentWatch::measure(const Triangle& t, const Points& positions) const {
   Eigen::Matrix<double, 3, 2> edges, turns;
   for (int c = 0; c < 2; ++c) {
@@ -126,7 +126,7 @@ double DentWatch::findTurn(const Triangle& t) const {
   return largest;
 }
 
-// The right side of the equation over rho at the direction and k that make it largest, 1/s^2. least: of k^2.
+// The largest value of the right side of the equation over rho, over directions and k, 1/s^2. least: of k^2.
 double DentWatch::findAcceleration(const Local& local, double least) const {
   double largest = -std::numeric_limits<double>::infinity();
   for (const Direction& d : kDirectionsOfWaves) {

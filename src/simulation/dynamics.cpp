@@ -1,5 +1,5 @@
-// How a dynamics is made, begun anew and set: what its parts are told when tools, materials or the method change. Apart from the
-// step, which only uses what is set here.
+// Construction, resets and settings of a dynamics: updates of its parts when tools, materials or the method change. Steps only
+// use what is set here.
 #include "dynamics.h"
 
 #include "deformable_surface/base/error.h"
@@ -87,7 +87,7 @@ void Dynamics::reset() {
   part_.reset();
   now_.followed.clear();
   part_march_ = {};
-  loads_.contact.setTools({});  // by which the rate of contact must not be measured
+  loads_.contact.setTools({});  // the rate of contact must not be measured with tools
   if (loads_.self_contact) loads_.self_contact->setMayAct(false);
   loads_.choose();
   now_.contact_rate = 0.0;
@@ -107,7 +107,7 @@ std::vector<AnchorLoad::Anchor> Dynamics::makeAnchors() const {
   return list;
 }
 
-// On the points that are there.
+// On the present points.
 void Dynamics::placeAnchors() {
   loads_.anchors = AnchorLoad(makeAnchors());
   if (!kind_.traits().has_population) return;
@@ -143,7 +143,7 @@ void Dynamics::giveContactTools() {
   loads_.contact.setTools(pushing);
 }
 
-// Tells the model what its points are made of. Returns whether that is news to it.
+// Gives the model the materials of its points. Returns whether they have changed.
 bool Dynamics::applyMaterial() {
   if (values_.empty()) return false;
   std::vector<model::PointMaterial> now = findShares(chosen_.made, params_.material, values_);
@@ -165,14 +165,14 @@ void Dynamics::setContactRate(double rate) {
   if (loads_.self_contact) loads_.self_contact->contact.setRate(kSelfContactRate / kContactRate * rate);
 }
 
-// Contact as stiff as the surface's own stiffest motion at rest bears: the stable step stays nearly what it is without. Once,
-// before the first tool or, with self-contact, the first step.
+// Contact as stiff as the surface's own stiffest motion at rest: the stable step then stays nearly the same. Done once,
+// before the first tool or, with self-contact, before the first step.
 void Dynamics::findContactRate() {
   State at_rest;
   at_rest.positions = rest_->points;
   at_rest.velocities.assign(rest_->points.size(), Vec3::Zero());
   beginAtRest(*model_, at_rest);
-  // The points at rest have clamps of their own: particles may have gone and come since.
+  // The points at rest have clamps of their own: particles may have been removed and added since.
   std::vector<char> now_held = rest_->pinned, now_held_turns = rest_->pinned_turns;
   held_.swap(now_held);
   held_turns_.swap(now_held_turns);
@@ -183,7 +183,7 @@ void Dynamics::findContactRate() {
   setContactRate(kContactRate * 2.0 / (std::isfinite(stable) ? stable : params_.integrator.time_step));
 }
 
-// With another stiffness. What tools hold up stays up.
+// After a change of the stiffness. Points held up by tools stay held up.
 void Dynamics::findContactRateAgain() {
   const std::vector<ContactLoad::Body> bodies = loads_.contact.all();
   loads_.contact.setTools({});

@@ -195,6 +195,10 @@ class Dynamics {
 
   // A step and its parts.
   void carryOut(const Request& request, std::optional<InterruptScope>& scope, Outcome& outcome);
+  void beginSelfContact(double dt, std::string& notice);
+  void beginToolContact(double now, double dt, Outcome& outcome);
+  solve::TimeMarch::Outcome advanceFromStart(double now, bool is_elsewhere);
+  std::string describeStopped();
   static void refuse(const std::string& why, Outcome& outcome);
   bool beginElsewhere(const Request& request);
   bool isHeldAround() const;

@@ -1,5 +1,5 @@
-// What commands do to a dynamics, and the one place in which conclusions are drawn from what was changed. Commands come checked
-// (command_checks.h).
+// The effects of commands on a dynamics, and the one function that wakes, restarts and chooses after changes. Commands are
+// checked before (command_checks.h).
 #include "dynamics.h"
 
 #include "deformable_surface/base/random.h"
@@ -14,7 +14,7 @@ Changes Dynamics::apply(const Command& command) {
   return changes;
 }
 
-// Nothing else wakes, restarts and chooses after a change.
+// Nothing else wakes parts, restarts the march or chooses loads after a change.
 void Dynamics::follow(const Changes& changes) {
   if (changes.material) findContactRateAgain();
   if (changes.motion) march_.restart();
@@ -29,7 +29,7 @@ void Dynamics::follow(const Changes& changes) {
   revision_ += changes.material || changes.motion || changes.everywhere || changes.loads || changes.parts;
 }
 
-// The points on which it acts are disturbed, whatever it becomes.
+// The points on which the force acts are disturbed, whatever changes.
 Changes Dynamics::changeForce(const std::string& id) {
   Changes changes;
   changes.loads = true;
@@ -106,7 +106,7 @@ Changes Dynamics::perform(const command::Pin& c) {
       now_.pinned_turns[i] = 1;
       if (!now_.points.spins.empty()) now_.points.spins[i].setZero();
     }
-  std::vector<char> kept(inside.size());  // on the pins that carry them
+  std::vector<char> kept(inside.size());  // on their moving pins
   for (std::size_t i = 0; i < kept.size(); ++i) kept[i] = !inside[i];
   grips_.keepOnPins(kept);
   Changes changes;
@@ -130,7 +130,7 @@ Changes Dynamics::perform(const command::PinAlong& c) {
   return changes;
 }
 
-// A coarser copy may have had no point in the region.
+// In a coarser copy the region may contain no point.
 Changes Dynamics::perform(const command::MovePin& c) {
   Changes changes;
   const Grips::Grip* const pin = grips_.findPin(c.id);
@@ -244,7 +244,7 @@ Changes Dynamics::perform(const command::GrowSurface& c) {
   return changes;
 }
 
-// Everything that is by point follows.
+// Renumbers everything that is stored by point.
 void Dynamics::followPopulation(const Population& population) {
   if (!population.new_index.empty()) {
     loads_.forces.renumber(population.new_index);
@@ -277,7 +277,7 @@ void Dynamics::disturb(double size) {
   follow(changes);
 }
 
-// By up to size along each axis, but for pinned points.
+// By up to size along each axis, except pinned points.
 void Dynamics::disturb(double size, Points& positions) const {
   std::uint32_t seed = kRandomSeed;
   for (std::size_t i = 0; i < positions.size(); ++i)

@@ -1,4 +1,4 @@
-// Which points of a dynamics are held: pins, those that go along a path, where they clamp, and what the evolution holds.
+// Constrained points of a dynamics: pins, pins with a path, where they clamp, and points that the evolution holds.
 #include "dynamics.h"
 
 #include <algorithm>
@@ -26,8 +26,8 @@ Lists findTwoRings(const Lists& ring, const std::vector<char>& marked) {
 
 }  // namespace
 
-// The first of the scene's pins that holds a point at rest or, where it rides on one, a neighbour of it; as many as there are:
-// none.
+// Index of the first pin of the scene that holds a point at rest or, for a point that rides on one, a neighbour of it; the number
+// of pins if there is none.
 std::size_t Dynamics::findPin(Index point) const {
   const std::vector<PinParams>& pins = params_.pins;
   const auto find = [&](Index i) -> std::size_t {
@@ -42,7 +42,7 @@ std::size_t Dynamics::findPin(Index point) const {
   return pin;
 }
 
-// Those that go along a path. A point of two pins goes with the first.
+// Starts the pins that follow a path. A point of two pins goes with the first.
 void Dynamics::placePins() {
   const std::vector<PinParams>& pins = params_.pins;
   grips_.clearPins();
@@ -56,7 +56,7 @@ void Dynamics::placePins() {
       grips_.addPin("pins[" + std::to_string(p) + "]", pins[p].path, 0.0, std::move(points[p]), now_.points);
 }
 
-// Where a region that has just been pinned or gripped ends; inside (m): its points.
+// The edge of a region that has just been pinned or gripped; inside (m): its points.
 ClampEdges Dynamics::findEdges(const std::vector<char>& inside, const Contains& contains) const {
   if (!canClamp(params_)) return {};
   const std::vector<char> clamping =
@@ -87,7 +87,7 @@ std::vector<Index> Dynamics::clampPin(const std::vector<char>& inside, const Con
   return riding;
 }
 
-// After points have been let go: what rode on them goes with them.
+// After points have been released: points that rode on them are released too.
 void Dynamics::endClamps() {
   if (!canClamp(params_)) return;
   const Lists& ring = rest_->rings.ring;
@@ -100,7 +100,7 @@ void Dynamics::endClamps() {
               edges.end());
 }
 
-// Of tools that have just taken hold.
+// Clamps the points of tools that have just taken hold.
 void Dynamics::clampGrips(const std::vector<std::size_t>& begun) {
   if (!canClamp(params_)) return;
   for (const std::size_t g : begun) {
@@ -116,8 +116,8 @@ void Dynamics::clampGrips(const std::vector<std::size_t>& begun) {
   }
 }
 
-// Tells the model what is held, in patches that move as one; what was measured and kept of it with other clamps is then worth
-// nothing.
+// Sets the held points in the model, in patches that move as one. With other clamps, everything measured and stored before is
+// void.
 void Dynamics::clampHeld() {
   held_ = now_.pinned;
   held_turns_ = now_.pinned_turns;

@@ -1,4 +1,4 @@
-// What a dynamics keeps for a step that is refused, gives to a snapshot and takes from one, and how it forks.
+// What a dynamics stores for a refused step, saves to a snapshot and restores from one, and how it forks.
 #include "dynamics.h"
 
 #include "deformable_surface/base/error.h"
@@ -50,7 +50,7 @@ void Dynamics::restore(const DynamicsState& saved, bool to_look) {
   giveBack(saved, to_look);
 }
 
-// Of a step that is refused; of a snapshot, after its settings.
+// For a refused step; for a snapshot, after its settings.
 void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   const auto& [waiting, motion, holding, settings] = saved;
   evolution_->setMemory(holding.evolution);

@@ -1,4 +1,4 @@
-// What the surface does to tools and pins, and whether it has snapped. Apart from the step, because nothing changes here.
+// Contact wrenches on tools and pins, and whether the surface has snapped. Nothing changes here.
 #include "dynamics.h"
 
 #include <algorithm>
@@ -66,7 +66,7 @@ std::vector<PinReaction> Dynamics::pinReactions() const {
 }
 
 bool Dynamics::hasSnapped() const {
-  // Many times what falling asleep may leave of a motion.
+  // Many times the motion that falling asleep may leave.
   constexpr double kStretched = 1e-3;
   if (!kind_.traits().can_snap || !activity_.isAsleep()) return false;
   if (!loads_.gravity.isEmpty() || !loads_.pressure.isEmpty() || !loads_.track.isEmpty()) return false;

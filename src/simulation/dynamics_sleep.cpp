@@ -1,4 +1,4 @@
-// What a step does where parts of the surface sleep: what wakes them, the step of what is awake, and what may fall asleep after
+// Steps while parts of the surface sleep: what wakes them, the step of the awake part, and what may fall asleep after
 // it.
 #include "dynamics.h"
 
@@ -9,7 +9,7 @@ namespace deformable_surface::simulation {
 
 using solve::IntegratorType;
 
-// An equilibrium couples everything, and parts that sleep would not feel others that come to lie on them.
+// An equilibrium couples everything, and sleeping parts would not notice others that come to lie on them.
 bool Dynamics::canBeInParts() const {
   return params_.integrator.type != IntegratorType::kStatic && !params_.contact.self && evolution_->maySleepInParts();
 }
@@ -18,7 +18,7 @@ bool Dynamics::maySleep() const {
   if (params_.sleep.mode == Sleep::kNever) return false;
   if (params_.sleep.mode == Sleep::kAuto && params_.integrator.type == IntegratorType::kExplicitEuler) return false;
   if (!loads_.track.seen().empty()) return false;
-  if (params_.output.resample) return false;  // what is inserted can ask for more in the next step
+  if (params_.output.resample) return false;  // points may be inserted in the next step
   return evolution_->maySleep();
 }
 
@@ -36,7 +36,7 @@ void Dynamics::followLoads() {
   follow(changes);
 }
 
-// An attraction that all points share, a grip that lets go at a force, and a pressure inside ask for all points.
+// An attraction of all points, a grip that releases at a force, and an inner pressure need all points.
 void Dynamics::setParts() {
   const bool is_blown = params_.pressure != 0.0 && isClosed(*model_);
   const bool only_wholly = is_blown || std::any_of(tools_.begin(), tools_.end(), [](const tool::ToolParams& tool) {
@@ -46,7 +46,7 @@ void Dynamics::setParts() {
   if (only_wholly && !activity_.isWhole() && !activity_.isAsleep()) wakeAll();
 }
 
-// Elements that come and go are those at these positions.
+// Elements that depend on the state are those at these positions.
 void Dynamics::followPartners(const Points& positions) {
   if (!activity_.isInParts() || !std::isfinite(model_->partition()->maxPartMotion())) return;
   State there;
@@ -69,7 +69,7 @@ NamedForces::Update Dynamics::wakeForStep(double now, double dt) {
     activity_.wake(update.points);
     ++revision_;
   }
-  // Where they are in the step, and were at the end of the one before.
+  // The boxes of changed tools, at their places in the step and at the end of the step before.
   for (const Eigen::AlignedBox3d& box : tool_watch_.look(tools_, static_cast<double>(steps_ + 1) * dt, dt)) activity_.wakeIn(box);
   if (!tool_watch_.changed().empty()) ++revision_;
   grips_.findMovingPins(now, now + dt, moving_);
@@ -89,7 +89,7 @@ solve::TimeMarch::Outcome Dynamics::advanceWhole(double now) {
   return march_.step(now, now_.points);
 }
 
-// A step of what is awake. Where it reaches a wall within the step, the step is taken again with more of the surface.
+// A step of the awake part. If it reaches a wall within the step, the step is repeated with more of the surface.
 solve::TimeMarch::Outcome Dynamics::advance(double now) {
   if (!activity_.isWhole() && !maySleep()) wakeAll();
   if (activity_.isWhole()) return advanceWhole(now);
@@ -127,8 +127,8 @@ solve::TimeMarch::Outcome Dynamics::advance(double now) {
   return march_.step(now, now_.points);
 }
 
-// In the first step of a state: what a force or a tool that comes in this step disturbs does not sleep. The step that wakes it is
-// the one that somebody waits for, so that what can be known before is found out now.
+// In the first step of a state: points disturbed by a force or a tool that comes in this step do not sleep. A caller waits for
+// the step that wakes them, so that as much as possible is computed now.
 void Dynamics::beginAsleep(double now) {
   if (!activity_.isFresh() || !maySleep()) return;
   followPartners(now_.points.positions);
@@ -141,11 +141,11 @@ void Dynamics::beginAsleep(double now) {
   ++revision_;
 }
 
-// After a step that was taken.
+// After a successful step.
 void Dynamics::considerSleep(const solve::SolveReport& report) {
   if (!maySleep()) return;
   if (params_.integrator.type == IntegratorType::kStatic) {
-    // It has found everything where it was, and would again. What has just come may act from the next step on only.
+    // The search ended where it began, and would again. New commands only act from the next step on.
     const bool is_found = report.converged && report.iterations == 0;
     if (is_found && grips_.isEmpty() && tool_watch_.changed().empty()) activity_.sleepWholly(now_.points);
     return;

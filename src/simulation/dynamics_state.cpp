@@ -36,7 +36,7 @@ std::size_t sumInside(const Parts&... parts) {
 
 }  // namespace
 
-// The bindings name every member, so that none is forgotten: a new one does not compile before it is here.
+// The structured bindings name every member: a new member does not compile before it is counted here.
 std::size_t DynamicsState::bytes() const {
   const auto& [steps, forces, watched, activity, march, part_march, has_part] = waiting;
   const auto& [points, pinned, pinned_turns, clamp_edges, membrane_share, contact_rate, followed] = motion;

@@ -1,5 +1,5 @@
-// A step of a dynamics, in its order, and what belongs to single parts of it. What acts in a step is set elsewhere
-// (dynamics.cpp), what sleeps through it too (dynamics_sleep.cpp).
+// The step of a dynamics, in its order. The loads of a step are set elsewhere
+// (dynamics.cpp), as is what sleeps through it (dynamics_sleep.cpp).
 #include "dynamics.h"
 
 #include "deformable_surface/base/notice.h"
@@ -19,7 +19,7 @@ double findLargestDistance(const Points& a, const Points& b) {
   return std::sqrt(squared);
 }
 
-// What may change before it is known that the step is good is kept, and given back whatever it was that refused it.
+// Everything that may change before the step is known to be good is stored, and restored for whatever reason it is refused.
 bool Dynamics::beginStep() {
   keepWaiting(before_.waiting);
   const bool was_asleep = activity_.isAsleep();
@@ -64,7 +64,7 @@ Dynamics::Outcome Dynamics::takeStep(const Request& request) {
   return outcome;
 }
 
-// As if the last step had not been taken.
+// Undoes the last step.
 void Dynamics::undoStep() {
   if (!has_slept_) return giveBack(before_, false);
   steps_ = before_.waiting.steps;
@@ -72,32 +72,20 @@ void Dynamics::undoStep() {
   tool_watch_.setMemory(before_.waiting.watched);
 }
 
-// In this order: what holds and loads -> sub-steps (forces, integration) -> checks.
+// In this order: constraints and loads -> sub-steps (forces, integration) -> checks.
 void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& scope, Outcome& outcome) {
   const double dt = params_.integrator.time_step, now = time();
   const bool is_static = params_.integrator.type == solve::IntegratorType::kStatic;
   State& points = now_.points;
   ContactLoad& contact = loads_.contact;
 
-  // What is held can have changed, and with it the clamps. Rounding of the time must not lose a step to the one before.
+  // Held points may have changed, and with them the clamps. Rounding of the time must not lose a step.
   clampHeld();
   Grips::Update grip;
   if (!grips_.isEmpty()) grip = updateGrips(now, dt);
   if (woken_.changed || grip.changed) followLoads();
   appendNotice(outcome.notice, grip.notice);
-  if (loads_.self_contact && steps_ == 0) {
-    const contact::PairList& pairs = loads_.self_contact->contact.pairs();
-    const Vec3& place = pairs.firstCrossing();
-    if (pairs.numCrossed() > 0)
-      appendNotice(outcome.notice, std::to_string(pairs.numCrossed()) +
-                                       " triangles are crossed by others at rest, one of them near (" + formatShort(place.x()) +
-                                       ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
-                                       ") m: there the surface passes through itself");
-  }
-  if (loads_.self_contact && loads_.self_contact->beginStep(points, dt)) {
-    if (!loads_.self_contact->mayAct()) points.self_friction.clear();
-    followLoads();
-  }
+  beginSelfContact(dt, outcome.notice);
   beginAsleep(now);
   if (activity_.isAsleep()) {
     woken_.notice = std::move(outcome.notice);
@@ -105,16 +93,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
     return;
   }
 
-  if (!contact.isEmpty()) {
-    const Timer contact_timer;
-    const bool has_changed = contact.beginStep(now, dt, points, held_);
-    appendNotice(outcome.notice, contact.news());
-    outcome.has_new_arrival = contact.hasNewArrival();
-    if (contact.hasNewDetour()) wakeAll();  // where it comes from nobody has looked for sleepers
-    if (has_changed) followLoads();
-    outcome.contact_seconds = contact_timer.seconds();
-  }
-
+  beginToolContact(now, dt, outcome);
   evolution_->beginStep(now, tools_, points.positions);
 
   if (is_static) {
@@ -127,20 +106,11 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   }
   std::optional<State> start;  // of a second search
   if (is_static && request.second_search > 0.0) start = points;
-  const bool is_elsewhere = beginElsewhere(request);
-  solve::TimeMarch::Outcome taken = advance(now);
-  if (is_elsewhere && !taken.ok) {
-    points.positions = rest_->points;
-    march_.restart();
-    taken = march_.step(now, points);
-  }
+  const solve::TimeMarch::Outcome taken = advanceFromStart(now, beginElsewhere(request));
   outcome.report = taken.report;
   appendNotice(outcome.notice, describeStep(taken, params_.integrator));
   if (!taken.ok) return refuse(describeFailure(taken.failure), outcome);
-  if (loads_.self_contact && loads_.self_contact->numStopped() > 0 && !std::exchange(has_said_stopped_, true))
-    appendNotice(outcome.notice, "parts of the surface met faster than the springs between them could stop; " +
-                                     std::to_string(loads_.self_contact->numStopped()) +
-                                     " points were stopped short in this step, which takes energy (statistics: stopped_points)");
+  appendNotice(outcome.notice, describeStopped());
   const Timer search_timer;
   if (start && taken.report.converged) outcome.second_distance = searchAgain(now, request.second_search, *start);
   outcome.search_seconds = search_timer.seconds();
@@ -152,7 +122,7 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   const auto [has_cut, has_flowed] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
   outcome.has_cut = has_cut;
   Changes changes;
-  // What was kept of the whole surface is worth nothing of one that is cut.
+  // Stored data of the whole surface are void once it is cut.
   changes.parts = changes.motion = outcome.has_cut;
   changes.everywhere = outcome.has_cut || has_flowed;
   if (has_flowed) march_.forcesChanged();
@@ -162,6 +132,49 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   last_substeps_ = static_cast<Index>(taken.report.substeps);
   if (!has_flowed) considerSleep(taken.report);
   ++revision_;
+}
+
+void Dynamics::beginSelfContact(double dt, std::string& notice) {
+  if (!loads_.self_contact) return;
+  const contact::PairList& pairs = loads_.self_contact->contact.pairs();
+  if (steps_ == 0 && pairs.numCrossed() > 0) {
+    const Vec3& place = pairs.firstCrossing();
+    appendNotice(notice, std::to_string(pairs.numCrossed()) + " triangles are crossed by others at rest, one of them near (" +
+                             formatShort(place.x()) + ", " + formatShort(place.y()) + ", " + formatShort(place.z()) +
+                             ") m: there the surface passes through itself");
+  }
+  if (!loads_.self_contact->beginStep(now_.points, dt)) return;
+  if (!loads_.self_contact->mayAct()) now_.points.self_friction.clear();
+  followLoads();
+}
+
+// Reported once until the next reset.
+std::string Dynamics::describeStopped() {
+  if (!loads_.self_contact || loads_.self_contact->numStopped() == 0 || std::exchange(has_said_stopped_, true)) return "";
+  return "parts of the surface met faster than the springs between them could stop; " +
+         std::to_string(loads_.self_contact->numStopped()) +
+         " points were stopped short in this step, which takes energy (statistics: stopped_points)";
+}
+
+void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
+  ContactLoad& contact = loads_.contact;
+  if (contact.isEmpty()) return;
+  const Timer contact_timer;
+  const bool has_changed = contact.beginStep(now, dt, now_.points, held_);
+  appendNotice(outcome.notice, contact.news());
+  outcome.has_new_arrival = contact.hasNewArrival();
+  if (contact.hasNewDetour()) wakeAll();  // sleeping points on the detour were not looked for
+  if (has_changed) followLoads();
+  outcome.contact_seconds = contact_timer.seconds();
+}
+
+// The sub-steps. An equilibrium that is not found from elsewhere is searched again from rest.
+solve::TimeMarch::Outcome Dynamics::advanceFromStart(double now, bool is_elsewhere) {
+  solve::TimeMarch::Outcome taken = advance(now);
+  if (!is_elsewhere || taken.ok) return taken;
+  now_.points.positions = rest_->points;
+  march_.restart();
+  return march_.step(now, now_.points);
 }
 
 void Dynamics::refuse(const std::string& why, Outcome& outcome) {
@@ -183,9 +196,8 @@ bool Dynamics::isHeldAround() const {
   return Eigen::AlignedBox3d(pins.min() - rounding, pins.max() + rounding).contains(middle);
 }
 
-// A first equilibrium is looked for from that of fewer points, except where steps that cost little find it from rest, and with
-// grips: what these clamp can be a hinge to fewer points. Returns
-// whether the state was changed.
+// Starts the search for a first equilibrium from that of fewer points, unless cheap steps find it from rest or there are grips:
+// what these clamp can be a hinge to fewer points. Returns whether the state was changed.
 bool Dynamics::beginElsewhere(const Request& request) {
   if (!request.find_start || loads_.self_contact || params_.integrator.type != solve::IntegratorType::kStatic ||
       system_.isOriented() || steps_ > 0)
@@ -202,7 +214,7 @@ bool Dynamics::beginElsewhere(const Request& request) {
   return true;
 }
 
-// The parts without an equilibrium. Without links, or where these come and go within a step (particles), all points count as one
+// The parts without an equilibrium. Without links, or if these change within a step (particles), all points count as one
 // part.
 void Dynamics::findLoose(double time) {
   const Index n = now_.points.size();
@@ -219,7 +231,7 @@ void Dynamics::findLoose(double time) {
   loose_.find(held_, load_stiffness_, forces_on_all_, now_.points.positions, loads_.contact, time);
 }
 
-// Returns what a user should know of it, if that is news.
+// Returns the notice about loose parts if it is new.
 std::string Dynamics::holdLoose() {
   if (loose_.numPoints() > 0)
     for (Index i = 0; i < now_.points.size(); ++i) {
@@ -232,8 +244,8 @@ std::string Dynamics::holdLoose() {
   return is_news ? loose_.describe() : "";
 }
 
-// The same step from disturbed positions, of which nothing is left: how far from the equilibrium it ends, m, infinity where it
-// finds none. An equilibrium near where the search began is not searched for again; nothing, if interrupted.
+// Repeats the step from disturbed positions, on a copy: distance of its end from the equilibrium, m, infinity if it finds none.
+// Zero if the equilibrium is near the start of the first search, which needs no second one; none if interrupted.
 std::optional<double> Dynamics::searchAgain(double now, double disturbance, model::State& start) const {
   const Points& found = now_.points.positions;
   if (findLargestDistance(found, start.positions) < std::sqrt(rest_->area / now_.points.size())) return 0.0;
@@ -255,7 +267,7 @@ Grips::Update Dynamics::updateGrips(double now, double dt) {
   return update;
 }
 
-// Before the step: what of the model changes beside the motion.
+// Before the step: changes of the model beside the motion.
 std::string Dynamics::live(double now, double dt) {
   const Evolution::Change change = evolution_->beforeStep(now, dt, tools_, now_.points);
   if (change.has_energy) march_.restart();

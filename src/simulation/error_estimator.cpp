@@ -13,32 +13,32 @@ namespace {
 
 using solve::IntegratorType;
 
-constexpr Index kFineness = 2;  // of the copy in finer sub-steps: what it differs by is then a known share of the error
-// At least, even if the copy happened to take hardly more sub-steps than the other, as in the first steps near a tool.
+constexpr Index kFineness = 2;  // of the copy in finer sub-steps: the difference is then a known share of the error
+// At least, even if the copy happened to take few sub-steps more than the other, as in the first steps near a tool.
 constexpr double kLeastFineness = 1.5;
 
-// Fitted on scenes that benchmark/calibration_section.cpp draws by other seeds; see docs/accuracy_control.md.
-constexpr double kSpaceFactor = 1.6;  // also of what transfer loses, and of solids
+// Fitted on scenes that benchmark/calibration_section.cpp draws with other seeds; see docs/accuracy_control.md.
+constexpr double kSpaceFactor = 1.6;  // also for losses of the transfer, and for solids
 constexpr double kVerletFactor = 3.0, kDampingFactor = 2.0;
 
-// With fewer simulation points estimates were below errors, and with more than this share of the input's, but not all: what is
-// left out then hardly shows in copies of a quarter of the points.
+// With fewer simulation points estimates were below errors. The same holds for more than this share of the input's points, except
+// all: what is left out then hardly shows in copies with a quarter of the points.
 constexpr Index kFewestCalibrated = 128;
 constexpr double kMostCalibrated = 0.5;
 
-// The twin's disturbance over the spacing of the copies: of the size of the errors that the simulation has anyway, which are
-// those of simplification or, where all points are simulated, of time stepping.
+// The twin's disturbance over the spacing of the copies: about the size of the errors that the simulation has anyway, by
+// simplification or, where all points are simulated, by time stepping.
 constexpr double kDisturbance = 1e-3, kDisturbanceOfFull = 1e-6;
-// The twin's distance, over the spacing, that ends the estimate. Smooth motions let the larger disturbance grow by a few times.
+// Distance of the twin, over the spacing, that ends the estimate. In smooth motions the disturbance grows by a few times.
 constexpr double kChaoticDistance = 0.05;
-// And of a twin that is apart by other things as well: by what halved steps of a method that damps change, or, in a body, by
-// waves shorter than a few sub-steps that a sudden force sends through it.
+// The same for a twin whose distance has other causes as well: the effect of halved steps of a damping method or, in a body,
+// waves shorter than a few sub-steps after a sudden force.
 constexpr double kChaoticDistanceOfOthers = 0.5;
-// The copies' sub-steps are never too many for Verlet where those of the simulation were not.
+// Verlet's sub-steps of the copies are never too many if those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
 
-// Methods whose steps damp, so that Verlet's, beside them, have no error worth counting: those of first order, and the implicit
-// one, whose second order shows only in what it resolves.
+// Methods with numerical damping; Verlet's error is negligible beside theirs: first-order methods, and the implicit
+// one, whose second order only shows in motions that it resolves.
 bool isDamping(IntegratorType type) {
   return type == IntegratorType::kImplicit || type == IntegratorType::kSymplecticEuler || type == IntegratorType::kExplicitEuler;
 }
@@ -75,7 +75,7 @@ ErrorEstimator::ErrorEstimator(const Dynamics& dynamics) : step_(dynamics.params
   coarse_now_ = surface.points;
   const IntegratorType type = params.integrator.type;
   const Index max_substeps = coarse.integrator.max_substeps;
-  // A copy can be far stiffer than the simulation, where few points show a rough surface: auto then leaves Verlet.
+  // A copy can be far stiffer than the simulation if few points show a rough surface: auto then leaves Verlet.
   if (type != IntegratorType::kAuto) coarse.integrator.max_substeps = kAnyNumber;
   twin_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
   shadow_ = std::make_unique<Dynamics>(coarse, copyCoarser(coarse, surface));
@@ -189,8 +189,8 @@ void ErrorEstimator::setState(const model::State& state) {
   seen_.follows_verlet = followed_verlet;
 }
 
-// Verlet's steps beside those of a method that damps, of a copy and of the twin. Where one of these leaves Verlet, the twin goes
-// on from the shadow, and where the simulation itself takes Verlet's steps.
+// Verlet steps of a copy and of the twin, beside those of a damping method. If one of these leaves Verlet, the twin continues
+// from the shadow; also if the simulation itself takes Verlet steps.
 void ErrorEstimator::followVerlet(IntegratorType type) {
   twin_->setIntegrator(IntegratorType::kAuto);
   twin_->setFineness(1);
@@ -204,11 +204,11 @@ void ErrorEstimator::followVerlet(IntegratorType type) {
   twin_->disturb(disturbance_);
 }
 
-// False if one of them took no sound step.
+// False if one of them could not take a sound step.
 bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   if (seen_.steps++ == 0) seen_.follows_verlet = verlet_ && isDamping(type);
   if (seen_.follows_verlet) followVerlet(type);
-  // Where Verlet's steps go wrong, auto rescues them.
+  // If Verlet steps fail, auto repeats them implicitly.
   const bool is_verlet = type == IntegratorType::kVerlet;
   shadow_->setIntegrator(is_verlet ? IntegratorType::kAuto : type);
   const Dynamics::Outcome shadow = step(*shadow_);
@@ -228,7 +228,7 @@ bool ErrorEstimator::stepCopies(IntegratorType type, Index substeps) {
   return shadow.ok && twin.ok;
 }
 
-// Steps watch for dents as they grow, equilibria for what is past them, and both for what forces press in.
+// In steps dents are watched as they grow; in equilibria the load counts; forces that press in count in both.
 Buckling ErrorEstimator::judgeBuckling(const Dynamics& level) {
   const Points& positions = level.state().positions;
   Buckling worst = level.lastIntegrator() == IntegratorType::kStatic ? dents_.judgeEquilibrium(positions)
@@ -270,7 +270,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
     return "the error cannot be estimated until the next reset: a coarser copy could take no sound step";
   }
 
-  // How far the simulation is from its shadow at the points of both, and what is lost where the others follow these.
+  // Distance of the simulation from its shadow at their common points, and the loss at the points that follow these.
   const Points& shadow = shadow_->state().positions;
   double apart = 0.0, lost = 0.0;
   if (is_simplified_ || is_body_) {
@@ -283,7 +283,7 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
     lost = findLargestDistance(refined_, positions);
   }
 
-  // An oscillating difference passes through zero, the error need not: the largest so far counts while damping lets it last.
+  // An oscillating difference passes through zero, unlike the error: the largest value so far counts as long as damping allows.
   const double lasting = type == IntegratorType::kStatic ? 0.0 : std::exp(-0.5 * level.system().damping() * step_);
   const auto hold = [&](double& held, double now) { held = std::max(lasting * held, now); };
   hold(seen_.space, kSpaceFactor * (is_body_ ? 1.0 : unresolved_) * apart);
@@ -321,9 +321,9 @@ std::string ErrorEstimator::learnSecondSearch(double distance) {
          std::to_string(1e3 * searchDisturbance()) + " mm away " + end + ", as where a surface has more than one";
 }
 
-// Beside a method that damps, Verlet's has no error worth counting, and the method's own is as its sub-steps. Where Verlet's do
-// not fit, half of it is what the method differs by from itself in halved steps. Else the errors of shadow and twin are as the
-// squares of their sub-steps.
+// Beside a damping method Verlet's error is negligible, and the method's own is proportional to its sub-steps. If Verlet does
+// not fit, half of the error is the difference between the method and itself with halved steps. Else errors of shadow and twin
+// are proportional to the squares of their sub-steps.
 double ErrorEstimator::measureTime(IntegratorType type) const {
   const Points& shadow = shadow_->state().positions;
   const double own = static_cast<double>(std::max<std::uint64_t>(1, seen_.substeps));

@@ -45,7 +45,7 @@ void EstimatedDynamics::restore(const DynamicsState& saved, const ErrorEstimator
   if (estimator_ && !estimate) estimator_->lose();
 }
 
-// The copies sleep, or will find what they have missed in the next step.
+// The copies sleep, or catch up in the next step.
 EstimatedDynamics::Outcome EstimatedDynamics::passStep() {
   Outcome outcome{dynamics_->passStep()};
   if (estimator_) estimator_->pass();
@@ -77,7 +77,7 @@ EstimatedDynamics::Outcome EstimatedDynamics::takeStep() {
   return outcome;
 }
 
-// The copies take the same step; if that is interrupted, none of them has.
+// The copies take the same step. If it is interrupted, none of them has taken it.
 void EstimatedDynamics::estimate(Outcome& outcome) {
   if (outcome.has_new_arrival) estimator_->adoptArrivals(dynamics_->loads().contact);
   if (outcome.has_cut) {

@@ -23,7 +23,7 @@ std::optional<double> findStatistic(const std::string& name, const Statistics& s
       if (field == name && name != "state_hash") found = static_cast<double>(value);
     }
   });
-  // Nothing was looked at.
+  // No buckling was watched.
   if (name == "may_buckle" && std::isnan(statistics.error_estimate)) found = statistics.error_estimate;
   return found;
 }
@@ -32,7 +32,7 @@ double computeVolumeRatio(const Simulation& simulation) {
   if (!isClosed(simulation.model())) {
     throw InputError("volume_ratio: found a surface with a boundary, which encloses no volume; accepted: a closed surface");
   }
-  // The rest state is not kept apart; the same input builds it again.
+  // The rest state is not stored; the same input builds it again.
   const Simulation rest(simulation.params(), simulation.input());
   return simulation.model().sides()->enclosedVolume(simulation.state()) / rest.model().sides()->enclosedVolume(rest.state());
 }
@@ -51,7 +51,7 @@ double findDistanceToShape(const CloudParams& cloud, const Vec3& p) {
 }
 
 // The largest or the root mean square distance of the simulation points from the shape, or from the tangent planes of the nearest
-// points of the input: how well a grown surface meets what was measured where it was not sampled.
+// points of the input: how accurate a grown surface is where nothing was sampled.
 std::optional<double> findDistanceQuantity(const std::string& name, const Simulation& simulation) {
   const bool to_shape = name.rfind("distance_to_shape_", 0) == 0, to_input = name.rfind("distance_to_input_", 0) == 0;
   if (!to_shape && !to_input) return std::nullopt;
@@ -79,7 +79,7 @@ std::optional<double> findDistanceQuantity(const std::string& name, const Simula
   return name.compare(name.size() - 3, 3, "max") == 0 ? largest : std::sqrt(squares / static_cast<double>(points.size()));
 }
 
-// Of the sphere or the torus that is nearest to the simulation points.
+// Of the sphere or torus fitted to the simulation points.
 std::optional<double> findFittedQuantity(const std::string& name, const Simulation& simulation) {
   using geometry::FittedShape;
   struct Quantity {
@@ -99,7 +99,7 @@ std::optional<double> findFittedQuantity(const std::string& name, const Simulati
   return std::nullopt;
 }
 
-// Particles may all be gone: what counts them is then 0, what is measured of them is nothing.
+// All particles may be gone: counts are then 0, measurements do not exist.
 void requirePoints(const std::string& name, Index points) {
   static const char* const kCounts[] = {"components", "boundary_loops", "euler_characteristic", "isolated", "added", "removed"};
   if (std::find(std::begin(kCounts), std::end(kCounts), name) != std::end(kCounts)) return;
@@ -116,7 +116,7 @@ std::optional<double> findContactQuantity(const std::string& name, const Simulat
   return *std::min_element(nearest.begin(), nearest.end());
 }
 
-// Of points without a link, and of what links connect.
+// Counts of points without a link, and of parts that links connect.
 std::optional<double> findLinkQuantity(const std::string& name, const Simulation& simulation) {
   if (name != "components" && name != "isolated") return std::nullopt;
   const Parts parts = findParts(simulation.state().size(), stretchLinksOf(simulation.model()));
@@ -124,7 +124,7 @@ std::optional<double> findLinkQuantity(const std::string& name, const Simulation
   return static_cast<double>(name == "isolated" ? isolated : parts.count() - isolated);
 }
 
-// What only some models have.
+// Quantities that only some models have.
 void refuseOthers(const std::string& name) {
   static const char* const kNames[] = {"boundary_loops", "euler_characteristic", "spacing_mean",
                                        "spacing_cv",     "spacing_max",          "added",

@@ -12,8 +12,8 @@ namespace {
 using Candidate = AccuracyChoice::Candidate;
 using solve::IntegratorType;
 
-constexpr double kWorthwhile = 0.9;     // of the work: what another integrator must save
-constexpr double kLeastIterations = 1;  // of an implicit step: what moves slowly takes little more
+constexpr double kWorthwhile = 0.9;     // of the work: another integrator must save this
+constexpr double kLeastIterations = 1;  // of an implicit step: slow motion takes few more
 constexpr double kMostWork = 1e8;       // points times sub-steps of a trial in the place of a failed one: ten seconds of one core
 
 constexpr double kComparedSteps = 200;  // a trial of two budgets' steps: a second at a budget of two milliseconds
@@ -27,16 +27,16 @@ bool mayChooseIntegrator(const SceneParams& params) {
 }
 
 void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice) {
-  const double wish = params.accuracy.position_error;
-  if (!failed.is_implicit || !(failed.candidate.error - failed.time_error <= wish)) return;
+  const double target = params.accuracy.position_error;
+  if (!failed.is_implicit || !(failed.candidate.error - failed.time_error <= target)) return;
   Candidate tried;
   tried.points = failed.candidate.points;
   tried.integrator = IntegratorType::kVerlet;
-  Probe probe = probeError(params, full, tried, wish, nullptr, kMostWork);
+  Probe probe = probeError(params, full, tried, target, nullptr, kMostWork);
   choice.candidates.push_back(probe.candidate);
   if (probe.failed) return;
   choice.why_integrator = "with verlet's sub-steps, though they are more than integrator.max_substeps " +
-                          std::to_string(params.integrator.max_substeps) + ": implicit steps damp by more than the wish";
+                          std::to_string(params.integrator.max_substeps) + ": implicit steps damp by more than the target";
   failed = std::move(probe);
 }
 
@@ -69,7 +69,7 @@ void compareIntegrators(const SceneParams& params, const RestSurface& full, Inte
     candidate.integrator = other;
     choice.candidates.push_back(candidate);
   }
-  // As few points in steps that damp are no better; what they lose where tools touch, coarser copies could miss.
+  // With fewer points, damping steps are no better, and coarser copies could miss their errors where tools touch.
   if (!with_other.is_met) return;
   if (choice.is_met && other == IntegratorType::kImplicit && !params.tools.empty()) return;
   if (choice.is_met && other == IntegratorType::kImplicit && with_other.points <= choice.points) return;

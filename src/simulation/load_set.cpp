@@ -34,7 +34,7 @@ void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index
   gravity.gravity = whole.gravity.gravity;
   anchors = whole.anchors;
   anchors.renumber(new_index);
-  // Each point keeps its share of a force of which others are left out.
+  // If a force acts on other points as well, each point here keeps its share.
   std::vector<NamedForces::Named> shared = whole.forces.all();
   for (NamedForces::Named& force : shared) {
     std::size_t kept = 0;

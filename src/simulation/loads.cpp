@@ -10,9 +10,9 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Far more forces than a scene uses; names that keep changing must not fill the memory.
+// Far more forces than scenes have. Ids that keep changing must not fill the memory.
 constexpr std::size_t kMaxTold = 1000;
-constexpr double kRounding = 1e-9;  // of a force: what is dropped of it below that is rounding
+constexpr double kRounding = 1e-9;  // of a force: a smaller dropped part is rounding
 
 DEFORMABLE_SURFACE_WIDE void addWeights(Index size, const double* mass, double x, double y, double z, double* force) {
 #pragma GCC ivdep
@@ -52,7 +52,7 @@ double PressureLoad::potential(double, const State& state) const {
 double PressureLoad::estimateWork(double, double, const State& before, const State& after) const {
   if (isClosed(model_)) return 0.0;
   const Index n = before.size();
-  between_ = before;  // areas may be those of particles, which their orientations tell
+  between_ = before;  // areas may be those of particles, which depend on orientations
   for (Index i = 0; i < n; ++i) between_.positions[i] = 0.5 * (before.positions[i] + after.positions[i]);
   for (std::size_t i = 0; i < before.orientations.size(); ++i)
     between_.orientations[i] = before.orientations[i].slerp(0.5, after.orientations[i]);
@@ -106,7 +106,7 @@ void AnchorLoad::addRowBounds(double, const State&, std::vector<double>& stiffne
 }
 
 bool actsInAStep(const ForceParams& force, double time_step, double duration) {
-  // The last digits of decimal fractions must not lose a step, as in Simulation::step().
+  // Rounding of decimal fractions must not lose a step, as in Simulation::step().
   const double rounding = 1e-6 * time_step;
   const double first = std::max(0.0, std::ceil((force.start - rounding) / time_step)) * time_step;
   return first + rounding < duration && first + rounding < force.end;
@@ -228,7 +228,7 @@ double NamedForces::potential(double, const State& state) const {
 std::vector<std::pair<Vec3, Vec3>> NamedForces::active(const State& state) const {
   std::vector<std::pair<Vec3, Vec3>> list;
   for (const Named& f : forces_) {
-    if (f.points.empty()) continue;  // not begun, or all that it acted on are gone
+    if (f.points.empty()) continue;  // not begun, or all of its points are gone
     Vec3 center = Vec3::Zero();
     for (std::size_t k = 0; k < f.points.size(); ++k) center += f.shares[k] * state.positions[f.points[k]];
     list.emplace_back(center, f.params.force);

@@ -10,7 +10,7 @@ namespace {
 constexpr Index kRatios[] = {16, 4};  // points of the level for one of a coarser surface
 constexpr Index kFewestPoints = 16;   // fewer hardly carry a shape
 
-// Positions of all points where those of a coarser surface are known; pinned ones stay.
+// Positions of all points, if those of a coarser surface are known; pinned ones stay.
 Points follow(const SceneParams& params, const RestSurface& fine, const RestSurface& coarse, const Points& coarse_now) {
   const transfer::Transfer transfer(fine.points, fine.normals, coarse.points, std::vector<char>(coarse.points.size(), 1),
                                     params.transfer);
@@ -47,7 +47,7 @@ Points findNestedStart(const SceneParams& params, const RestSurface& level, cons
       if (!outcome.ok || !outcome.notice.empty()) return {};  // a notice: not converged, or a force that finds no point there
       known = std::move(shape);
       known_now = dynamics.state().positions;
-      // Where steps that cost little have found it they will from further away, too, sooner than the next surface is built.
+      // If cheap steps found it here, they also find it from further away, sooner than the next surface is built.
       if (outcome.report.is_quasi_newton) break;
     }
   } catch (const InputError&) {

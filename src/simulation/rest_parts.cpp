@@ -63,7 +63,7 @@ std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const
   cloud::GeodesicNeighbors found = cloud::keepGeodesicNeighbors(graph, points, {}, std::move(neighbors));
   neighbors = std::move(found.lists);
   noteGaps(found, s);
-  // Where there is no gap, detours are those of paths from point to point, and weights by them would only make fits narrower.
+  // Without gaps, detours are those of paths from point to point; weights by them would only make fits narrower.
   if (!hasGaps(found, s)) return {};
   return cloud::geodesicWeights(graph, points, neighbors);
 }
@@ -99,14 +99,14 @@ std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dens
 
 namespace {
 
-// How wide the narrower of the two ways is in which points spread most, m: rows of points side by side have it, a single one has
-// next to none.
+// Width of points across the direction in which they spread most, m: rows of points side by side have one, a single row has
+// almost none.
 double measureBand(const Points& points) {
   Vec3 mean = Vec3::Zero();
   for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
   Mat3 spread = Mat3::Zero();
   for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
-  // Of an even spread over a length its square is a twelfth of the length's.
+  // The variance of an even distribution over a length is a twelfth of the length's square.
   return std::sqrt(12.0 * std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
 }
 

@@ -20,16 +20,16 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kAutoPoints = 1000;  // simulation points that auto keeps: a few per cent of real time on one core
-// Of simulation points, at least, for one loaded point that is kept: a load on more of them acts everywhere, and what is left
-// would sample nothing, above all in the error estimate's copies of a quarter of the points.
+// Simulation points, at least, per loaded point that is kept: a load on more of them acts everywhere, and no points would be
+// left to sample the surface, above all in the error estimate's copies with a quarter of the points.
 constexpr Index kPointsPerLoad = 10;
-// Of simulation points, at least, for one corner that is kept, if there are more corners than of any clean outline of few points.
 constexpr double kFarRows = 2.5;  // spacings along them: rows farther apart can come apart
+// Simulation points, at least, per corner that is kept, if there are more corners than any clean outline of few points has.
 constexpr Index kPointsPerCorner = 10, kCornersOfFew = 32;
 
 bool isZero(const Vec3& v) { return v.isZero(0.0); }
 
-// The parts of the dense points: what links between neighbours connect, over the surface or in the body.
+// The parts of the dense points, connected by links between neighbours, along the surface or in the body.
 Parts findDenseParts(const SceneParams& params, const FindNeighbors& find, const RestSurface& of) {
   const cloud::CleanCloud& dense = of.dense;
   const Index n = static_cast<Index>(dense.positions.size());
@@ -55,14 +55,14 @@ void warnOfRows(RestSurface& s) {
                        "them as few points do; a cloud sampled evenly avoids both");
 }
 
-// How many simulation points a threshold leaves, before they are chosen: rings of that diameter in a hexagonal lattice.
+// The expected number of simulation points for a threshold: rings of that diameter in a hexagonal lattice.
 Index expectPoints(double threshold, double area) {
   const double spacing = 0.5 * threshold;
   const double points = area / (0.5 * std::sqrt(3.0) * spacing * spacing);
   return points < kMaxIndex ? static_cast<Index>(points) : kMaxIndex;
 }
 
-// Adds the points at which loads act to those that are kept. fewest: how many simulation points there are at least.
+// Adds the points at which loads act to the kept ones. fewest: least number of simulation points.
 void keepLoadedPoints(const SceneParams& params, Index fewest, std::vector<Index>& kept, RestSurface& s) {
   if (!findModel(params.model).traits().is_tuned) return;  // its points keep to their lattice
   const std::vector<Index> loaded = chooseLoadedPoints(params, s.dense.positions);
@@ -75,7 +75,7 @@ void keepLoadedPoints(const SceneParams& params, Index fewest, std::vector<Index
   }
 }
 
-// Of simplification.density: adaptive. Empty where that is even spacing.
+// For simplification.density: adaptive. Empty if that gives even spacing.
 std::vector<double> wantSpacing(const SceneParams& params, const std::vector<char>& is_boundary, Index target, RestSurface& s) {
   std::vector<double> wanted = findWantedSpacing(params, is_boundary, target, s);
   if (wanted.empty()) {
@@ -135,7 +135,7 @@ cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, P
     rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals);
   else
     cloud::faceEye(s.dense.positions, *viewpoint, normals);
-  // A given normal is taken as it is where it agrees with the side.
+  // A given normal is kept as it is if it agrees with the side.
   if (!s.dense.normals.empty())
     for (Index i = 0; i < n; ++i)
       if (s.dense.normals[i].dot(normals[i]) > 0.0) normals[i] = s.dense.normals[i];

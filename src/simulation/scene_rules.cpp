@@ -1,10 +1,10 @@
-// What a scene may say depends on its model: the rules for what only some models have, and the models' own.
+// Rules for scenes that depend on the model: features that only some models have, and the models' own rules.
 #include "deformable_surface/simulation/model_kind.h"
 
 namespace deformable_surface::simulation {
 namespace {
 
-// The model of a scene; null where its name, which is refused elsewhere, is none.
+// The model of a scene; null if its name is unknown, which is refused elsewhere.
 const ModelKind* findKind(const std::string& name) {
   for (const ModelKind* kind : modelKinds())
     if (name == kind->name()) return kind;
@@ -56,9 +56,9 @@ void requireModel(Fields& fields, const SceneParams& p) {
                  "found true, but only " + listModels(&ModelTraits::meets_itself) + " has triangles that meet; accepted: false");
   fields.require(
       traits.is_tuned || !(p.accuracy.position_error > 0.0), "accuracy.position_error",
-      "found a wish, but only " + listModels(&ModelTraits::is_tuned) + " has its points chosen by the error; accepted: 0");
+      "found a target, but only " + listModels(&ModelTraits::is_tuned) + " has its points chosen by the error; accepted: 0");
   fields.require(traits.is_timed || !(p.accuracy.step_budget > 0.0), "accuracy.step_budget",
-                 "found a wish, which is not built for " + p.model + "; accepted: 0");
+                 "found a target, which is not built for " + p.model + "; accepted: 0");
   for (std::size_t i = 0; i < p.regions.size(); ++i) {
     const std::string problem = findMaterialProblem(p, p.regions[i].material);
     fields.require(problem.empty(), "regions[" + std::to_string(i) + "]", problem);

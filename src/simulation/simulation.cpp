@@ -1,4 +1,4 @@
-// The simulation: commands and steps go to its dynamics; what follows from them for those who look at it is done here.
+// The simulation: passes commands and steps to its dynamics, and updates what is displayed.
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
@@ -54,7 +54,7 @@ Changes Simulation::Impl::apply(const Command& command) {
   return changes;
 }
 
-// What happens from now on has not been tried.
+// From now on the run differs from the trial.
 void Simulation::Impl::leaveTrial(const char* how) {
   if (!(dynamics().params().accuracy.position_error > 0.0)) return;
   const std::string why = std::string(how) + ", which was not tried";
@@ -117,7 +117,7 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   surface.invalidate();
   surface.resample(dynamics().state());
   if (!run.estimator()) return;
-  // Asked for, kept in the trial, but not kept now; said once.
+  // The target was met in the trial but is missed now; reported once.
   const double target = dynamics().params().accuracy.position_error, error = run.estimator()->total() + softening;
   if (!(target > 0.0 && choice.is_met && error > target && std::isfinite(error)) || is_target_missed) return;
   appendNotice(taken.notice, "the estimated error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +

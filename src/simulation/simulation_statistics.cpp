@@ -1,5 +1,5 @@
-// What is measured of a simulation, and the surface that is made of its state. Apart from the step, because both are made only
-// when somebody asks.
+// Statistics of a simulation, and the surface of its state. Both are computed only on
+// demand.
 #include "simulation_impl.h"
 
 #include <algorithm>
@@ -10,7 +10,7 @@
 
 namespace deformable_surface::simulation {
 
-// The quantities of the state, computed when asked for.
+// Quantities of the state, computed on demand.
 const Statistics& Simulation::Impl::measure() {
   statistics.simulation_time = dynamics().time();
   statistics.step = dynamics().stepCount();
@@ -87,7 +87,7 @@ void Simulation::Impl::listSkipped() {
   list(now.loads().self_contact && !now.loads().self_contact->mayAct(), "self_contact");
 }
 
-// What a step did and took.
+// Results and costs of a step.
 void Simulation::Impl::takeStatistics(const EstimatedDynamics::Outcome& taken, double seconds) {
   const solve::SolveReport& report = taken.report;
   statistics.substeps = static_cast<std::uint32_t>(report.substeps);
@@ -109,7 +109,7 @@ const Surface& Simulation::Impl::makeSurface(bool with_normals) {
   if (surface.isMade() && (surface.hasNormals() || !wants_normals)) return surface.make(state, with_normals);
   const Timer timer;
   const Surface& made = surface.make(state, with_normals);
-  // The operator makes both in one pass; the time counts as that of what was asked for.
+  // The operator makes both in one pass; the time counts for what was asked for.
   (wants_normals ? statistics.time_normals : statistics.time_transfer) = timer.seconds();
   return made;
 }

@@ -1,4 +1,4 @@
-// What a simulation hands out of itself: snapshots, sights for viewers, and forks that go their own way.
+// Snapshots of a simulation, sights for viewers, and forks.
 #include "simulation_impl.h"
 
 #include "deformable_surface/base/error.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_surface::simulation {
 
-// Of what stays the same from step to step: the points at rest, and the scene but for what no step reads.
+// A hash of what does not change from step to step: the points at rest, and the scene without values that no step reads.
 std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const SceneParams& params) {
   SceneParams scene = params;
   scene.cloud = CloudParams();
@@ -50,7 +50,7 @@ Looks Simulation::Impl::saveLooks() const {
 void Simulation::Impl::restoreLooks(const Looks& saved) {
   softening = saved.softening;
   surface.restoreCut(saved.severed, stretchLinksOf(dynamics().model()));
-  // What a viewer has made of the same positions is as good as before.
+  // A viewer's surface of the same positions stays valid.
   if (!is_viewer || seen_revision != saved.surface_revision) surface.invalidate();
   if (is_viewer) seen_revision = saved.surface_revision;
   surface.restoreInserted(saved.resampler);

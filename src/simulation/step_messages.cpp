@@ -11,7 +11,7 @@ using solve::IntegratorType;
 using Failure = solve::StepFailure::Kind;
 using Outcome = solve::TimeMarch::Outcome;
 
-constexpr double kFar = 0.01;  // of the largest force: what is left unbalanced is no matter of more iterations
+constexpr double kFar = 0.01;  // of the largest force: above it, more iterations would not help
 
 std::string describeChange(const Outcome& outcome, const IntegratorParams& params) {
   if (!outcome.has_changed_type) return "";
@@ -37,7 +37,7 @@ std::string adviseOnUnbalance(const solve::SolveReport& report, bool is_static) 
          (is_static ? "helps" : "help");
 }
 
-// Of a search that ended before the forces were balanced.
+// About a search that ended before the forces were balanced.
 std::string describeUnbalance(const Outcome& outcome, const IntegratorParams& params) {
   const solve::SolveReport& report = outcome.report;
   if (!outcome.ok || report.converged) return "";

@@ -12,26 +12,26 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kTold = 1e-3;   // of the surface's extent: a tool that appears deeper than that in it is told of
+constexpr double kTold = 1e-3;   // of the surface's extent: a tool that appears deeper than that in it is reported
 constexpr double kFree = 0.01;   // of the depth at first that may be left where a tool comes from
-constexpr int kMostLooks = 200;  // on one way: what is not free by then is as if it never were
+constexpr int kMostLooks = 200;  // on one path: a place that is not free by then counts as never free
 
 constexpr std::size_t kLook = 1024;  // points between two looks at an interrupt
 
-// Points that may be pushed, seen from a tool at a pose.
+// Points that a tool at a pose may push, seen from it.
 class Overlap {
  public:
   Overlap(const tool::ToolParams& tool, const tool::Pose& pose, const Points& positions, const std::vector<char>& held)
       : tool_(tool), pose_(pose), positions_(positions), held_(held) {}
 
-  /// m, of the deepest with the tool moved; 0 if there is none.
+  /// m, of the deepest point with the tool moved; 0 if there is none.
   double findDepth(const Vec3& offset) const {
     double deepest = 0.0;
     forEach(offset, [&](double depth, const Vec3&) { deepest = std::max(deepest, depth); });
     return deepest;
   }
 
-  /// visit(depth, normal) of every point inside the tool moved by an offset.
+  /// Calls visit(depth, normal) for every point inside the tool moved by an offset.
   template <class Visit>
   void forEach(const Vec3& offset, Visit&& visit) const {
     const tool::Pose moved{pose_.position + offset, pose_.orientation};
@@ -51,8 +51,8 @@ class Overlap {
   const std::vector<char>& held_;
 };
 
-// How far the tool has to go in a direction until none is deeper than some depth; the limit if it is not free before. A tool that
-// goes by as much as a point is deep cannot have let it go before, so no free place is passed.
+// Distance that the tool has to move in a direction until no point is deeper than some depth; the limit if it is not free before.
+// A tool that moves by a point's depth cannot have released it before, so that no free place is skipped.
 double findWay(const Overlap& overlap, const Vec3& direction, double depth, double limit) {
   double way = 0.0;
   for (int look = 0; look < kMostLooks && way < limit; ++look) {
@@ -65,7 +65,7 @@ double findWay(const Overlap& overlap, const Vec3& direction, double depth, doub
 
 }  // namespace
 
-// The nearest free place along the axes of the tool, and against the way in which most of what it overlaps would be pushed.
+// The nearest free place along the axes of the tool, and against the direction in which most of the overlap would be pushed.
 void ContactLoad::findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body) {
   body.arrival = {true, Vec3::Zero(), time, time + std::max(kArrival, step)};
   if (!arrives_) return;

@@ -1,4 +1,4 @@
-// Which tools a model takes: the modes that it has, and the fields that each of them uses.
+// Tools that a model accepts: its modes, and the fields that each of them uses.
 #include "deformable_surface/simulation/model_kind.h"
 
 namespace deformable_surface::simulation {

@@ -12,7 +12,7 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kNeighbors = 10;      // that show a plane in the noise of a depth camera
-constexpr double kAside = 1.0;        // of the distance to the farthest of these neighbours: beyond it nothing was seen
+constexpr double kAside = 1.0;        // of the distance to the farthest of these neighbours: beyond it a point was not seen
 constexpr double kLeastCosine = 0.5;  // sixty degrees: a wall that the cloud shows beside the surface is not it
 
 Points findDistinct(const cloud::PointCloud& cloud) {
@@ -36,7 +36,7 @@ void TrackLoad::observe(const ObservedCloud& cloud, const model::State& state, c
     tree.nearest(state.positions[i], kNeighbors, near);
     const Vec3 place = cloud.points()[near[0].index];
     if (!((place - state.positions[i]).norm() <= reach)) continue;
-    // The plane by the neighbours of the nearest point.
+    // The plane from the neighbours of the nearest point.
     tree.nearest(place, kNeighbors, near);
     around.clear();
     Lists others;

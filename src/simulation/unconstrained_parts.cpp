@@ -15,7 +15,7 @@ namespace {
 
 constexpr Index kMostSizes = 5;  // that a sentence lists
 
-// "12, 5 and 3", the largest first; "12, 5, 3, 2, 2 and fewer" where there are more.
+// "12, 5 and 3", the largest first; "12, 5, 3, 2, 2 and fewer" if there are more.
 std::string listSizes(std::vector<Index> sizes) {
   std::sort(sizes.begin(), sizes.end(), std::greater<Index>());
   const Index listed = std::min(kMostSizes, static_cast<Index>(sizes.size()));
@@ -28,7 +28,7 @@ std::string listSizes(std::vector<Index> sizes) {
   return text + (has_more ? " and fewer" : "");
 }
 
-// Dense points that belong to simulation points which are marked.
+// Number of dense points that belong to marked simulation points.
 Index countDense(const RestSurface& s, const std::vector<char>& marked) {
   const cloud::KdTree tree(s.points);
   std::vector<cloud::Neighbor> near;
@@ -44,7 +44,7 @@ Index countDense(const RestSurface& s, const std::vector<char>& marked) {
   return found;
 }
 
-// Of a model whose elements come and go: what its forces connect where it begins.
+// For a model whose elements depend on the state: parts that its forces connect at the beginning.
 Parts findBeginningParts(const model::DeformableModel& model, const Points& points) {
   const std::unique_ptr<model::DeformableModel> begun = model.clone();
   model::State state;
@@ -73,7 +73,7 @@ Parts findBeginningParts(const model::DeformableModel& model, const Points& poin
   return parts;
 }
 
-// Of a surface that has no model yet, by the edges that will be its springs.
+// For a surface without a model yet: parts by the edges that will be its springs.
 Parts findSimulatedParts(const RestSurface& s) {
   const Index n = static_cast<Index>(s.points.size());
   if (!s.model) return findParts(n, linksOf(s.rings.ring));
@@ -81,7 +81,7 @@ Parts findSimulatedParts(const RestSurface& s) {
   return findParts(n, stretchLinksOf(*s.model));
 }
 
-// points: what the marks are of.
+// points: the name of the marked points.
 void requireHeld(const SceneParams& params, const std::vector<char>& held, const char* points) {
   if (std::find(held.begin(), held.end(), 1) != held.end()) return;
   throw InputError(std::string("input.unconstrained_parts: found ") +

@@ -21,10 +21,10 @@ constexpr double kInfinity = std::numeric_limits<double>::infinity();
 
 // Spacings at the edge of a small clamp and at a point load, over that far away: found by trials (docs/accuracy.md).
 constexpr double kAtClamps = 0.7, kAtLoads = 0.4;
-// The spacing grows by so much of the mean on a way as long as the root of the area, if kWantedGrowth allows: what bends at a
-// clamp is part of the whole, not of a spacing. Inside pins ways count so many times.
+// Growth of the spacing, in units of its mean, on a path as long as the root of the area, if kWantedGrowth allows: bending at a
+// clamp scales with the surface, not with the spacing. Inside pins paths count kInside times.
 constexpr double kRate = 5.0, kInside = 2.5;
-constexpr double kSmallPin = 0.25;   // of the root of the area: larger ones clamp along a line, where nothing is concentrated
+constexpr double kSmallPin = 0.25;   // of the root of the area: larger pins clamp along a line, without a concentration
 constexpr Index kEdgeNeighbors = 6;  // of a point at the edge of a pin the pin holds some of its ring, and not all
 constexpr int kHalvings = 60;        // of the interval in which the spacing far away is: down to rounding
 
@@ -39,7 +39,7 @@ double measureExtent(const Points& points, const PinParams& pin) {
   return (high - low).norm();
 }
 
-// Whom those pins hold at whose edges bending is concentrated (n).
+// Marks (n) the points held by pins at whose edges bending is concentrated.
 std::vector<char> findClamped(const SceneParams& params, const Points& dense, double area) {
   std::vector<char> clamped(dense.size(), 0);
   if (!findModel(params.model).isPlate(params)) return clamped;
@@ -61,7 +61,7 @@ std::vector<Index> findEdge(const std::vector<char>& clamped, const Lists& neigh
   return edge;
 }
 
-// Lengths of the shortest ways over k neighbours from the nearest of these points (n), m; infinite beyond the limit.
+// Lengths of the shortest paths over k neighbours from the nearest of these points (n), m; infinite beyond the limit.
 std::vector<double> findDistances(const RestSurface& s, Index k, const std::vector<Index>& from, const std::vector<char>& clamped,
                                   double limit) {
   const Points& x = s.dense.positions;
@@ -87,7 +87,7 @@ std::vector<double> findDistances(const RestSurface& s, Index k, const std::vect
   return distance;
 }
 
-// What each point stands for, m^2: of the disc that holds its k nearest neighbours; half of one at a boundary.
+// The area of each point, m^2: of the disc that holds its k nearest neighbours; half of it at a boundary.
 std::vector<double> findShares(const RestSurface& s, Index k, const std::vector<char>& is_boundary) {
   const Points& x = s.dense.positions;
   std::vector<double> shares(x.size(), 0.0);

@@ -7,11 +7,11 @@
 namespace deformable_surface::solve {
 namespace {
 
-// Verlet at half the stable step gains up to a quarter of the energy of its highest mode when that turns from motion into
-// stretch: what it conserves is less than the energy by (w h / 2)^2 of the elastic part. The rest is room for crumpling,
-// where modes stiffen; measured in docs/stability.md.
+// Verlet at half the stable step gains up to a quarter of the energy of its highest mode when motion turns into
+// stretch: the conserved quantity is smaller than the energy by (w h / 2)^2 of the elastic part. The rest leaves room for
+// crumpling, where modes stiffen; measured in docs/stability.md.
 constexpr double kSwing = 0.4;
-constexpr double kMemory = 1e-3;    // by which the largest energy of late fades per step: a swing takes some hundred
+constexpr double kMemory = 1e-3;    // share by which the largest recent energy decays per step: a swing takes a few hundred
 constexpr double kRounding = 16.0;  // units in the last place per point that sums of energies may be wrong by
 
 }  // namespace
@@ -34,7 +34,7 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   next_elastic_ = system.elasticEnergy(state);
   kinetic_ = system.kineticEnergy(state);
   const double moving = next_elastic_ + kinetic_;
-  // Bonds can lie below what counts as rest; that is no vibration.
+  // Bonds can have less energy than at rest; that is no vibration.
   const double vibration = std::max(0.0, next_elastic_) + kinetic_ + system.storedEnergy(time, state);
   after_ = moving + system.loadPotential(time, state);
   gain_ = after_ - before_ - work;
@@ -43,10 +43,10 @@ bool EnergyGuard::accepts(const System& system, double time, const State& state,
   next_.vibration = std::max(vibration, (1.0 - kMemory) * memory_.vibration);
   next_.excess = (1.0 - allowance.fade) * std::max(0.0, excess_);
   kick_ = memory_.kick * substep * substep;
-  // By how much either limit is broken; NaN breaks them.
+  // By how much either limit is exceeded; NaN exceeds them.
   const double beyond = std::max(excess_ - kSwing * next_.vibration - kick_, gain_ - allowance.gain * next_.vibration - kick_);
   if (beyond <= 0.0) return std::isfinite(after_);
-  // Rounding: positions wrong by a unit in the last place, times the forces there; and that of the sum itself.
+  // Rounding: positions off by a unit in the last place, times the forces there; and that of the sum itself.
   double reach = 0.0;
   for (const Vec3& x : state.positions) reach = std::max(reach, x.lpNorm<Eigen::Infinity>());
   const double terms = state.size() * reach * system.largestForce(time, state) + system.energyScale();

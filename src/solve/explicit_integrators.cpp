@@ -10,19 +10,19 @@
 namespace deformable_surface::solve {
 namespace {
 
-// Of the stable step, which holds for small motions only: sheets that crumple gain energy with longer ones, as measured in
+// Of the stable step, which holds for small motions only: with longer steps crumpling sheets gain energy, as measured in
 // docs/decisions/0001-explicit-first.md.
 constexpr double kSafety = 0.5;
 constexpr double kSlowCost = 3.0;  // of a pass over the slow forces, in passes over the others: curvature beside triangles
 
 bool allFinite(const State& state) {
-  // A sum is finite only if every term is, up to overflow, which is no sound state either.
+  // A sum is finite only if every term is, up to overflow. Such a state is not sound either.
   double sum = 0.0;
   for (Index i = 0; i < state.size(); ++i) sum += state.positions[i].cwiseAbs().sum() + state.velocities[i].cwiseAbs().sum();
   return std::isfinite(sum);
 }
 
-// Points that are stopped short keep the velocity of the motion that is left to them: a plastic impact. Held ones keep theirs.
+// Points that are stopped short keep the velocity of their remaining motion: a plastic impact. Held points keep theirs.
 const std::vector<Index>& stopShort(const MotionLimit& limit, const System& system, const Points& before, double dt,
                                     State& state) {
   const std::vector<Index>& stopped = limit.limit(before, state.positions);
@@ -31,8 +31,8 @@ const std::vector<Index>& stopShort(const MotionLimit& limit, const System& syst
   return stopped;
 }
 
-// J, put into the free points as held points in motion collided with them: the others only lose. wanted (n x 3) m: where all were
-// going.
+// J, energy given to the free points by collisions with held points in motion; other collisions only lose energy. wanted (n x 3)
+// m: positions without the limit.
 double findCollisionWork(const System& system, const Points& before, const Points& wanted, double dt,
                          const std::vector<Index>& stopped, const Points& after) {
   double work = 0.0;
@@ -114,8 +114,8 @@ SolveReport SymplecticEuler::advance(const System& system, double time, double s
 
 namespace {
 
-// One number for each coordinate, so that the loops below run over plain arrays. force: at the beginning; next: what stands for
-// that at the end in the velocity predicted there.
+// One number per coordinate: the loops below run over plain arrays. force: at the beginning; next: its estimate
+// at the end, for the velocity predicted there.
 DEFORMABLE_SURFACE_WIDE void kickAndDrift(Index size, double decay, const double* kick, const double* drift, const double* force,
                                           const double* next, double* velocity, double* predicted, double* position) {
 #pragma GCC ivdep
@@ -174,6 +174,68 @@ bool VelocityVerlet::takeLastForces(const System& system, const State& state, Po
   return true;
 }
 
+// Kicks, drifts and masses of the coordinates, and the held points that are carried along: they keep their velocities, which the
+// loops below damp.
+void VelocityVerlet::prepare(const System& system, double dt, const State& state) {
+  const Index n = state.size();
+  const std::vector<double>& masses = system.masses();
+  kick_.resize(3 * n);
+  drift_.resize(3 * n);
+  for (Index k = 0; k < 3 * n; ++k) {
+    kick_[k] = system.isHeld(k / 3) ? 0.0 : 0.5 * dt / masses[k / 3];
+    drift_[k] = system.isHeld(k / 3) ? 0.0 : dt;
+  }
+  mass_.resize(system.damping() > 0.0 ? 3 * n : 0);
+  for (Index k = 0; k < static_cast<Index>(mass_.size()); ++k) mass_[k] = system.isHeld(k / 3) ? 0.0 : masses[k / 3];
+  carried_.clear();
+  carrying_work_ = 0.0;
+  for (Index i = 0; i < n; ++i)
+    if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
+      carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});
+}
+
+// What carries points bears the forces on them.
+void VelocityVerlet::addLoads(const System& system, double time, const State& state) {
+  if (carried_.empty()) return system.addLoads(time, state, forces_);
+  system.addLoadsOnAll(time, state, forces_);
+  for (Carried& c : carried_) {
+    carrying_work_ -= 0.5 * (c.force + forces_[c.point]).dot(state.positions[c.point] - c.place);
+    c.force = forces_[c.point];
+    c.place = state.positions[c.point];
+  }
+  for (Index i = 0; i < state.size(); ++i)
+    if (system.isHeld(i)) forces_[i].setZero();
+}
+
+void VelocityVerlet::bearSlow(const Points& positions) {
+  for (Carried& c : carried_) {
+    carrying_work_ -= 0.5 * (c.slow + slow_forces_[c.point]).dot(positions[c.point] - c.slow_place);
+    c.slow = slow_forces_[c.point];
+    c.slow_place = positions[c.point];
+  }
+}
+
+// The forces where an outer step begins or ends. The slow forces' kick is that of all its sub-steps.
+void VelocityVerlet::addSlow(Index inner) {
+  forces_with_slow_.resize(forces_.size());
+  addScaled(3 * static_cast<Index>(forces_.size()), forces_.data()->data(), static_cast<double>(inner),
+            slow_forces_.data()->data(), forces_with_slow_.data()->data());
+}
+
+// The forces at the beginning of a step. The model's are those of the last end, if this is where it was.
+void VelocityVerlet::beginForces(const System& system, double time, Index inner, const State& state) {
+  const bool has_slow = system.hasSlowForces();
+  if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions)) {
+    system.computeFastForces(state, fast_forces_);
+    if (has_slow) system.computeSlowForces(state, slow_forces_);
+  }
+  forces_ = fast_forces_;
+  addLoads(system, time, state);
+  if (!has_slow) return;
+  bearSlow(state.positions);
+  addSlow(inner);
+}
+
 SolveReport VelocityVerlet::advance(const System& system, double time, double step, double max_substep, State& state) {
   const bool has_slow = system.hasSlowForces();
   const Substeps cut = chooseSubsteps(step, max_substep, max_slow_step_, has_slow ? most_inner_ : 1);
@@ -184,57 +246,9 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   const MotionLimit* const limit = system.motionLimit();
   const std::vector<Index>* stopped = nullptr;  // in the last sub-step
   const Index n = state.size();
-  const std::vector<double>& masses = system.masses();
-  kick_.resize(3 * n);
-  drift_.resize(3 * n);
-  for (Index k = 0; k < 3 * n; ++k) {
-    kick_[k] = system.isHeld(k / 3) ? 0.0 : 0.5 * dt / masses[k / 3];
-    drift_[k] = system.isHeld(k / 3) ? 0.0 : dt;
-  }
-  const bool is_damped = system.damping() > 0.0;
-  mass_.resize(is_damped ? 3 * n : 0);
-  for (Index k = 0; k < static_cast<Index>(mass_.size()); ++k) mass_[k] = system.isHeld(k / 3) ? 0.0 : masses[k / 3];
-  // Held points that are carried along: they keep their velocities, which the loops below damp.
-  carried_.clear();
-  for (Index i = 0; i < n; ++i)
-    if (system.isHeld(i) && !state.velocities[i].isZero(0.0))
-      carried_.push_back({i, state.velocities[i], state.positions[i], Vec3::Zero(), state.positions[i], Vec3::Zero()});
-  double carrying_work = 0.0;
+  prepare(system, dt, state);
   const Timer timer;
-  // The model's forces at the beginning are those of the last end, if this is where it was.
-  if (system.internalForcesReadVelocities() || !isSame(last_positions_, state.positions)) {
-    system.computeFastForces(state, fast_forces_);
-    if (has_slow) system.computeSlowForces(state, slow_forces_);
-  }
-  // What carries points bears the forces on them.
-  const auto addLoads = [&](double at, const State& there) {
-    if (carried_.empty()) return system.addLoads(at, there, forces_);
-    system.addLoadsOnAll(at, there, forces_);
-    for (Carried& c : carried_) {
-      carrying_work -= 0.5 * (c.force + forces_[c.point]).dot(there.positions[c.point] - c.place);
-      c.force = forces_[c.point];
-      c.place = there.positions[c.point];
-    }
-    for (Index i = 0; i < n; ++i)
-      if (system.isHeld(i)) forces_[i].setZero();
-  };
-  const auto bearSlow = [&](const Points& positions) {
-    for (Carried& c : carried_) {
-      carrying_work -= 0.5 * (c.slow + slow_forces_[c.point]).dot(positions[c.point] - c.slow_place);
-      c.slow = slow_forces_[c.point];
-      c.slow_place = positions[c.point];
-    }
-  };
-  forces_ = fast_forces_;
-  addLoads(time, state);
-  if (has_slow) bearSlow(state.positions);
-  // What acts where an outer step begins or ends. The slow forces' kick is that of all its sub-steps.
-  const auto addSlow = [&] {
-    forces_with_slow_.resize(n);
-    addScaled(3 * n, forces_.data()->data(), static_cast<double>(cut.inner), slow_forces_.data()->data(),
-              forces_with_slow_.data()->data());
-  };
-  if (has_slow) addSlow();
+  beginForces(system, time, cut.inner, state);
   report.time_forces += timer.seconds();
   predicted_.velocities.resize(n);
   predicted_.friction = state.friction;
@@ -242,13 +256,14 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
   double *const velocity = state.velocities.data()->data(), *const predicted = predicted_.velocities.data()->data();
   bool slow_acts = has_slow;  // at this end of a sub-step
   // Damping acts once at the beginning and the end of the step, twice between two sub-steps.
+  const bool is_damped = system.damping() > 0.0;
   const double once = 1.0 - half_decay * half_decay, twice = 1.0 - std::pow(half_decay, 4);
   if (is_damped) report.dissipated = once * kineticEnergy(mass_, 0.0, kick_, forces_, state.velocities);
   for (Index s = 0; s < report.substeps; ++s) {
     if (limit) before_ = state.positions;
     // Half kicks and drift. The velocity at the end is predicted with the acceleration of the beginning.
     const bool ends = has_slow && (s + 1) % cut.inner == 0;
-    if (ends && !slow_acts) addSlow();
+    if (ends && !slow_acts) addSlow(cut.inner);
     (s == 0 ? kickAndDrift : kickTwiceAndDrift)(
         3 * n, half_decay, kick_.data(), drift_.data(), (slow_acts ? forces_with_slow_ : forces_).data()->data(),
         (ends ? forces_with_slow_ : forces_).data()->data(), velocity, predicted, state.positions.data()->data());
@@ -256,24 +271,18 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
       state.positions[c.point] += dt * c.velocity;
       predicted_.velocities[c.point] = c.velocity;
     }
-    if (limit) {
-      if (!carried_.empty()) wanted_ = state.positions;
-      stopped = &stopShort(*limit, system, before_, dt, state);
-      if (!carried_.empty()) carrying_work += findCollisionWork(system, before_, wanted_, dt, *stopped, state.positions);
-      for (const Index i : *stopped)
-        if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
-    }
+    if (limit) stopped = &limitMotion(system, *limit, dt, state);
     // Forces at the new place.
     const Timer forces_timer;
     predicted_.positions.swap(state.positions);
     system.computeFastForces(predicted_, forces_);
     if (s + 1 == report.substeps) fast_forces_ = forces_;
-    addLoads(time + (s + 1) * dt, predicted_);
+    addLoads(system, time + (s + 1) * dt, predicted_);
     system.remember(time + (s + 1) * dt, predicted_);
     if (ends) {
       system.computeSlowForces(predicted_, slow_forces_);
       bearSlow(predicted_.positions);
-      addSlow();
+      addSlow(cut.inner);
     }
     predicted_.positions.swap(state.positions);
     report.time_forces += forces_timer.seconds();
@@ -283,16 +292,26 @@ SolveReport VelocityVerlet::advance(const System& system, double time, double st
                            kineticEnergy(mass_, 1.0, kick_, ends ? forces_with_slow_ : forces_, state.velocities);
   }
   kick(3 * n, half_decay, kick_.data(), (has_slow ? forces_with_slow_ : forces_).data()->data(), velocity);
-  // What stops a point bears the force on it, too: the last half kick would be a velocity that nothing has.
+  // What stops a point also bears the force on it: the last half kick would give it a wrong velocity.
   if (stopped)
     for (const Index i : *stopped) state.velocities[i] = (state.positions[i] - before_[i]) / dt;
   for (const Carried& c : carried_) state.velocities[c.point] = c.velocity;
-  report.carrying_work = carrying_work;
+  report.carrying_work = carrying_work_;
   state.friction.swap(predicted_.friction);
   state.self_friction.swap(predicted_.self_friction);
   last_positions_ = state.positions;
   report.finite = allFinite(state);
   return report;
+}
+
+// Stops points short after a drift from before_. Returns those that were stopped.
+const std::vector<Index>& VelocityVerlet::limitMotion(const System& system, const MotionLimit& limit, double dt, State& state) {
+  if (!carried_.empty()) wanted_ = state.positions;
+  const std::vector<Index>& stopped = stopShort(limit, system, before_, dt, state);
+  if (!carried_.empty()) carrying_work_ += findCollisionWork(system, before_, wanted_, dt, stopped, state.positions);
+  for (const Index i : stopped)
+    if (!system.isHeld(i)) predicted_.velocities[i] = state.velocities[i];
+  return stopped;
 }
 
 }  // namespace deformable_surface::solve

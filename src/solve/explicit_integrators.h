@@ -42,6 +42,13 @@ class VelocityVerlet : public Integrator {
   bool takeLastForces(const System& system, const State& state, Points& forces) const override;
 
  private:
+  void prepare(const System& system, double dt, const State& state);
+  void beginForces(const System& system, double time, Index inner, const State& state);
+  void addLoads(const System& system, double time, const State& state);
+  void bearSlow(const Points& positions);
+  void addSlow(Index inner);
+  const std::vector<Index>& limitMotion(const System& system, const MotionLimit& limit, double dt, State& state);
+
   double max_slow_step_ = 0.0;
   Index most_inner_ = 1;
   Points fast_forces_, slow_forces_, last_positions_;  // the forces belong to last_positions_ between steps
@@ -54,6 +61,7 @@ class VelocityVerlet : public Integrator {
     Vec3 slow_place, slow;  // m and N, where slow forces acted last
   };
   std::vector<Carried> carried_;      // held points in motion
+  double carrying_work_ = 0.0;        // J, of what carries them in the step
   Points before_, wanted_;            // m, at the beginning of a sub-step and at its end without a limit, where motion is limited
   std::vector<double> kick_, drift_;  // (3 n) dt / 2 over mass, and dt; zero on held points
   std::vector<double> mass_;          // (3 n) kg, zero on held points; empty without damping

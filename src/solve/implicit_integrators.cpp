@@ -9,14 +9,14 @@
 namespace deformable_surface::solve {
 namespace {
 
-// Of the forces, the most a stage may leave without an iteration: the momentum brought along hides more.
+// Of the forces: the largest imbalance of a stage without an iteration; the inertial forces would hide more.
 constexpr double kUntouched = 1e-6;
 constexpr double kGrowth = 10.0;        // of the pseudo time step after a full Newton step
 constexpr double kShrink = 0.1;         // after a step that had to be cut or failed
 constexpr double kFirstStep = 1.0;      // of the caller's step
 constexpr double kLongestStep = 1e8;    // of the caller's step: the weight is then rounding beside any stiffness
 constexpr double kShortestStep = 1e-6;  // of the caller's step: shorter ones do not lead anywhere
-constexpr Index kTrial = 4;             // iterations of a trial: the first stretches what turns, the next take most of it back
+constexpr Index kTrial = 4;             // iterations of a trial: the first stretches what turns, the next undo most of it
 
 void missBalance(double scale, bool is_out_of_iterations, SolveReport& report) {
   report.converged = false;
@@ -30,8 +30,8 @@ bool allFinite(const Points& points) {
   return std::isfinite(sum);
 }
 
-// Takes from the motion relative to the mean what exceeds the limit, J. A free body keeps its momentum; a held one has none to
-// keep.
+// Removes energy above the limit, J, from the motion relative to the mean. A free body keeps its momentum; a held one has
+// none to keep.
 void limitKineticEnergy(const System& system, double limit, State& state) {
   const double kinetic = system.kineticEnergy(state);
   if (!(kinetic > limit)) return;
@@ -66,14 +66,14 @@ void ImplicitStage::solve(const System& system, double time, double step, const 
     weight_[i] = factor * system.masses()[i] / (step * step);
   }
   newton_.begin(interrupt_);
-  // The forces to balance: what the material and the loads do, and the momentum brought along.
+  // The size of the forces to balance: material, loads and inertia.
   double scale = system.largestForce(time, state);
   for (Index i = 0; i < n; ++i) scale = std::max(scale, weight_[i] * (target_[i] - from[i]).norm());
   const double rounding = system.roundingForce(time, state);
   const double enough = std::max(params_.tolerance * scale, rounding);
   const double untouched = std::max(std::min(params_.tolerance, kUntouched) * scale, rounding);
   NewtonDescent::Problem problem{system, time, step, from_, target_, weight_, enough};
-  // Where the search begins.
+  // The start of the search.
   guess_ = state.positions;
   for (Index i = 0; i < n; ++i)
     if (system.isHeld(i)) guess_[i] = target_[i];
@@ -130,7 +130,7 @@ SolveReport ImplicitSecondOrder::advance(const System& system, double time, doub
 
   stage_.solve(system, time + part, part, before_.positions, before_.velocities, energy, state, report);
   double work = rest / part * stage_.remainderWork(state);
-  // What the second stage departs from: the first one's velocity and acceleration over the rest of the step.
+  // The start of the second stage: the first one's velocity and acceleration over the rest of the step.
   from_ = before_.positions;
   velocity_ = before_.velocities;
   for (Index i = 0; i < n; ++i) {
@@ -187,7 +187,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   newton_.begin(interrupt_);
   report.converged = false;
   while (!newton_.isInterrupted()) {
-    // The residual without the proximal term: the anchor is where we are.
+    // The residual without the proximal term: the anchor is the present state.
     anchor_ = state.positions;
     if (trial == 0) {
       safe_ = state.positions;

@@ -9,13 +9,13 @@ namespace {
 constexpr double kArmijo = 1e-4;      // share of the predicted decrease that must be reached
 constexpr int kMaxHalvings = 30;      // beyond it the direction is rounding
 constexpr int kPatience = 2;          // projected matrices in a row after which the state is taken to be near a saddle
-constexpr double kFirstShift = 1e-4;  // of the highest frequency squared: small beside it, large beside what buckles
+constexpr double kFirstShift = 1e-4;  // of the highest frequency squared: small beside it, large beside buckling modes
 constexpr double kRaise = 10.0;       // of a shift that was not enough
 constexpr double kLower = 0.25;       // of one that was: the least one that does leads fastest out of a saddle
-// Of the gradient, left by a direction by products: the next iteration has to find the rest anyway.
+// Of the gradient: largest residual of a direction by products; the next iteration finds the rest.
 constexpr double kLoosest = 0.05;
-constexpr double kForcing = 0.9;          // of the square of what the gradient has fallen by, left by the next direction
-constexpr double kOversolved = 0.3;       // of what ends the search: a direction that leaves no more is good for nothing else
+constexpr double kForcing = 0.9;          // times the square of the gradient's fall: residual of the next direction
+constexpr double kOversolved = 0.3;       // of the residual that ends the search: more accurate directions bring nothing
 constexpr int kMaxShortenings = 30;       // of a direction that stops points; beyond it there is none
 constexpr double kRegularization = 1e-9;  // of the largest diagonal, where neither weight nor stiffness resists a motion
 
@@ -138,8 +138,8 @@ double NewtonDescent::findSlope() const {
   return slope;
 }
 
-// Points that are stopped short keep the motion along what stops them. If that leads uphill, the whole direction is shortened,
-// until it stops nothing.
+// Points that are stopped short keep their motion along the obstacle. If that leads uphill, the whole direction is shortened,
+// until it stops no point.
 bool NewtonDescent::shorten(const System& system, const Points& positions) {
   const Index n = static_cast<Index>(positions.size());
   const auto advance = [&]() -> const std::vector<Index>& {
@@ -189,7 +189,7 @@ NewtonDescent::Step NewtonDescent::descend(const Problem& problem, State& state,
   }
   if (!(slope < 0.0)) return {0.0, false};
 
-  // The line search. Rounding of the energy must not hide the last decrease: within it the step counts as descending.
+  // The line search. Rounding of the energy must not hide the last decrease: a change within rounding counts as descending.
   start_ = state.positions;
   const double before = merit(problem, state);
   const double rounding = 1e-14 * std::abs(before);

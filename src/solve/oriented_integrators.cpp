@@ -9,7 +9,7 @@ namespace deformable_surface::solve {
 namespace {
 
 bool allFinite(const State& state) {
-  // A sum is finite only if every term is, up to overflow, which is no sound state either.
+  // A sum is finite only if every term is, up to overflow. Such a state is not sound either.
   double sum = 0.0;
   for (Index i = 0; i < state.size(); ++i)
     sum += state.positions[i].cwiseAbs().sum() + state.velocities[i].cwiseAbs().sum() + state.spins[i].cwiseAbs().sum() +
@@ -33,7 +33,7 @@ void drift(const System& system, double dt, State& state) {
   }
 }
 
-// Takes held points where their velocities lead within a step and lets everything rest. velocities: of the held ones, else zero.
+// Moves held points with their velocities over a step and stops everything. velocities: of the held points, else zero.
 void moveHeld(const System& system, double step, State& state, Points& velocities) {
   velocities.assign(state.positions.size(), Vec3::Zero());
   for (Index i = 0; i < state.size(); ++i) {
@@ -67,7 +67,7 @@ SolveReport OrientedVerlet::advance(const System& system, double time, double st
       if (system.isHeld(i)) continue;
       const Vec3 kick = half / masses[i] * forces_[i];
       state.velocities[i] = decay * state.velocities[i] + kick;
-      // Loads that read velocities take those predicted with the acceleration of the beginning, which keeps the order.
+      // Loads that read velocities take those predicted with the acceleration at the beginning, which keeps the order.
       predicted_.velocities[i] = decay * (state.velocities[i] + kick);
     }
     drift(system, dt, state);

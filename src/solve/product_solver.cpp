@@ -7,8 +7,8 @@ namespace deformable_surface::solve {
 namespace {
 
 constexpr int kMostProducts = 1000;  // far more than any matrix needs that the preconditioner knows anything of
-constexpr double kLeast = 1e-8;      // of the first residual: what rounding may leave, and the next direction finds what is less
-// Of the largest stiffness of a point, where neither weight nor stiffness resists a motion.
+constexpr double kLeast = 1e-8;      // of the first residual: about rounding; the next direction corrects the rest
+// Of the largest stiffness of a point: for motions that neither weight nor stiffness resists.
 constexpr double kRegularization = 1e-9;
 
 Eigen::Map<Eigen::VectorXd> flatten(Points& points) {
@@ -51,7 +51,7 @@ void ProductSolver::prepare(const System& system, double time, const State& stat
   setSprings(system);
 }
 
-// Held points become identity rows. Where nothing has changed the springs stay.
+// Held points become identity rows. The springs stay if nothing has changed.
 void ProductSolver::setSprings(const System& system) {
   const Index n = system.size();
   bool is_same = known_weight_ == weight_;

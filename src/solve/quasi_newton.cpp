@@ -9,17 +9,17 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr Index kMemory = 12;  // pairs: with 20 three iterations of 27 fewer, with 4 one more, and each pair costs time
+constexpr Index kMemory = 12;  // pairs: 20 save three iterations of 27, 4 cost one more, and each pair takes time
 constexpr Index kMost = 120;   // iterations: more cost as much as Newton's method
-constexpr Index kTrial = 30;   // iterations, in each so many of which the largest force
+constexpr Index kTrial = 30;   // iterations in each of which the largest force
 constexpr double kFall = 0.2;  // has to fall to this share of itself: where all is well it does so in ten
-// From so many points on an iteration of Newton's method costs as much as hundreds of these, and the largest force rises for
-// longer before it falls: the first trial is then none.
+// With at least this many points an iteration of Newton's method costs as much as hundreds of these, and the largest force rises
+// for longer before it falls: the first trial is then omitted.
 constexpr Index kMany = 4096;
 constexpr Index kMostOfMany = 600;
-constexpr Index kFirstRefresh = 6;  // iterations after which the preconditioner is taken anew; doubled each time
+constexpr Index kFirstRefresh = 6;  // iterations after which the preconditioner is renewed; doubled each time
 constexpr double kGoodFall = 0.1;   // of the largest force in these, with which it need not be
-// System::findCouplings()'s: far from the equilibrium, and where it is near and tension is much what it will be.
+// For System::findCouplings(): far from the equilibrium, and near it, where tension has almost its final value.
 constexpr double kFarSupport = 1.0, kNearSupport = 0.3;
 constexpr int kMostTrials = 12;  // of lengths: beyond it the direction is rounding
 // Wolfe's conditions: the share of the first slope that may be left, before and after the least energy.
@@ -83,7 +83,7 @@ void QuasiNewton::findDirection(const System& system) {
   }
 }
 
-// Between two known slopes by the zero of the straight line through them.
+// Between two known slopes by the zero of the line through them.
 bool QuasiNewton::search(const System& system, double time, State& state, SolveReport& report) {
   const double slope = dot(gradient_, direction_), residual = report.residual;
   if (!(slope < 0.0)) return false;
@@ -114,7 +114,7 @@ bool QuasiNewton::search(const System& system, double time, State& state, SolveR
       const double width = high - low, zero = low - low_slope * width / (high_slope - low_slope);
       fraction_ = std::clamp(zero, low + kCut * width, high - kCut * width);
     } else {
-      // What is flat sags by the third root of its load: its slope changes by the third power of the length.
+      // The sag of a flat surface grows with the cube root of its load: the slope changes with the third power of the length.
       const double cubed = there > slope ? slope / (slope - there) : HUGE_VAL;
       fraction_ = std::min(fraction_ * std::min(std::cbrt(cubed), kMostStretch), 0.5 * (fraction_ + bound));
     }
@@ -144,10 +144,10 @@ bool QuasiNewton::descend(const System& system, double time, double tolerance, d
       if (!(are_many && k == kTrial) && !(report.residual <= kFall * at_trial)) return false;
       at_trial = report.residual;
     }
-    // What is flat at first has no tension yet, and a first step that had to be cut says so.
+    // A surface that is flat at first has no tension yet; a first step that had to be shortened shows this.
     if ((k == 1 && fraction_ != 1.0) || (k == refresh && report.residual > kGoodFall * at_refresh)) {
       if (!preconditioner_.prepare(system, state, k == 1 ? kFarSupport : kNearSupport)) return false;
-      if (k == 1) num_found_ = 0;  // over so long a step the stiffness became another
+      if (k == 1) num_found_ = 0;  // the stiffness has changed over so long a step
     }
     if (k == refresh) {
       refresh *= 2;

@@ -5,7 +5,7 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kRegularization = 1e-9;  // of the largest diagonal: of a surface that nothing holds
+constexpr double kRegularization = 1e-9;  // of the largest diagonal: for surfaces without constraints
 
 }  // namespace
 
@@ -14,7 +14,7 @@ bool SurfacePreconditioner::Part::hasPairsOf(const std::vector<System::Coupling>
                     [](const auto& pair, const auto& spring) { return pair.first == spring.i && pair.second == spring.j; });
 }
 
-// Held points become identity rows. What is known already is taken: the factor as it is, or the analysis or all of the other's.
+// Held points become identity rows. Reuses known results: the factor as it is, or the analysis or the whole of the other part.
 bool SurfacePreconditioner::Part::factorize(const System& system, const Part* other) {
   const Index n = system.size();
   if (!hasPairsOf(springs)) {

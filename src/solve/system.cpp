@@ -8,7 +8,7 @@
 
 namespace deformable_surface::solve {
 
-// Each evaluation begins with a look at the interrupt of the thread: whatever a solver does between two of them is short.
+// Each evaluation begins with a check of the thread's interrupt: the work of a solver between two of them is short.
 System::System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
                double damping, const std::vector<char>* held_turns)
     : model_(model), loads_(loads), held_(held), held_turns_(held_turns), damping_(damping) {}

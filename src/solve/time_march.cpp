@@ -9,25 +9,25 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated anew
+constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated again
 constexpr double kLoadMemory = 1.1;      // growth of the stiffness of loads, as contacts come, after which it is, too
 constexpr double kWider = 1.2;           // by which the stable step must exceed that in use for longer sub-steps to pay,
 constexpr Index kWideFor = 100;          // for so many steps: the stretch of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
-constexpr double kBold = 1.8;            // of the safe sub-step, half of the stable one: what smooth motion bears
-// Of the energy in motion and stretch: what the account may be off for bold steps to go on.
+constexpr double kBold = 1.8;            // of the safe sub-step, which is half of the stable one: smooth motion allows it
+// Of the energy in motion and stretch: largest error of the account for bold steps to go on.
 constexpr double kCalm = 0.01;
-constexpr double kCalmSlow = 0.001;  // the same for outer steps, whose resonances then heat the surface by no more
+constexpr double kCalmSlow = 0.001;  // the same for outer steps: their resonances then heat the surface by no more
 constexpr double kRest = 1e-6;       // of the same in motion: such a surface settles, and outer steps hold it off its balance
 // Steps with safe sub-steps before bold ones are tried again: a failed trial then costs 1 %.
 constexpr Index kCautious = 100;
-// Per step, of what outer steps put in and damping took out: such a balance settles in ten steps.
+// Decay per step of the sums of energy from outer steps and of dissipation: such a balance settles in ten steps.
 constexpr double kForget = 0.1;
-// Of what damping took out of late, put in by outer steps: they resonate; a smooth swing shows 0.007.
+// Of the recent dissipation: energy from outer steps above it means resonance; a smooth swing shows 0.007.
 constexpr double kHeated = 0.1;
 constexpr Index kResonant = 1000;     // steps before outer steps are tried again
 constexpr Index kMostInner = 8;       // bold sub-steps in which slow forces act once: the others cost the most by then
-constexpr double kSlowShare = 0.5;    // of what other forces may take: the energy then oscillates little more
+constexpr double kSlowShare = 0.5;    // of the step of other forces: the energy then oscillates little more
 constexpr Index kPortion = 32;        // sub-steps between two looks at the stable step: the look then costs a few per cent
 constexpr Index kHopeless = 1000000;  // sub-steps in a step: minutes for small surfaces; the step is refused instead
 
@@ -55,8 +55,8 @@ TimeMarch::Memory TimeMarch::memory() const {
   return memory;
 }
 
-// Integrators remember nothing between steps but the pattern of their matrix, which is that of the surface, and forces that are
-// those of the state.
+// Integrators keep nothing between steps except the pattern of their matrix, which belongs to the surface, and forces that
+// belong to the state.
 void TimeMarch::setMemory(const Memory& memory) {
   memory_ = memory;
   guard_.setMemory(memory.energy);
@@ -64,7 +64,7 @@ void TimeMarch::setMemory(const Memory& memory) {
 }
 
 void TimeMarch::restart() {
-  if (!system_.isOriented()) integrators_.clear();  // those of oriented points keep nothing but scratch from step to step
+  if (!system_.isOriented()) integrators_.clear();  // those for oriented points keep only scratch memory between steps
   guard_.restart();
   memory_.estimate_needed = true;
   memory_.max_substep = std::numeric_limits<double>::infinity();
@@ -91,7 +91,7 @@ void TimeMarch::forcesChanged() {
   memory_.estimate_needed = true;
 }
 
-// The integrator for this step; auto takes verlet while its sub-steps fit, else implicit.
+// Chooses the integrator for this step; auto takes verlet while its sub-steps fit, else implicit.
 void TimeMarch::chooseIntegrator(Outcome& outcome) {
   IntegratorType wanted = params_.type;
   if (wanted == IntegratorType::kAuto && !system_.hasStiffness()) {
@@ -122,9 +122,9 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
   return *kept;
 }
 
-// Estimates the stable step anew when the surface is no longer what it was measured on.
+// Estimates the stable step again when the surface or its loads have changed.
 void TimeMarch::refreshStableStep(double time, const State& state) {
-  // Bonds between particles change faster than any stretch tells, and their model knows its step at no cost.
+  // Bonds between particles change faster than the stretch shows, and their model knows its step at no cost.
   const bool is_oriented = system_.isOriented();
   const double stretch = maxStretchOf(model_, state), loads = is_oriented ? 0.0 : system_.loadStiffness(time, state);
   const bool is_known =
@@ -138,8 +138,8 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
   memory_.estimate_needed = false;
 }
 
-// Verlet keeps its energy over long times only with sub-steps of one length. So they become longer only when for long they could
-// have been longer by far, or where the account begins anew.
+// Verlet keeps its energy over long times only with sub-steps of one length. They become longer only if for a long time they
+// could have been much longer, or when the energy account begins anew.
 void TimeMarch::lengthenSubsteps() {
   memory_.wider = memory_.stable_step > kWider * memory_.max_substep ? memory_.wider + 1 : 0;
   if (memory_.wider < kWideFor) return;
@@ -147,7 +147,7 @@ void TimeMarch::lengthenSubsteps() {
   memory_.wider = 0;
 }
 
-// Advances the state by one step, in fineness_ parts of as many sub-steps as the whole of it would have.
+// Advances the state by one step, in fineness_ parts, each with as many sub-steps as a whole step would have.
 SolveReport TimeMarch::advance(double time, double share, State& state) {
   if (memory_.type == IntegratorType::kImplicit)
     return advanceImplicitly(time, fineness_ * static_cast<Index>(std::lround(1.0 / share)), state);
@@ -163,8 +163,8 @@ SolveReport TimeMarch::advance(double time, double share, State& state) {
   return total;
 }
 
-// Verlet's sub-steps, each at most a share of the safe one, are taken in portions between which the stable step is looked at
-// again: within a long step the surface can become another.
+// Verlet sub-steps, each at most a share of the safe one, are taken in portions. The stable step is checked between
+// portions: the surface can change within a long step.
 SolveReport TimeMarch::advancePart(double time, double part, double share, State& state) {
   const Index needed = estimatesStableStep() ? countSubsteps(part, share * memory_.max_substep) : 1;
   if (memory_.type == IntegratorType::kSymplecticEuler && needed > kHopeless) {
@@ -183,7 +183,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   const bool may_be_implicit = params_.type == IntegratorType::kAuto && system_.hasStiffness();
   for (;;) {
     const Index left = countSubsteps(part - done, share * memory_.max_substep);
-    // The surface has become too stiff within the step: the whole of it is to be taken implicitly.
+    // The surface has become too stiff within the step: the whole step has to be taken implicitly.
     is_too_stiff_ = may_be_implicit && total.substeps + left > params_.max_substeps;
     if (!is_too_stiff_ && left > kHopeless) substeps_needed_ = left;
     if (is_too_stiff_ || substeps_needed_ > 0 || isInterrupted()) return total;
@@ -203,7 +203,7 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   }
 }
 
-// The whole step from its beginning with the implicit method, in equal parts.
+// Repeats the whole step from its beginning with the implicit method, in equal parts.
 SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state) {
   const double part = params_.time_step / parts;
   state = before_;
@@ -219,7 +219,7 @@ SolveReport TimeMarch::advanceImplicitly(double time, Index parts, State& state)
   return total;
 }
 
-// To the state before the step. What was measured on the way of a step that went wrong is worth nothing.
+// Restores the state before the step. Estimates made during the failed step are void.
 void TimeMarch::goBack(double time, State& state) {
   state = before_;
   if (!estimatesStableStep()) return;
@@ -232,7 +232,7 @@ bool TimeMarch::estimatesStableStep() const {
   return isExplicit(params_.type) || params_.type == IntegratorType::kAuto || system_.isOriented();
 }
 
-// Where damping takes out what resonances of outer steps put in, the energy stays as it is and the surface never comes to rest.
+// If damping removes as much as resonances of outer steps add, the energy stays constant and the surface never comes to rest.
 void TimeMarch::watchResonance() {
   memory_.heated += guard_.gain() + dissipated_ - kForget * memory_.heated;
   memory_.dissipated += dissipated_ - kForget * memory_.dissipated;
@@ -293,10 +293,10 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   max_substep_before_ = memory_.max_substep;
   chooseIntegrator(outcome);
 
-  // Bold sub-steps, and outer steps of them for slow forces, as long as they keep the energy.
+  // Bold sub-steps, and outer steps for slow forces, as long as they keep the energy.
   const bool has_substeps = memory_.type == IntegratorType::kVerlet || memory_.type == IntegratorType::kSymplecticEuler;
   const bool bold = memory_.cautious == 0 && has_substeps;
-  // Of what forces dissipate nothing is known, and so not what resonances of outer steps put in.
+  // If forces dissipate by an unknown amount, energy from resonances of outer steps cannot be told.
   most_inner_ = bold && memory_.cautious_slow == 0 && !system_.dissipatesInForces() ? kMostInner : 1;
   report = advance(time, bold ? kBold : 1.0, state);
   bool sound = isSound(time, report, state);
@@ -316,9 +316,9 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
     --memory_.cautious;
   }
 
-  // A step that went wrong is taken again with finer sub-steps or parts, and by auto implicitly in the end.
+  // A failed step is repeated with finer sub-steps or parts, and by auto implicitly in the end.
   const bool can_be_finer = has_substeps || memory_.type == IntegratorType::kImplicit;
-  // Where sub-steps became too many the step was implicit already, and would be again.
+  // If there were too many sub-steps, the step was implicit already, and would be again.
   bool was_implicit = is_too_stiff_;
   for (double share = 0.5;
        !sound && !was_implicit && !isInterrupted() && can_be_finer && substeps_needed_ == 0 && share >= kSmallestShare;
@@ -333,7 +333,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
       params_.type == IntegratorType::kAuto && system_.hasStiffness() && memory_.type == IntegratorType::kVerlet;
   for (Index parts = was_implicit ? 2 : 1; !sound && !isInterrupted() && may_change && parts * kSmallestShare <= 1.0;
        parts *= 2) {
-    // What the implicit method carries away is carried away: it does not overshoot.
+    // The implicit method does not overshoot: a surface that it carries away is really carried away.
     if (was_implicit && !isInSpace(state)) break;
     outcome.retried = findFailure(report, state);
     outcome.is_retried_implicitly = true;

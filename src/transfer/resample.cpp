@@ -1,4 +1,4 @@
-// Inserts points into links that have become too long. The links are kept like the edges of a triangulation: halving one also
+// Inserts points into links that have become too long. The links are treated like the edges of a triangulation: halving one also
 // links its middle to the corners opposite to it, so that the new triangles can be halved in turn.
 #include "deformable_surface/transfer/resample.h"
 
@@ -16,11 +16,11 @@ namespace {
 
 // Links per block of a parallel loop: a few ten microseconds of work.
 constexpr Index kBlock = 4096;
-// A point this near to the middle of a link, in lengths of the link, already samples it: the links of a grid's squares cross in
-// their middles, where only the first may insert one.
+// A point this near to the middle of a link, in lengths of the link, already samples it: the diagonals of a grid's squares cross
+// in their middles, where only the first may insert one.
 constexpr double kCovered = 0.25;
-// Smallest pivot, relative to the largest, of a coefficient that the neighbours determine: above rounding and noise, below what
-// scattered neighbours reach.
+// Smallest pivot, relative to the largest, of a coefficient that the neighbours determine: above rounding and noise, below
+// that of scattered neighbours.
 constexpr double kMinPivot = 1e-3;
 // Coefficients of a quadratic height field.
 constexpr Index kCoefficients = 6;
@@ -81,8 +81,8 @@ Index Resampler::update(const Points& dense_now) {
   }
   if (static_cast<Index>(inserted_rest_.size()) >= max_points_) return 0;
 
-  // The lengths of those that are too long, against the spacing around them, and against themselves so that nothing happens at
-  // rest.
+  // The lengths of links that are too long, compared with the spacing around them, and with their length at rest so that nothing
+  // happens at rest.
   const Index num_links = static_cast<Index>(links_.size());
   too_long_.resize(num_links);
   parallelFor(num_links, kBlock, [&](Index begin, Index end) {
@@ -145,7 +145,7 @@ void Resampler::halve(Link link) {
   for (Index c : opposite) addLink(c, inserted);
 }
 
-// The first point within the distance of a place between a and b, among their neighbours and those of these; -1 if there is none.
+// The first point within the distance of a place between a and b, among their neighbours and the neighbours of these; -1 if none.
 Index Resampler::findNear(const Vec3& place, double distance, Index a, Index b) const {
   for (Index end : {a, b}) {
     for (Index j : adjacent_[end]) {
@@ -169,7 +169,7 @@ void Resampler::addLink(Index a, Index b) {
 // mean normal are fitted by a quadratic over the two ends and their neighbours [Alexa 2003, the polynomial step].
 Vec3 Resampler::project(const Vec3& middle, Vec3& normal, Index a, Index b) const {
   const Vec3 n_a = restNormal(a), n_b = restNormal(b), sum = n_a + n_b;
-  // Ends that face away from each other have no common side: that of the first counts.
+  // Ends that face away from each other have no common side: the first one's counts.
   normal = sum.norm() > 0.1 ? sum.normalized() : n_a;
   std::vector<Index> around = adjacent_[a];
   for (Index j : adjacent_[b]) insertSorted(around, j);
@@ -190,7 +190,7 @@ Vec3 Resampler::project(const Vec3& middle, Vec3& normal, Index a, Index b) cons
     height[r] = weight * normal.dot(d);
   }
 
-  // What the neighbours do not determine stays flat (the smallest coefficients are taken); a fit that leaves the link's
+  // Undetermined coefficients stay zero (the smallest solution is taken); a fit that leaves the link's
   // surroundings is not used.
   Eigen::CompleteOrthogonalDecomposition<decltype(basis)> decomposition;
   decomposition.setThreshold(kMinPivot);

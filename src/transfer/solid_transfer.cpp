@@ -13,7 +13,7 @@ namespace {
 constexpr Index kBlock = 1024;
 constexpr double kReach = 1.1;         // of the farthest neighbour's distance: it keeps a little weight
 constexpr double kCoincident = 1e-12;  // squared distance over the reach's, below which a point is the simulation point
-constexpr double kLeastSpread = 1e-3;  // squared, over that in the main direction: the slope along less is not to be told
+constexpr double kLeastSpread = 1e-3;  // squared, over that in the main direction: below it the slope cannot be determined
 
 }  // namespace
 

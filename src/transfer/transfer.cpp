@@ -1,5 +1,5 @@
 // The transfer operator: fitted once per rest state, applied in every frame. Applying it is one pass (transfer_pass.h) that moves
-// as few bytes as possible, because memory and not arithmetic limits it.
+// as few bytes as possible, because memory bandwidth limits it, not arithmetic.
 #include "deformable_surface/transfer/transfer.h"
 
 #include "deformable_surface/base/error.h"
@@ -18,12 +18,12 @@
 namespace deformable_surface::transfer {
 namespace {
 
-// Longest row: more neighbours smooth the motion and cost memory without use.
+// Longest row: more neighbours smooth the motion and need memory without benefit.
 constexpr Index kMaxNeighbors = 64;
 // The compact kernel ends this much beyond the farthest neighbour, which keeps a positive weight of a few ten-thousandths: where
-// the neighbours change from one dense point to the next, there is no visible step.
+// the neighbours change from one dense point to the next, no step is visible.
 constexpr double kKernelReach = 1.1;
-// A slope along a direction is fitted if it multiplies errors of the displacements by no more than this, per distance of the
+// A slope along a direction is fitted if it multiplies errors of the displacements by at most this, per distance of the
 // farthest neighbour: their spread must be about a hundredth of that distance.
 constexpr double kMaxAmplification = 100.0;
 // Points per block of a parallel loop: a few milliseconds of work.
@@ -44,7 +44,7 @@ auto* numbersOf(std::vector<Vector>& vectors) {
 // One number per neighbour, without allocating.
 using Row = std::array<double, kMaxNeighbors>;
 
-// Rounds a row to float, and puts what rounding took from its sum into its largest entry: constant displacements stay exact.
+// Rounds a row to float, and adds the rounding error of its sum to its largest entry: constant displacements stay exact.
 // Entry j goes to out[j * stride].
 void storeRow(const Row& row, std::size_t count, double sum, float* out, std::size_t stride) {
   std::size_t largest = 0;
@@ -86,7 +86,7 @@ void check(const Points& dense, const Points& normals, const Points& simulation,
     throw InputError("transfer: dense point " + std::to_string(i) +
                      " follows more than k simulation points, or one that is not usable");
   }
-  // Normals of a float cloud are unit to a few 1e-7; a thousandth tells them from what was never normalised.
+  // Normals of a float cloud are unit to a few 1e-7; a thousandth distinguishes them from vectors that were never normalised.
   for (std::size_t i = 0; i < dense.size(); ++i) {
     if (dense[i].allFinite() && std::abs(normals[i].squaredNorm() - 1.0) < 1e-3) continue;
     throw InputError("transfer: dense point " + std::to_string(i) + " is not finite or its normal is not a unit vector");
@@ -158,7 +158,7 @@ void Transfer::findTileSources(Index tile) {
 std::vector<Index> Transfer::sourcesOf(Index dense) const {
   const Index* const index = index_.data() + dense / kLanes * k_ * kLanes + dense % kLanes;
   std::vector<Index> sources{index[0]};
-  // Rows with fewer are filled up with the first.
+  // Shorter rows are padded with the first entry.
   for (Index j = 1; j < k_ && index[j * kLanes] != index[0]; ++j) sources.push_back(index[j * kLanes]);
   return sources;
 }
@@ -289,8 +289,8 @@ bool Transfer::fitRow(Index i, const Vec3& normal, const Points& simulation, con
 }
 
 // The reference is added back in double, so that far translations cost no digits. It is the mean, rounded to a power of two of
-// the size of what differs from it: so far as a share of the points can move without moving any displacement but its own, and
-// within a factor of two of the least that is left to round.
+// the size of the differences from it. It is then constant as long as only a share of the points moves, so that no other
+// displacement changes, and the rounding error is within a factor of two of the least possible.
 void Transfer::findDisplacements(const Points& simulation_now, Vec3& reference, std::vector<float>& displacements) const {
   if (simulation_now.size() != simulation_rest_.size()) {
     throw InputError("transfer: " + std::to_string(simulation_now.size()) + " positions for " +
@@ -331,7 +331,7 @@ void Transfer::run(Index begin, Index end, const float* displacements, const Vec
 }
 
 void Transfer::runAll(const Points& simulation_now, const PassOutput& output) const {
-  // Kept by the thread, so that nothing is allocated in later calls and several threads may share one operator.
+  // Kept by the thread: later calls allocate nothing, and several threads may share one operator.
   static thread_local std::vector<float> displacements;
   Vec3 reference;
   findDisplacements(simulation_now, reference, displacements);

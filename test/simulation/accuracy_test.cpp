@@ -1,4 +1,4 @@
-// What is chosen by the error estimate and by what steps cost: wishes are honoured or refused in words.
+// What is chosen by the error estimate and by what steps cost: targets are met or refused in words.
 #include "../../src/simulation/accuracy.h"
 #include "sagging_strip.h"
 

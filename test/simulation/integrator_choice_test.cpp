@@ -1,5 +1,5 @@
-// A wish for an accuracy also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one
-// whose estimate stays below the wish, until what was tried has come to an end.
+// An accuracy target also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one
+// whose estimate stays below the target, until what was tried has come to an end.
 #include "../../src/simulation/integrator_choice.h"
 #include "../../src/simulation/dynamics.h"
 #include "clouds.h"
@@ -39,7 +39,7 @@ SceneParams pressedPlate() {
   return p;
 }
 
-// Implicit steps lose more of its swing than the wish, and Verlet's are more than are said to fit.
+// Implicit steps lose more of its swing than the target, and Verlet's are more than are said to fit.
 SceneParams swingingSheet() {
   SceneParams p = hangingSheet();
   p.integrator.time_step = 1.0 / 30.0;

@@ -1,4 +1,4 @@
-// A wish for an accuracy also chooses how stiff the membrane acts: what that changes is part of the estimate, is below the wish,
+// An accuracy target also chooses how stiff the membrane acts: what that changes is part of the estimate, is below the target,
 // and ends where it is no longer known to be.
 #include "../../src/simulation/dynamics.h"
 #include "clouds.h"

@@ -56,7 +56,7 @@ TEST(OwnModel, IsRefusedWhatItDoesNotHave) {
   std::string all;
   for (const std::string& problem : checkParams(p)) all += problem + "\n";
   EXPECT_NE(all.find("pressure: found one, but the points of tethered_points have no sides"), std::string::npos) << all;
-  EXPECT_NE(all.find("accuracy.position_error: found a wish, but only mass_spring"), std::string::npos) << all;
+  EXPECT_NE(all.find("accuracy.position_error: found a target, but only mass_spring"), std::string::npos) << all;
   EXPECT_NE(all.find("pins[0].orientation: found true, but only oriented_particles"), std::string::npos) << all;
 
   Simulation s(tethered(), sheetCloud(10));

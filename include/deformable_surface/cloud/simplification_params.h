@@ -13,7 +13,7 @@ enum class PointDensity { kUniform, kAdaptive };
 struct SimplificationParams {
   SimplificationMethod method = SimplificationMethod::kDelaunay;
   Index target_points = 0;   // >= 0; 0 = by threshold
-  OrAuto<double> threshold;  // m, > 0: the ring diameter up to which points are removed; auto: see accuracy; without a wish
+  OrAuto<double> threshold;  // m, > 0: the ring diameter up to which points are removed; auto: see accuracy; without a target
                              // min(n, 1000) points are kept
   PointDensity density = PointDensity::kUniform;
 };

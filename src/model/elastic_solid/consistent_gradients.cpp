@@ -14,9 +14,9 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr int kMostIterations = 400;  // what is left then is smooth, and small
+constexpr int kMostIterations = 400;  // the remaining error is then smooth and small
 constexpr double kEnough = 1e-11;     // of the first residual: rounding
-// Of the least squared residual: they vary by less from one iteration to the next where there is a solution.
+// Of the least squared residual: if there is a solution, residuals vary by less from one iteration to the next.
 constexpr double kAstray = 1e6;
 
 using Map3 = Eigen::Map<const Vec3>;
@@ -35,7 +35,7 @@ void fitAll(const PairFit& fit, const Points& l, std::vector<Mat3>& gradient) {
   });
 }
 
-// S l: what each pair's residuals at both ends give its points.
+// S l: each pair contributes its residuals at both ends.
 void applyResiduals(const PairFit& fit, const Points& l, std::vector<Mat3>& gradient, Points& product) {
   fitAll(fit, l, gradient);
   parallelFor(fit.size(), kBlock, [&](Index begin, Index end) {
@@ -65,7 +65,7 @@ double largestOf(const Points& vectors) {
   return largest;
 }
 
-// The points that pairs connect, body by body.
+// The points of each body, connected by pairs.
 std::vector<std::vector<Index>> findBodies(const Lists& pairs) {
   std::vector<std::vector<Index>> bodies;
   std::vector<char> is_found(pairs.size(), 0);
@@ -84,7 +84,7 @@ std::vector<std::vector<Index>> findBodies(const Lists& pairs) {
   return bodies;
 }
 
-// Changes r on the outside of a body, in proportion to its area there and linearly in space, until it has neither sum nor moment.
+// Changes r on the boundary of a body, in proportion to the area there and linearly in space, until sum and moment vanish.
 void balance(const Points& points, const Points& outside, const std::vector<Index>& body, Points& r) {
   Vec3 middle = Vec3::Zero();
   double total = 0.0;
@@ -118,7 +118,7 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
   result.own.assign(n, Vec3::Zero());
   const auto fittedAt = [&](Index i, Index k) { return Vec3(fit.inverseAt(i) * Map3(pairAt(fit, k))); };
 
-  // What the theorem lacks: a_j - sum_i V_i g_i(j). The fit of j is asked for by i as that of the opposite pair.
+  // The residual of the theorem: a_j - sum_i V_i g_i(j). In the fit of j, i is found by the opposite pair.
   Points r = cells.outside;
   for (Index i = 0; i < n; ++i)
     for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k) {
@@ -128,8 +128,8 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
     }
   for (const std::vector<Index>& body : findBodies(fit.pairs)) balance(points, cells.outside, body, r);
 
-  // Conjugate gradients. Where points have too few neighbours the theorem cannot hold, and they would go astray: the best is
-  // kept.
+  // Conjugate gradients. If points have too few neighbours the theorem cannot hold and the iteration diverges: the best iterate
+  // is kept.
   Points l(n, Vec3::Zero()), best = l, p = r, product(n);
   std::vector<Mat3> gradient(n);
   const double first = dot(r, r), first_largest = largestOf(r);
@@ -159,7 +159,7 @@ ConsistentGradients makeConsistent(const Points& points, const PairFit& fit, con
   fitAll(fit, l, gradient);
   for (Index i = 0; i < n; ++i) {
     const Mat3 inverse = fit.inverseAt(i);
-    // Where neighbours span no volume the correction stays in what they span.
+    // If neighbours span no volume the correction stays in the space that they span.
     const Mat3 span =
         fit.rank[i] == 3 ? Mat3(Mat3::Identity()) : Mat3(inverse * inverse.completeOrthogonalDecomposition().pseudoInverse());
     for (Index k = fit.pairs.offsets[i]; k < fit.pairs.offsets[i + 1]; ++k) {

@@ -14,7 +14,7 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;          // points a task, a multiple of four: some ten microseconds of work
-constexpr double kLeastVolume = 1e-3;  // of the median: a point that cells leave nothing must still have a mass
+constexpr double kLeastVolume = 1e-3;  // of the median: a point with an empty cell still needs a mass
 constexpr double kReach = 2.0;         // of the local spacing: some thirty neighbours, and no more than one layer beyond the next
 constexpr double kNearReach = 1.6;     // of the neighbours that motions from point to point are compared with: half as many
 constexpr double kLeastCoupling = 0.15;  // of the largest weight: some seven neighbours are left, and factors stay small
@@ -28,7 +28,7 @@ double findLambda(const MaterialParams& m, bool is_plate) {
   return is_plate ? m.young_modulus * nu / (1.0 - nu * nu) : m.young_modulus * nu / ((1.0 + nu) * (1.0 - 2.0 * nu));
 }
 
-// s = stiffness sum_i V_i / sum_i (tr K'_i / d): a deviation of the size of a strain costs what the strain would.
+// s = stiffness sum_i V_i / sum_i (tr K'_i / d): a deviation as large as a strain costs as much energy as the strain.
 double findStabilization(const PairFit& near, const Points& points, const std::vector<double>& volumes, double stiffness,
                          int dimension) {
   double volume = 0.0, spread = 0.0;
@@ -41,19 +41,19 @@ double findStabilization(const PairFit& near, const Points& points, const std::v
   return spread > 0.0 ? stiffness * volume * dimension / spread : 0.0;
 }
 
-// What lies off the plane of a planar solid is no strain.
+// In a planar solid, displacements across the plane are no strain.
 Points flatten(Points points, const Vec3& across) {
   for (Vec3& p : points) p -= across.dot(p) * across;
   return points;
 }
 
-// The pairs of the narrow fit, all of which are in the wide one, come first in it, in order, so that one loop runs over both.
+// Puts the pairs of the narrow fit, all of which are in the wide one, first in it, in order, so that one loop runs over both.
 void putNearFirst(SolidRest& rest) {
   PairFit& fit = rest.fit;
   for (Index i = 0; i < fit.size(); ++i) {
     Index next = fit.pairs.offsets[i];
     for (const Index* j = rest.near.pairs.begin(i); j != rest.near.pairs.end(i); ++j, ++next) {
-      // Both ascend: what is passed over moves up by one place.
+      // Both ascend: entries in between move up by one place.
       Index k = next;
       while (fit.pairs.items[k] != *j) ++k;
       const auto rotate = [next, k](auto& values, Index width) {
@@ -132,8 +132,8 @@ bool ElasticSolid::flow(double dt, State& state) {
   return plasticity_->flow(dt, positions_.data(), passes_, state);
 }
 
-// Sums of the norms of the blocks of a row of kBound's stiffness: E is a sum over k of what the neighbours i and j of k do to
-// F_k and F'_k.
+// Sums of the norms of the blocks of a row of kBound's stiffness: E is a sum over k of the effect of the neighbours i and j of k
+// on F_k and F'_k.
 void ElasticSolid::findRowBounds() {
   const SolidRest& rest = passes_.rest;
   const Index n = passes_.size();
@@ -163,8 +163,8 @@ void ElasticSolid::findRowBounds() {
   }
 }
 
-// The energy of each point, with |grad u|^2 in place of its strain's, spread over those nearest neighbours that weigh most in its
-// fit: sum_j w'_ij |u_j - u_i|^2 is |grad u|^2 sum_j w'_ij |X_j - X_i|^2 / d for a linear u, on average over its directions.
+// The energy of each point, with |grad u|^2 in place of its strain's, spread over the nearest neighbours with the largest weights
+// in its fit: sum_j w'_ij |u_j - u_i|^2 is |grad u|^2 sum_j w'_ij |X_j - X_i|^2 / d for a linear u, averaged over directions.
 void ElasticSolid::findCouplings() {
   const SolidRest& rest = passes_.rest;
   const Lists& pairs = rest.near.pairs;

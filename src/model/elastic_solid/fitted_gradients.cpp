@@ -11,9 +11,9 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr Index kNearest = 3;  // neighbours whose distances tell the spacing: a corner of a lattice has as many
-// Least spread of neighbours in a direction, squared, over that in their main one: a spread of less than two hundredths tells the
-// gradient along it worse than fifty times as badly.
+constexpr Index kNearest = 3;  // neighbours whose distances give the spacing: a corner of a lattice has as many
+// Least spread of neighbours in a direction, squared, over that in their main one. With a spread of less than two hundredths, the
+// error of the gradient along it grows more than fifty times.
 constexpr double kLeastSpread = 4e-4;
 
 struct Pair {
@@ -22,7 +22,7 @@ struct Pair {
   bool operator<(const Pair& other) const { return i != other.i ? i < other.i : j < other.j; }
 };
 
-// Both directions of every listed pair, once each, ascending; of two detours the one that both ends see, their mean.
+// Both directions of every listed pair, once each, ascending; for a pair listed by both ends the mean of the detours.
 std::vector<Pair> listBothWays(const Lists& neighbors, const std::vector<double>& detours) {
   std::vector<Pair> both;
   both.reserve(2 * neighbors.items.size());
@@ -45,7 +45,7 @@ std::vector<Pair> listBothWays(const Lists& neighbors, const std::vector<double>
   return both;
 }
 
-// The reach of each point: nearest distances vary from point to point, their means do less.
+// The reach of each point: nearest distances vary from point to point, their means less.
 std::vector<double> findReach(const Points& points, const Lists& neighbors, double share) {
   const Index n = neighbors.size();
   std::vector<double> nearest(n, 0.0), reach(n, 0.0);

@@ -13,9 +13,9 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 256;  // points a task
-// Of the yield, by Green's strain: half of the stretch's where lengths have shrunk to nothing.
+// Of the yield, by Green's strain, which is half the stretch's where lengths have shrunk to nothing.
 constexpr double kClearlyBelow = 0.5;
-constexpr double kRounding = 1e-12;  // relative: where the largest strain is reached already nothing flows
+constexpr double kRounding = 1e-12;  // relative: nothing flows if the largest strain is already reached
 
 using Square = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 using Row = Eigen::Matrix<double, Eigen::Dynamic, 1, 0, 3, 1>;
@@ -48,7 +48,7 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
   const Square square = axes_.transpose() * F.transpose() * F * axes_;
   const double mean = square.trace() / static_cast<double>(square.rows());
   const Square green = 0.5 * (square - mean * Square::Identity(square.rows(), square.cols()));
-  // Green's difference of two stretches is theirs times half their sum: the bound holds unless all is crushed.
+  // In Green's strain, two stretches differ by their difference times half their sum: the bound holds unless all is crushed.
   if (mean > 2.0 / 3.0 && !(stress_of_deviator_ * green.norm() > kClearlyBelow * params_.yield_stress)) return false;
   const Eigen::SelfAdjointEigenSolver<Square> solver(square);
   const Row stretch = solver.eigenvalues().cwiseMax(0.0).cwiseSqrt();
@@ -62,7 +62,7 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
   const Mat3 before = plastic;
   plastic = Mat3(plastic * all);
 
-  // The largest strain: all of its logarithm in proportion.
+  // The largest strain: its whole logarithm is scaled.
   const Eigen::JacobiSVD<Mat3> svd(plastic, Eigen::ComputeFullU | Eigen::ComputeFullV);
   const Vec3 logarithm = svd.singularValues().array().log();
   const double strain = std::sqrt(2.0 / 3.0) * logarithm.norm();
@@ -75,7 +75,7 @@ bool PlasticFlow::flowAt(Index i, double share, const Mat3& F, const SolidRest& 
 bool PlasticFlow::flow(double dt, const double* positions, SolidPasses& passes, State& state) const {
   const double share = params_.creep.is_auto ? 1.0 : -std::expm1(-params_.creep.value * dt);
   std::atomic<bool> any{false};
-  // Rows of a point are its own, and others read them in no fit.
+  // Each point has rows of its own; no other fit reads them.
   const double lost = parallelSum(passes.size(), kBlock, [&](Index begin, Index end) {
     double sum = 0.0;
     for (Index i = begin; i < end; ++i) {

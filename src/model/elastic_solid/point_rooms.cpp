@@ -25,7 +25,7 @@ DEFORMABLE_SURFACE_WIDE void fillRoom(Index begin, Index end, const Index* other
   }
 }
 
-// own: the force on the first of the points in the room of their block.
+// own: the force on the first of the points in the memory of their block.
 DEFORMABLE_SURFACE_WIDE void addCopies(Index begin, Index end, const double* own, const Index* offsets, const Index* places,
                                        const double* room, double* forces) {
   for (Index i = begin; i < end; ++i, own += kNumbers) {

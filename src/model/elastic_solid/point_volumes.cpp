@@ -10,34 +10,34 @@ namespace deformable_surface::model {
 namespace {
 
 constexpr Index kBlock = 64;   // points a task: a millisecond or so
-constexpr Index kClosest = 3;  // neighbours whose distances tell the spacing: a corner of a lattice has as many
-// Of the farthest neighbour's distance: facets of the hull nearer to its middle are those of a flat set, and gaps wider than its
+constexpr Index kClosest = 3;  // neighbours whose distances give the spacing: a corner of a lattice has as many
+// Of the farthest neighbour's distance: facets of the hull nearer to its middle belong to a flat set, and gaps wider than its
 // inverse are the outside of one.
 constexpr double kNearest = 1e-4;
-// Of a cell's size squared: what a point under the surface may have of it, where its cell just reaches it.
+// Of a cell's size squared: largest boundary area of a point below the surface whose cell just reaches it.
 constexpr double kGrazes = 0.1;
 // Of the spacing: no place in a body is farther from all of its points. With jitter of four tenths some are 1.27 away in a plane.
 constexpr double kEmpty = 1.4;
-// Of a cell: gaps that take less of it are dents between the points of a surface that bulges, some hundredths of it where its
-// radius is four spacings. Where they take more, the points are layers far apart.
+// Of a cell: gaps that take a smaller share of it are dents between the points of a convex surface, some hundredths of it if its
+// radius is four spacings. If they take a larger share, the points are layers far apart.
 constexpr double kDent = 0.05, kLayer = 0.95;
 constexpr double kSameCorner = 1e-7;        // of a corner's distance: as many copies of it as it has facets differ by rounding
 enum Facet { kBetween, kOutside, kToGap };  // to a neighbour, of the hull, or to a gap
 
-// Cuts the cell of one point after the other, all relative to it. In a plane cells are prisms.
+// Cuts the cells of the points one after the other, in coordinates relative to the point. In a plane cells are prisms.
 class Cutter {
  public:
   Cutter(const Points& points, const Lists& neighbors, const Vec3& across)
       : points_(points), neighbors_(neighbors), across_(across), is_planar_(!across.isZero(0.0)) {}
 
-  /// Goes on to point i.
+  /// Moves on to point i.
   void moveTo(Index i);
-  /// Its cell among its neighbours, within the hull of it and them. Returns how far the cell's corners were before the hull cut
-  /// it: as far as the neighbours at most.
+  /// Cuts its cell among its neighbours, within the hull of all of them. Returns the distance of the cell's corners before the
+  /// hull cut it, at most that of the neighbours.
   double cut();
-  /// Whether it lies at a gap: whether some place is nearest to it, among its neighbours, and yet farther than `empty`, m.
+  /// Whether it lies at a gap: some place is nearest to it, among its neighbours, and yet farther than `empty`, m.
   bool findGaps(double empty);
-  /// Takes what lies in the gaps found, and between them and the body, from the cell. False if it is nothing to speak of.
+  /// Removes the part of the cell in the gaps found, and between them and the body. False if it is negligible.
   bool cutGaps();
 
   /// Of the cell, in a plane area and length.
@@ -59,7 +59,7 @@ class Cutter {
   double volume_ = 0.0, height_ = 1.0;  // m^3, or m^2; m, of the prism, or 1
   Vec3 outside_ = Vec3::Zero();
   double reach_ = 0.0;      // m, how far neighbours are
-  Points beside_, around_;  // what cuts the cell, and what has the hull
+  Points beside_, around_;  // points that cut the cell, and points of the hull
   geometry::ConvexCell hull_, cell_, star_, part_;
   Points corners_;            // of the cell that no hull has cut
   std::vector<char> is_gap_;  // of its corners
@@ -74,7 +74,7 @@ void Cutter::moveTo(Index i) {
     reach_ = std::max(reach_, beside_.back().norm());
   }
   if (is_planar_) {
-    // A prism over the cell in the plane: of those around, each stands above and below.
+    // A prism over the cell in the plane: each point around it stands above and below.
     height_ = reach_;
     around_.clear();
     for (const double height : {-height_, height_}) {
@@ -105,9 +105,9 @@ double Cutter::cut() {
   return farthest;
 }
 
-// The corners of the cell that no hull has cut are the middles of empty spheres through the point and its neighbours, and those
-// neighbours with it the corners of a Delaunay cell. That fills the directions in which its corner is the farthest of all. The
-// spheres in gaps are large: in their directions the body has nothing.
+// Corners of the cell that no hull has cut are the centres of empty spheres through the point and its neighbours. With these
+// neighbours the point spans a Delaunay cell, which fills the directions in which its corner is the farthest of all. Spheres
+// in gaps are large: the body does not extend in their directions.
 bool Cutter::findGaps(double empty) {
   const double infinite = reach_ / kNearest;
   star_.reset(infinite);
@@ -151,8 +151,8 @@ double meanOver(const std::vector<double>& values, const Lists& neighbors, Index
   return sum / (1 + neighbors.count(i));
 }
 
-// The local spacing: that of as many cells in a lattice. Those of slender bodies are all cut by the hull; there it is at least
-// the distance to the nearest points.
+// The local spacing: that of as many cells in a lattice. Cells of slender bodies are all cut by the hull; the spacing is then at
+// least the distance to the nearest points.
 std::vector<double> findSpacing(const Points& points, const Lists& neighbors, const std::vector<double>& volume, bool is_planar) {
   const Index n = neighbors.size();
   std::vector<double> closest(n, 0.0), spacing(n, 0.0);
@@ -186,7 +186,7 @@ PointCells findPointCells(const Points& points, const Lists& neighbors, const Ve
   });
 
   if (outline == Outline::kRough) return cells;
-  // Of those at the outside, what lies in gaps.
+  // For points on the boundary: removes gaps.
   const std::vector<double> spacing = findSpacing(points, neighbors, cells.volume, is_planar);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     Cutter cutter(points, neighbors, across);

@@ -1,14 +1,14 @@
-// Parts of an elastic solid: the same fits with the same numbers on fewer points, so that a step costs what is in the part. A
-// file of its own, because only sleeping needs it.
+// Parts of an elastic solid for sleeping: the same fits with the same numbers on fewer points, so that a step costs only the
+// part.
 #include "deformable_surface/model/elastic_solid/elastic_solid.h"
 
 namespace deformable_surface::model {
 namespace {
 
-// Calls visit(i) for the points and for each of their neighbours, whose fits they belong to, each once.
+// Calls visit(i) once for each of the points and of their neighbours, whose fits contain them.
 template <class Visit>
 void forEachFit(const std::vector<Index>& points, const Lists& pairs, Visit&& visit) {
-  // Kept by the thread, so that nothing is allocated in later calls.
+  // Kept by the thread: later calls allocate nothing.
   static thread_local std::vector<char> is_seen;
   is_seen.assign(pairs.size(), 0);
   const auto see = [&](Index i) {
@@ -76,10 +76,10 @@ SolidRest select(const SolidRest& whole, const Selection& part) {
 
 }  // namespace
 
-// What flows changes the fits themselves.
+// Plastic flow changes the fits themselves.
 bool ElasticSolid::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (plasticity_) return false;
-  const Lists& pairs = passes_.rest.fit.pairs;  // those that are near are among them
+  const Lists& pairs = passes_.rest.fit.pairs;  // the near ones are among them
   forEachFit(points, pairs, [&](Index fit) {
     marked[fit] = 1;
     for (const Index* j = pairs.begin(fit); j != pairs.end(fit); ++j) marked[*j] = 1;
@@ -109,7 +109,7 @@ Partition::Part ElasticSolid::makePart(const std::vector<char>& wanted) const {
   std::unique_ptr<ElasticSolid> part(new ElasticSolid(select(passes_.rest, selection)));
   part->law_ = law_;
   part->is_plate_ = is_plate_;
-  part->stable_step_ = stable_step_;  // what is held makes no motion faster
+  part->stable_step_ = stable_step_;  // constraints make no motion faster
   for (const Index i : selection.points) {
     part->masses_.push_back(masses_[i]);
     part->row_bounds_.push_back(row_bounds_[i]);

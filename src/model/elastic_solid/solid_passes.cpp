@@ -17,12 +17,12 @@ using namespace lanes;
 constexpr Index kRoom = PointRooms::kNumbers;
 constexpr Index kConstants = 13;
 constexpr Index kTangents = 15;
-constexpr Index kEnergies = 256;  // points whose energies stand on the stack
-// Of mu: the derivative has poles where two stretches cancel, and no more than that is taken there.
+constexpr Index kEnergies = 256;  // points whose energies fit on the stack
+// Of mu: the derivative has poles where two stretches cancel, and is limited to this there.
 constexpr double kMostTangent = 1e3;
 
-// Of one point: sums over the neighbours j of (x_j - x_i) row_j[c], c < 3, and over the near ones, which come first, of
-// (x_j - x_i) m_j[c], c < 4. places: of the neighbours in the room.
+// For one point: sums over the neighbours j of (x_j - x_i) row_j[c], c < 3, and over the near ones, which come first, of
+// (x_j - x_i) m_j[c], c < 4. places: of the neighbours in the block's memory.
 DEFORMABLE_SURFACE_INLINE void gatherOne(const PassArrays& a, const double* room, Index place, Index i, Double4* strained,
                                          Double4* near) {
   const Index* places = a.places;
@@ -44,7 +44,7 @@ DEFORMABLE_SURFACE_INLINE void gatherOne(const PassArrays& a, const double* room
   for (int c = 0; c < 4; ++c) near[c] = sums[c];
 }
 
-// Adds what one point does to its neighbours, -(Q row_j + N m_j), Q and N by columns x y z 0.
+// Adds the action of one point on its neighbours, -(Q row_j + N m_j), Q and N by columns x y z 0.
 DEFORMABLE_SURFACE_INLINE void scatterOne(const PassArrays& a, double* room, Index i, const Double4* Q, const Double4* N) {
   const Index* places = a.places;
   const double *row = a.row + 3 * static_cast<std::ptrdiff_t>(a.offsets[i]),
@@ -68,8 +68,8 @@ DEFORMABLE_SURFACE_INLINE void scatterOne(const PassArrays& a, double* room, Ind
   }
 }
 
-// What the points [begin, end), those of a room, do to themselves and to their neighbours. Returns whether any is left to be done
-// one by one; those are marked in the fourth number of their force.
+// The action of the points [begin, end) of a block on themselves and on their neighbours. Returns whether any point has to be
+// treated singly; such points are marked in the fourth number of their force.
 DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const PassArrays& a, double* room) {
   bool any_unsound = false;
   for (Index i = begin; i < end; i += 4) {
@@ -140,7 +140,7 @@ DEFORMABLE_SURFACE_WIDE bool spread(StressLaw law, Index begin, Index end, const
   return any_unsound;
 }
 
-// Energies of four points at a time, J; NaN for those that are to be done one by one. energies: (end - begin, filled up to
+// Energies of four points at a time, J; NaN for points that have to be treated singly. energies: (end - begin, padded to
 // fours).
 DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end, const PassArrays& a, double* energies) {
   for (Index i = begin; i < end; i += 4) {
@@ -186,7 +186,7 @@ DEFORMABLE_SURFACE_WIDE void findEnergies(StressLaw law, Index begin, Index end,
   }
 }
 
-// R and M of four points at a time; is_sound (end - begin, filled up to fours) is false for those that are to be done one by one.
+// R and M of four points at a time; is_sound (end - begin, padded to fours) is false for points to be treated singly.
 DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index begin, Index end, const PassArrays& a,
                                           double* tangent, bool* is_sound) {
   for (Index i = begin; i < end; i += 4) {
@@ -227,7 +227,7 @@ DEFORMABLE_SURFACE_WIDE void findTangents(StressLaw law, bool is_positive, Index
   }
 }
 
-// Sum over the neighbours of (x_j - x_i) row_j^T; rows of so many numbers.
+// Sum over the neighbours of (x_j - x_i) row_j^T; rows of `width` numbers.
 Mat3 sumPairs(const Lists& pairs, const std::vector<double>& rows, int width, Index i, const double* positions) {
   Mat3 A = Mat3::Zero();
   const Eigen::Map<const Vec3> here(positions + 4 * static_cast<std::ptrdiff_t>(i));
@@ -255,7 +255,7 @@ Vec3 sumMoments(const PairFit& fit, Index i) {
   return sum;
 }
 
-// The turn by the shortest way from unit a to unit b.
+// The shortest rotation from unit a to unit b.
 Mat3 turnTo(const Vec3& a, const Vec3& b) { return Quaternion::FromTwoVectors(a, b).toRotationMatrix(); }
 
 // F where neighbours lie in a plane or on a line only: see fitGradient().

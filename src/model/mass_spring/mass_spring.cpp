@@ -92,8 +92,8 @@ MassSpring::MassSpring(const Points& rest, const Points& normals, const cloud::R
   for (double& mass : masses_) mass *= material.arealDensity() * surface_area / total;
 
   // Spring stiffness from the triangles at each spring.
-  // Edges of few points are ragged, and lie within those of the full surface: what is missing of its area bends and stretches,
-  // too, as it weighs.
+  // The edges of few points are ragged and lie within those of the full surface: the missing area counts in bending and
+  // stretching as it does in mass.
   const double whole = !closed && ring_area > 0.0 ? surface_area / ring_area : 1.0;
   const double membrane_stiffness = whole * material.young_modulus * material.thickness;
   made_.membrane_stiffness = membrane_stiffness;
@@ -191,7 +191,7 @@ double MassSpring::elasticEnergy(const State& state) const {
   return energy;
 }
 
-// Of the volume's part the change of its gradient is left out: it is small beside the rank-one part while the volume is kept.
+// Of the volume term the change of its gradient is omitted: it is small beside the rank-one part while the volume is kept.
 void MassSpring::addStiffness(const State& state, double step, Hessian hessian, BlockSparse& stiffness) const {
   const bool springs = membrane_ == Membrane::kSprings;
   if (springs || along_damping_ > 0.0) stretching_.addStiffness(state, springs, along_damping_, step, hessian, stiffness);
@@ -241,8 +241,8 @@ void MassSpring::computeAreaVectors(const State& state, Points& area_vectors) co
   });
 }
 
-// The volume is measured from the mean of the points: where Delaunay stars disagree and the triangles do not quite close, it
-// still does not notice rigid motion, and its gradient keeps momentum.
+// The volume is measured from the mean of the points. Where Delaunay stars disagree and the triangles do not quite close, rigid
+// motion still does not change it, and its gradient keeps momentum.
 double MassSpring::enclosedVolume(const State& state) const {
   const Vec3 apex = meanOf(state.positions);
   return parallelSum(static_cast<Index>(triangles_.size()), kBlock, [&](Index begin, Index end) {

@@ -1,5 +1,5 @@
-// What cuts and other materials make of a mass-spring surface. Apart from the model's forces, which know nothing of them:
-// elements that are cut are not there, and the others have other constants.
+// Cuts and changes of the material of a mass-spring surface. Forces do not know of them:
+// cut elements do not exist, and the others have other constants.
 #include "deformable_surface/model/mass_spring/incidence.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
@@ -77,7 +77,7 @@ void MassSpring::rebuild() {
   stretching_ = takeSprings(made_.links, made_.stiffness);
   bending_springs_ = takeSprings(made_.across, made_.across_stiffness);
   if (membrane_ == Membrane::kTriangles) {
-    // The energy of a triangle is in proportion to its weight.
+    // The energy of a triangle is proportional to its weight.
     std::vector<WeightedTriangle> scaled = triangles_;
     if (!materials_.empty())
       for (WeightedTriangle& t : scaled)
@@ -105,7 +105,7 @@ void MassSpring::setCuts(const std::vector<Link>& links) {
     if (!isCut(t.corner[0], t.corner[1]) && !isCut(t.corner[1], t.corner[2]) && !isCut(t.corner[2], t.corner[0]))
       triangles_.push_back(t);
   if (membrane_ == Membrane::kTriangles && !cuts_.empty()) {
-    // Links that only held together what is gone.
+    // Links that only held removed triangles together.
     const std::vector<Link> before = collectEdges(made_.triangles), after = collectEdges(triangles_);
     std::vector<Link> lost;
     std::set_difference(before.begin(), before.end(), after.begin(), after.end(), std::back_inserter(lost));

@@ -1,5 +1,5 @@
-// A guess of the stiffness in one number a pair of points, for solvers that cannot pay for the matrix of blocks. A file of its
-// own because no force depends on it.
+// A sparse spring approximation of the stiffness, for solvers that cannot afford the matrix of blocks. No force depends on
+// it.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ bool MassSpring::findCouplings(const State& state, double support, std::vector<C
   if (guess.along.empty()) makeGuess(has_bending, guess);
   along = guess.along;
   if (is_slack) {
-    // It will sag like a membrane, and how far is for the first step to find.
+    // It will sag like a membrane; the first step finds out how far.
     across = along;
     return true;
   }
@@ -53,7 +53,7 @@ void MassSpring::forgetGuesses() {
   springs_along_.clear();
 }
 
-// Row by row: the points k > j that a fit or an edge couples with j, each once.
+// Row by row: the points k > j that share a fit or an edge with j, each once.
 void MassSpring::makeGuess(bool has_bending, Guess& guess) const {
   const Index n = static_cast<Index>(masses_.size());
   const std::vector<Link> edges = membrane_triangles_.findEdges();

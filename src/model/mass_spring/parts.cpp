@@ -1,5 +1,5 @@
-// Parts of a mass-spring surface: the same elements with the same numbers in the same order, on fewer points, so that a step
-// costs what is in the part and every force comes out as in the whole. A file of its own, because only sleeping needs it.
+// Parts of a mass-spring surface for sleeping: the same elements with the same numbers in the same order, on fewer points. A step
+// costs only the part, and every force is as in the whole.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 
 #include "deformable_surface/model/mass_spring/incidence.h"
@@ -53,7 +53,7 @@ TriangleMembrane TriangleMembrane::makePart(const PartIndex& part) const {
 
 void CurvatureBending::markPartners(const std::vector<Index>& points, std::vector<char>& marked) const {
   if (neighbors_.size() == 0) return;
-  // Each fit once, though all its points use it. Kept by the thread, so that nothing is allocated in later calls, and clear
+  // Each fit once, though all its points use it. Kept by the thread, so that later calls allocate nothing, and clear
   // between them.
   static thread_local std::vector<char> is_seen;
   static thread_local std::vector<Index> seen;
@@ -91,7 +91,7 @@ CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
   const std::vector<Index> fits = findElements(wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
-  // Points on edges go with the part if one of its fits has them.
+  // Points on edges belong to the part if one of its fits uses them.
   const Index num_points = numPoints();
   std::vector<Index> points = part.points, new_edge(edge_points_.size(), -1);
   std::size_t num_rows = 0;
@@ -138,7 +138,7 @@ bool MassSpring::markPartners(const std::vector<Index>& points, std::vector<char
   bending_springs_.markPartners(points, marked);
   membrane_triangles_.markPartners(points, marked);
   bending_.markPartners(points, marked);
-  // The area of a point is that of its triangles, also where those are no elements.
+  // The area of a point is that of its triangles, also where these are no elements.
   for (const Index i : points)
     for (const Index* c = triangle_corners_.begin(i); c != triangle_corners_.end(i); ++c)
       for (const Index corner : triangles_[*c / 3].corner) marked[corner] = 1;

@@ -11,7 +11,7 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;  // elements per parallel block: large enough that handing it out costs nothing
+constexpr Index kBlock = 2048;  // elements per parallel block: large enough for negligible overhead
 
 // From four points padded to four numbers each to x, y and z of the four.
 DEFORMABLE_SURFACE_INLINE void loadDifferences(const double* points, const Index* ends, Double4* difference) {
@@ -25,7 +25,7 @@ DEFORMABLE_SURFACE_INLINE void loadDifferences(const double* points, const Index
 }
 
 // Tension over length of the groups of four springs from begin to end: k (1 - l0 / l), if elastic, plus beta k (dl/dt) / l.
-// Springs of no length get zero. velocities: null = no damping. Returns true if a spring has no length.
+// Springs without length get zero. velocities: null = no damping. Returns true if a spring has no length.
 DEFORMABLE_SURFACE_WIDE bool computePull(Index begin, Index end, const Index* ends, const double* constants,
                                          const double* positions, const double* velocities, double elasticity, double beta,
                                          double* pull) {
@@ -107,7 +107,7 @@ Vec3 Springs::direction(std::size_t s, const State& state, double& length) const
   return fixedDirection(i, j);
 }
 
-// Four springs at a time; then gathered by the points. The few springs of no length are added one by one.
+// Four springs at a time; then the points gather. The few springs without length are added one by one.
 void Springs::addForces(const State& state, const PaddedPoints& positions, bool elastic, double beta, Points& forces) const {
   const double elasticity = elastic ? 1.0 : 0.0;
   if (beta > 0.0) velocities_.assign(state.velocities);

@@ -33,7 +33,7 @@ Polar decompose(const Mat32& F, Index element) {
   if (p.determinant > 0.0) {
     p.normal = cross / p.determinant;
   } else {
-    // Collapsed to a line or a point: any normal perpendicular to the line will do, always the same one.
+    // Collapsed to a line or a point: a normal perpendicular to the line, always the same one.
     const Vec3 line = F.col(F.col(0).squaredNorm() >= F.col(1).squaredNorm() ? 0 : 1);
     const Vec3 aside = fixedDirection(element, element + 1);
     p.normal = line.squaredNorm() > 0.0 ? Vec3(line.cross(aside)) : aside;
@@ -120,9 +120,9 @@ DEFORMABLE_SURFACE_INLINE void storeForces(const Group& group, double* corner_fo
   }
 }
 
-// The forces of the groups of four triangles from begin to end, in the terms of the header. Returns true if a triangle is
-// collapsed; its forces are then not finite. In three loops over a few groups, so that the roots and divisions of one do not wait
-// for another's.
+// The forces of the groups of four triangles from begin to end, as in the header. Returns true if a triangle is
+// collapsed; its forces are then not finite. Three loops over a few groups each, so that roots and divisions of one group do not
+// wait for those of another.
 DEFORMABLE_SURFACE_WIDE bool computeCornerForces(Index begin, Index end, const Index* corners, const double* constants,
                                                  const double* positions, double lambda, double mu, double* corner_force) {
   Group groups[kBatch];
@@ -140,7 +140,7 @@ DEFORMABLE_SURFACE_WIDE bool computeCornerForces(Index begin, Index end, const I
   return collapsed;
 }
 
-// Adds to each point what its corners got. forces: (n x 3).
+// Adds the corner forces to each point. forces: (n x 3).
 DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* offsets, const Index* items,
                                           const double* corner_force, double* forces) {
   for (Index i = begin; i < end; ++i) {
@@ -163,8 +163,8 @@ struct EnergyBatch {
   double energy[kSize];                     // J
 };
 
-// With the stretches s1, s2: mu (|F - R|^2) = mu/2 ((T - 2)^2 + (s1 - s2)^2), and s1 - s2 is the length of n x f1 - f2, in which
-// nothing large cancels; a collapsed triangle has s1 - s2 = |F|.
+// With the stretches s1, s2: mu (|F - R|^2) = mu/2 ((T - 2)^2 + (s1 - s2)^2). s1 - s2 is the length of n x f1 - f2, in which
+// no large terms cancel; a collapsed triangle has s1 - s2 = |F|.
 DEFORMABLE_SURFACE_WIDE void computeEnergies(Index size, double mu, double lambda, EnergyBatch& batch) {
 #pragma GCC ivdep
   for (Index l = 0; l < size; ++l) {
@@ -232,7 +232,7 @@ Mat32 TriangleMembrane::gradient(const Element& e, const State& state) {
   return edges * e.inverse;
 }
 
-// The forces of four triangles at a time; the few collapsed ones are done again one by one.
+// The forces of four triangles at a time; the few collapsed ones are repeated one by one.
 void TriangleMembrane::addForces(const State& state, const PaddedPoints& positions, Points& forces) const {
   parallelFor(static_cast<Index>(group_corners_.size() / 12), kBlock, [&](Index begin, Index end) {
     if (computeCornerForces(begin, end, group_corners_.data(), group_constants_.data(), positions.data(), lambda_, mu_,
@@ -309,7 +309,7 @@ void TriangleMembrane::addStiffness(const State& state, Hessian hessian, BlockSp
     const double stretch[2] = {mean + radius, mean - radius};
 
     // d2W/dF2 has these eigenvectors (unit, 3 x 2) beside a plain 2 mu on the two remaining strains: R / sqrt 2 (dilation), R
-    // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is what the rotation's change takes away.
+    // turned (spin in the plane), and n v_k^T (tilt out of the plane). c is the effect of the rotation's change.
     const double c = 2.0 * mu_ - lambda_ * (p.trace - 2.0);
     const double spin = std::max(lowest, 2.0 * mu_ - (p.trace > 0.0 ? 2.0 * c / p.trace : 0.0)) - 2.0 * mu_;
     Mat2 turn;
@@ -342,7 +342,7 @@ std::vector<std::pair<Index, Index>> TriangleMembrane::findEdges() const {
   return edges;
 }
 
-// Of a wave in the plane 2 mu + lambda resists its stretching and mu its shearing: their mean.
+// A wave in the plane is resisted by 2 mu + lambda in stretching and by mu in shearing: their mean.
 void TriangleMembrane::computeSpringsAlong(std::vector<double>& stiffness) const {
   stiffness.clear();
   stiffness.reserve(3 * elements_.size());
@@ -352,7 +352,7 @@ void TriangleMembrane::computeSpringsAlong(std::vector<double>& stiffness) const
   }
 }
 
-// The tilt modes of addStiffness() without their direction. Pressure, which would buckle, counts as nothing.
+// The tilt modes of addStiffness() without their direction. Pressure, which would buckle, counts as zero.
 void TriangleMembrane::computeSpringsAcross(const State& state, std::vector<double>& stiffness) const {
   stiffness.resize(3 * elements_.size());
   for (std::size_t t = 0; t < elements_.size(); ++t) {

@@ -10,26 +10,26 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kNearest = 4;        // whose distance tells how densely there are samples: all around, and not by one close pair
-constexpr double kLeastReach = 2.5;  // spacings: what is published
-// Of noisy samples: what more of them take is less than what the defects of a lattice add at rest.
+constexpr Index kNearest = 4;        // neighbours whose distance gives the density of samples: one close pair does not matter
+constexpr double kLeastReach = 2.5;  // spacings: as published
+// For noisy samples: further passes remove less than the defects of a lattice add at rest.
 constexpr Index kMostReleases = 6;
 
-// The widest gaps, m, that samples close; none if that is the same for all.
+// The widest gap, m, that each sample closes; empty if it is the same for all.
 std::vector<double> findReaches(const Points& samples, double spacing, const GrowthParams& params) {
   std::vector<double> reaches;
   if (!(params.sample_gap > 0.0)) return reaches;
   const cloud::KdTree tree(samples);
   std::vector<cloud::Neighbor> nearest;
   for (const Vec3& p : samples) {
-    tree.nearest(p, kNearest + 1, nearest);  // it is one of them
+    tree.nearest(p, kNearest + 1, nearest);  // the sample is one of them
     const double distance = nearest.empty() ? 0.0 : std::sqrt(nearest.back().squared_distance);
     reaches.push_back(std::max(kLeastReach * spacing, params.sample_gap * distance));
   }
   return reaches;
 }
 
-// Root mean square, m, of the way along their normals from where samples were.
+// Root mean square, m, of the displacement of samples along their normals.
 double measureRise(const Points& samples, const Points& positions, const Orientations& orientations) {
   double squares = 0.0;
   for (std::size_t i = 0; i < samples.size(); ++i) {

@@ -1,4 +1,4 @@
-// The two rules: candidates of each particle in parallel, then the choice among those too close to each other, in a fixed order.
+// The two rules: candidates of each particle in parallel, then a choice among those too close to each other, in a fixed order.
 #include "deformable_surface/model/oriented_particles/growth.h"
 
 #include "deformable_surface/base/interrupt.h"
@@ -17,13 +17,13 @@ namespace {
 constexpr double kEvenGap = kPi / 3.0;
 
 // Cosine of the smallest angle at a new particle between its parent and the other side of the gap. In a hexagonal sheet with a
-// hole the ends of the edge on which the parent lies are at 120 and 150 degrees; the other side is beyond.
+// hole the ends of the edge with the parent are at 120 and 150 degrees; the other side is beyond.
 constexpr double kAhead = -0.9;
 
 // Share of d / 2 that a wide pair keeps clear: d_min / 2 at the published d_max.
 constexpr double kWideClearance = 0.8;
 
-// Who is nearer to a new particle, in spacings, has to see it: the first neighbours, which lie on the same surface.
+// Particles nearer to a new one, in spacings, must see it: the first neighbours, which lie on the same surface.
 constexpr double kWitnesses = 1.5;
 
 constexpr Index kBlock = 64;
@@ -58,7 +58,7 @@ bool isWithinReach(const std::vector<double>& reaches, Index i, const cloud::Nei
   return other.squared_distance <= reach * reach;
 }
 
-// Calls propose(i, scratch, out) for all particles and returns what they put out, in their order.
+// Calls propose(i, scratch, out) for all particles and returns the proposals, in their order.
 template <class Propose>
 std::vector<Candidate> collect(Index num_particles, const Propose& propose) {
   struct Scratch {
@@ -74,7 +74,7 @@ std::vector<Candidate> collect(Index num_particles, const Propose& propose) {
   return all;
 }
 
-// Those that are no closer than clearance to an earlier one that faces the same way.
+// Drops candidates closer than clearance to an earlier one that faces the same way.
 std::vector<NewParticle> chooseApart(std::vector<Candidate> candidates, double clearance) {
   std::stable_sort(candidates.begin(), candidates.end(), [](const Candidate& a, const Candidate& b) {
     return std::tie(a.squared_gap, a.particle.parents[0], a.particle.parents[1]) <
@@ -157,7 +157,7 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
       const double half = 0.5 * std::sqrt(q.squared_distance);
       const double clearance = (1.0 - kRounding) * std::max(min_clearance, kWideClearance * half);
       const Index parents[2] = {i, j};
-      const auto isInTheWay = [&](const cloud::Neighbor& other) {  // all who can be are within max_gap of i
+      const auto isInTheWay = [&](const cloud::Neighbor& other) {  // all that can be are within max_gap of i
         return other.index != i && other.index != j && surface.normals()[other.index].dot(normal) > 0.0 &&
                (positions[other.index] - middle).squaredNorm() <= clearance * clearance;
       };

@@ -137,8 +137,8 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
   const double by_normals = (is_row ? 2.0 : 1.0) / area * sum([&](double d) { return d * d * weigh(d); });
   const double by_planes = (is_row ? 0.5 : 3.0 / 16.0) / area * sum([&](double d) { return d * d * d * d * weigh(d); });
   const double depth = material.young_modulus * material.thickness / by_depth;
-  // Beyond first neighbours the outer bonds pull and the inner ones push: bent, when chords are shorter than arcs, that gives
-  // back energy, for which the other potentials make up.
+  // Beyond first neighbours the outer bonds pull and the inner ones push. In a bent lattice chords are shorter than arcs, which
+  // releases energy. The other potentials compensate for it.
   const double given_back = (is_row ? 1.0 / 12.0 : 1.0 / 32.0) / area * sum([&](double d) {
                               double value, slope;
                               evaluate(pair, d, value, slope);
@@ -150,7 +150,7 @@ Lattice calibrateLattice(double spacing, const MaterialParams& material, const O
   pair.co_normality = params.co_normality * half_rigidity / by_normals;
   pair.co_circularity = params.co_circularity * planarity;
 
-  // Stiffness against moving and turning one particle alone; that about an axis in the plane counts half the squared distances.
+  // Stiffness against moving and turning a single particle; about an axis in the plane, half the squared distances count.
   const double moving = depth * sum([&](double d) { return std::max(0.0, 2.0 * findLennardJonesCurvature(pair, d)); });
   const double lever = is_row ? 2.0 : 1.0;
   const double turning = sum([&](double d) {

@@ -13,18 +13,18 @@
 namespace deformable_surface::model {
 namespace {
 
-// Sine of the largest angle between a line of sight and the plane of the mean normal, 30 degrees: half of what links of a fine
-// sampling may have, because gaps are seen across several spacings.
+// Sine of the largest angle between a line of sight and the plane of the mean normal, 30 degrees: half of the limit for links of
+// a fine sampling, because gaps span several spacings.
 constexpr double kMaxSlope = 0.5;
 
-// Reach of a fit in its scales: beyond, weights are below a twentieth.
+// Reach of a fit in its scales: beyond it, weights are below a twentieth.
 constexpr double kReach = 2.5;
 
-// What the slope of the normals is drawn to zero with, over the sum of the weights: enough to make a fit on a line of particles
-// unique, a few per cent of the slope that two particles in line tell.
+// Regularisation of the slope of the normals, over the sum of the weights: enough to make a fit on a line of particles
+// unique, a few per cent of the slope that two particles in line give.
 constexpr double kRidge = 0.01;
 
-// Sum of the x axes over the weights below which they do not agree on a direction.
+// Sum of the x axes over the weights below which they have no common direction.
 constexpr double kMinAxis = 0.1;
 
 bool see(const Vec3& position_i, const Vec3& normal_i, const Vec3& position_j, const Vec3& normal_j) {

@@ -11,10 +11,10 @@ namespace {
 // The edge of the cells over the reach of the lists: more than one, so that rounding of quotients cannot hide a neighbour two
 // cells away.
 constexpr double kEdge = 1.001;
-// Cell numbers come back to zero after this many, so that they stay whole numbers however far a particle is; two cells of one
-// number are told apart by distance.
+// Period of the cell numbers: they stay whole numbers however far a particle is. Two cells with one number are told apart by
+// distance.
 constexpr std::int64_t kPeriod = std::int64_t{1} << 53;
-// Odd factors of no common pattern: lines of cells along x, which are read in one piece, are spread over the bins.
+// Odd factors without a common pattern: lines of cells along x, which are read in one piece, are spread over the bins.
 constexpr std::uint64_t kAlongY = 0x9E3779B97F4A7C15u, kAlongZ = 0xC2B2AE3D27D4EB4Fu;
 
 std::uint64_t hashRow(std::int64_t y, std::int64_t z) {
@@ -33,7 +33,7 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
   const bool moved = hasMovedFar(positions, is_finite);
   if (!is_finite) return is_valid_ = false;
   if (is_valid_ && !moved) return true;
-  is_valid_ = false;  // an interrupt may end what follows
+  is_valid_ = false;  // an interrupt may end the following work
   const Index n = static_cast<Index>(positions.size());
   cell_ = kEdge * (radius_ + skin_);
   begins_.resize(n);
@@ -50,7 +50,7 @@ bool NeighborList::hasMovedFar(const Points& positions, bool& is_finite) const {
   const bool same_number = positions.size() == rebuilt_at_.size();
   const double most = 0.25 * skin_ * skin_;
   const Index n = static_cast<Index>(positions.size());
-  // Two counts in one sum: a particle that is nowhere outweighs all that have moved.
+  // Two counts in one sum: one particle without a finite position outweighs all that have moved.
   constexpr double kNowhere = 1e12;
   const double sum = parallelSum(n, kBlock, [&](Index begin, Index end) {
     double count = 0.0;
@@ -100,7 +100,7 @@ void NeighborList::sortIntoBins(const Points& positions) {
 bool NeighborList::listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits) {
   const double reach = radius_ + skin_, most = reach * reach;
   const Index n = static_cast<Index>(positions.size());
-  // Those near i without those that are apart from it.
+  // Removes particles that are kept apart from i from its neighbours.
   const auto removeApart = [&](Index i, Index* near, Index count) {
     const Index first = traits[i].ancestor;
     if (first >= apart_.size()) return count;

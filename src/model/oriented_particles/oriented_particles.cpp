@@ -15,7 +15,7 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr double kSkin = 0.3;        // of the distance r0: a good trade between listing too much and listing too often
 constexpr double kLinkLength = 1.3;  // of the spacing: between the first neighbours of a lattice and the second
-// Of the spacing, of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is.
+// Of the spacing, longest edge of triangles: the diagonal of two lattice triangles is not a gap, a missing particle is.
 constexpr double kLongestEdge = 1.75;
 constexpr double kTurn = 6.283185307179586, kGoldenAngle = 2.399963229728653;  // rad
 constexpr double kNotANumber = std::numeric_limits<double>::quiet_NaN();
@@ -96,7 +96,7 @@ double OrientedParticles::coolDown(double temperature, double time) const {
   return temperature * std::exp(-params_.cooling * time);
 }
 
-// Lists and copies for this state; false if forces cannot be told.
+// Updates lists and copies for this state; false if forces cannot be computed.
 bool OrientedParticles::prepare(const State& state) const {
   if (!lists_.update(state.positions, state.traits)) return false;
   const Index n = state.size();
@@ -107,7 +107,7 @@ bool OrientedParticles::prepare(const State& state) const {
     for (Index i = begin; i < end; ++i) {
       const ParticleTraits& traits = state.traits[i];
       const double share = 1.0 - traits.temperature / params_.melting;
-      const double strength = share > 1.0 ? 1.0 : (share < 0.0 ? 0.0 : share);  // what is not a number stays that
+      const double strength = share > 1.0 ? 1.0 : (share < 0.0 ? 0.0 : share);  // NaN stays NaN
       const Vec3 &p = state.positions[i], normal = normalOf(state.orientations[i]);
       Eigen::Map<Vec4>(packed_.places.data() + 4 * static_cast<std::ptrdiff_t>(i)) << p, strength;
       Eigen::Map<Vec4>(packed_.normals.data() + 4 * static_cast<std::ptrdiff_t>(i)) << normal, (traits.is_smooth ? 1.0 : 0.0);
@@ -136,7 +136,7 @@ void OrientedParticles::addForces(const State& state, Points& forces) const {
 
 void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, Points& torques) const {
   if (!prepare(state)) {
-    // The step is then refused, and the state stays.
+    // The step is then refused, and the state restored.
     for (Vec3& f : forces) f.setConstant(kNotANumber);
     return;
   }
@@ -151,7 +151,7 @@ void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, 
 }
 
 // E = sum psi x^2 z / a^3 [Szeliski 1991, eq. 14] or psi x^2 z^2 / a^4 [eq. 15] over the neighbours, x = X cos t + Y sin t in the
-// frame turned by t, a the spacing: but for a constant it is -G cos 2(t - t0). With dt/dtime = -rate dE/dt, tan(t - t0) falls as
+// frame turned by t, a the spacing: up to a constant it is -G cos 2(t - t0). With dt/dtime = -rate dE/dt, tan(t - t0) falls as
 // exp(-4 rate G time).
 void OrientedParticles::turnAxes(double time, State& state) const {
   if (!(params_.axis_alignment_rate > 0.0) || params_.mode == ParticleMode::kPlane || !prepare(state)) return;
@@ -179,7 +179,7 @@ void OrientedParticles::turnAxes(double time, State& state) const {
   });
 }
 
-// As the neighbours within the cutoff say that face the same way, by the weight of their bonds.
+// From the neighbours within the cutoff that face the same way, weighted by their bonds.
 std::optional<Vec3> OrientedParticles::fitCurvature(const State& state, Index i) const {
   const Eigen::Map<const Vec3> normal(packed_.normal(i));
   CurvatureFit fit(state.orientations[i]);
@@ -237,7 +237,7 @@ double OrientedParticles::findSpacingWithoutTension(const State& state) const {
   constexpr int kHalvings = 30;  // to a billionth
   lists_.forget();               // they then hold all within the cutoff and the skin
   if (!prepare(state)) return lattice_.spacing;
-  // In a lattice larger by a factor pairs feel each other as they do here at distances so many times smaller.
+  // In a lattice larger by a factor, pairs interact as they do here at distances smaller by it.
   const auto pulls = [&](double factor) {
     return parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
              double sum = 0.0;
@@ -307,7 +307,7 @@ double OrientedParticles::elasticEnergy(const State& state) const {
 }
 
 double OrientedParticles::findStableStep(const State& state) const {
-  if (!prepare(state)) return std::numeric_limits<double>::infinity();  // the first sub-step shows what is wrong
+  if (!prepare(state)) return std::numeric_limits<double>::infinity();  // the first sub-step reports the problem
   const double mass = mass_, inertia = lattice_.inertia_by_mass * mass_, both = std::sqrt(mass * inertia);
   const Index n = state.size(), num_blocks = (n + kBlock - 1) / kBlock;
   row_maxima_.assign(num_blocks, 0.0);

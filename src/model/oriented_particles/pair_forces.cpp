@@ -1,4 +1,4 @@
-// What acts between pairs, four at once; bounds of its stiffness are in pair_stiffness.cpp.
+// Forces between pairs, four at once; bounds of their stiffness are in pair_stiffness.cpp.
 #include "deformable_surface/model/oriented_particles/pair_forces.h"
 
 #include "raise_two.h"
@@ -11,15 +11,15 @@ namespace {
 DEFORMABLE_SURFACE_INLINE void takeRoots(double& x) { x = std::sqrt(x); }
 using deformable_surface::takeRoots;
 
-// A pair seen from particle i, in the letters of the header. r and the normals are given, the rest follows.
+// A pair seen from particle i, in the notation of the header. r and the normals are given, the rest follows.
 template <class T>
 struct Pair {
   T r[3], ni[3], nj[3];
-  T strength, smooth_strength;  // what multiplies phi, and psi
-  T ki[6], kj[6];               // of those bent at rest: xx, yy, zz, yz, xz, xy
-  // Of which forces and energy are made:
-  T q[3];                         // n_i - n_j, less what it is at rest
-  T force[3], torque[3];          // N, N m: what rest curvatures add
+  T strength, smooth_strength;  // factors of phi and of psi
+  T ki[6], kj[6];               // rest curvatures: xx, yy, zz, yz, xz, xy
+  // Forces and energy are computed from:
+  T q[3];                         // n_i - n_j less its rest value
+  T force[3], torque[3];          // N, N m: contributions of rest curvatures
   T level, c_r, c_i, c_j, twist;  // J; N/m; N; N; N m: 2 aN (psi_i + psi_j)
 };
 
@@ -43,7 +43,7 @@ DEFORMABLE_SURFACE_INLINE void cross(const T* a, const T* b, T* product) {
   product[2] = a[0] * b[1] - a[1] * b[0];
 }
 
-// Terms whose weight is zero are left out.
+// Terms with weight zero are omitted.
 template <bool kAnisotropic, bool kPlanarity, bool kNormality, bool kCircularity, bool kBent, class T>
 DEFORMABLE_SURFACE_INLINE void evaluatePair(const PairPotentials& p, Pair<T>& pair) {
   T squared, d;
@@ -55,7 +55,7 @@ DEFORMABLE_SURFACE_INLINE void evaluatePair(const PairPotentials& p, Pair<T>& pa
   T on, on_slope, phi, slope;
   switchOff(p, d, on, on_slope);
   evaluateLennardJones(p, d, inverse, on, on_slope, phi, slope);
-  // What holds the pair together melts; that they keep apart does not.
+  // Attraction melts, repulsion does not.
   const T outside = d > p.distance + zero ? one : zero, held = outside * phi - (one - outside) * p.depth;
   pair.level = 2.0 * (phi - held + pair.strength * held);
   pair.c_r = 2.0 * (one - outside + outside * pair.strength) * slope * inverse;
@@ -141,7 +141,7 @@ DEFORMABLE_SURFACE_INLINE void evaluatePair(const PairPotentials& p, Pair<T>& pa
 
 DEFORMABLE_SURFACE_INLINE double addLanes(const Double4& x) { return (x[0] + x[1]) + (x[2] + x[3]); }
 
-// Those of the listed others that are within the cutoff, in their order.
+// Selects the listed particles within the cutoff, in their order.
 DEFORMABLE_SURFACE_INLINE Index selectNear(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles,
                                            Index i, Index* near) {
   const double x = particles.place(i)[0], y = particles.place(i)[1], z = particles.place(i)[2], most = p.cutoff * p.cutoff;
@@ -167,7 +167,7 @@ DEFORMABLE_SURFACE_INLINE void loadRows(const double* rows, const Index* near, D
   transpose(a, b, c, d);
 }
 
-// What a particle brings into its pairs, or what two of them bring into lanes that they share.
+// The contribution of a particle to its pairs, or of two particles to lanes that they share.
 struct Owner {
   Double4 place[3], strength, normal[3], smooth, curvature[6];
 };
@@ -193,7 +193,7 @@ DEFORMABLE_SURFACE_INLINE void blend(const Double4& mine, const Owner& other, Ow
   for (int a = 0; kBent && a < 6; ++a) owner.curvature[a] = mine > half ? owner.curvature[a] : other.curvature[a];
 }
 
-// Of all pairs of a particle, lane by lane: force; c_i; what is to be crossed with the normal; torque.
+// Sums over all pairs of a particle, lane by lane: force; c_i; the vector to cross with the normal; torque.
 struct Sums {
   Double4 value[10];
 };
@@ -228,7 +228,7 @@ DEFORMABLE_SURFACE_INLINE void addSums(const PackedParticles& particles, Index i
   if (kBent) torques[i] += Vec3(addLanes(s[7]), addLanes(s[8]), addLanes(s[9]));
 }
 
-// Two particles at a time: in a lattice each has six neighbours, so that together they fill three times four lanes.
+// Two particles at a time: in a lattice each has six neighbours, so that both fill three times four lanes.
 template <bool kAnisotropic, bool kPlanarity, bool kNormality, bool kCircularity, bool kBent = false>
 DEFORMABLE_SURFACE_INLINE void gather(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles,
                                       Index begin, Index end, Vec3* forces, Vec3* torques) {

@@ -1,4 +1,4 @@
-// Bounds of how stiff pairs are, for stable steps. Apart from the forces: it is neither wide nor of every pass.
+// Bounds of the stiffness of pairs, for stable steps. Unlike forces they are neither vectorised nor needed in every pass.
 #include "deformable_surface/model/oriented_particles/pair_forces.h"
 
 #include "raise_two.h"
@@ -11,15 +11,15 @@ namespace {
 
 constexpr double kSwitchBend = 60.0 / (6.0 * 1.7320508);  // the largest second derivative of the switch, times its width squared
 
-// The largest eigenvalue's bound: of a symmetric matrix, the root of the sum of squares.
+// A bound of the largest eigenvalue of a symmetric matrix: the root of the sum of squares.
 double findLargest(const double* k) {
   return std::sqrt(k[0] * k[0] + k[1] * k[1] + k[2] * k[2] + 2.0 * (k[3] * k[3] + k[4] * k[4] + k[5] * k[5]));
 }
 
 }  // namespace
 
-// Of E = psi B with B a sum of squares: psi times that of the squares of their gradients, and, where the surface is bent, what
-// else the product rule leaves. Norms of vectors stand for all their components.
+// For E = psi B with B a sum of squares: psi times the squares of the gradients of B's roots and, where the surface is bent, the
+// other terms of the product rule. Norms of vectors stand for all their components.
 PairStiffness boundStiffness(const PairPotentials& p, const PackedParticles& particles, Index i, Index j) {
   const Eigen::Map<const Vec4> place_i(particles.place(i)), place_j(particles.place(j));
   const Eigen::Map<const Vec4> normal_i(particles.normal(i)), normal_j(particles.normal(j));
@@ -35,7 +35,7 @@ PairStiffness boundStiffness(const PairPotentials& p, const PackedParticles& par
   const double smooth = strength * normal_i[3] * normal_j[3];
   if (!p.bends() || !(smooth > 0.0)) return k;
 
-  // What rest curvatures add, at most: to u, to n_i - n_j, and, as a factor, to their derivatives.
+  // The largest effect of rest curvatures: on u, on n_i - n_j, and, as a factor, on their derivatives.
   double bent = 0.0;
   if (!particles.curvatures.empty()) bent = std::max(findLargest(particles.curvature(i)), findLargest(particles.curvature(j)));
   const double height = 0.5 * bent * squared, steeper = 1.0 + bent * d;

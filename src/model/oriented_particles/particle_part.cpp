@@ -1,5 +1,5 @@
-// Parts of a surface of oriented particles: fewer of them, with the same potentials, so that a step costs what is in the part. A
-// file of its own, because only sleeping needs it.
+// Parts of a surface of oriented particles for sleeping: fewer particles with the same potentials, so that a step costs only the
+// part.
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 
 #include <algorithm>

@@ -1,4 +1,4 @@
-// Components, boundary, Euler characteristic and genus of the triangles and links of particles, with the counting of
+// Components, boundary, Euler characteristic and genus of the triangles and links of particles, counted as in
 // cloud/rings.h.
 #include "deformable_surface/cloud/links.h"
 #include "deformable_surface/cloud/rings.h"

@@ -1,4 +1,4 @@
-// Candidates with their spheres, found in parallel; then the choice among those that overlap, in a fixed order.
+// Candidates with their spheres, found in parallel; then a choice among overlapping ones, in a fixed order.
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
 
 #include "deformable_surface/base/error.h"
@@ -13,16 +13,16 @@
 namespace deformable_surface::model {
 namespace {
 
-// Cosine of the angle between a triangle's plane and the tangent plane of a corner: the slope that links may have
+// Cosine of the angle between a triangle's plane and the tangent plane of a corner: the same limit as for links
 // (cloud/links.h).
 constexpr double kMinAgreement = 0.5;
 
 // Share of a sphere's radius by which a particle may miss it and still count as lying on it: far above the rounding of float
-// coordinates, far below what tells one lattice from another.
+// coordinates, far below the differences between lattices.
 constexpr double kTie = 0.01;
 
-// Share of the radius that a particle may lie inside the sphere of a triangle which closes a gap. Where a surface is curved or
-// noisy the spheres of both pairs of triangles in a quadrilateral may contain its fourth corner, though by little.
+// Share of the radius that a particle may lie inside the sphere of a triangle which closes a gap. On curved or noisy
+// surfaces the spheres of both pairs of triangles in a quadrilateral may contain its fourth corner, though not deeply.
 constexpr double kMaxDepth = 0.3;
 
 constexpr Index kBlock = 256;
@@ -51,8 +51,8 @@ Sphere findSphere(const Vec3& a, const Vec3& b, const Vec3& c) {
   return {a + to_center, to_center.norm()};
 }
 
-// Share of the radius that the deepest particle facing `normal` lies inside the sphere; negative if all are outside. Corners do
-// not count.
+// Share of the radius that the deepest particle facing `normal` lies inside the sphere; negative if all are outside. Corners are
+// not counted.
 template <std::size_t N>
 double findDepth(const Points& positions, const Points& normals, const Vec3& normal, const Sphere& sphere,
                  const std::vector<cloud::Neighbor>& near, const Index (&corners)[N]) {
@@ -82,7 +82,7 @@ class Candidates {
   }
 
  private:
-  // The candidates of which i is the smallest corner.
+  // Adds the candidates with i as their smallest corner.
   void addAt(Index i, std::vector<cloud::Neighbor>& near, std::vector<cloud::Neighbor>& in_sphere,
              std::vector<Candidate>& out) const {
     tree_.withinRadius(positions_[i], max_edge_, near);
@@ -123,7 +123,7 @@ class Manifold {
   Manifold(const Points& positions, const Points& normals)
       : positions_(positions), normals_(normals), sectors_(positions.size()) {}
 
-  // Adds the triangle unless it overlaps another at a corner, or has fewer edges in common with others than asked for.
+  // Adds the triangle unless it overlaps another at a corner, or shares fewer than min_joined edges with others.
   bool add(const Index (&corner)[3], int min_joined) {
     Sector sector[3];
     int joined = 0;

@@ -32,7 +32,7 @@ void CurvatureFit::add(double weight, const Vec3& offset, const Vec3& turn) {
 }
 
 std::optional<Vec3> CurvatureFit::solve() const {
-  constexpr double kInLine = 1e-6;  // of the determinant of neighbours all around: those in line leave only rounding
+  constexpr double kInLine = 1e-6;  // of the determinant with neighbours all around: collinear ones leave only rounding
   const double size = matrix_.trace() / 4.0;
   if (!(matrix_.determinant() > kInLine * 2.0 * size * size * size)) return std::nullopt;
   return Vec3(matrix_.ldlt().solve(right_));

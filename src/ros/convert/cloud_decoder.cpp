@@ -1,5 +1,5 @@
-// The checked reader of PointCloud2. In four stages, each of which trusts only what the ones before have proved: a view of the
-// message, checks of the view, copies of the points, a test of every point.
+// The checked reader of PointCloud2, in four stages, each of which relies only on what the former have checked: a view of the
+// message, checks of the view, copies of the points, a check of every point.
 #include "deformable_surface/ros/convert/cloud_decoder.h"
 
 #include "deformable_surface/base/value.h"
@@ -36,7 +36,7 @@ struct FieldView {
   bool isFloat() const { return type() == cloud::ScalarType::kFloat32 || type() == cloud::ScalarType::kFloat64; }
 };
 
-/// What a message says about itself, not yet believed; names and data point into the message.
+/// The statements of a message about itself, unchecked; names and data point into the message.
 struct CloudView {
   std::uint32_t seq = 0, sec = 0, nsec = 0;
   std::string_view frame_id;
@@ -58,7 +58,7 @@ bool isPrintable(std::string_view text) {
   return std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
 }
 
-/// A foreign name, safe to show: it need not even be text.
+/// A name from outside, safe to show: it need not even be text.
 std::string show(std::string_view name) {
   std::string shown(name.substr(0, kMaxNameLength));
   for (char& c : shown)
@@ -102,7 +102,7 @@ void checkFieldCount(std::uint64_t count) {
     throw Problem{"the cloud has " + std::to_string(count) + " fields; accepted are at most " + std::to_string(kMaxFields)};
 }
 
-/// A count of zero means one: old drivers leave it unset.
+/// A count of zero means one: old drivers do not set it.
 FieldView makeField(std::string_view name, std::uint32_t offset, std::uint8_t datatype, std::uint32_t count) {
   return {name, offset, datatype, count == 0 ? 1u : count};
 }
@@ -215,7 +215,7 @@ void checkCoordinates(const CloudView& view) {
   }
 }
 
-/// Makes sure that the data hold the declared points. Every product fits: each factor has at most 32 bits.
+/// Checks that the data hold the declared points. No product overflows: each factor has at most 32 bits.
 void checkExtent(CloudView& view, const DecodeLimits& limits) {
   const std::uint64_t num_points = view.width * view.height;
   if (num_points > static_cast<std::uint64_t>(limits.max_points))
@@ -226,7 +226,7 @@ void checkExtent(CloudView& view, const DecodeLimits& limits) {
       throw Problem{"the cloud declares no points but brings " + countOf(view.data_size, "byte") + " of data"};
     return;
   }
-  // Some drivers leave row_step unset; with a single row nothing depends on it.
+  // Some drivers do not set row_step; with a single row nothing depends on it.
   const std::uint64_t row_size = view.width * view.point_step;
   if (view.row_step == 0 && view.height == 1) view.row_step = row_size;
   if (view.row_step < row_size)
@@ -317,7 +317,7 @@ cloud::ExtraField readExtraField(const CloudView& view, const FieldView& field) 
   return extra;
 }
 
-/// Rows that are not finite or out of range become NaN; returns how many.
+/// Sets rows that are not finite or out of range to NaN; returns how many.
 Index markHoles(Points& positions, double max_coordinate) {
   Index num_holes = 0;
   for (Vec3& p : positions)
@@ -338,7 +338,7 @@ void decodeView(CloudView view, const DecodeLimits& limits, DecodedCloud& decode
   decoded.header.seq = view.seq;
   decoded.header.stamp.sec = view.sec;
   decoded.header.stamp.nsec = view.nsec;
-  // tf2 knows no leading slashes, old bags do.
+  // tf2 knows no leading slashes, but old bags have them.
   if (!view.frame_id.empty() && view.frame_id.front() == '/') view.frame_id.remove_prefix(1);
   decoded.header.frame_id = std::string(view.frame_id);
 

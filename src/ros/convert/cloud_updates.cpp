@@ -8,7 +8,7 @@
 namespace deformable_surface::node {
 namespace {
 
-constexpr Index kBlock = 16384;  // rows, large enough that handing it out costs nothing
+constexpr Index kBlock = 16384;  // rows, large enough for negligible overhead
 
 bool haveSameLayout(const sensor_msgs::PointCloud2& a, const sensor_msgs::PointCloud2& b) {
   return a.width == b.width && a.height == b.height && a.point_step == b.point_step && a.fields == b.fields;

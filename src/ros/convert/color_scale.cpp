@@ -12,12 +12,12 @@
 namespace deformable_surface::node {
 namespace {
 
-// Those of the configurations in rviz/, in sRGB: seen on a dark ground, and told apart without red and green.
+// The colours of the configurations in rviz/, in sRGB: visible on a dark ground, and distinguishable without red and green.
 const Vec3 kRest(201.0 / 255.0, 209.0 / 255.0, 218.0 / 255.0), kFull(228.0 / 255.0, 87.0 / 255.0, 46.0 / 255.0);
-// Not on the way from one to the other.
+// A colour that is not between the two.
 const Vec3 kUnknown(0.35, 0.45, 0.65);
 
-// As many as a byte for each part of a colour can tell apart.
+// As many as a byte per colour channel can distinguish.
 constexpr int kSteps = 256;
 
 /// XYZ of linear sRGB (IEC 61966-2-1), white at D65.
@@ -48,12 +48,7 @@ Vec3 fromLab(const Vec3& lab) {
 }
 
 std_msgs::ColorRGBA toMessage(const Vec3& srgb) {
-  std_msgs::ColorRGBA color;
-  color.r = static_cast<float>(srgb.x());
-  color.g = static_cast<float>(srgb.y());
-  color.b = static_cast<float>(srgb.z());
-  color.a = 1.0f;
-  return color;
+  return makeColor(static_cast<float>(srgb.x()), static_cast<float>(srgb.y()), static_cast<float>(srgb.z()));
 }
 
 std::array<std_msgs::ColorRGBA, kSteps + 1> makeScale() {
@@ -64,6 +59,15 @@ std::array<std_msgs::ColorRGBA, kSteps + 1> makeScale() {
 }
 
 }  // namespace
+
+std_msgs::ColorRGBA makeColor(float r, float g, float b, float a) {
+  std_msgs::ColorRGBA color;
+  color.r = r;
+  color.g = g;
+  color.b = b;
+  color.a = a;
+  return color;
+}
 
 std_msgs::ColorRGBA colorOf(double value) {
   static const std::array<std_msgs::ColorRGBA, kSteps + 1> kScale = makeScale();

@@ -1,4 +1,4 @@
-// Packs points into PointCloud2 messages: float32 as RViz and PCL read it, points and rows without gaps between them.
+// Packs points into PointCloud2 messages: float32, as RViz and PCL read it, without gaps between points and rows.
 #include "deformable_surface/ros/convert/encode.h"
 
 #include "deformable_surface/base/error.h"
@@ -12,14 +12,14 @@
 namespace deformable_surface::node {
 namespace {
 
-// Points per block of work: large enough that handing it out costs nothing.
+// Points per block of work: large enough for negligible overhead.
 constexpr Index kBlock = 16384;
 
 std::uint32_t sizeOf(const sensor_msgs::PointField& field) {
   return static_cast<std::uint32_t>(cloud::sizeOf(static_cast<cloud::ScalarType>(field.datatype))) * field.count;
 }
 
-/// Appends a field; returns the offset behind it.
+/// Appends a field; returns the offset after it.
 std::uint32_t appendField(const std::string& name, std::uint8_t datatype, std::uint32_t count, std::uint32_t offset,
                           std::vector<sensor_msgs::PointField>& fields) {
   sensor_msgs::PointField field;
@@ -72,7 +72,7 @@ SurfaceEncoder::SurfaceEncoder(const cloud::PointCloud& input, bool with_normals
   }
   extra_size_ = offset - computed_size_;
 
-  // The extra fields of a point side by side, as they stand in the message.
+  // The extra fields of a point side by side, as in the message.
   extra_bytes_.resize(std::size_t{extra_size_} * input.size());
   std::size_t column = 0;
   for (const cloud::ExtraField* field : extra_fields) {
@@ -96,7 +96,7 @@ void SurfaceEncoder::encode(const simulation::Surface& surface, sensor_msgs::Poi
   const double num_holes = parallelSum(n, kBlock, [&](Index begin, Index end) {
     Index holes = 0;
     for (Index i = begin; i < end; ++i) {
-      // What changes from frame to frame.
+      // The part that changes from frame to frame.
       std::uint8_t* point = data + i * point_step;
       float computed[7];
       float* next = computed;
@@ -105,7 +105,7 @@ void SurfaceEncoder::encode(const simulation::Surface& surface, sensor_msgs::Poi
         for (int axis = 0; axis < 3; ++axis) *next++ = surface.normals[i][axis];
       *next = surface.displacement[i];
       std::memcpy(point, computed, computed_size_);
-      // What the point brought along; an inserted point has it from its source.
+      // The extra fields of the input; an inserted point has those of its source.
       const std::size_t source = i < surface.num_input ? i : surface.source[i - surface.num_input];
       if (extra_size_ > 0) std::memcpy(point + computed_size_, extra_bytes_.data() + source * extra_size_, extra_size_);
       if (!surface.positions[i].allFinite()) ++holes;

@@ -14,7 +14,7 @@ namespace deformable_surface::node {
 namespace fs = std::filesystem;
 
 std::string findPackage(const std::string& package) {
-  // To ask for a package that there is not would write to the terminal.
+  // Asking for a package that does not exist would write to the terminal.
   std::vector<std::string> known;
   ros::package::getAll(known);
   if (std::find(known.begin(), known.end(), package) != known.end()) return ros::package::getPath(package);

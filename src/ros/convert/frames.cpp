@@ -11,7 +11,7 @@
 namespace deformable_surface::node {
 namespace {
 
-// A unit quaternion in float32 is off by less; more means that somebody did not mean a rotation.
+// A unit quaternion in float32 is off by less; a larger error means that no rotation was intended.
 constexpr double kUnitTolerance = 1e-3;
 
 LatestTransform lookUp(const std::string& what, const std::string& source, const std::string& target, const ros::Time& stamp,

@@ -1,10 +1,9 @@
-// Markers of a simulation. All of them are lists, except the arrows, so that RViz has few of them to keep.
+// Single markers. All of them are lists, except the arrows, so that RViz has to keep few of them.
 #include "deformable_surface/ros/convert/markers.h"
 
 #include <algorithm>
 #include <cmath>
 #include <iomanip>
-#include <limits>
 #include <sstream>
 
 namespace deformable_surface::node {
@@ -12,36 +11,15 @@ namespace {
 
 using visualization_msgs::Marker;
 
-// Full colour scale: strains of cloth and rubber sheets in use lie below it, and half of it is plainly visible.
-constexpr double kFullStrain = 0.1;
-// Displacements saturate at this share of the surface's extent.
-constexpr double kFullDisplacementShare = 0.25;
-// Sizes as shares of the spacing: lines thin enough not to hide the surface, balls that do not touch.
-constexpr double kLineWidthShare = 0.05, kPinShare = 0.5;
-// Discs that nearly touch, and axes that do not reach the next particle.
-constexpr double kDiscShare = 0.45, kAxisShare = 0.4, kContactShare = 2.0;
-// The longest arrow, as a share of the surface's extent.
-constexpr double kArrowShare = 0.3;
 // Shaft, head and head length as shares of an arrow's length.
 constexpr double kShaftShare = 0.05, kHeadShare = 0.12, kHeadLengthShare = 0.25;
 
-// The side of a cone in RViz's own primitives has about as many parts.
+// RViz's own cone has about as many sides.
 constexpr int kConeSides = 24;
-// A plane is drawn as a plate of this share of its width: seen as a plane, and still with two sides.
+// A plane is drawn as a plate of this share of its width: it looks like a plane, and has two sides.
 constexpr double kPlateShare = 1e-3;
-// Of the text above the surface; the statistics stand below it.
+// Row of the legend above the surface; the statistics are below it.
 constexpr int kLegendRow = 1;
-
-const Vec3 kNowhere = Vec3::Constant(std::numeric_limits<double>::quiet_NaN());
-
-std_msgs::ColorRGBA makeColor(float r, float g, float b) {
-  std_msgs::ColorRGBA color;
-  color.r = r;
-  color.g = g;
-  color.b = b;
-  color.a = 1.0f;
-  return color;
-}
 
 Marker makeMarker(const std_msgs::Header& header, const std::string& ns, int id, int type) {
   Marker marker;
@@ -135,13 +113,13 @@ void setShape(const geometry::Solid& solid, const tool::Pose& pose, double exten
   }
 }
 
-/// RViz refuses lists without points: one with nothing to show deletes itself.
+/// RViz refuses lists without points: a marker with nothing to show deletes itself.
 Marker finish(Marker marker) {
   if (marker.points.empty()) marker.action = Marker::DELETE;
   return marker;
 }
 
-/// RViz gives light only to what has one colour, so that here the light is in the colours: a lamp above the scene, a little to
+/// RViz only lights markers of one colour. Here the light is part of the colours: a lamp above the scene, a little to
 /// one side, that shines on both sides of a surface.
 std_msgs::ColorRGBA shade(std_msgs::ColorRGBA color, const Vec3& normal) {
   constexpr double kAmbient = 0.4;
@@ -154,16 +132,6 @@ std_msgs::ColorRGBA shade(std_msgs::ColorRGBA color, const Vec3& normal) {
 void appendCorner(Index i, const Points& positions, const std::vector<double>& values, double full_scale, Marker& marker) {
   marker.points.push_back(toPoint(positions[i]));
   marker.colors.push_back(colorOf(values[i] / full_scale));
-}
-
-/// Every edge of the triangles once, in the order of the points.
-std::vector<std::pair<Index, Index>> collectEdges(const std::vector<model::WeightedTriangle>& triangles) {
-  std::vector<std::pair<Index, Index>> edges;
-  for (const model::WeightedTriangle& triangle : triangles)
-    for (int c = 0; c < 3; ++c) edges.push_back(std::minmax({triangle.corner[c], triangle.corner[(c + 1) % 3]}));
-  std::sort(edges.begin(), edges.end());
-  edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-  return edges;
 }
 
 }  // namespace
@@ -290,7 +258,7 @@ Marker makeTextMarker(const std_msgs::Header& header, const std::string& ns, int
 
 Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::Statistics& statistics, const TextPlace& place) {
   std::ostringstream text;
-  // Nothing that depends on the machine: recorded markers are the same, bit for bit.
+  // Nothing that depends on the machine: recorded markers are bit-identical.
   text << std::fixed << std::setprecision(2) << statistics.simulation_time << " s\n"
        << statistics.simulation_points << " of " << statistics.points << " points, " << statistics.substeps << " sub-steps\n"
        << "largest stretch " << 100.0 * statistics.max_stretch << " %";
@@ -302,7 +270,7 @@ Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::St
 
 void addLegendMarkers(const std_msgs::Header& header, const std::string& ns, const std::string& quantity, const std::string& unit,
                       double full_scale, const TextPlace& place, visualization_msgs::MarkerArray& markers) {
-  // RViz gives a text one colour, and centres it: blanks behind it move it to the left, blanks in front to the right.
+  // RViz gives a text one colour and centres it: blanks after it move it to the left, blanks before it to the right.
   constexpr int kNumbers = 5, kApart = 10;
   for (int k = 0; k < kNumbers; ++k) {
     const double share = static_cast<double>(k) / (kNumbers - 1);
@@ -344,84 +312,6 @@ Marker makeAxesMarker(const std_msgs::Header& header, const Points& positions, c
       marker.colors.insert(marker.colors.end(), 2, makeColor(float(unit.x()), float(unit.y()), float(unit.z())));
     }
   return finish(std::move(marker));
-}
-
-SimulationMarkers::SimulationMarkers(const simulation::Simulation& simulation, const std::string& frame_id) {
-  const model::State& state = simulation.state();
-  if (const model::Links* drawn = simulation.model().links()) drawn->refreshDisplay(state);
-  edges_ = collectEdges(trianglesOf(simulation.model()));
-  if (state.positions.empty()) return;  // all particles are gone
-  const Box box = findMainBox(state.positions);
-  extent_ = box.extent();
-  text_place_ = placeText(box, frame_id);
-  // Without any link the extent shared among the points has to do.
-  const auto& links = edges_.empty() ? stretchLinksOf(simulation.model()) : edges_;
-  for (const auto& [a, b] : links) spacing_ += (state.positions[a] - state.positions[b]).norm() / links.size();
-  if (links.empty()) spacing_ = extent_ / state.positions.size();
-
-  rest_positions_ = state.positions;
-  if (state.traits.empty()) return;
-  rest_positions_.assign(state.next_id, kNowhere);
-  for (Index i = 0; i < state.size(); ++i) rest_positions_[state.traits[i].id] = state.positions[i];
-}
-
-Vec3 SimulationMarkers::findRest(Index id) const {
-  return id < static_cast<Index>(rest_positions_.size()) ? rest_positions_[id] : kNowhere;
-}
-
-void SimulationMarkers::make(const std_msgs::Header& header, const simulation::Simulation& simulation,
-                             visualization_msgs::MarkerArray& markers) {
-  const model::State& state = simulation.state();
-  const model::DeformableModel& model = simulation.model();
-  const Points& positions = state.positions;
-  const bool is_oriented = isOriented(model);
-  if (model.links()) model.links()->refreshDisplay(state);
-  // Triangles come and go with particles, and go where a surface is cut.
-  if (is_oriented || trianglesOf(model).size() != num_triangles_) edges_ = collectEdges(trianglesOf(model));
-  num_triangles_ = trianglesOf(model).size();
-  computePointStrain(model, state, strain_);
-  displacement_.resize(positions.size());
-  for (Index i = 0; i < state.size(); ++i)
-    displacement_[i] = (positions[i] - findRest(state.traits.empty() ? i : state.traits[i].id)).norm();
-
-  const double width = kLineWidthShare * spacing_;
-  markers.markers.clear();
-  markers.markers.push_back(
-      makeLinksMarker(header, "stretch_springs", positions, stretchLinksOf(model), strain_, kFullStrain, width));
-  markers.markers.push_back(
-      makeLinksMarker(header, "bending_springs", positions, bendLinksOf(model), strain_, kFullStrain, width));
-  markers.markers.push_back(
-      makeSurfaceMarker(header, positions, trianglesOf(model), displacement_, kFullDisplacementShare * extent_));
-  markers.markers.push_back(makeWireframeMarker(header, positions, edges_, width));
-  markers.markers.push_back(makePinsMarker(header, positions, simulation.pinned(), kPinShare * spacing_));
-  std::vector<std::pair<Vec3, Vec3>> touches;
-  for (const simulation::Contact& touch : simulation.contacts()) touches.emplace_back(touch.position, touch.force);
-  for (const simulation::SelfTouch& touch : simulation.selfTouches()) touches.emplace_back(touch.position, touch.force);
-  markers.markers.push_back(makeContactsMarker(header, touches, kContactShare * spacing_, width));
-  if (is_oriented) {
-    markers.markers.push_back(
-        makeDiscsMarker(header, positions, state.orientations, strain_, kFullStrain, kDiscShare * spacing_));
-    Orientations frames;
-    for (Index i = 0; i < state.size(); ++i) frames.push_back(state.frame(i));
-    markers.markers.push_back(makeAxesMarker(header, positions, frames, kAxisShare * spacing_, width));
-  }
-  // Who joins a bag in its middle, or lost a message, has to be told of all that is gone.
-  const auto atMost = [](int& most, int now) { most = std::max(most, now); };
-  atMost(num_tools_, addToolMarkers(header, simulation.tools(), simulation.time(), extent_, num_tools_, markers));
-  const double arrow = kArrowShare * extent_;
-  const std_msgs::ColorRGBA orange = makeColor(1.0f, 0.5f, 0.0f), red = makeColor(0.9f, 0.1f, 0.2f);
-  atMost(num_arrows_, addForceMarkers(header, "forces", orange, simulation.activeForces(), arrow, num_arrows_, markers));
-  std::vector<std::pair<Vec3, Vec3>> contacts;
-  const std::vector<simulation::ToolReaction> reactions = simulation.toolReactions();
-  for (std::size_t t = 0; t < reactions.size(); ++t) {
-    const tool::Pose pose = tool::interpolate(simulation.tools()[t].path, simulation.time());
-    contacts.emplace_back(pose.position, pose.orientation * reactions[t].force);
-  }
-  atMost(num_contacts_, addForceMarkers(header, "contacts", red, contacts, arrow, num_contacts_, markers));
-  addLegendMarkers(header, "strain_legend", "strain", "%", 100.0 * kFullStrain, text_place_, markers);
-  addLegendMarkers(header, "displacement_legend", "displacement", "mm", 1000.0 * kFullDisplacementShare * extent_, text_place_,
-                   markers);
-  markers.markers.push_back(makeStatisticsMarker(header, simulation.statistics(), text_place_));
 }
 
 }  // namespace deformable_surface::node

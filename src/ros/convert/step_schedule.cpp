@@ -6,9 +6,9 @@
 namespace deformable_surface::node {
 namespace {
 
-// A clock that runs ahead by more than this in one go has jumped; less is caught up.
+// A clock that runs ahead by more than this at once has jumped; a smaller lag is caught up.
 constexpr std::int64_t kForwardJump = 1'000'000'000;
-// The computer's clock is corrected by small amounts now and then, which must not reset a simulation. A recording's never is.
+// Small corrections of the computer's clock must not reset a simulation. The clock of a recording has none.
 constexpr std::int64_t kCorrection = 1'000'000'000;
 
 }  // namespace

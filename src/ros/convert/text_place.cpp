@@ -6,7 +6,7 @@
 namespace deformable_surface::node {
 namespace {
 
-// Letters that can be read in a window that shows the whole surface; of a small one those that do not drown in RViz's spacing.
+// Letters that are readable in a window with the whole surface; on small surfaces large enough for RViz's line spacing.
 constexpr double kLetterShare = 0.035, kSmallestLetter = 0.004;
 // RViz sets lines of any height this far apart, m.
 constexpr double kLineSpacing = 0.01;
@@ -32,7 +32,7 @@ TextPlace placeText(const Box& box, const std::string& frame_id) {
   const Vec3 up = frame_id.find("optical") == std::string::npos ? Vec3::UnitZ() : Vec3(-Vec3::UnitY());
   TextPlace place;
   place.height = std::max(kLetterShare * box.extent(), kSmallestLetter);
-  // Outside the ball around the surface: free of it whether one looks from the side or down at half a right angle.
+  // Outside the ball around the surface: not in front of it from the side, nor from above at half a right angle.
   place.anchor = 0.5 * (box.low + box.high) + (0.5 * box.extent() + kRowsBelow * (place.height + kLineSpacing)) * up;
   return place;
 }

@@ -15,7 +15,7 @@ using shape_msgs::SolidPrimitive;
 using tool::Mode;
 using tool::ToolParams;
 
-// Its tree is built anew for every message that adds or moves the tool: some ten milliseconds.
+// Its tree is rebuilt for every message that adds or moves the tool: about ten milliseconds.
 constexpr std::size_t kMaxMeshTriangles = 20000;
 
 // Rounding of times must not make a tool late by a step.
@@ -67,7 +67,7 @@ Solid toSolid(const shape_msgs::Plane& plane) {
   Solid solid;
   solid.kind = Solid::Kind::kPlane;
   solid.normal = Vec3(plane.coef[0], plane.coef[1], plane.coef[2]);
-  // A normal without a direction is refused with the other values of a tool.
+  // A zero normal is refused with the other values of a tool.
   const double length = solid.normal.norm();
   solid.offset = length > 0.0 ? -plane.coef[3] / length : 0.0;
   return solid;
@@ -206,7 +206,7 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
     course.pose = {pose.translation(), Eigen::Quaterniond(pose.linear())};
     course.velocity = requireFinite("twist.linear", toVec3(command.twist.linear));
     course.spin = requireFinite("twist.angular", toVec3(command.twist.angular));
-    // A quarter of a turn between two waypoints, at most two steps apart: the shorter way round is then the one that is meant.
+    // A quarter of a turn between two waypoints, at most two steps apart, so that the shorter rotation is the intended one.
     const double fastest = 0.5 * kPi / std::max(kLongestMove, 2.0 * step);
     if (!(course.spin.norm() <= fastest)) {
       throw InputError("twist.angular: found " + formatReal(course.spin.norm()) + "; accepted: up to " + formatReal(fastest) +
@@ -222,7 +222,7 @@ void ToolCommands::apply(const Tool& command, simulation::Simulation& simulation
   }
 
   if (before) {
-    // The grip of a tool that goes on gripping holds what it holds.
+    // A tool that continues to grip keeps its points.
     if (before->mode == tool.mode && tool::isActive(*before, now)) tool.start = before->start;
     const auto last = courses_.find(command.id);
     const double longest = std::max(kLongestMove, step);
@@ -254,7 +254,7 @@ void ToolCommands::lookAtFrame(const std::string& what, const ros::Time& stamp, 
   course.frame_stamp = seen.stamp;
 }
 
-// A velocity that has ended is none: the tool stays where it was then.
+// When a velocity has ended, the tool stays where it was then.
 std::string ToolCommands::endVelocity(double now, double step, Course& course) const {
   if (!(now >= course.ends - kRounding * step)) return "";
   const double moved = course.ends - course.given;
@@ -269,7 +269,7 @@ std::string ToolCommands::endVelocity(double now, double step, Course& course) c
 
 std::string ToolCommands::noticeSilence(const ros::Time& stamp, Course& course) const {
   const bool was_silent = course.is_silent;
-  // A stamp of 0 is that of a frame that never changes.
+  // A stamp of 0 means a frame that never changes.
   course.is_silent = timeout_ > 0.0 && !course.frame_stamp.isZero() && (stamp - course.frame_stamp).toSec() > timeout_;
   if (was_silent || !course.is_silent) return "";
   return "no transform of frame " + quote(course.frame) + " for " + formatReal(timeout_) +

@@ -9,10 +9,10 @@ using ros::serialization::IStream;
 
 // Bytes of one element on the wire.
 constexpr std::uint64_t kReal = 8, kTriangle = 3 * 4, kPoint = 3 * 8;
-// Those of the longest primitive there is, with room for later ones.
+// More than the longest primitive needs, with room for later ones.
 constexpr std::uint32_t kMaxDimensions = 16;
 
-/// Of an array whose length comes next, without reading it: advance() throws beyond the end.
+/// Skips an array whose length comes next, without reading it: advance() throws beyond the end.
 std::uint32_t skipArray(IStream& stream, std::uint64_t element) {
   std::uint32_t count;
   stream.next(count);
@@ -21,7 +21,7 @@ std::uint32_t skipArray(IStream& stream, std::uint64_t element) {
   return count;
 }
 
-/// Reads an array whose length comes next, once that is known to be no more than there is.
+/// Reads an array whose length comes next, after checking that the bytes suffice.
 template <class Element>
 void readArray(IStream& stream, std::uint64_t element, std::vector<Element>& array) {
   IStream ahead = stream;
@@ -59,7 +59,7 @@ Tool readTool(IStream& stream) {
 
 DecodedTools decodeTools(const std::uint8_t* bytes, std::size_t size) {
   DecodedTools decoded;
-  // The stream reads only, whatever its type says.
+  // The stream only reads, whatever its type says.
   IStream stream(const_cast<std::uint8_t*>(bytes), static_cast<std::uint32_t>(size));
   try {
     std::uint32_t count;

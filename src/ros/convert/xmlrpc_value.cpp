@@ -1,4 +1,4 @@
-// The walk through an XmlRpcValue. In a file of its own because XmlRpc's types have no place elsewhere.
+// Reads an XmlRpcValue. No other file uses XmlRpc's types.
 #include "deformable_surface/ros/convert/xmlrpc_value.h"
 
 #include "deformable_surface/base/error.h"

@@ -18,18 +18,18 @@ namespace {
 using shape_msgs::SolidPrimitive;
 using visualization_msgs::InteractiveMarkerFeedback;
 
-// RViz says that it is still there four times a second; without it the person or the network is gone.
+// RViz reports four times a second that it is still there; without a report the user or the network is gone.
 constexpr double kGripPatience = 2.0;  // s
-// A tool that the surface lost (a reset, another cloud) is sent again, one that it refuses is not for ever.
+// A tool that the surface lost (a reset, another cloud) is sent again. One that it refuses is sent again only for a while.
 constexpr double kRepeatPeriod = 1.0;  // s
 constexpr int kMaxRepeats = 3;
-// With so many times as many points, or as few, it is another surface.
+// If the number of points grows or falls by this factor, it is another surface.
 constexpr double kNewShare = 1.2;
-// Handles follow what has moved by this share of the spacing; less is not seen.
+// Handles follow points that have moved by this share of the spacing; less is invisible.
 constexpr double kSeenShare = 0.05;
 // Of the surface's extent.
 constexpr double kPanelShare = 0.04;
-// Balls that overlap, so that one of them is before every place of the surface as it is drawn, and a spot that stands out of
+// Overlapping balls, so that every visible place of the surface can be clicked, and a spot that is larger than
 // them.
 constexpr double kBallShare = 2.0, kSpotShare = 2.2;
 
@@ -67,7 +67,7 @@ Hand::Hand(const HandParams& params)
 
 void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
   if (message.width == 0) return;
-  // Particles may be born and go in every frame.
+  // Particles may be added and removed in every frame.
   const double growth = static_cast<double>(message.width) / static_cast<double>(std::max<std::size_t>(num_measured_, 1));
   const bool is_new = header_.frame_id != message.header.frame_id || growth > kNewShare || growth < 1.0 / kNewShare;
   header_.frame_id = message.header.frame_id;
@@ -121,7 +121,7 @@ void Hand::takeWrenches(const ToolWrenchArray& message) {
   tell("the surface does not take " + refused + "; its log says why", false);
 }
 
-/// What let go does not take hold again, and a handle that moves alone would not say why.
+/// A grip that released its points does not take hold again; a handle that moves alone would not show why.
 void Hand::noticeSlip(const ToolWrenchArray& message) {
   if (!grip_) return;
   const auto is_grip = [](const ToolWrench& wrench) { return wrench.id == kGripId; };
@@ -134,9 +134,9 @@ void Hand::noticeSlip(const ToolWrenchArray& message) {
   tell("the surface slipped out of the hand, which pulls with at most " + formatShort(params_.strength) + " N", false);
 }
 
-/// At the rate of the parameters, and only what has changed. Nothing else applies changes: a menu must not go while it calls.
+/// At the rate of the parameters, and only what has changed. Only this applies changes: a menu must not vanish in its call.
 void Hand::refresh() {
-  // Nothing is shown that would not be heard.
+  // Without a subscriber nothing is shown.
   if (points_.empty() || tools_.getNumSubscribers() == 0) return;
   followSurface();
   server_.applyChanges();
@@ -148,7 +148,7 @@ void Hand::followSurface() {
       endGrip();
       tell("nothing was heard of the pull for a while; let go", false);
     }
-    return;  // what is dragged is RViz's
+    return;  // RViz moves a dragged marker itself
   }
   const std::size_t spot = findSpot();
   bool has_moved = shown_.size() != points_.size();
@@ -159,7 +159,7 @@ void Hand::followSurface() {
   shown_ = points_;
   const auto pull = [this](const Feedback& feedback) { onPull(feedback); };
   server_.insert(makeSurfaceHandle(header_, points_, kBallShare * spacing_), pull);
-  // A menu that is open would close if its marker were made anew.
+  // An open menu would close if its marker were sent again.
   if (is_first) {
     server_.insert(makeSpotHandle(header_, points_[spot], kSpotShare * spacing_), pull);
     spot_menu_.apply(server_, kSpotHandle);
@@ -168,7 +168,7 @@ void Hand::followSurface() {
   }
 }
 
-// ---- From the person ----
+// ---- From the user ----
 
 void Hand::onPull(const Feedback& feedback) {
   const Vec3 handle = toVec3(feedback->pose.position);
@@ -177,7 +177,7 @@ void Hand::onPull(const Feedback& feedback) {
     case InteractiveMarkerFeedback::MOUSE_DOWN: {
       endGrip();
       const bool is_spot = feedback->marker_name == kSpotHandle;
-      // Without a depth under the mouse nobody knows what was meant.
+      // Without a depth under the mouse the intended point is unknown.
       if (!is_spot && !feedback->mouse_point_valid) return;
       if (!is_spot) chooseSpot(toVec3(feedback->mouse_point));
       grip_ = Grip{feedback->marker_name, points_[findSpot()], handle, false, ros::WallTime::now(), false};
@@ -202,7 +202,7 @@ void Hand::moveGrip(const Vec3& handle) {
   tool.mode = Tool::MOVE;
   tool.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
   tool.strength = params_.strength;
-  // It takes hold where the surface is, and then goes.
+  // The tool takes hold where the surface is, and then moves.
   if (!grip_->is_sent) {
     tool.pose = makePose(points_[findSpot()]);
     send(tool, Tool::ADD);
@@ -218,7 +218,7 @@ void Hand::endGrip() {
   tool.id = kGripId;
   if (grip_->is_sent) send(tool, Tool::DELETE);
   grip_.reset();
-  // The handles go back to the surface with the next refresh.
+  // The handles return to the surface with the next refresh.
   shown_.assign(points_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
 }
 
@@ -229,14 +229,14 @@ void Hand::chooseSpot(const Vec3& point) {
   spot_ = isOfParticles() ? ids_[nearest] : static_cast<std::uint32_t>(nearest);
 }
 
-/// The row of the spot; of a particle that is gone, the first.
+/// The row of the spot; the first if its particle is gone.
 std::size_t Hand::findSpot() const {
   if (!isOfParticles()) return spot_ < points_.size() ? spot_ : 0;
   const auto found = std::find(ids_.begin(), ids_.end(), spot_);
   return found == ids_.end() ? 0 : static_cast<std::size_t>(found - ids_.begin());
 }
 
-/// A point that has no neighbours has none; up is as good as any other way then.
+/// A point without neighbours has no normal; up is as good as any other direction then.
 Vec3 Hand::normalAt(std::size_t row) const { return normals_[row].allFinite() ? normals_[row] : Vec3(Vec3::UnitZ()); }
 
 void Hand::onTool(const Feedback& feedback) {

@@ -1,4 +1,4 @@
-// The executable deformable_surface_hand: takes the surface of a running node in hand, in RViz.
+// The executable deformable_surface_hand: interactive markers in RViz for the surface of a running node.
 #include "hand.h"
 
 #include "deformable_surface/base/error.h"

@@ -1,5 +1,6 @@
 #include "hand_markers.h"
 
+#include "deformable_surface/ros/convert/color_scale.h"
 #include "deformable_surface/tool/tool_modes.h"
 
 #include <algorithm>
@@ -13,21 +14,12 @@ using visualization_msgs::InteractiveMarker;
 using visualization_msgs::InteractiveMarkerControl;
 using visualization_msgs::Marker;
 
-// A message of some tens of kilobytes, and no load for RViz even when it draws in software.
+// A message of a few tens of kilobytes, and little load for RViz even when it draws in software.
 constexpr std::size_t kMaxBalls = 2000;
-// Seen, and what lies below it too.
+// Visible, and so is what lies below it.
 constexpr float kFaint = 0.04f;
-// Handles stand out of what they move.
+// Handles are larger than what they move.
 constexpr double kHandleShare = 1.5;
-
-std_msgs::ColorRGBA makeColor(float r, float g, float b, float a) {
-  std_msgs::ColorRGBA color;
-  color.r = r;
-  color.g = g;
-  color.b = b;
-  color.a = a;
-  return color;
-}
 
 geometry_msgs::Vector3 makeScale(double x, double y, double z) {
   geometry_msgs::Vector3 scale;
@@ -61,7 +53,7 @@ InteractiveMarkerControl makeControl(const std::string& name, std::uint8_t mode,
   return control;
 }
 
-/// RViz draws arrows and rings itself, for controls without markers. They lie along the control's own x axis.
+/// RViz draws arrows and rings itself for controls without markers, along the control's own x axis.
 void addAxes(std::uint8_t mode, const std::string& name, InteractiveMarker& marker) {
   const double s = std::sqrt(0.5);
   const struct {
@@ -88,14 +80,14 @@ InteractiveMarker makeInteractive(const std_msgs::Header& header, const std::str
   return marker;
 }
 
-// Those of ~markers, a little transparent.
+// The colours of ~markers, slightly transparent.
 std_msgs::ColorRGBA chooseColor(std::uint8_t mode) {
   constexpr float kAlpha = 0.6f;
   const auto& [red, green, blue] = tool::findMode(mode)->color;
   return makeColor(red, green, blue, kAlpha);
 }
 
-// The hand makes no cones.
+// This program makes no cones.
 Marker makeShape(const SolidPrimitive& primitive, const std_msgs::ColorRGBA& color) {
   const auto& d = primitive.dimensions;
   switch (primitive.type) {
@@ -158,7 +150,7 @@ InteractiveMarker makeSpotHandle(const std_msgs::Header& header, const Vec3& poi
 InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool& tool) {
   InteractiveMarker marker = makeInteractive(header, tool.id, tool.pose, kHandleShare * findExtent(tool.primitive));
   marker.description = tool.id;
-  // A little larger than the tool itself as ~markers draws it, so that the two do not flicker.
+  // Slightly larger than the tool as ~markers draws it, so that the two do not flicker.
   Marker shape = makeShape(tool.primitive, chooseColor(tool.mode));
   for (double* size : {&shape.scale.x, &shape.scale.y, &shape.scale.z}) *size *= 1.02;
   marker.controls.push_back(makeControl("move", InteractiveMarkerControl::MOVE_3D, shape));
@@ -173,7 +165,7 @@ InteractiveMarker makePanelHandle(const std_msgs::Header& header, const TextPlac
   const Marker button = makeMarker(Marker::CUBE, makeScale(size, size, size), makeColor(0.3f, 0.6f, 0.9f, 0.9f));
   marker.controls.push_back(makeControl("menu", InteractiveMarkerControl::MENU, button));
   if (sentence.empty()) return marker;
-  // No description, whose letters RViz makes much smaller than the button.
+  // Not the marker's description: RViz draws its letters much smaller than the button.
   Marker text = makeMarker(Marker::TEXT_VIEW_FACING, makeScale(1.0, 1.0, place.height), makeColor(1.0f, 1.0f, 1.0f, 1.0f));
   text.text = showBelow(sentence);
   marker.controls[0].markers.push_back(text);

@@ -1,4 +1,4 @@
-// What the menus of the handles offer, and what a choice does: calls of the surface's services, and tools that come and go.
+// The menus of the handles and their actions: calls of the surface's services, and adding and deleting tools.
 #include "hand.h"
 
 #include "deformable_surface/EditParticles.h"
@@ -26,15 +26,15 @@ using shape_msgs::SolidPrimitive;
 // Sizes as shares of the surface's extent.
 constexpr double kToolShare = 0.1, kBladeShare = 0.02;
 constexpr double kLarger = 1.25;
-// A handful, in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push each other
-// away.
+// A handful of particles in a ball about as large as the second ring of neighbours, above the surface; nearer ones would push
+// each other away.
 constexpr int kSprayTries = 100;
 constexpr double kSprayShare = 2.5, kSprayApart = 0.8;  // spacings
 constexpr double kSprayHeight = 1.5;                    // in that reach
 
 }  // namespace
 
-/// Calls a service of the surface and tells how it went.
+/// Calls a service of the surface and shows the result.
 template <class Service>
 void Hand::call(const char* name, Service& service) {
   const std::string full = surface_ + "/" + name;
@@ -57,7 +57,7 @@ void Hand::makeMenus() {
 
   const auto mode_menu = tool_menu_.insert("Mode");
   for (const tool::ModeInfo& info : tool::kModes) {
-    // What is no surface of particles may be of any other model.
+    // A surface that is not of particles may be of any other model.
     const auto hasIt = [&](const simulation::ModelKind* kind) {
       return kind->traits().has_population != isOfParticles() || kind->useOf(info).is_known;
     };
@@ -115,7 +115,7 @@ void Hand::makeMenus() {
   });
 }
 
-/// Beside the spot and not in it, where a solid tool would throw the surface away.
+/// Beside the spot, not in it: a solid tool there would throw the surface off.
 void Hand::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
   const std::size_t spot = findSpot();
   HandTool tool;
@@ -171,7 +171,7 @@ void Hand::spray() {
   call("edit", service);
 }
 
-/// What lies within reach (m) of the spot.
+/// Edits everything within reach (m) of the spot.
 void Hand::edit(std::uint8_t action, double reach) {
   const Vec3 center = points_[findSpot()];
   EditParticles service;

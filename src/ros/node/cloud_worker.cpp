@@ -103,7 +103,7 @@ void CloudWorker::decode(const Arrived& arrived) {
   inbox_.wake();
 }
 
-// Nothing that a cloud can hold may end the thread.
+// No content of a cloud may end the thread.
 CloudResult CloudWorker::carryOut(CloudWork& work) const {
   const Index num_points = work.cloud.size();
   CloudResult result;

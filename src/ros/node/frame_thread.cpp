@@ -7,7 +7,7 @@
 namespace deformable_surface::node {
 namespace {
 
-// Resets, steps by hand and new surfaces come one by one; a burst of them must not fill the memory.
+// Resets, single steps and new surfaces come one by one; a burst of them must not fill the memory.
 constexpr std::size_t kMostWaiting = 4;
 
 }  // namespace

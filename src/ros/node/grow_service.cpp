@@ -17,7 +17,7 @@
 namespace deformable_surface::node {
 namespace {
 
-// What is left at zero stays as it is.
+// Values of zero keep the defaults.
 template <class Request>
 model::GrowthParams readGrowth(const Request& request, model::GrowthParams growth) {
   const auto take = [](double given, double& value) {

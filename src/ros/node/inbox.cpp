@@ -8,11 +8,11 @@
 namespace deformable_surface::node {
 namespace {
 
-// More than a second of forces at the highest rates there are; beyond it the sender has gone wild.
+// More than a second of forces at the highest usual rates; more than that is a fault of the sender.
 constexpr std::size_t kMaxCommands = 4096;
 // Each waiting call holds a thread of its caller; more than this is a flood.
 constexpr std::size_t kMaxJobs = 16;
-// Longer than building the largest usual surface takes; then the caller is told to try again.
+// Longer than building the largest usual surface takes. After that the caller is asked to try again.
 constexpr std::chrono::seconds kPatience(30);
 
 }  // namespace
@@ -78,7 +78,7 @@ std::int64_t Inbox::readClock() {
 }
 
 void Inbox::observe(std::int64_t now, std::int64_t steady) {
-  // What was sent before a jump back belongs to a run that is over.
+  // Commands sent before a jump back belong to a run that is over.
   if (clock_.observe(now, steady)) commands_.clear();
 }
 
@@ -108,11 +108,11 @@ std::string Inbox::perform(const std::function<void()>& work, bool ends_step) {
   came_.notify_one();
   answered_.wait_for(lock, kPatience, [&] { return job.state != Job::State::kWaiting; });
   if (job.state == Job::State::kWaiting) {
-    // Whether a step is to end changes between steps only: one that has begun to end must end.
+    // Whether a step must end changes between steps only: a step that has begun to end must end.
     jobs_.erase(std::find(jobs_.begin(), jobs_.end(), &job));
     return "busy: the simulation did not get to it in time; try again";
   }
-  // Work that has begun uses what its caller holds, and must be waited for; it looks at isClosed() itself.
+  // Running work uses its caller's data, so that the caller must wait; the work checks isClosed() itself.
   answered_.wait(lock, [&] { return job.state != Job::State::kRunning; });
   return job.state == Job::State::kDone ? "" : "the node is shutting down";
 }

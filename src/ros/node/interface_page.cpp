@@ -31,7 +31,7 @@ namespace {
 
 using Kind = InterfaceKind;
 
-// Definitions of the types that a message is made of follow its own behind such a line.
+// Definitions of the types that a message uses follow its own after such a line.
 constexpr char kRule[] = "================";
 
 using Definitions = std::vector<Definition>;
@@ -41,7 +41,7 @@ std::string trimEnd(std::string text) {
   return text;
 }
 
-/// The message file, with the files of this package that it uses behind it.
+/// The message file, followed by the files of this package that it uses.
 template <class Message>
 Definitions define() {
   const std::string ours = "MSG: deformable_surface/";
@@ -61,7 +61,7 @@ Definitions define() {
   return definitions;
 }
 
-/// One behind the other, with the line between them that services and actions have.
+/// Joins the parts with the separator of services and actions.
 Definitions joinParts(const std::vector<Definitions>& parts) {
   Definitions all;
   for (const Definitions& part : parts)
@@ -180,7 +180,7 @@ std::vector<InterfaceEntry> makeTable() {
 
 std::string nameOf(const InterfaceEntry& entry) { return entry.name[0] == '/' ? entry.name : "~" + entry.name; }
 
-/// Message types that are those of a topic, and its name.
+/// Message types of topics, with the topic's name.
 std::map<std::string, std::string> findOwners() {
   const std::string ours = "deformable_surface/";
   std::map<std::string, std::string> owners;
@@ -190,7 +190,7 @@ std::map<std::string, std::string> findOwners() {
   return owners;
 }
 
-/// Every type once on the page. printed: where each stands, or will stand.
+/// Prints every type once on the page. printed: where each is, or will be.
 std::string printDefinitions(const InterfaceEntry& entry, std::map<std::string, std::string>& printed) {
   std::string text, elsewhere;
   for (const Definition& part : entry.definitions) {

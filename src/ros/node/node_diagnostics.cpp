@@ -12,11 +12,11 @@ namespace {
 using diagnostic_msgs::DiagnosticStatus;
 using std::chrono::steady_clock;
 
-// Diagnostics are expected about once a second; changes come sooner, but not so often that a flood of bad clouds becomes one of
+// Diagnostics are expected about once a second. Changes are reported sooner, but a flood of bad clouds must not become one of
 // reports.
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
 constexpr double kWatchPeriod = 1.0;           // s
-constexpr double kLongStep = 1.0;              // s of wall time: one that takes longer is told of while it goes on
+constexpr double kLongStep = 1.0;              // s of wall time: a longer step is reported while it runs
 constexpr std::chrono::seconds kToldEvery(5);  // in the log
 
 }  // namespace
@@ -37,7 +37,7 @@ NodeDiagnostics::NodeDiagnostics(const ros::NodeHandle& node, const ros::NodeHan
   watch_ = watch_node.createWallTimer(ros::WallDuration(kWatchPeriod), [this](const ros::WallTimerEvent&) { watchStep(); });
 }
 
-// In the place of what the updater would say, which only the simulation thread may ask.
+// Replaces the updater's message, which only the simulation thread may make.
 void NodeDiagnostics::watchStep() {
   const double seconds = stepper_.secondsInStep();
   if (!(seconds > kLongStep)) return;
@@ -49,7 +49,7 @@ void NodeDiagnostics::watchStep() {
   message.status[0].level = DiagnosticStatus::WARN;
   message.status[0].message = "a step has been going on for " + formatShort(seconds) + " s";
   topic_.publish(message);
-  // No warning, which would outlast the step; by wall time, since /clock may stand.
+  // Not a warning, which would outlast the step. By wall time, since /clock may stand still.
   const auto now = steady_clock::now();
   if (now - last_warning_ < kToldEvery) return;
   last_warning_ = now;

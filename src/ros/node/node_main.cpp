@@ -27,10 +27,10 @@ void handleSignal(int) { ros::requestShutdown(); }
 }  // namespace
 
 int main(int argc, char** argv) {
-  // roslaunch and scripts redirect the output; whoever reads it must not wait for the end.
+  // roslaunch and scripts redirect the output; its readers must not wait for the end.
   std::setvbuf(stdout, nullptr, _IOLBF, 0);
   ros::init(argc, argv, "deformable_surface");
-  // ros::init() has taken out the arguments that are ROS's.
+  // ros::init() has removed the arguments of ROS.
   for (int i = 1; i < argc; ++i) {
     const std::string argument = argv[i];
     if (argument == "--help" || argument == "-h") {

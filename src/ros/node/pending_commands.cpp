@@ -12,15 +12,15 @@
 namespace deformable_surface::node {
 namespace {
 
-// Far more than a scene uses; what comes over the network must not fill the memory.
+// Far more than a scene uses; messages must not fill the memory.
 constexpr std::size_t kMaxForces = 1000;
 constexpr std::size_t kMaxWaiting = 100000;
-// Transforms come within a few periods of their publisher; a command that is older than this is no answer to anything.
+// Transforms come within a few periods of their publisher; an older command has become irrelevant.
 constexpr std::chrono::seconds kTransformPatience(2);
 
 constexpr char kToolKey[] = "tool ";
 
-// What a command is for: the next one for the same takes its place.
+// The target of a command: the next one with the same target replaces it.
 std::string makeKey(const Command& command) {
   if (command.tool) return kToolKey + command.tool->id;
   return command.force ? "force " + command.force->id : kWrenchId;
@@ -41,7 +41,7 @@ void PendingCommands::see(Command& command) const {
   command.seen = seeTransform(command.header().frame_id, surface_frame_, transforms_);
 }
 
-// Its frame was not known when it came: it took the transform that was the latest in its step, which a replay does not know.
+// Its frame was unknown when it came: it took the latest transform in its step, which a replay does not know.
 bool PendingCommands::hasGuessedFrame(const Command& command) const {
   const std::string frame = withoutSlash(command.header().frame_id);
   const bool has_pose = !command.tool || command.tool->action == Tool::ADD;
@@ -148,7 +148,7 @@ void PendingCommands::clear() {
 }
 
 void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Simulation& simulation, const std::string& frame) {
-  // They may be younger than what they wait for now.
+  // Commands may be younger than the ones that wait now.
   for (const auto& [key, waiting] : std::exchange(without_frame_, {}))
     carryOut(waiting.command, waiting.give_up, simulation, frame);
 
@@ -166,7 +166,7 @@ void PendingCommands::apply(std::int64_t begin, std::int64_t end, simulation::Si
 void PendingCommands::carryOut(const Command& command, SteadyClock::time_point give_up, simulation::Simulation& simulation,
                                const std::string& frame) {
   const std::string key = makeKey(command);
-  // A tool that has not come yet is deleted by not letting it come.
+  // A tool that has not been added yet is deleted by dropping its command.
   const bool cancels = command.tool && command.tool->action == Tool::DELETE && without_frame_.erase(key) > 0;
   num_dropped_ += cancels;
   const auto older = without_frame_.find(key);
@@ -178,7 +178,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     if (is_kept) kept_.push_back(command);
     num_late_ += command.stamp <= last_begin_ || hasGuessedFrame(command);
   } catch (const FrameError& error) {
-    // However many come, the first says how long they wait.
+    // The first of several commands sets how long they wait.
     if (older != without_frame_.end()) give_up = older->second.give_up;
     if (SteadyClock::now() < give_up && (older != without_frame_.end() || without_frame_.size() < kMaxForces)) {
       warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the command waits for it");
@@ -196,7 +196,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     } else {
       tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
     }
-    return;  // what waits is as good as before
+    return;  // the waiting command stays valid
   }
   if (command.tool && command.tool->action == Tool::DELETEALL) {
     const auto is_tool = [](const auto& entry) { return entry.first.compare(0, sizeof kToolKey - 1, kToolKey) == 0; };

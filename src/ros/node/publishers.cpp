@@ -14,15 +14,15 @@ namespace {
 
 // Statistics are small, and a gap in them is seen in every plot.
 constexpr std::uint32_t kStatisticsQueue = 100;
-// Who switches a namespace on in RViz sees it after this, though nothing changes.
+// A namespace that is switched on in RViz appears after this time, even without a change.
 constexpr std::chrono::seconds kMarkersPeriod(1);
 
-// An update that was lost is made good after this. A message that is lost is so seldom that the whole cloud need not come more
+// A lost update is repaired after this time. Messages are lost so rarely that the whole cloud need not come more
 // often.
 constexpr std::chrono::seconds kWholeUpdatePeriod(5);
 constexpr std::uint32_t kUpdatesQueue = 10;
 
-// Arrows of the surface before would stay in RViz for ever.
+// Without it, arrows of the last surface would stay in RViz.
 visualization_msgs::Marker makeDeleteAll(const std_msgs::Header& header) {
   visualization_msgs::Marker marker;
   marker.header = header;
@@ -35,8 +35,8 @@ visualization_msgs::Marker makeDeleteAll(const std_msgs::Header& header) {
 
 Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_subscriber) {
   const ros::SubscriberStatusCallback connected = [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); };
-  // One message waits for a slow listener; it is replaced by the next. Latched for the second listener of a process, whom roscpp
-  // gives what the first one got, without asking here.
+  // One message waits for a slow subscriber; the next replaces it. Latched for the second subscriber of a process: roscpp
+  // gives it what the first one got, without asking here.
   deformed_ = node.advertise<sensor_msgs::PointCloud2>("deformed", 1, connected, ros::SubscriberStatusCallback(),
                                                        ros::VoidConstPtr(), true);
   const ros::SubscriberStatusCallback followed = [this, on_subscriber](const ros::SingleSubscriberPublisher&) {
@@ -45,7 +45,7 @@ Publishers::Publishers(ros::NodeHandle& node, const std::function<void()>& on_su
   };
   updates_ = node.advertise<DeformedUpdate>("deformed_update", kUpdatesQueue, followed);
   simulation_points_ = node.advertise<sensor_msgs::PointCloud2>("simulation_points", 1, connected);
-  // Latched for players of bags, which give the last message to who comes later, as it was recorded.
+  // Latched for players of bags, which give late subscribers the last message as it was recorded.
   markers_ = node.advertise<visualization_msgs::MarkerArray>("markers", 1, connected, ros::SubscriberStatusCallback(),
                                                              ros::VoidConstPtr(), true);
   statistics_ = node.advertise<Statistics>("statistics", kStatisticsQueue, connected);
@@ -58,7 +58,7 @@ std_msgs::Header Publishers::makeHeader(std::int64_t stamp) const {
   return header;
 }
 
-// Markers are made anew from time to time in any case.
+// Markers are sent from time to time in any case.
 bool Publishers::isWanted(bool has_changed, bool has_moved) const {
   const bool is_surface_heard = deformed_.getNumSubscribers() > 0 || updates_.getNumSubscribers() > 0;
   return isStatisticsHeard() || markers_.getNumSubscribers() > 0 || (has_moved && is_surface_heard) ||
@@ -82,7 +82,7 @@ void Publishers::publish(Moment& moment) {
   const auto isNew = [all = moment.all || is_new_](std::uint64_t revision, std::uint64_t& published) {
     return std::exchange(published, revision) != revision || all;
   };
-  // The first is kept for those who come later.
+  // The first message is kept for later subscribers.
   const bool is_seen = deformed_.getNumSubscribers() > 0, is_followed = updates_.getNumSubscribers() > 0;
   if (!is_followed) changes_.forget();
   if (is_new_ || ((is_seen || is_followed) && isNew(moment.surface_revision, surface_revision_))) {

@@ -74,7 +74,7 @@ const std::vector<Entry>& listEntries() {
   return entries;
 }
 
-// Where the value of an entry stands in the tree of a scene.
+// The place of an entry's value in the tree of a scene.
 Value& findValue(const Entry& entry, Value& tree) {
   Value* value = &tree;
   for (const std::string& part : entry.path) value = value->find(part);
@@ -95,7 +95,7 @@ void add(const std::string& name, bool value, Config& config) {
   config.bools.back().value = value;
 }
 
-// The group that clients want there to be.
+// The group that clients expect.
 void addGroup(Config& config) {
   config.groups.resize(1);
   config.groups[0].name = "Default";
@@ -163,7 +163,7 @@ SceneParams readRunTimeParams(const Config& config, const SceneParams& params) {
   for (const auto& given : config.ints) take(given, false, tree);
   if (!config.strs.empty())
     throw InputError("found the text parameter " + quote(config.strs[0].name.substr(0, 64)) + "; accepted: numbers and flags");
-  // Of what was not asked for, nothing takes the way through text.
+  // Values that were not asked for are not converted to text and back.
   return simulation::withRunTimeValues(params, io::readScene(tree));
 }
 
@@ -195,7 +195,7 @@ std::map<std::string, double> Reconfigure::listValues() {
   return values;
 }
 
-// Each costs a call of the master.
+// Each value costs a call of the master.
 void Reconfigure::store() {
   const std::map<std::string, double> now = listValues();
   if (now == stored_) return;
@@ -229,7 +229,7 @@ bool Reconfigure::set(const Config& wanted, Config& now) {
       problem = toOneLine(error.what());
     }
     now = printRunTimeParams(stepper_.params());
-    // Also where nothing changed: clients show what they asked for until they hear otherwise.
+    // Even without a change: clients show what they asked for until they get an answer.
     publish();
   });
   if (!unheard.empty()) return false;

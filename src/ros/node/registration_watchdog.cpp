@@ -23,17 +23,17 @@ using XmlRpc::XmlRpcValue;
 // The first part of an answer of the master or slave API.
 constexpr int kSuccess = 1;
 
-// Restarts are rare; each question opens a connection, which a node that rests would feel.
+// Restarts are rare; each check opens a connection, which would cost a resting node time.
 constexpr std::chrono::milliseconds kPeriod(4000);
-// A node that is shutting down takes itself out of the master's books before it says so: being missing counts when it lasts.
+// A node that shuts down unregisters before it says so: only a lasting absence counts.
 constexpr std::chrono::milliseconds kGrace(200);
 
 // A master answers within milliseconds; one that takes longer than this hangs.
 constexpr std::chrono::seconds kPatience(5);
-// How soon an end is noticed while an answer is awaited, s.
+// How soon a shutdown is noticed while waiting for an answer, s.
 constexpr double kLook = 0.05;
 
-/// Tells whether an answer may still come.
+/// Knows whether an answer may still come.
 class Client : public XmlRpc::XmlRpcClient {
  public:
   using XmlRpcClient::XmlRpcClient;
@@ -45,7 +45,7 @@ int count(const XmlRpcValue& list) { return list.getType() == XmlRpcValue::TypeA
 
 }  // namespace
 
-// The addresses are read here and not when they are needed: while roscpp shuts down it can no longer tell them.
+// The addresses are read here, not when they are needed: roscpp cannot give them during shutdown.
 RegistrationWatchdog::RegistrationWatchdog(std::vector<std::string> services)
     : services_(std::move(services)),
       uri_(ros::XMLRPCManager::instance()->getServerURI()),
@@ -67,7 +67,7 @@ bool RegistrationWatchdog::waitOrEnd(std::chrono::milliseconds time) {
   return ended_.wait_for(lock, time, [this] { return is_ended_; }) || !ros::ok() || ros::isShuttingDown();
 }
 
-// Not by roscpp's own calls: they wait for ever, and their clients are deleted under them when roscpp shuts down.
+// Not by roscpp's own calls: they wait without limit, and their clients are deleted under them when roscpp shuts down.
 template <class... Values>
 std::optional<XmlRpcValue> RegistrationWatchdog::ask(const std::string& uri, const char* method, const Values&... values) {
   XmlRpcValue arguments, answer;
@@ -96,7 +96,7 @@ bool RegistrationWatchdog::isMissing() {
     return answer && static_cast<int>((*answer)[0]) != kSuccess;
   };
   if (isUnknown("lookupNode", ros::this_node::getName())) return true;
-  // A call that a dying master left unanswered is repeated by roscpp: the new master then knows the node, but not the rest of it.
+  // roscpp repeats a call that a dying master left unanswered: the new master then knows the node, but not the rest of it.
   return !services_.empty() && isUnknown("lookupService", services_.back());
 }
 
@@ -112,7 +112,7 @@ void RegistrationWatchdog::registerAll() {
     for (int i = 0; i < count((*topics)[2]); ++i) {
       const std::string topic = (*topics)[2][i][0];
       std::optional<XmlRpcValue> publishers = ask(master, "registerSubscriber", topic, std::string((*topics)[2][i][1]), uri_);
-      // Publishers that were faster than this node are told to nobody else.
+      // Publishers that registered before this node are reported by nobody else.
       if (publishers && static_cast<int>((*publishers)[0]) == kSuccess) ask(uri_, "publisherUpdate", topic, (*publishers)[2]);
     }
   }
@@ -128,7 +128,7 @@ void RegistrationWatchdog::keepParameters(const std::string& name, const XmlRpcV
   parameters_ = tree;
 }
 
-// Those of a launch file that started the roscore anew are newer.
+// Parameters of a launch file that restarted the roscore are newer.
 void RegistrationWatchdog::restoreParameters() {
   std::string name;
   XmlRpcValue tree;

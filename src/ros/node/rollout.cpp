@@ -15,9 +15,9 @@
 namespace deformable_surface::node {
 namespace {
 
-// What a time in seconds may miss a multiple of the step by, in steps: the rounding of decimal fractions.
+// Tolerance of a time in seconds as a multiple of the step, in steps: for the rounding of decimal fractions.
 constexpr double kRounding = 1e-6;
-// More than a scene uses, and than a message of a sane size holds.
+// More than scenes use, and more than a message of a reasonable size holds.
 constexpr std::size_t kMaxForces = 1000;
 
 std::uint64_t toSteps(const std::string& what, double time, double step, std::uint64_t most) {
@@ -55,7 +55,7 @@ void setTool(const ToolPath& given, const std::string& surface_frame, const tf2:
   const Eigen::Isometry3d transform =
       findTransform("tool.header.frame_id", command.header.frame_id, surface_frame, command.header.stamp, transforms);
   if (before) {
-    // The grip of a tool that goes on gripping holds what it holds.
+    // A tool that continues to grip keeps its points.
     if (before->mode == tool.mode && tool::isActive(*before, now)) tool.start = before->start;
     if (given.times[0] > 0.0) tool.path.push_back(makeWaypoint(now, tool::interpolate(before->path, now)));
   }

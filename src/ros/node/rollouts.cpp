@@ -13,12 +13,12 @@ namespace {
 
 using std::chrono::steady_clock;
 
-// Each holds a copy of the surface while it waits; a planner that has more branches sends them as results come.
+// Each holds a copy of the surface while it waits; a planner with more branches sends them as results come.
 constexpr std::size_t kMaxWaiting = 256;
-// Goals that came and are not looked at, and messages that wait for a slow client.
+// Goals that came and were not read yet, and messages that wait for a slow client.
 constexpr int kQueue = 1000;
 constexpr double kStatusFrequency = 1.0;  // Hz
-// As often as a progress bar moves smoothly.
+// Often enough for a smooth progress bar.
 constexpr std::chrono::milliseconds kFeedbackPeriod(100);
 
 RolloutResult makeRefusal(const std::string& message) {
@@ -41,8 +41,8 @@ Rollouts::Rollouts(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, const t
   queue_thread_.start();
 }
 
-// Server and client read these from parameters. The server tells its status from time to time: of its own accord it would wake a
-// node that rests more often than everything else; changes of status are told at once in any case. And both drop messages beyond
+// Server and client read these parameters. The server publishes its status regularly, by default so often that it would wake a
+// resting node more than anything else; changes of status are published at once in any case. Both drop messages beyond
 // a few that wait, so that many goals at once would never be answered.
 void Rollouts::start(const ros::NodeHandle& node) {
   const std::string below = std::string(kRolloutName) + "/actionlib_";
@@ -55,7 +55,7 @@ void Rollouts::start(const ros::NodeHandle& node) {
   node.setParam(below + "client_pub_queue_size", kQueue);
 }
 
-// The inbox is closed already: nobody waits for the simulation thread any more.
+// The inbox is closed already: no call waits for the simulation thread any more.
 Rollouts::~Rollouts() {
   {
     const std::lock_guard<std::mutex> lock(mutex_);
@@ -69,7 +69,7 @@ Rollouts::~Rollouts() {
   server_.reset();
 }
 
-// The copy is made here, of the surface as it is when the goal comes, however long the goal then waits.
+// The copy is made here, of the surface when the goal comes, however long the goal waits then.
 void Rollouts::accept(Server::GoalHandle goal) {
   auto job = std::make_shared<Job>();
   CloudId cloud;
@@ -132,7 +132,7 @@ void Rollouts::cancel(const Server::GoalHandle& goal) {
 }
 
 void Rollouts::work() {
-  // One thread each: several goals fill the cores better than one, and the loops of the surface keep the pool to themselves.
+  // One thread each: several goals use the cores better than one does, and the surface's loops keep the pool to themselves.
   setNumThreads(1);
   for (;;) {
     std::shared_ptr<Job> job;

@@ -25,12 +25,12 @@ namespace {
 
 using shape_msgs::SolidPrimitive;
 
-// A box turned by less than this misses by less than the rounding of its messages.
+// A box turned by less than this is off by less than the rounding of its messages.
 constexpr double kAxesTolerance = 1e-6;
-// A call of this many steps holds the node for long already.
+// A call with this many steps holds the node for a long time already.
 constexpr std::uint32_t kMaxSteps = 1000000;
 
-// Of any request with a header, a primitive and a pose.
+// For any request with a header, a primitive and a pose.
 template <class Request>
 geometry::Region readRegion(const Request& request, const std::string& surface_frame, const tf2::BufferCore& transforms) {
   const SolidPrimitive& primitive = request.primitive;
@@ -93,7 +93,7 @@ simulation::ParticleEdit readEdit(const EditParticlesRequest& request, const std
   return edit;
 }
 
-// damping: what is named so, if anything is.
+// damping: the value of that name, if any.
 simulation::MaterialChangeParams readMaterial(const SetMaterialRequest& request, std::optional<double>& damping) {
   if (request.names.empty() || request.names.size() != request.values.size())
     throw InputError("names: found " + std::to_string(request.names.size()) + " and " + std::to_string(request.values.size()) +

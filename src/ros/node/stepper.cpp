@@ -20,12 +20,10 @@ namespace {
 using std::chrono::milliseconds;
 using std::chrono::steady_clock;
 
-// How often what is waited for, a transform, is looked at; for how long a step in lockstep waits for one.
+// Polling period while waiting for a transform; how long a step in lockstep waits for one.
 constexpr milliseconds kPollPeriod(20), kTransformPatience(2000);
-// More lag than this on the computer's clock would only be felt as delay; it is let go instead.
-constexpr std::int64_t kMaxLag = 250'000'000;
-// How often a surface that sleeps is looked after: its steps pass in one go then, and whatever comes wakes the thread at once.
-// Less than what is let go of, so that a step that wakes is caught up with, where one may.
+// How often a sleeping surface is updated: its steps then pass at once, and any event wakes the thread at once.
+// Less than the lag that is dropped, so that a step that wakes can be caught up.
 constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeriod(1000);
 
 }  // namespace
@@ -58,10 +56,10 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (content.cloud) clouds_.put(std::move(*content.cloud));
   if (now_ != 0) handleClouds();
   if (simulation_ && !is_gravity_known_) updateGravity();
-  // What passed while the surface slept is part of what services see.
+  // Services see the time that passed while the surface slept.
   bool has_stepped = false;
   while (isDue() && simulation_->isAsleep() && hasFrames() && takeStep()) has_stepped = true;
-  // The clock was read before them: what they take shows as lag in the next turn.
+  // The clock was read before the calls: their time shows as lag in the next turn.
   const double call_seconds = call_seconds_;
   const Timer calls;
   inbox_.doJobs();
@@ -96,84 +94,10 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
                          : std::min<Inbox::SteadyTime>(until, now + std::chrono::nanoseconds(std::max<std::int64_t>(due, 0)));
 }
 
-// Nothing but time passes in the steps to come, and nobody wants to be told of each of them.
+// Only time passes in the next steps, and no subscriber needs each of them.
 bool Stepper::canRest() const {
   return simulation_->isAsleep() && !commands_.isMoving() && ready_.empty() && !wrenches_.isHeard() &&
          (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_);
-}
-
-// ---- The clock ----
-
-std::int64_t Stepper::delayed(std::int64_t clock) const { return clock == 0 ? 0 : std::max<std::int64_t>(clock - delay_, 1); }
-
-void Stepper::handleClock(const ClockChange& clock) {
-  now_ = delayed(clock.now);
-  if (!clock.jumped_back) {
-    // A surface that waited for its time has nothing to catch up of what the clock jumped over before.
-    const std::int64_t skipped = simulation_ && waitsUntilLater(now_ - clock.skipped)
-                                     ? std::max<std::int64_t>(0, now_ - schedule_.begin(simulation_->stepCount() + 1))
-                                     : clock.skipped;
-    if (isLockstep()) return;
-    schedule_.skip(skipped);
-    if (skipped > 0 && simulation_) {
-      warnings_.report(Warning::kClock,
-                       "the clock jumped forward by " + formatShort(toSeconds(skipped)) + " s, which is not caught up");
-    }
-    return;
-  }
-  ++counts_.jumps_back;
-  commands_.clear();
-  if (!simulation_) return;
-  restart(delayed(clock.restart));
-  warnings_.report(
-      Warning::kClock,
-      "the clock jumped back to " + formatReal(toSeconds(clock.restart)) + " s; the surface is reset to its rest state" +
-          (waitsUntilLater(now_) ? ", where it stays until " + formatReal(toSeconds(schedule_.begin(0) + delay_)) +
-                                       " s, the stamp of its cloud, for a recording that begins anew; ~reset begins at once"
-                                 : ""));
-  show();
-}
-
-void Stepper::restart(std::int64_t now) {
-  simulation_->reset();
-  beginAnew(schedule_.zero());
-  skipTo(now, 0);
-  updateGravity();
-}
-
-// The surface is at rest, and nothing is left of what came before; time 0 is at zero of the clock.
-void Stepper::beginAnew(std::int64_t zero) {
-  is_held_ = is_held_valid_ = false;
-  is_failed_ = is_frame_due_ = is_gravity_known_ = false;
-  last_frame_ = 0;
-  ready_.clear();
-  commands_.forget();
-  schedule_.start(zero);
-}
-
-void Stepper::letGoOfLag(double call_seconds) {
-  if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_ || is_clock_simulated_ || isLockstep()) return;
-  const std::int64_t lag = now_ - schedule_.begin(simulation_->stepCount() + 1);
-  if (!(lag > kMaxLag)) return;
-  schedule_.skip(lag);
-  if (simulation_->stepCount() == 0) {
-    counts_.time_in_builds += toSeconds(lag);  // which the line about the surface has told
-    return;
-  }
-  if (2.0 * call_seconds > toSeconds(lag)) {
-    counts_.time_in_calls += toSeconds(lag);
-    warnings_.report(Warning::kBehind, "services took " + formatShort(call_seconds) + " s, in which no step was taken; " +
-                                           formatShort(toSeconds(lag)) + " s are not caught up");
-    return;
-  }
-  counts_.time_let_go += toSeconds(lag);
-  const std::string why = step_seconds_ > params_.integrator.time_step
-                              ? "slower than real time (fewer simulation points, or a larger integrator.tolerance of the "
-                                "implicit method, are faster)"
-                              : "the process did not get to run for a while";
-  warnings_.report(Warning::kBehind, why + ": the last step took " + formatShort(step_seconds_) + " s for " +
-                                         formatReal(params_.integrator.time_step) + " s; " + formatShort(toSeconds(lag)) +
-                                         " s are not caught up");
 }
 
 // ---- Steps ----
@@ -194,7 +118,7 @@ bool Stepper::isDue() const {
 
 bool Stepper::isHeard() const { return commands_.areCompleteAt(schedule_.begin(simulation_->stepCount())); }
 
-// A frame that does not come is waited for as long as a command is.
+// Waits for a missing frame as long as for a command.
 bool Stepper::hasFrames() {
   if (!isLockstep()) return true;
   const std::uint64_t step = simulation_->stepCount();
@@ -225,7 +149,7 @@ void Stepper::setPaused(bool paused) {
   is_paused_ = paused;
 }
 
-// At once, also where the clock is behind the cloud's stamp.
+// At once, even if the clock is behind the cloud's stamp.
 void Stepper::reset() {
   commands_.clear();
   restart(now_);
@@ -299,7 +223,7 @@ std::uint32_t Stepper::takeSteps(std::uint32_t count) {
   std::uint32_t taken = 0;
   while (taken < count && !*inbox_.endingStep() && takeStep()) ++taken;
   is_frame_due_ = false;
-  // They may have run ahead of the clock, which those to come do not wait for.
+  // They may have run ahead of the clock; later steps do not wait for it.
   if (now_ != 0) resumeAt(now_, simulation_->stepCount());
   commands_.forgetSteps();
   return taken;
@@ -343,7 +267,7 @@ std::int64_t Stepper::countFrames() const {
   return static_cast<std::int64_t>(std::floor(simulation_->time() * params_.output.publish_rate + 1e-6));
 }
 
-// That of the step's beginning. The first may be younger, since no step is taken, and no time passes, before there is one.
+// The transform at the beginning of the step. The first one may be younger: without it no step is taken and no time passes.
 Eigen::Isometry3d Stepper::findGravityTransform() const {
   const auto find = [&](const ros::Time& stamp) {
     return findTransformUntil("gravity_frame", params_.gravity_frame, frame_, stamp, transforms_).transform;
@@ -368,109 +292,6 @@ bool Stepper::updateGravity() {
     if (!is_gravity_known_) warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the surface waits for it");
     return is_gravity_known_;
   }
-}
-
-// ---- Output ----
-
-// The ROS time at which the state is the surface's. One that waits, as in a pause, is that of now, and so is one that is so late
-// that the lag is about to be let go.
-std::int64_t Stepper::outputStamp() const {
-  const std::uint64_t step = simulation_->stepCount();
-  if (params_.output.stamp == simulation::OutputStamp::kSimulation) return schedule_.stamp(step);
-  const std::int64_t begin = schedule_.begin(step);
-  if (isLockstep()) return begin;
-  const bool waits = isPaused() || is_held_ || !is_gravity_known_ || begin > now_;
-  const bool is_let_go = !is_clock_simulated_ && now_ - begin > kMaxLag;
-  return now_ != 0 && (waits || is_let_go) ? now_ : begin;
-}
-
-StepSchedule Stepper::scheduleFrom(std::uint64_t step) const {
-  StepSchedule schedule = schedule_;
-  if (params_.output.stamp == simulation::OutputStamp::kSimulation) {
-    schedule.start(schedule.zero());
-  } else {
-    schedule.resumeAt(outputStamp(), step);
-  }
-  return schedule;
-}
-
-void Stepper::publishWrenches() { wrenches_.publish(*simulation_, outputStamp(), frame_, commands_.silentTools()); }
-
-Moment Stepper::makeMoment() {
-  Moment moment;
-  moment.sight = simulation_->sight();
-  moment.stamp = outputStamp();
-  moment.cloud = cloud_;
-  moment.time_input = time_input_;
-  moment.revision = shown_revision_ = simulation_->revision();
-  moment.surface_revision = shown_surface_revision_ = simulation_->surfaceRevision();
-  return moment;
-}
-
-void Stepper::publishToolStatuses() {
-  ToolStatusArray statuses;
-  if (!commands_.toolStatuses().takeChanged(statuses)) return;
-  statuses.header.stamp.fromNSec(static_cast<std::uint64_t>(simulation_ ? outputStamp() : now_));
-  statuses.header.frame_id = frame_;
-  wrenches_.publish(statuses);
-}
-
-// Making a moment costs a copy of the state.
-bool Stepper::isWanted() const {
-  return publishers_.isWanted(simulation_->revision() != shown_revision_,
-                              simulation_->surfaceRevision() != shown_surface_revision_);
-}
-
-void Stepper::show() {
-  Moment moment = makeMoment();
-  moment.all = moment.is_kept = true;
-  frames_.show(std::move(moment));
-  publishWrenches();
-}
-
-StepperStatus Stepper::status() const {
-  StepperStatus status = counts_;
-  status.frames_dropped = frames_.numDropped();
-  status.is_failed = is_failed_;
-  status.time_step = params_.integrator.time_step;
-  status.commands_applied = commands_.numApplied();
-  status.commands_late = commands_.numLate();
-  status.commands_waiting = commands_.numWaiting();
-  status.commands_dropped = commands_.numDropped();
-  for (const std::string& id : commands_.silentTools()) status.silent_tools += (status.silent_tools.empty() ? "" : ", ") + id;
-  const CloudWorker::Counts came = worker_.counts();
-  status.clouds_received = came.received;
-  status.clouds_ignored += came.ignored;
-  status.clouds_dropped += clouds_.numDropped() + came.replaced;
-  if (simulation_) {
-    status.simulation_time = simulation_->time();
-    status.step = simulation_->stepCount();
-    status.accuracy = simulation_->accuracyChoice().sentence;
-    status.has_snapped = simulation_->hasSnapped();
-    status.lag = isLockstep() ? 0.0 : std::max(0.0, toSeconds(now_ - schedule_.begin(status.step + 1)));
-  }
-  if (is_failed_) {
-    status.state = "stopped by a failed step";
-  } else if (is_held_) {
-    status.state = "growing a surface";
-  } else if (is_paused_) {
-    status.state = "paused";
-  } else if (now_ == 0) {
-    status.state = "waiting for the clock";
-  } else if (simulation_ && !is_gravity_known_) {
-    status.state = "waiting for the transform of gravity_frame";
-  } else if (simulation_ && isLockstep() && !isHeard()) {
-    const double begin = std::round(1e3 * toSeconds(schedule_.begin(status.step))) / 1e3;
-    status.state = "waiting for commands after " + formatReal(begin) + " s (input.lockstep)";
-  } else if (simulation_ && !isLockstep() && waitsUntilLater(now_)) {
-    status.state = "waiting for the clock to reach " + formatReal(toSeconds(schedule_.begin(status.step) + delay_)) + " s";
-  } else if (simulation_) {
-    status.state = "running";
-  } else if (isBuilding()) {
-    status.state = "building a surface";
-  }
-  if (simulation_ && isBuilding()) status.state += ", while another surface is built";
-  return status;
 }
 
 }  // namespace deformable_surface::node

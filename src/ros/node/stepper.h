@@ -107,14 +107,19 @@ class Stepper {
   double secondsInStep() const;
 
  private:
+  // In stepper_clock.cpp:
   void handleClock(const ClockChange& clock);
+  void restart(std::int64_t now);
+  std::int64_t delayed(std::int64_t clock) const;
+  void letGoOfLag(double call_seconds);
+  void beginAnew(std::int64_t zero);
+
   // In stepper_clouds.cpp:
   void handleClouds();
   WaitingClouds::Answer prepare(const IncomingCloud& incoming, bool is_patient, CloudWork& work);
   void takeResult(CloudResult&& result);
   void observeReady();
   void begin(CloudResult&& result);
-  void beginAnew(std::int64_t zero);
   void setSurfaceFrame(const std::string& frame);
   void tellOfBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
@@ -122,8 +127,12 @@ class Stepper {
   bool isAgain(const CloudWork& work) const;
   bool isTracking() const;
 
-  void restart(std::int64_t now);
-  std::int64_t delayed(std::int64_t clock) const;
+  // In stepper_output.cpp:
+  Moment makeMoment();
+  std::int64_t outputStamp() const;
+  bool isWanted() const;
+  void publishWrenches();
+  void publishToolStatuses();
 
   bool isLockstep() const { return !params_.input.lockstep.empty(); }
   /// In lockstep: whether everything that the step waits for has come.
@@ -141,17 +150,13 @@ class Stepper {
   std::int64_t countFrames() const;
   Eigen::Isometry3d findGravityTransform() const;
   bool updateGravity();
-  void letGoOfLag(double call_seconds);
-  Moment makeMoment();
-  std::int64_t outputStamp() const;
-  bool isWanted() const;
-  void publishWrenches();
-  void publishToolStatuses();
   Inbox::SteadyTime nextDeadline(Inbox::SteadyTime until) const;
   std::int64_t timeStep() const { return schedule_.stamp(1) - schedule_.stamp(0); }
 
   // A stamp further ahead than clocks of different computers ever differ is a mistake. It would stop the surface for that long.
   static constexpr std::int64_t kMaxAhead = 3600'000'000'000;
+  // Lag above this limit on the computer's clock, ns, is dropped, not caught up.
+  static constexpr std::int64_t kMaxLag = 250'000'000;
 
   simulation::SceneParams params_;
   std::function<void()> on_params_;

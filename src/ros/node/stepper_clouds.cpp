@@ -1,5 +1,5 @@
-// What becomes of clouds: which one is decoded next into a surface or something to track, when that is taken, and what is
-// ignored. A file of its own, because the steps go on meanwhile: what takes long is done by the worker.
+// The treatment of clouds: which one is decoded next for a surface or for tracking, when it is used, and which are
+// ignored. Steps go on meanwhile: the worker does what takes long.
 #include "stepper.h"
 
 #include "deformable_surface/base/error.h"
@@ -17,15 +17,15 @@
 namespace deformable_surface::node {
 namespace {
 
-// A simulated clock may start late or jump; a cloud older than this when it comes is not one that steps should catch up from.
+// A simulated clock may start late or jump; steps do not catch up from a cloud that is older than this when it comes.
 constexpr std::int64_t kOldCloud = 1'000'000'000;
 // The stamp of a cloud is that of its surface at rest while tf2 and RViz, which keep ten seconds, surely know its transforms.
 constexpr std::int64_t kLongestBuild = 5'000'000'000;
-// Clouds that were made ready before their step: as many as may wait undone.
+// Clouds that are ready before their step: as many as may wait undecoded.
 constexpr std::size_t kMostReady = 64;
 constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
-constexpr double kLongBuild = 2.0;                    // s: who waits longer wonders
-constexpr double kToldLag = 0.25;                     // s: what is caught up with need not be told
+constexpr double kLongBuild = 2.0;                    // s: a longer wait needs a message
+constexpr double kToldLag = 0.25;                     // s: a shorter lag is caught up and needs no message
 
 double secondsSince(Inbox::SteadyTime then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -62,7 +62,7 @@ void Stepper::handleClouds() {
   work.cloud_frame = incoming->decoded.header.frame_id;
   work.cloud = std::move(incoming->decoded.cloud);
   work.params = params_;
-  // The steps of a surface that is there go on beside it.
+  // The steps of the present surface go on meanwhile.
   work.num_threads = simulation_ ? std::max(1, numThreads() / 2) : numThreads();
   if (work.kind == CloudWork::Kind::kBuild) {
     built_revision_ = params_revision_;
@@ -74,7 +74,7 @@ void Stepper::handleClouds() {
   worker_.begin(std::move(work));
 }
 
-/// Finds the way into the surface's frame, if that can be done now.
+/// Finds the transform into the surface's frame, if it is known now.
 WaitingClouds::Answer Stepper::prepare(const IncomingCloud& incoming, bool is_patient, CloudWork& work) {
   const std_msgs::Header& header = incoming.decoded.header;
   const std::int64_t ahead = stampOf(incoming) - arrivalOf(incoming);
@@ -121,7 +121,7 @@ void Stepper::setSurfaceFrame(const std::string& frame) {
   commands_.setSurfaceFrame(frame);
 }
 
-// Once, so that nobody takes the node for dead.
+// Once, so that the node does not seem dead.
 void Stepper::tellOfBuilding() {
   if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
   building_->is_told = true;
@@ -130,7 +130,7 @@ void Stepper::tellOfBuilding() {
                                    << (simulation_ ? "; the one before goes on meanwhile" : ""));
 }
 
-// A cloud shows the surface at its stamp, and draws it from there on.
+// A cloud shows the surface at its stamp, and is tracked from there on.
 void Stepper::observeReady() {
   if (is_held_) return;
   const std::uint64_t step = simulation_->stepCount();
@@ -148,23 +148,23 @@ void Stepper::observeReady() {
   ready_.erase(ready_.begin(), newest.base());
 }
 
-// Whether neighbours, weights and springs would come out as they are.
+// Whether neighbours, weights and springs would come out the same.
 bool Stepper::isAgain(const CloudWork& work) const {
   return simulation_ && is_as_built_ && work.frame == frame_ && work.transform.isApprox(Eigen::Isometry3d::Identity(), 0.0) &&
          cloud::areEqual(work.cloud, unfiltered_ ? *unfiltered_ : simulation_->input());
 }
 
-// With the simulation that was built, or, where none was, with the one that is there.
+// With the simulation that was built or, if none was, with the present one.
 void Stepper::begin(CloudResult&& result) {
   const bool is_again = !result.simulation;
   if (!is_again) {
     result.simulation->setInterrupt(inbox_.endingStep());
-    // What may change while a surface runs may have changed while this one was built.
+    // Values that may change at run time may have changed while this surface was built.
     if (params_revision_ != built_revision_)
       result.simulation->setParams(simulation::withRunTimeValues(result.simulation->params(), params_));
   }
-  // Commands for the surface before are not for this one, but those since its stamp are; before the first there was none that
-  // they could be for.
+  // Commands for the surface before are not for this one, except those since its stamp. Before the first surface there was no
+  // other that they could be for.
   if (simulation_) {
     commands_.takeBack();
     commands_.dropBefore(result.stamp);
@@ -203,7 +203,7 @@ void Stepper::begin(CloudResult&& result) {
   for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);
   building_.reset();
   Moment moment = makeMoment();
-  // At rest it is the cloud itself, at its stamp.
+  // At rest it is the cloud itself, at the cloud's stamp.
   if (inbox_.now() - result.stamp <= kLongestBuild) moment.stamp = result.stamp;
   moment.viewer = std::move(result.viewer);
   moment.params = simulation_->params();

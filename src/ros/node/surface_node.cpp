@@ -42,16 +42,16 @@
 namespace deformable_surface::node {
 namespace {
 
-// A second cloud may wait while one is decoded; more would only be stale.
+// A second cloud may wait while one is decoded; more would be out of date.
 constexpr std::uint32_t kCloudQueue = 2;
 // As many commands as come while a large cloud is decoded.
 constexpr std::uint32_t kCommandQueue = 1000;
 // Every message of the clock counts, since the steps between two jumps depend on it.
 constexpr std::uint32_t kClockQueue = 10000;
-// Drivers and players of bags have started by then; a remapping that is wrong would otherwise stay silent.
+// Drivers and players of bags have started by then. A wrong remapping would otherwise show no sign.
 constexpr std::chrono::seconds kCloudPatience(10);
 
-// The robot's links as tools, none if the parameters name none. Throws InputError.
+// The robot's links as tools; none if the parameters name none. Throws InputError.
 std::vector<Tool> readRobotTools(const ros::NodeHandle& private_node, const tool::RobotParams& robot) {
   if (robot.links.empty()) return {};
   if (!robot.file.empty()) return makeRobotTools(readDescription(robot.file), robot.links);
@@ -122,7 +122,7 @@ struct SurfaceNode::Impl {
         service_node(onQueue(given_private, service_queue)),
         reset_node(onQueue(given_private, reset_queue)),
         warnings(private_node.getNamespace()),
-        // Steps that stay behind the clock ask for what is that much older.
+        // Steps behind the clock need transforms that are that much older.
         transforms(ros::Duration(tf2::BufferCore::DEFAULT_CACHE_TIME + params.input.delay)),
         inbox(ros::Time::isSimTime(), transforms),
         worker(inbox, warnings, DecodeLimits{params.input.max_points}),
@@ -140,7 +140,7 @@ struct SurfaceNode::Impl {
                  std::max(1, countCores(params.threads) - 1)),
         reconfigure(service_node, inbox, stepper, warnings),
         watchdog(listServices()),
-        // One thread each: input keeps its order, and a service that waits does not hold it up, nor what is to end the wait.
+        // One thread each: input keeps its order, and is not delayed by services that wait, nor by the call that ends the wait.
         input_thread(input_queue),
         service_thread(service_queue),
         reset_thread(reset_queue) {
@@ -217,7 +217,7 @@ struct SurfaceNode::Impl {
         }));
   }
 
-  // Nothing that a message can do may end the thread.
+  // No message may end the thread.
   void run() {
     const auto start = std::chrono::steady_clock::now();
     bool was_reminded = false;

@@ -1,4 +1,4 @@
-// The node as a nodelet. In a library of its own, so that pluginlib loads it by name and nothing else links nodelets.
+// The node as a nodelet, in a library of its own: pluginlib loads it by name, and nothing else links nodelets.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/ros/node/surface_node.h"
 
@@ -13,7 +13,7 @@ namespace deformable_surface::node {
 class DeformableSurfaceNodelet : public nodelet::Nodelet {
  private:
   void onInit() override {
-    // A nodelet that cannot run stays idle, since an exception would take the manager with it.
+    // A nodelet that cannot run stays idle: an exception would end the manager.
     try {
       node_ = std::make_unique<SurfaceNode>(getNodeHandle(), getPrivateNodeHandle(), readNodeParameters(getPrivateNodeHandle()));
     } catch (const InputError& error) {

@@ -5,11 +5,11 @@
 namespace deformable_surface::node {
 namespace {
 
-// A camera's two seconds: what a transform that is not broken may be late, and what a delay may be. They must not fill the
+// Two seconds of a camera: the largest delay of a working transform, and of input.delay. Clouds must not fill the
 // memory.
 constexpr std::size_t kMaxClouds = 64;
 constexpr std::int64_t kMaxPoints = 4'000'000;  // of all together, unless it is one
-// A sensor's transform comes a little after its first cloud; a latched cloud would be lost for ever.
+// A sensor's transform comes a little after its first cloud. A latched cloud would be lost.
 constexpr std::chrono::seconds kPatience(5);
 
 }  // namespace

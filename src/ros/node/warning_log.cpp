@@ -10,12 +10,12 @@
 namespace deformable_surface::node {
 namespace {
 
-// A line every few seconds is read; one for each message of a camera is not.
+// Lines every few seconds are read; one for each message of a camera is not.
 constexpr std::chrono::seconds kSilence(5);
-// More than a user's mistakes make together; names that keep changing must fill neither the memory nor the log.
+// More causes than a user's mistakes make; changing names must fill neither the memory nor the log.
 constexpr std::size_t kMaxCauses = 32;
 
-// What tells causes apart: names in quotes as they are, of the rest no character that a number may have.
+// The part of a sentence that distinguishes causes: quoted names as they are, the rest without characters of numbers.
 std::string withoutNumbers(const std::string& text) {
   std::string result;
   bool is_quoted = false;
@@ -48,7 +48,7 @@ void WarningLog::report(Warning warning, const std::string& sentence) {
   cause = {true, 0, last_time_};
 }
 
-/// Beyond what is kept, all sentences of a kind count as one cause.
+/// Beyond kMaxCauses, all sentences of a kind count as one cause.
 WarningLog::Cause& WarningLog::findCause(Warning warning, const std::string& sentence) {
   const std::string kind = std::to_string(static_cast<int>(warning));
   const std::string key = kind + withoutNumbers(sentence);

@@ -15,9 +15,9 @@
 namespace deformable_surface::node {
 namespace {
 
-// They are small, and a gap is felt.
+// Messages are small, and controllers need all of them.
 constexpr std::uint32_t kQueue = 100;
-// How often a master that is away is looked for.
+// How often to retry while the master is away.
 constexpr std::chrono::seconds kMasterPatience(1);
 
 }  // namespace
@@ -62,14 +62,14 @@ void WrenchPublishers::publish(const simulation::Simulation& simulation, std::in
   }
 }
 
-// At most so often in the time of the surface; after every step if the rate is 0, and after a jump back.
+// At most at this rate in the time of the surface; after every step if the rate is 0, and after a jump back.
 bool WrenchPublishers::isContactsDue(double rate, std::int64_t stamp) {
   if (!(rate > 0.0)) return true;
   const std::int64_t turn = static_cast<std::int64_t>(std::floor(1e-9 * static_cast<double>(stamp) * rate + 1e-6));
   return std::exchange(contacts_turn_, turn) != turn;
 }
 
-// A topic for each tool there is. Ids of a scene that are no names have none.
+// A topic for each tool. Tools of a scene with ids that are no names have none.
 void WrenchPublishers::advertise(const std::vector<tool::ToolParams>& tools) {
   const auto isGone = [&](const std::string& id) {
     return std::none_of(tools.begin(), tools.end(), [&](const tool::ToolParams& tool) { return tool.id == id; });
@@ -80,7 +80,7 @@ void WrenchPublishers::advertise(const std::vector<tool::ToolParams>& tools) {
     entry = isGone(entry->first) ? last_heard_of_.erase(entry) : std::next(entry);
   for (const tool::ToolParams& tool : tools) {
     if (of_tool_.count(tool.id) > 0 || !isToolId(tool.id)) continue;
-    // roscpp waits for a master that is away for as long as it is, and no step could be taken.
+    // roscpp would wait for an absent master, and no step could be taken.
     if (std::chrono::steady_clock::now() < next_try_) return;
     if (!ros::master::check()) {
       next_try_ = std::chrono::steady_clock::now() + kMasterPatience;

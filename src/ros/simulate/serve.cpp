@@ -23,7 +23,7 @@ namespace {
 
 constexpr int kWrongRequest = 2;
 
-// The arguments of the next request; nothing at the end of the input.
+// The arguments of the next request; none at the end of the input.
 class Requests {
  public:
   explicit Requests(int in) : in_(in) {}
@@ -57,7 +57,7 @@ bool redirect(int descriptor, const char* file) {
   return opened >= 0 && dup2(opened, descriptor) >= 0 && close(opened) == 0;
 }
 
-// What the copy of the process does.
+// Runs in the copy of the process.
 int runHere(const std::vector<std::string>& arguments, KeptSurfaces& kept) {
   std::signal(SIGINT, SIG_DFL);
   if (chdir(arguments[0].c_str()) != 0 || !redirect(STDOUT_FILENO, "out") || !redirect(STDERR_FILENO, "err"))
@@ -73,7 +73,7 @@ std::string describeStatus(int status) {
   return WIFSIGNALED(status) ? "signal " + std::to_string(WTERMSIG(status)) : std::to_string(WEXITSTATUS(status));
 }
 
-// The status of a run; nothing if whoever asked has gone meanwhile.
+// The status of a run; none if the caller has gone meanwhile.
 std::optional<int> awaitRun(pid_t child, int in, int alive) {
   pollfd watched[] = {{alive, POLLIN, 0}, {in, 0, 0}};
   while (true) {
@@ -109,7 +109,7 @@ int serve(int in, int out) {
     const pid_t child = fork();
     if (child < 0) return kWrongRequest;
     if (child == 0) {
-      // A server that is killed leaves no run behind; it may have been before this call.
+      // The run ends if the server is killed, even before this call.
       prctl(PR_SET_PDEATHSIG, SIGKILL);
       if (getppid() != server) _exit(kWrongRequest);
       _exit(runHere(*arguments, kept));

@@ -23,7 +23,7 @@ std::vector<std::uint8_t> readBytes(const rosbag::MessageInstance& instance) {
   return bytes;
 }
 
-// Of a message that begins with one; of no more than the frame's name when it claims more than there is.
+// The header at the beginning of a message; without the frame's name if it claims more bytes than there are.
 std_msgs::Header readHeader(const rosbag::MessageInstance& instance) {
   std::vector<std::uint8_t> bytes = readBytes(instance);
   std_msgs::Header header;
@@ -50,7 +50,7 @@ Type makeType() {
   return {ros::message_traits::datatype<Message>(), ros::message_traits::md5sum<Message>()};
 }
 
-// Of the messages that are taken under a name.
+// The type of the messages accepted under a name.
 Type findType(const std::string& name) {
   if (name == "cloud_in") return makeType<sensor_msgs::PointCloud2>();
   if (name == "force") return makeType<PointForce>();
@@ -62,7 +62,7 @@ bool isType(const rosbag::ConnectionInfo& connection, const Type& type) {
   return connection.datatype == type.name && connection.md5sum == type.md5sum;
 }
 
-// Some recorders write the names without the slash that others begin them with.
+// Some recorders write names without the leading slash.
 std::string removeSlash(const std::string& topic) { return topic[0] == '/' ? topic.substr(1) : topic; }
 
 }  // namespace
@@ -125,10 +125,10 @@ void InputBag::index(const std::map<std::string, std::string>& topics, std::set<
   view_ = std::make_unique<rosbag::View>(bag_, rosbag::TopicQuery(wanted));
 }
 
-// In the order of recording, so that a command without a stamp sees what tf knew when it came.
+// In the order of recording, so that a command without a stamp uses what tf knew when it came.
 void InputBag::read() {
   rosbag::View view(bag_, rosbag::TopicQuery(std::vector<std::string>{"/tf", "tf", "/tf_static", "tf_static"}));
-  // The buffer holds the whole bag, and a second more for stamps that are older than their recording.
+  // The buffer holds the whole bag, plus a second for stamps that are older than their recording.
   const ros::Duration length = view.size() == 0 ? ros::Duration(0.0) : view.getEndTime() - view.getBeginTime();
   transforms_ = std::make_unique<tf2::BufferCore>(length + ros::Duration(1.0));
   auto transform = view.begin();
@@ -175,7 +175,7 @@ void InputBag::addCommand(std::int64_t recorded, const std_msgs::Header& header,
   seeAgain(recorded);
 }
 
-// As the node does: a command waits for its frame for a while, and then counts from the step in which that came.
+// As in the node: a command waits for its frame for a while, and then counts from the step in which the frame came.
 void InputBag::seeAgain(std::int64_t recorded) {
   std::vector<Unknown> rest;
   for (Unknown& unknown : unknown_) {

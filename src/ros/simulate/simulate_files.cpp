@@ -20,7 +20,7 @@ namespace fs = std::filesystem;
 
 fs::path folderOf(const fs::path& file) { return file.has_parent_path() ? file.parent_path() : fs::path("."); }
 
-// Where cloud.file is; empty if it cannot be told, which readPointFile() refuses in its own words.
+// The path of cloud.file; empty if it is unknown, which readPointFile() refuses with its own sentence.
 std::string findCloudFile(const std::string& file) {
   try {
     return io::findPointFile(file, findPackage);
@@ -29,7 +29,7 @@ std::string findCloudFile(const std::string& file) {
   }
 }
 
-// One file on the disk, also through links, or one name of a file that is not there yet.
+// Whether both are one file on the disk, also through links, or one name of a file that does not exist yet.
 bool areSame(const fs::path& a, const fs::path& b) {
   std::error_code error;
   return fs::equivalent(a, b, error) || (a.filename() == b.filename() && fs::equivalent(folderOf(a), folderOf(b), error));

@@ -35,7 +35,7 @@ std::string nameStatistics() {
 
 bool Pace::isDue(double time) {
   if (time + tolerance_ < static_cast<double>(count_) / rate_) return false;
-  // Outputs that fall into one step are one.
+  // Outputs that fall into one step are merged.
   while (static_cast<double>(count_) / rate_ <= time + tolerance_) ++count_;
   return true;
 }

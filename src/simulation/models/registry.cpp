@@ -1,4 +1,4 @@
-// The registry of models: the one place that names them all, with the options that scenes hold (model_params.h).
+// The registry of models: the one place that names them all, together with the options in scenes (model_params.h).
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/simulation/model_kind.h"

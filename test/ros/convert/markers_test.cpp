@@ -288,7 +288,9 @@ TEST(Markers, LeaveNoTextOnAnotherNorOnTheButtonBetweenThem) {
     Marker answer;
     answer.text = showBelow(sentence);
     const std::set<int> rows = rowsOf(answer);
-    if (!rows.empty()) EXPECT_GT(*rows.begin(), kRowsAbove);
+    if (!rows.empty()) {
+      EXPECT_GT(*rows.begin(), kRowsAbove);
+    }
     EXPECT_LT(rows.size(), static_cast<std::size_t>(kRowsBelow));
     sentence += sentence.empty() ? "word" : " word";
   }

@@ -10,4 +10,7 @@ namespace deformable_surface::node {
 /// in CIELAB (CIE 1976), so that none looks larger than another.
 std_msgs::ColorRGBA colorOf(double value);
 
+/// Each 0 .. 1.
+std_msgs::ColorRGBA makeColor(float r, float g, float b, float a = 1.0f);
+
 }  // namespace deformable_surface::node

@@ -13,7 +13,7 @@ namespace {
 
 using model::ElasticSolid;
 
-/// The points of the body as the transfer of solids moves them, or as they are where each is simulated.
+/// Points of the body: moved by the transfer of solids, or the simulation points themselves if all are simulated.
 class SolidFollower : public CloudFollower {
  public:
   SolidFollower(const RestSurface& rest, const ElasticSolid& solid) : rest_(rest), solid_(solid) {}

@@ -1,5 +1,5 @@
-// From a closed surface to the elastic solid within it. It is a file of its own because simulation points that are no points of
-// the cloud exist nowhere else.
+// From a closed surface to the elastic solid within it. Only here some simulation points are no points of
+// the cloud.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/cloud/farthest_points.h"
 #include "deformable_surface/cloud/geodesic_cells.h"
@@ -16,7 +16,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Of the inside: a scan with an open base has a seventh of it in doubt, a hemisphere two thirds.
+// Of the inside: for a scan with an open base a seventh of it is in doubt, for a hemisphere two thirds.
 constexpr double kMostDoubtful = 0.2;
 
 struct Hull {
@@ -34,7 +34,7 @@ Hull measureHull(const RestSurface& s) {
   return hull;
 }
 
-// The spacing at which points on the surface and inside are together as many as asked for; no finer than the cloud's.
+// The spacing at which points on the surface and inside together have the wanted number; no finer than the cloud's.
 double chooseSpacing(const cloud::SimplificationParams& how, const Hull& hull, Index points) {
   const double finest = std::sqrt(hull.area / points);
   if (how.method == cloud::SimplificationMethod::kNone) return finest;
@@ -46,7 +46,7 @@ double chooseSpacing(const cloud::SimplificationParams& how, const Hull& hull, I
     return hull.area / (h * h) + std::max(0.0, std::abs(hull.volume) - 0.5 * h * hull.area) / (h * h * h);
   };
   if (countAt(finest) <= target) return finest;
-  // Bisection, to the last bits of a double.
+  // Bisection down to rounding.
   for (int i = 0; i < 60; ++i) {
     const double middle = 0.5 * (low + high);
     (countAt(middle) > target ? low : high) = middle;
@@ -76,7 +76,7 @@ std::vector<Index> findOwners(const SceneParams& params, const RestSurface& s) {
   return owner;
 }
 
-// Every point of the surface follows its chosen one and that one's neighbours, the nearest of them first.
+// Every point of the surface follows its chosen one and the neighbours of that, nearest first.
 Lists findFollowed(const RestSurface& s, const std::vector<Index>& owner, const Lists& neighbors, Index k) {
   Lists followed;
   std::vector<std::pair<double, Index>> near;

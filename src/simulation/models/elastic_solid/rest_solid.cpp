@@ -19,7 +19,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kAutoPoints = 5000;  // simulation points that auto keeps: a soft bar of them moves in real time on one core
+constexpr Index kAutoPoints = 5000;  // simulation points of auto: a soft bar of them moves in real time on one core
 constexpr Index kSolidRatio = 8, kFewestOfSolid = 100;  // of copies: doubled spacing in space; fewer carry no shape of a body
 constexpr double kFlat = 0.02;  // of the spacing: rms distance from a plane below which a cloud lies in it
 constexpr Index kLocal = 12;    // neighbours that show whether a point lies in a body or on a surface
@@ -50,7 +50,7 @@ Spread measureSpread(Index n, const At& at) {
   return s;
 }
 
-// The normal of a planar cloud, or zero of one that fills space. Refuses what is neither.
+// The normal of a planar cloud, or zero for one that fills space. Refuses other clouds.
 Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   const Points& x = s.dense.positions;
   const Index n = static_cast<Index>(x.size());
@@ -65,13 +65,13 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   }
   const Spread all = measureSpread(n, [&](Index k) { return x[k]; });
   const bool is_flat = all.across <= kFlat * findMedian(spacing);
-  const model::SolidDimension wish = params.elastic_solid.dimension;
+  const model::SolidDimension wanted = params.elastic_solid.dimension;
   if (!(all.along > kFlat * findMedian(spacing)))
     throw InputError("cloud: its " + count(n, "points lie on a line; accepted: those of a body, or of a part of a plane"));
-  if (wish == model::SolidDimension::kPlanar && !is_flat)
+  if (wanted == model::SolidDimension::kPlanar && !is_flat)
     throw InputError("elastic_solid.dimension: found planar, but the points lie " + formatShort(all.across) +
                      " m (rms) off the plane that fits them best; accepted: points in a plane, or volume");
-  if (wish == model::SolidDimension::kVolume && is_flat)
+  if (wanted == model::SolidDimension::kVolume && is_flat)
     throw InputError(
         "elastic_solid.dimension: found volume, but all points lie in a plane; accepted: points that fill space, or planar");
   if (is_flat) return all.normal;
@@ -82,8 +82,8 @@ Vec3 findAcross(const SceneParams& params, const RestSurface& s) {
   return Vec3::Zero();
 }
 
-// Those given; else of points on the outside the direction away from their neighbours, and none inside. Of a planar solid its
-// own.
+// Given normals; else points on the outside get the direction away from their neighbours, inner ones none. Planar solids have
+// their own.
 void completeNormals(const Vec3& across, RestSurface& s) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (!s.dense.normals.empty()) return;
@@ -127,7 +127,7 @@ Lists findFollowed(const SceneParams& params, const cloud::GeodesicCells& cells,
   return followed;
 }
 
-// In space there are more directions to look in.
+// In space there are more directions than in a plane.
 Index countNeighbors(const SceneParams& params, const Vec3& across) {
   return across.isZero(0.0) ? 2 * params.neighbors.k : params.neighbors.k;
 }
@@ -161,7 +161,7 @@ void finishSolid(const SceneParams& params, model::Outline outline, RestSurface&
   const bool is_planar = !s.across.isZero(0.0);
   if (is_planar) noteGravityAcross(params, s.across, s);
   const Index m = static_cast<Index>(s.points.size());
-  // As of a surface with as many points at that spacing: what lengths are taken in proportion to.
+  // The area of a surface with as many points at that spacing: lengths are measured relative to it.
   const double spacing = is_planar ? std::sqrt(volume / (params.material.thickness * m)) : std::cbrt(volume / m);
   s.area = m * spacing * spacing;
   s.notes.push_back(std::string(is_planar ? "a planar solid" : "a solid") + " of " + formatShort(volume) +
@@ -199,8 +199,8 @@ void prepareBody(const SceneParams& params, RestSurface& s) {
                                                findFollowed(params, cells, s.dense.positions, s.points));
 }
 
-// On the farthest of the simulation points, of which its dense_index and solid_transfer are. Masses are those of the hull of so
-// few points. InputError if these span no body.
+// Uses the farthest of the simulation points; its dense_index and solid_transfer refer to these. Masses are those of the hull of
+// so few points. InputError if these span no body.
 RestSurface buildCoarserSolid(const SceneParams& params, const RestSurface& of, Index target) {
   RestSurface s;
   s.dense_index =

@@ -10,13 +10,13 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Of the spacing: a knife moves by no more between two looks at what it goes through, or by half its own passage if that lies
+// Of the spacing: a knife moves by no more between two checks of what it passes through, or by half its own passage if that lies
 // between the two.
 constexpr double kFinest = 0.02, kCoarsest = 0.25;
-constexpr Index kBlock = 8;  // links between two looks at an interrupt: milliseconds, where a knife lies along all of them
+constexpr Index kBlock = 8;  // links between two checks of the interrupt: milliseconds for a knife that lies along all of them
 
-// The least way, m, on which a knife passes a point that moves by up to `slip` (m) in the step. That of a box that goes straight
-// is long where it goes along its flat; else the smallest extent.
+// The shortest path, m, on which a knife passes a point that moves by up to `slip` (m) in the step. For a box that moves straight
+// along its flat side the path is long; else it is the smallest extent.
 double findPassage(const tool::ToolParams& tool, double time, double step, double slip) {
   const double smallest = geometry::findSmallestExtent(tool.shape);
   if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;
@@ -50,7 +50,7 @@ void Cutting::setCuts(const std::vector<Link>& cuts) {
   cuts_ = std::move(kept);
 }
 
-// Also where an interrupt may have left the model between two.
+// Also after an interrupt that may have left the model between two states.
 void Cutting::setMemory(const std::shared_ptr<const Memory>& saved) {
   cuts_ = std::static_pointer_cast<const Cuts>(saved);
   model_.setCuts(cuts_ ? cuts_->links : std::vector<Link>());

@@ -61,7 +61,7 @@ class MassSpringKind : public ModelKind {
   }
   bool isPlate(const SceneParams& p) const override { return mayDent(p) && p.material.bendingRigidity() > 0.0; }
   bool mayDent(const SceneParams& p) const override { return p.mass_spring.bending == model::Bending::kCurvature; }
-  /// What meets tools, and what tears, must be as stiff as stated; an equilibrium costs the same for any stiffness.
+  /// Surfaces that meet tools, or tear, must be as stiff as stated. An equilibrium costs the same for any stiffness.
   bool maySoften(const SceneParams& p) const override {
     return p.tools.empty() && p.mass_spring.tear_strain == 0.0 && p.integrator.type != solve::IntegratorType::kStatic &&
            p.mass_spring.stiffness == model::Stiffness::kMaterial;
@@ -98,7 +98,7 @@ void MassSpringKind::visitOptions(Fields& fields, SceneParams& p) const {
   fields.require(is_chosen || p.mass_spring.tear_strain == 0.0, "mass_spring.tear_strain",
                  "found one, but the model is another; accepted: 0, or model: mass_spring");
   const bool pure_springs = p.mass_spring.membrane == model::Membrane::kSprings;
-  // What a rounded 1/3 in a file may differ from it.
+  // Rounding of 1/3 in a file.
   constexpr double kThirdTolerance = 1e-3;
   fields.require(!pure_springs || std::abs(p.material.poisson_ratio - 1.0 / 3.0) <= kThirdTolerance, "material.poisson_ratio",
                  "found " + formatReal(p.material.poisson_ratio) +

@@ -21,12 +21,12 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the number asked for: one of so many may be missing
+constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the wanted number: one in kCountTolerance may be missing
 constexpr Index kOneByOneOfHalf = 6000;                 // points of half a frame: a third of its time with three times as many
 constexpr int kMaxPrunings = 5;        // passes that drop points which belong to no surface; each can uncover a few more
 constexpr double kBandOfOneRow = 0.5;  // spacings of the points up to which a pinned band is of one row
 
-// Fewer points can fall into more parts than the cloud has: of those only the largest, and what is held, are wanted, too.
+// Fewer points can form more parts than the cloud has. Only the largest of these parts, and held ones, are wanted.
 std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
   std::vector<char> wanted(s.points.size(), 1);
   const bool drops = params.input.unconstrained_parts == UnconstrainedParts::kDrop;
@@ -39,14 +39,14 @@ std::vector<char> markWanted(const SceneParams& params, const RestSurface& s) {
   return wanted;
 }
 
-// Makes the simulation points, their cells and their rings; those that belong to no surface (far outliers, hairs) are dropped and
-// ride along. Returns how many.
+// Makes the simulation points, their cells and their rings. Points that belong to no surface (far outliers, hairs) are dropped
+// and move with the others. Returns how many.
 Index connect(const SceneParams& params, const RestSurface& full, std::vector<Index> kept, RestSurface& s) {
   const cloud::CleanCloud& dense = full.dense;
   const Index before = static_cast<Index>(kept.size());
   for (int pruning = 0;; ++pruning) {
     takePoints(dense, kept, s);
-    // Normals of the coarse set: with them neighbouring stars agree more often than with those of the fine details.
+    // Normals of the coarse set: neighbouring stars agree more often with them than with normals of fine details.
     const Index k = params.neighbors.k;
     const bool is_euclidean = params.neighbors.areEuclidean();
     if (!is_euclidean) s.cells = cloud::findGeodesicCells(dense.positions, full.dense_neighbors, kept, k);
@@ -75,8 +75,8 @@ Index connect(const SceneParams& params, const RestSurface& full, std::vector<In
   return before - static_cast<Index>(kept.size());
 }
 
-// Pins whose band clamps the surface of these points and is but one row of the simulation points, which turn about it: sets
-// has_hinged_pins and warns. Copies of fewer points know no better.
+// Pins whose band clamps the surface of these points but has only one row of the simulation points, which turn about it: sets
+// has_hinged_pins and warns. Copies of fewer points cannot show this error.
 void findHingedPins(const SceneParams& params, const Points& dense, const model::MassSpring& surface, RestSurface& s) {
   if (s.points.size() >= dense.size()) return;
   if (surface.hasCurvature() && surface.numHinged() == 0) return;
@@ -94,7 +94,7 @@ void findHingedPins(const SceneParams& params, const Points& dense, const model:
   }
 }
 
-// Model and pins on the simulation points. full: the surface with the dense points that they are of.
+// Model and pins on the simulation points. full: the surface with the dense points that they were chosen from.
 void buildModel(const SceneParams& params, const RestSurface& full, RestSurface& s) {
   applyPins(params, s);
   if (full.dense.positions.empty()) {
@@ -119,7 +119,7 @@ void buildModel(const SceneParams& params, const RestSurface& full, RestSurface&
   if (!full.dense.positions.empty()) findHingedPins(params, full.dense.positions, surface, s);
 }
 
-// Coarser copies may lose a region, which their error then shows.
+// Coarser copies may lose a region; their error then shows it.
 void requireRegions(const SceneParams& params, const RestSurface& s) {
   for (std::size_t r = 0; r < params.regions.size(); ++r)
     if (std::none_of(s.points.begin(), s.points.end(), [&](const Vec3& p) { return params.regions[r].region.contains(p); }))
@@ -131,7 +131,7 @@ void requireRegions(const SceneParams& params, const RestSurface& s) {
 // Simulation points of a full surface, their surroundings and its area. area: finds that of the dense points, m^2.
 void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area,
                           RestSurface& s) {
-  // As many as were asked for, but for a twentieth, also where some belong to no surface.
+  // As many as wanted, up to a twentieth, also if some belong to no surface.
   const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
   const Index asked = static_cast<Index>(kept.size());
   Index dropped = connect(params, s, std::move(kept), s);
@@ -148,12 +148,12 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, co
                             "that is kept"));
   if (dropped > 0)
     s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
-  // The area of the full surface; where every point is simulated it is that of the rings.
+  // The area of the full surface; if every point is simulated, that of the rings.
   const bool is_all = s.points.size() == s.dense.positions.size();
   s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
 }
 
-// Over the surface: the usable ones among the coarser points near each point of the level.
+// Along the surface: the usable ones among the coarser points near each point of the level.
 Lists findFollowed(const cloud::GeodesicCells& cells, const std::vector<char>& usable, const RestSurface& level, Index k) {
   std::vector<Index> owner;
   for (Index i : level.dense_index) owner.push_back(cells.owner[i]);
@@ -240,7 +240,7 @@ CoarserLevel makeMassSpringCopies(const SceneParams& params, const RestSurface& 
   copies.unresolved = 1.0 - static_cast<double>(n) / num_full;
   copies.surface = makeCoarserMassSpring(params, level, std::max(kCoarsestPoints, n / kCoarserRatio));
   const RestSurface& surface = copies.surface;
-  // Both are ascending lists of the full surface's points; a point that the level had to drop is followed by none.
+  // Both are ascending lists of the full surface's points. No point follows one that the level had to drop.
   std::vector<char> usable;
   for (Index i : surface.dense_index) {
     const auto found = std::lower_bound(level.dense_index.begin(), level.dense_index.end(), i);

@@ -22,8 +22,8 @@ void ParticleFollower::reset() {
   survivors_.reset();
 }
 
-// Which particles of the beginning are left, and the operator that does without the others: a dense point follows those that are
-// left around it, but goes with the particle that it is nearest to.
+// Which initial particles are left, and the transfer without the others: a dense point follows the remaining particles
+// around it, but is removed with the particle nearest to it.
 void ParticleFollower::followPopulation(const model::State& state) {
   const Index first = static_cast<Index>(rest_.points.size());
   bool is_same = ids_.size() == state.traits.size() && static_cast<Index>(point_of_id_.size()) == state.next_id;
@@ -72,7 +72,7 @@ void ParticleFollower::follow(const model::State& state, Points& dense, std::vec
     if (point_of_id_[id] != kGone) (*normals)[id] = (state.orientations[point_of_id_[id]] * Vec3::UnitZ()).cast<float>();
 }
 
-// Particles that were born, a row each for ever in the order of birth; they have no rest to be displaced from.
+// Added particles, a row each, always in the order of birth. They have no rest position and so no displacement.
 void ParticleFollower::append(const model::State& state, const std::vector<Index>& first_input, bool with_normals,
                               Surface& surface) const {
   for (std::size_t id = rest_.points.size(); id < point_of_id_.size(); ++id) {

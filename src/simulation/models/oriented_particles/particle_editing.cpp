@@ -1,4 +1,4 @@
-// Edits of single particles by a user: the checks, and what they change. Apart from what happens to particles by themselves.
+// Edits of single particles by a user: checks and effects. particle_life.cpp has the automatic changes.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
 #include "particle_life.h"
@@ -11,7 +11,7 @@ namespace {
 
 using model::State;
 
-// Nearer than the growing rule ever comes to another particle, repulsion would throw both away.
+// Nearer than the growing rule ever comes to another particle, repulsion would throw both off.
 constexpr double kClosest = 0.3;  // spacings
 constexpr double kUnitTolerance = 1e-6;
 
@@ -23,7 +23,7 @@ void requireCount(const char* what, std::size_t found, std::size_t accepted) {
                      ", one per particle");
 }
 
-// Of the particles with these ids, in their order.
+// Indices of the particles with these ids, in their order.
 std::vector<Index> findPoints(const State& state, const std::vector<Index>& ids) {
   std::vector<Index> index_of_id(state.next_id, -1), points;
   for (Index i = 0; i < state.size(); ++i) index_of_id[state.traits[i].id] = i;
@@ -38,7 +38,7 @@ std::vector<Index> findPoints(const State& state, const std::vector<Index>& ids)
   return points;
 }
 
-// That of the nearest particle; the first one's if there is none.
+// The ancestor of the nearest particle; the first particle's if there is none.
 Index findAncestor(const State& state, const Vec3& position) {
   Index ancestor = 0;
   double least = std::numeric_limits<double>::infinity();
@@ -107,7 +107,7 @@ Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vecto
     takeOut(is_gone, edited, changes);
   }
 
-  // All is well.
+  // All checks have passed.
   changes.born = adds ? static_cast<Index>(count) : 0;
   state = std::move(edited);
   if (edit.action == Action::kFix || edit.action == Action::kFree)

@@ -20,8 +20,8 @@ using tool::Mode;
 using tool::ToolParams;
 
 constexpr Index kSweeps = 20;     // between two passes of growth: near equilibrium is enough
-constexpr Index kSmoothings = 4;  // of rest curvatures where samples are noisy: as far as samples are apart
-// Of the spacing: what the rules leave is looser than a lattice, and would contract when let go.
+constexpr Index kSmoothings = 4;  // of rest curvatures if samples are noisy: about the distance between samples
+// Of the spacing: the growth rules leave a looser arrangement than a lattice, which would contract when released.
 constexpr double kDensity = 0.95;
 constexpr Index kLastIterations = 40;    // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;  // of its first force
@@ -34,9 +34,9 @@ double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& po
   return tool::findSignedDistance(tool.shape, pose, point).distance;
 }
 
-// What growth leaves is looser here and denser there, and does not have the area of as many particles of a lattice: at the stated
-// spacing all of it would pull, and what is closed contract by a share of its size. Particles slide until they are even, and the
-// lattice takes the spacing with which they do not pull as a whole.
+// Growth leaves varying distances, and not the area of as many particles of a lattice. At the stated spacing the whole surface
+// would pull, and closed surfaces would contract. Particles slide until they are evenly spaced, and the
+// lattice takes the spacing at which they have no tension as a whole.
 void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& particles, State& state) {
   cloud::CleanCloud surface;
   surface.positions = state.positions;
@@ -57,8 +57,8 @@ model::GrowthParams ParticleLife::growthParams() const {
   return growth;
 }
 
-// Cooling over the step, then what tools heat: they hold their temperature. A knife of no stated temperature melts what it
-// touches.
+// Cooling over the step, then particles that tools heat: they hold their temperature. A knife without a stated temperature melts
+// what it touches.
 void ParticleLife::heat(double time, double step, const std::vector<ToolParams>& tools, State& state) const {
   for (model::ParticleTraits& particle : state.traits)
     if (particle.temperature > 0.0) particle.temperature = model_.coolDown(particle.temperature, step);
@@ -85,7 +85,7 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
     const tool::Pose pose = tool::interpolate(tool.path, time);
     for (Index i = 0; i < state.size(); ++i) {
       endIfInterrupted(i, kLook);
-      // A solid tool keeps particles at its surface: a disc that reaches into it is in contact.
+      // A solid tool keeps particles at its surface: a disc that overlaps it is in contact.
       const double reach = solid ? 0.5 * model_.lattice().spacing : 0.0;
       if (distanceTo(tool, pose, state.positions[i]) > reach) continue;
       is_gone_[i] = is_gone_[i] || !solid || inside_[i];
@@ -106,7 +106,7 @@ void ParticleLife::takeOut(const std::vector<char>& is_gone, State& state, Popul
   keepThose(changes.new_index, state.traits);
 }
 
-// A newborn moves, turns, is bent and is as hot as its parents in the mean.
+// A new particle has the mean velocity, spin, curvature and temperature of its parents.
 void ParticleLife::append(const model::NewParticle& particle, State& state) const {
   const Index a = particle.parents[0], b = particle.parents[1] >= 0 ? particle.parents[1] : a;
   model::ParticleTraits traits;
@@ -128,7 +128,7 @@ void ParticleLife::append(const model::NewParticle& particle, State& state) cons
   state.traits.push_back(traits);
 }
 
-// Pieces of neighbours of which all were born by growth.
+// Number of connected pieces that consist of grown particles only.
 Index ParticleLife::countDebris(const State& state) const {
   const Index n = state.size();
   const double range = model_.params().growth.neighbor_range * model_.lattice().spacing;
@@ -158,7 +158,7 @@ Index ParticleLife::countDebris(const State& state) const {
 
 Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
   has_told_debris_ = false;
-  model_.setSpacing(model_.statedSpacing());  // what growing a surface made of it is gone
+  model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
   return params.grow_surface ? growSurface(params.growth, pinned, true, state) : Population();
@@ -169,7 +169,7 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
   heat(time, step, tools, state);
   model_.turnAxes(step, state);
   const bool has_flowed = model_.flow(state);
-  // Heat changes the energy of bonds, and so does flow.
+  // Heat and plastic flow change the energy of bonds.
   is_hot_ = std::any_of(state.traits.begin(), state.traits.end(),
                         [](const model::ParticleTraits& particle) { return particle.temperature > 0.0; }) ||
             has_flowed;
@@ -228,7 +228,7 @@ void ParticleLife::hold(State& state, std::vector<char>& held, std::vector<char>
 
 bool ParticleLife::maySleep() const {
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
-  if (params.axis_alignment_rate > 0.0) return false;  // axes turn where nothing else does
+  if (params.axis_alignment_rate > 0.0) return false;  // axes turn even in particles at rest
   return !is_hot_ && !params.stretching && params.growing == model::Growing::kNone;
 }
 
@@ -266,7 +266,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   for (const model::NewParticle& particle : grown.added) append(particle, state);
   state.positions = grown.positions;
   state.orientations = grown.orientations;
-  // A world of its own for the particles alone, without loads.
+  // A separate dynamics for the particles alone, without loads.
   std::vector<char> fixed = held;
   fixed.resize(state.positions.size(), 0);
   if (!lets_go) std::fill_n(fixed.begin(), before, char{1});
@@ -279,7 +279,7 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   }
   if (keeps_shape) particles.keepShape(trial);
   if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
-  // What was there keeps its motion, and from the start on its rest shape: how it is bent now may be of a load.
+  // Existing particles keep their motion and, except at the start, their rest shape: their bending may come from a load.
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
   relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
   state.positions = trial.positions;

@@ -12,8 +12,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Mean angle, rad, between x axes and the principal direction that they should turn to, as the normals of the neighbours tell it.
-// Of the particles that have neighbours all around and whose curvatures differ.
+// Mean angle, rad, between x axes and the principal direction that they should turn to, from the normals of the neighbours.
+// Over particles with neighbours all around and different curvatures.
 double measurePrincipalAngle(const model::OrientedParticles& particles, const model::State& state) {
   constexpr double kReach = 1.5;       // spacings: the first neighbours
   constexpr Index kAllAround = 5;      // neighbours: at an edge there are fewer
@@ -44,7 +44,7 @@ double measurePrincipalAngle(const model::OrientedParticles& particles, const mo
   return sum / count;
 }
 
-// How many particles lie on a solid tool, by the share of a spacing up to which contact gives way.
+// Number of particles that lie on a solid tool, within the share of a spacing by which contact yields.
 double countTouching(const model::OrientedParticles& particles, const Simulation& simulation) {
   constexpr double kOnIt = 0.05;
   const std::vector<double> nearest = findToolDistances("touching", simulation);

@@ -20,7 +20,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// Of a curve in the plane y = 0: across the line through the two nearest neighbours, on the side of +z, where none are given. No
+// For a curve in the plane y = 0: across the line through the two nearest neighbours, on the side of +z, where none are given. No
 // boundary.
 cloud::Boundary completeCurveNormals(RestSurface& s) {
   const Points& x = s.dense.positions;
@@ -35,7 +35,7 @@ cloud::Boundary completeCurveNormals(RestSurface& s) {
   return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0), std::vector<float>(x.size(), 0.0f)};
 }
 
-// Of points to the nearest other one.
+// Median distance of points to their nearest neighbour.
 double findMedianDistance(const Points& points) {
   const Lists nearest = cloud::nearestNeighbors(points, 1);
   std::vector<double> distances;
@@ -44,8 +44,8 @@ double findMedianDistance(const Points& points) {
   return distances.empty() ? 0.0 : findMedian(std::move(distances));
 }
 
-// Edge of the equilateral triangle whose area is that of the mean triangle between the simulation points: of a hexagonal lattice
-// its spacing, edges or none. 0 if they span none.
+// Edge of the equilateral triangle with the mean area of the triangles between the simulation points: the spacing of a hexagonal
+// lattice, with or without edges. 0 if there are none.
 double findLatticeSpacing(Index k, const RestSurface& s) {
   const cloud::Rings rings = cloud::buildRings(s.points, s.normals, cloud::nearestNeighbors(s.points, k));
   double area = 0.0, count = 0.0;
@@ -54,10 +54,10 @@ double findLatticeSpacing(Index k, const RestSurface& s) {
   return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
 }
 
-// What will make particles move or come apart from the beginning.
+// Warns of what makes particles move or separate from the beginning.
 void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
   constexpr double kFar = 1.3;  // of the spacing, either way: bonds of that length are broken or crushed
-  // Of E h a^2: with a tenth of it a draping sheet has gone to pieces (docs/oriented_particles.md)
+  // Of E h a^2: with a tenth of it a draping sheet fell apart (docs/oriented_particles.md)
   constexpr double kSoftest = 0.02;
   s.notes.push_back("oriented particles " + formatShort(spacing) + " m apart");
   const double median = findMedianDistance(s.points);
@@ -79,7 +79,7 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
                          "bending_rigidity, a smaller young_modulus or a smaller spacing keeps them flat");
 }
 
-// Brings the particles to rest where the cloud is, and takes that for the rest shape. What is at rest stays to the bit.
+// Brings the particles to rest where the cloud is, and takes that as the rest shape. What is at rest stays as it is, bit for bit.
 void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   const double spacing = model.lattice().spacing;
   model::OrientedParticles attraction = model;
@@ -115,7 +115,7 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
       throw InputError("oriented_particles.spacing: found auto, but the " +
                        count(m, "points span no surface; accepted: a number"));
   }
-  // What is near in space and apart over the surface at rest stays without forces.
+  // Particles near in space but apart along the surface at rest do not interact.
   Lists apart;
   if (!params.neighbors.areEuclidean()) apart = cloud::findRefusedPairs(s.points, s.cells.neighbors);
   if (!apart.items.empty())

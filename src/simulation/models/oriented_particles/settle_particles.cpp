@@ -13,19 +13,19 @@ namespace {
 constexpr Index kBlock = 256;
 constexpr Index kMaxSweeps = 400;  // uneven scans are even after about half as many
 constexpr double kStill = 1e-3;    // spacings in one sweep: below it sliding has ended
-// Spacings that a first sweep would move: rounding of a lattice is far below, any scan far above.
+// Spacings that a first sweep would move: far above rounding of a lattice, far below any scan.
 constexpr double kAtRest = 1e-6;
-constexpr double kLongestSlide = 0.1;  // spacings in one sweep: no particle passes another
+constexpr double kLongestSlide = 0.1;  // spacings in one sweep, so that no particle passes another
 constexpr double kRelaxed = 0.25;      // of the way to where springs of the lattice would end; 1 is the limit of stability
 constexpr Index kAround = 3;           // dense points that say where the surface is: the least that span it
-constexpr Index kLookedAt = 8;         // nearest ones among which those are that face the same way
-constexpr double kFlat = 1e-6;         // rad from neighbour to neighbour: what rounding leaves of a plane's curvature is below
-constexpr Index kMaxIterations = 40;   // hundreds of steps of the last relaxation: what scans still move by then is slow
-constexpr double kNear = 1.0;          // spacings (rms) from where sliding ended: scans take about half, what crumples several
+constexpr Index kLookedAt = 8;         // nearest ones among which those that face the same way are taken
+constexpr double kFlat = 1e-6;         // rad from neighbour to neighbour: above the rounding of a plane's curvature
+constexpr Index kMaxIterations = 40;   // hundreds of steps of the last relaxation: the remaining motion of scans is slow
+constexpr double kNear = 1.0;          // spacings (rms) from the end of sliding: scans take about half, crumpling several
 constexpr double kTolerance = 1e-4;    // of its first force
 
-// The surface of the dense points near a particle, which faces a way: the mean of the nearest planes, by the inverse of their
-// distances, so that each dense point lies on it.
+// The surface of the dense points near a particle that faces a way: the mean of the nearest planes, weighted by the inverse of
+// their distances, so that each dense point lies on it.
 struct Place {
   Vec3 point, normal;
 };
@@ -50,7 +50,7 @@ Place findSurface(const cloud::CleanCloud& dense, const cloud::KdTree& tree, con
   return {at - normal * normal.dot(at - point), normal};
 }
 
-// What is not a number counts as far.
+// NaN counts as far.
 Settled measureMoves(const Points& from, const Points& to) {
   Settled moves;
   double squares = 0.0;

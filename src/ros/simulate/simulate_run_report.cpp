@@ -1,0 +1,102 @@
+// The end of a run: files, quantities and expectations, and the lines that a run prints.
+#include "simulate_run.h"
+
+#include "deformable_surface/base/value.h"
+#include "deformable_surface/io/point_files.h"
+#include "deformable_surface/io/scene_old_names.h"
+#include "deformable_surface/simulation/expectations.h"
+#include "deformable_surface/simulation/loads.h"
+
+#include <algorithm>
+#include <cstdio>
+
+namespace deformable_surface::node {
+
+void Run::finish() {
+  const double wall_time = timer_.seconds();
+  progress_.clear();
+  if (!options_.final_file.empty()) {
+    const simulation::Surface& surface = simulation_->surface(true);
+    io::writePointFile(options_.final_file, makeOutputCloud(surface, simulation_->input()), surface.displacement);
+  }
+  if (statistics_) statistics_->finish();
+  if (wrenches_file_) wrenches_file_->finish();
+  if (output_bag_) output_bag_->finish();
+  measure();
+  if (options_.quiet && !options_.strict) return;
+  if (bag_) noteBag();
+  if (status_ == kDone) checkExpectations();
+  if (options_.quiet) return;
+
+  const simulation::Statistics statistics = simulation_->statistics();
+  float largest = 0.0f;
+  for (const float displacement : simulation_->surface(false).displacement) largest = std::max(largest, displacement);
+  char text[400];
+  std::snprintf(text, sizeof text,
+                "points                %u\nsimulation points     %u\nsteps                 %llu\nsimulated time        %g s\n"
+                "wall time             %.3f s\nreal-time factor      %.3g\nlargest displacement  %.6g m (at the end)\n"
+                "state hash            %016llx\n",
+                statistics.points, statistics.simulation_points, steps_, runTime(), wall_time, runTime() / wall_time, largest,
+                static_cast<unsigned long long>(statistics.state_hash));
+  terminal_.out << text << std::flush;
+}
+
+// A quantity that does not exist, such as the volume of an open surface, is a note.
+void Run::measure() {
+  for (const std::string& name : options_.measured) {
+    const std::string quantity = io::findNewQuantity(name);
+    if (quantity != name) note(io::tellNewName("the quantity " + name, quantity));
+    char text[32];
+    try {
+      std::snprintf(text, sizeof text, "%.17g", simulation::computeQuantity(quantity, *simulation_));
+      terminal_.out << "measured " << name << ' ' << text << '\n';
+    } catch (const InputError& error) {
+      for (const std::string& problem : error.problems()) note("--measure: " + problem);
+    }
+  }
+}
+
+void Run::checkExpectations() {
+  std::vector<std::string> violations;
+  try {
+    violations = simulation::checkExpectations(*simulation_);
+  } catch (const InputError& error) {
+    violations = error.problems();
+  }
+  for (const std::string& violation : violations)
+    options_.strict ? report("not as expected: " + violation) : note("not as expected: " + violation);
+  if (options_.strict && !violations.empty() && status_ == kDone) status_ = kNotAsExpected;
+}
+
+void Run::noteIdleForces() {
+  for (const simulation::ForceParams& force : params_.forces) {
+    if (simulation::actsInAStep(force, params_.integrator.time_step, params_.duration)) continue;
+    note("force " + quote(force.id) + " acts in no step: its time begins at " + formatReal(force.start) + " s and ends at " +
+         formatReal(force.end) + " s, the run has steps of " + formatReal(params_.integrator.time_step) + " s from 0 s to " +
+         formatReal(params_.duration) + " s");
+  }
+}
+
+void Run::warn(const std::string& line) {
+  progress_.clear();
+  if (!options_.quiet) terminal_.out << "warning: " << line << '\n';
+}
+
+void Run::note(const std::string& line) {
+  progress_.clear();
+  if (!options_.quiet && line != last_note_) terminal_.out << "note: " << line << '\n';
+  last_note_ = line;
+}
+
+void Run::report(const std::string& line) {
+  progress_.clear();
+  terminal_.err << "simulate: " << line << '\n';
+}
+
+void Run::reportRefusal(const std::string& what, std::int64_t stamp, const InputError& error) {
+  for (const std::string& problem : error.problems()) {
+    report(options_.bag_in + ", " + what + " with the stamp " + formatReal(static_cast<double>(stamp) * 1e-9) + " s: " + problem);
+  }
+}
+
+}  // namespace deformable_surface::node

@@ -1,0 +1,91 @@
+// What surfaces and bodies share on the way from a cloud: which points pins keep, when they clamp, and what is refused.
+#include "../../src/simulation/rest_parts.h"
+
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <limits>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::RestSurface;
+using simulation::SceneParams;
+
+TEST(RestParts, CleanInputNeedsThreePointsAndCountsWhatItLeavesOut) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  EXPECT_THROW(simulation::cleanInput(asCloud({Vec3::Zero(), Vec3::UnitX(), Vec3::UnitX()})), InputError);
+  const RestSurface s =
+      simulation::cleanInput(asCloud({Vec3::Zero(), Vec3::UnitX(), Vec3::UnitX(), Vec3(nan, 0.0, 0.0), Vec3::UnitY()}));
+  EXPECT_EQ(s.dense.positions.size(), 3u);
+  ASSERT_EQ(s.notes.size(), 2u);
+  EXPECT_EQ(s.notes[0].substr(0, 31), "1 input points are not finite, ");
+  EXPECT_EQ(s.notes[1], "1 input points coincide with others and move with them");
+}
+
+// A grid of 11 x 3 points, one apart, whose first columns are pinned.
+struct Pinned {
+  explicit Pinned(double edge) {
+    for (int i = 0; i <= 10; ++i)
+      for (int j = 0; j < 3; ++j) points.emplace_back(i, j, 0.0);
+    simulation::PinParams pin;
+    pin.region.min = Vec3(-0.1, -0.1, -0.1);
+    pin.region.max = Vec3(edge, 2.1, 0.1);
+    params.pins.push_back(pin);
+  }
+  Points points;
+  SceneParams params;
+};
+
+TEST(RestParts, OfEachPinThreePointsThatAreFarApartAreKept) {
+  const Pinned p(4.1);
+  const std::vector<Index> kept = simulation::choosePinPoints(p.params, p.points);
+  ASSERT_EQ(kept.size(), 3u);
+  for (int k = 0; k < 3; ++k) {
+    EXPECT_TRUE(p.params.pins[0].region.contains(p.points[kept[k]])) << k;
+    EXPECT_GE((p.points[kept[k]] - p.points[kept[(k + 1) % 3]]).norm(), 2.0) << k;
+  }
+  const Pinned single(0.1);
+  EXPECT_EQ(simulation::choosePinPoints(single.params, single.points), (std::vector<Index>{0, 1, 2}));
+}
+
+TEST(RestParts, APinThatHoldsNothingIsRefusedByItsNumber) {
+  Pinned p(4.1);
+  p.params.pins.push_back(p.params.pins[0]);
+  p.params.pins[1].region.min = Vec3(50.0, 0.0, 0.0);
+  p.params.pins[1].region.max = Vec3(51.0, 1.0, 1.0);
+  try {
+    simulation::choosePinPoints(p.params, p.points);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_EQ(std::string(error.what()).substr(0, 8), "pins[1]:");
+  }
+}
+
+TEST(RestParts, RowsSideBySideAreABandAndOneRowIsNone) {
+  const Pinned rows(1.1), row(0.1);
+  EXPECT_TRUE(simulation::isBandOfRows(rows.points, rows.params.pins[0], 1.0));
+  EXPECT_FALSE(simulation::isBandOfRows(row.points, row.params.pins[0], 1.0));
+  EXPECT_NEAR(simulation::measureBand(row.points, row.params.pins[0]), 0.0, 1e-9);
+  EXPECT_NEAR(simulation::measureBand(rows.points, rows.params.pins[0]), std::sqrt(12.0) * 0.5, 1e-9);
+}
+
+TEST(RestParts, PinsMarkTheSimulationPointsInThemAndTheirTurns) {
+  Pinned p(1.1);
+  RestSurface s;
+  s.points = p.points;
+  simulation::applyPins(p.params, s);
+  EXPECT_EQ(std::count(s.pinned.begin(), s.pinned.end(), 1), 6);
+  EXPECT_EQ(std::count(s.pinned_turns.begin(), s.pinned_turns.end(), 1), 0);
+  p.params.pins[0].orientation = true;
+  simulation::applyPins(p.params, s);
+  EXPECT_EQ(s.pinned_turns, s.pinned);
+  EXPECT_TRUE(s.warnings.empty());
+  p.params.pins[0].region.max = Vec3(20.0, 2.1, 0.1);
+  simulation::applyPins(p.params, s);
+  EXPECT_EQ(s.warnings, std::vector<std::string>{"pins hold every simulation point: nothing can move"});
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
