@@ -1,5 +1,6 @@
-// What is built on a cloud with a gap, by the way its neighbourhoods are chosen.
+// What is built on a cloud with a gap, by the way its neighbourhoods are chosen, and on one of rows.
 #include "deformable_surface/simulation/rest_surface.h"
+#include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 #include "support/gaps.h"
 
@@ -99,6 +100,17 @@ TEST(RestSurface, TellsWhatSticksTogetherAcrossAGap) {
   };
   EXPECT_TRUE(tells(3.0));
   EXPECT_FALSE(tells(1.0));
+}
+
+TEST(RestSurface, TellsThatPointsLieInRows) {
+  const auto warns = [](double apart) {
+    const Points points = makeSheet(40, 30, 39.0, 29.0 * apart, 0.1).points;
+    const simulation::RestSurface s = simulation::buildRestSurface(simulation::SceneParams(), asCloud(points));
+    return std::any_of(s.warnings.begin(), s.warnings.end(),
+                       [](const std::string& w) { return w.find("the points lie in rows") == 0; });
+  };
+  EXPECT_FALSE(warns(1.0));
+  EXPECT_TRUE(warns(3.0));
 }
 
 }  // namespace
