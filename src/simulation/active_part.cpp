@@ -73,9 +73,11 @@ solve::TimeMarch::Outcome ActivePart::step(double time, const State& state, cons
   }
   state_.friction.clear();
   for (contact::BodyAnchor anchor : state.friction) {
-    anchor.point = new_index_[anchor.point];
+    anchor.point = loads_.contact.points().numberInPart()[anchor.point];
     if (anchor.point >= 0) state_.friction.push_back(anchor);
   }
+  std::sort(state_.friction.begin(), state_.friction.end(),
+            [](const contact::BodyAnchor& a, const contact::BodyAnchor& b) { return a.isBefore(b.body, b.point); });
   return march_.step(time, state_);
 }
 
@@ -94,11 +96,13 @@ void ActivePart::put(State& state) const {
 // Anchors of sleeping points stay.
 void ActivePart::putFriction(std::vector<contact::BodyAnchor>& friction) const {
   if (friction.empty() && state_.friction.empty()) return;
-  const auto movesHere = [&](const contact::BodyAnchor& a) { return new_index_[a.point] >= 0 && isMoving(new_index_[a.point]); };
+  const ContactPoints& points = loads_.contact.points();
+  const auto moves = [&](Index p) { return p >= 0 && isMoving(points.simulationPointOf(p)); };
+  const auto movesHere = [&](const contact::BodyAnchor& a) { return moves(points.numberInPart()[a.point]); };
   friction.erase(std::remove_if(friction.begin(), friction.end(), movesHere), friction.end());
   for (contact::BodyAnchor anchor : state_.friction) {
-    if (!isMoving(anchor.point)) continue;
-    anchor.point = points_[anchor.point];
+    if (!moves(anchor.point)) continue;
+    anchor.point = points.numberInWhole()[anchor.point];
     friction.push_back(anchor);
   }
   std::sort(friction.begin(), friction.end(),

@@ -170,8 +170,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       const Vec3 after[3] = {state.positions[t.corner[0]], state.positions[t.corner[1]], state.positions[t.corner[2]]};
       if (!wentThrough(moments.all[0].pose.position, moments.all[moments.count - 1].pose.position, before, after)) continue;
       if (isPassed(t.corner[0]) || isPassed(t.corner[1]) || isPassed(t.corner[2])) continue;
-      appendNotice(notice, "tool " + quote(body.tool.id) +
-                               " has gone through the surface between its simulation points, which alone are seen");
+      appendNotice(notice, "tool " + quote(body.tool.id) + " has gone through the surface between the points that touch tools");
       told_.push_back(body.tool.id);
       break;
     }
@@ -183,6 +182,13 @@ void ContactLoad::reset() {
   for (Body& body : bodies_) body.passed.clear();
   forgetTouches();
   told_.clear();
+}
+
+void ContactLoad::takePart(const ContactLoad& whole, const std::vector<Index>& new_index) {
+  bodies_ = whole.bodies_;
+  points_.takePart(whole.points_, new_index);
+  renumber(new_index);
+  setRate(whole.rate_);
 }
 
 void ContactLoad::renumber(const std::vector<Index>& new_index) {

@@ -2,11 +2,9 @@
 
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/base/timer.h"
-#include "deformable_surface/simulation/friction_load.h"
 
 #include <algorithm>
 #include <cmath>
-#include <numeric>
 
 #include "tool_arrival.h"
 #include "tool_reach.h"
@@ -30,23 +28,35 @@ double attractionPotential(double d, double reach) {
 // A ball is asked with a little more than its radius, so that rounding leaves nothing out.
 constexpr double kBallMargin = 1.0 + 1e-9;
 
-constexpr Index kLook = 1024;  // points between two looks at an interrupt: milliseconds, also of tools of many triangles
+// Up to which the surface may be stretched for the points between simulation points to be found in time.
+constexpr double kMostStretch = 4.0;
+// Of the radius of a cell, half of the spacing: balls with larger radii get into the surface between simulation points by no more
+// than a hundredth of the spacing, and heights below the other hardly count.
+constexpr double kLargeBall = 40.0, kFlat = 0.02;
 
-bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
+// Whether a tool may touch points of a cell though it does not touch its simulation point.
+bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints& between, Index cell) {
+  if (between.begin(cell) == between.end(cell)) return false;
+  const bool is_flat = shape.kind == geometry::Solid::Kind::kPlane ||
+                       (shape.kind == geometry::Solid::Kind::kSphere && shape.radius > kLargeBall * between.radius(cell));
+  return !is_flat || between.height(cell) > kFlat * between.radius(cell);
+}
+
+constexpr Index kLook = 1024;  // points between two looks at an interrupt: milliseconds, also of tools of many triangles
 
 }  // namespace
 
 void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
   std::vector<Body> bodies;
   for (const ToolParams& tool : tools) {
-    if (!isPushing(tool) && tool.mode != Mode::kAttract) continue;
+    if (!tool::isPushing(tool) && tool.mode != Mode::kAttract) continue;
     Body body;
     body.tool = tool;
     for (Body& before : bodies_) {
       if (before.tool.id != tool.id) continue;
       if (tool.mode == Mode::kSolid) body.passed = std::move(before.passed);
       body.acts = before.acts;
-      if (!isPushing(before.tool) || !isPushing(tool) || !geometry::isSame(before.tool.shape, tool.shape)) continue;
+      if (!tool::isPushing(before.tool) || !tool::isPushing(tool) || !geometry::isSame(before.tool.shape, tool.shape)) continue;
       body.arrival = before.arrival;
       body.tool.path = findArrivingPath(tool.path, body.arrival);
     }
@@ -63,32 +73,41 @@ bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time)
     if (!body.acts.value_or(tool::isActive(tool, time))) return false;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     const Vec3 from = pose.orientation.conjugate() * (point - pose.position), along = pose.orientation.conjugate() * direction;
-    const double reach = isPushing(tool) ? 0.0 : tool.reach;
+    const double reach = tool::isPushing(tool) ? 0.0 : tool.reach;
     if (geometry::findSignedDistance(tool.shape, from, reach).distance <= reach) return true;
     const bool is_plane = tool.shape.kind == geometry::Solid::Kind::kPlane;
     const double way = kFar * (from.norm() + (is_plane ? 0.0 : findRadius(tool.shape)));
-    return isPushing(tool) && tool::findEntry(tool.shape, from, from + way * along).has_value();
+    return tool::isPushing(tool) && tool::findEntry(tool.shape, from, from + way * along).has_value();
   });
 }
 
-double ContactLoad::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
-
 void ContactLoad::listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const {
   touches.clear();
-  touches.reserve(positions.size());
+  touches.reserve(points_.size());
+  near_.clear();
+  near_.reserve(points_.between() ? positions.size() : 0);
   const ToolParams& tool = body.tool;
   auto passed = body.passed.begin();
   if (!body.acts.value_or(tool::isActive(tool, time))) return;
   const tool::Pose pose = tool::interpolate(tool.path, time);
-  const bool pushing = isPushing(tool);
-  const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
-  const double ball = kBallMargin * (findRadius(tool.shape) + (pushing ? 0.0 : tool.reach)), squared_ball = ball * ball;
+  const bool pushing = tool::isPushing(tool);
+  const double per_mass = pushing ? rate_ * rate_ : tool.strength / points_.totalMass();
+  const double radius = findRadius(tool.shape), ball = kBallMargin * (radius + (pushing ? 0.0 : tool.reach));
+  const double squared_ball = ball * ball;
+  const transfer::SampledPoints* const between = pushing ? points_.between() : nullptr;
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
     endIfInterrupted(i, kLook);
     // Most points are far from most tools, and need no more of them.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
-    if (!is_passed && (positions[i] - pose.position).squaredNorm() > squared_ball) continue;
-    geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? 0.0 : tool.reach);
+    const double squared_distance = (positions[i] - pose.position).squaredNorm();
+    double reach = 0.0;
+    if (between && mayTouchBetween(tool.shape, *between, i)) {
+      const double farthest = radius + kMostStretch * between->radius(i);
+      if (!(squared_distance > farthest * farthest)) reach = between->findReach(i, positions);
+    }
+    if (!is_passed && squared_distance > squared_ball && reach == 0.0) continue;
+    geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, positions[i], pushing ? reach : tool.reach);
+    if (reach > 0.0 && d.distance < reach) near_.push_back({i, d.distance, reach});
     if (is_passed) {
       const tool::Entry& entry = passed++->entry;
       const Vec3 place = pose.orientation.conjugate() * (positions[i] - pose.position);
@@ -96,8 +115,26 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
     }
     if (!(pushing ? d.distance < 0.0 : std::abs(d.distance) < tool.reach)) continue;
     const double force = pushing ? -d.distance : attractionForce(d.distance, tool.reach);
-    touches.push_back({i, d.distance, d.normal, per_mass * masses_[i] * force * d.normal});
+    touches.push_back({i, positions[i], d.distance, d.normal, per_mass * points_.massOf(i) * force * d.normal});
   }
+  if (between) listTouchesBetween(tool, pose, positions, touches);
+}
+
+// Of cells that are near.
+void ContactLoad::listTouchesBetween(const ToolParams& tool, const tool::Pose& pose, const Points& positions,
+                                     std::vector<Touch>& touches) const {
+  const transfer::SampledPoints& between = *points_.between();
+  Index looked = 0;
+  for (const NearCell& near : near_)
+    for (Index s = between.begin(near.cell); s < between.end(near.cell); ++s) {
+      const Index p = points_.numSimulated() + s;
+      if (!(near.distance < between.share(s) * near.reach) || points_.isSevered(p)) continue;
+      endIfInterrupted(looked++, kLook);
+      const Vec3 position = points_.place(p, positions);
+      const geometry::SignedDistance d = tool::findSignedDistance(tool.shape, pose, position, 0.0);
+      if (d.distance < 0.0)
+        touches.push_back({p, position, d.distance, d.normal, -rate_ * rate_ * points_.massOf(p) * d.distance * d.normal});
+    }
 }
 
 const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body, double time, const Points& positions) const {
@@ -116,18 +153,19 @@ const std::vector<ContactLoad::Touch>& ContactLoad::findTouches(std::size_t body
 void ContactLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    for (const Touch& touch : findTouches(b, time, state.positions)) forces[touch.point] += touch.force;
+    for (const Touch& touch : findTouches(b, time, state.positions))
+      points_.addForce(touch.point, state.positions, touch.force, forces);
   seconds_ += timer.seconds();
 }
 
 double ContactLoad::potentialOf(std::size_t body, double time, const Points& positions) const {
   const ToolParams& tool = bodies_[body].tool;
   double sum = 0.0;
-  const bool pushing = isPushing(tool);
-  const double per_mass = pushing ? rate_ * rate_ : tool.strength / totalMass();
+  const bool pushing = tool::isPushing(tool);
+  const double per_mass = pushing ? rate_ * rate_ : tool.strength / points_.totalMass();
   for (const Touch& touch : findTouches(body, time, positions)) {
     const double d = touch.distance;
-    sum += per_mass * masses_[touch.point] * (pushing ? 0.5 * d * d : attractionPotential(d, tool.reach));
+    sum += per_mass * points_.massOf(touch.point) * (pushing ? 0.5 * d * d : attractionPotential(d, tool.reach));
   }
   return sum;
 }
@@ -141,7 +179,7 @@ double ContactLoad::potential(double time, const model::State& state) const {
 double ContactLoad::storedEnergy(double time, const model::State& state) const {
   double sum = 0.0;
   for (std::size_t b = 0; b < bodies_.size(); ++b)
-    if (isPushing(bodies_[b].tool)) sum += potentialOf(b, time, state.positions);
+    if (tool::isPushing(bodies_[b].tool)) sum += potentialOf(b, time, state.positions);
   return sum;
 }
 
@@ -156,47 +194,23 @@ void ContactLoad::addStiffness(double time, const model::State& state, double, B
     const ToolParams& tool = bodies_[b].tool;
     // Also without contact: the pattern stays the same from step to step.
     for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
-    const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
+    const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
     for (const Touch& touch : findTouches(b, time, state.positions))
-      stiffness.add(touch.point, touch.point, masses_[touch.point] * per_mass * touch.normal * touch.normal.transpose());
+      points_.addStiffness(touch.point, points_.massOf(touch.point) * per_mass * touch.normal * touch.normal.transpose(),
+                           stiffness);
   }
 }
 
-void ContactLoad::addRowBounds(double, const model::State& state, std::vector<double>& stiffness, std::vector<double>&) const {
-  for (const Body& body : bodies_) {
-    const ToolParams& tool = body.tool;
-    const double per_mass = isPushing(tool) ? rate_ * rate_ : tool.strength / totalMass();
-    for (Index i = 0; i < state.size(); ++i) stiffness[i] += per_mass * masses_[i];
-  }
-}
-
-void ContactLoad::addReactions(double time, const model::State& state, const FrictionLoad& friction,
-                               std::vector<ToolReaction>& reactions) const {
+// Of simulation points in any case, so that the bound stays the same while they come and go; of others where they touch.
+void ContactLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
+                               std::vector<double>&) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ToolParams& tool = bodies_[b].tool;
-    const auto found = std::find_if(reactions.begin(), reactions.end(), [&](const ToolReaction& r) { return r.id == tool.id; });
-    if (found == reactions.end()) continue;
-    const tool::Pose pose = tool::interpolate(tool.path, time);
-    Vec3 force = Vec3::Zero(), torque = Vec3::Zero();
-    for (const Touch& touch : findTouches(b, time, state.positions)) {
-      const Vec3 on_point = touch.force + friction.findForce(b, time, state, touch);
-      force -= on_point;
-      torque -= (state.positions[touch.point] - pose.position).cross(on_point);
-      ++found->contacts;
-      found->penetration = std::max(found->penetration, -touch.distance);
-    }
-    found->force += pose.orientation.conjugate() * force;
-    found->torque += pose.orientation.conjugate() * torque;
-  }
-}
-
-void ContactLoad::appendContacts(double time, const model::State& state, const FrictionLoad& friction, const std::string& id,
-                                 Index place, std::vector<Contact>& contacts) const {
-  for (std::size_t b = 0; b < bodies_.size(); ++b) {
-    if (bodies_[b].tool.id != id) continue;
+    const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
+    for (Index i = 0; i < state.size(); ++i) stiffness[i] += per_mass * points_.massOf(i);
+    if (!points_.between()) continue;
     for (const Touch& touch : findTouches(b, time, state.positions))
-      contacts.push_back({place, touch.point, state.positions[touch.point], touch.normal, -touch.distance,
-                          touch.force + friction.findForce(b, time, state, touch)});
+      if (points_.isBetween(touch.point)) points_.addRowBound(touch.point, per_mass * points_.massOf(touch.point), stiffness);
   }
 }
 

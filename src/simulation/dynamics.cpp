@@ -8,6 +8,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "points_between.h"
+
 namespace deformable_surface::simulation {
 namespace {
 
@@ -43,6 +45,7 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
   loads_.forces.setDropped(rest_->across);
+  num_links_ = model_->links() ? static_cast<Index>(model_->links()->stretchLinks().size()) : 0;
 }
 
 Dynamics::Dynamics(const SceneParams& params, RestSurface rest) : Dynamics(params, take(std::move(rest))) {
@@ -136,7 +139,21 @@ void Dynamics::setTools(std::vector<tool::ToolParams> tools) {
   grips_.setTools(tools_);
 }
 
+// Once, when the first solid tool comes. What is cut has left some of them without a side.
+void Dynamics::placePointsBetween() {
+  if (!has_between_ && std::any_of(tools_.begin(), tools_.end(), tool::isPushing)) {
+    has_between_ = true;
+    loads_.contact.setBetween(kind_.makeBetween(params_, *rest_));
+  }
+  const transfer::SampledPoints* const between = loads_.contact.points().between();
+  if (!between || !model_->links()) return;
+  const auto& links = model_->links()->stretchLinks();
+  const bool is_cut = static_cast<Index>(links.size()) < num_links_;
+  loads_.contact.setSevered(is_cut ? findSevered(*between, links, now_.points.size()) : std::vector<char>());
+}
+
 void Dynamics::giveContactTools() {
+  placePointsBetween();
   std::vector<tool::ToolParams> pushing = tools_;
   const auto passes = [&](const tool::ToolParams& tool) { return !evolution_->isPushedBy(tool); };
   pushing.erase(std::remove_if(pushing.begin(), pushing.end(), passes), pushing.end());

@@ -157,6 +157,7 @@ class Dynamics {
   std::size_t findPin(Index point) const;
   void setTools(std::vector<tool::ToolParams> tools);
   void giveContactTools();
+  void placePointsBetween();
   bool applyMaterial();
   void followMaterial();
   void setMembraneShare(double share);
@@ -255,6 +256,8 @@ class Dynamics {
     solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // another: replaces auto, from each reset on
     model::MaterialParams made;                                       // the material that the model was made with
   } chosen_;
+  bool has_between_ = false;                  // the contact's points between simulation points were asked for
+  Index num_links_ = 0;                       // as the model was made
   std::vector<model::PointMaterial> shares_;  // values_ as given to the model; empty: as it was made
   Index fineness_ = 1;
   const std::atomic<bool>* interrupt_ = nullptr;

@@ -55,6 +55,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   const auto& [waiting, motion, holding, settings] = saved;
   evolution_->setMemory(holding.evolution);
   now_ = motion;
+  placePointsBetween();
   adopt(*model_, now_.points);
   placeAnchors();
   grips_.restore(holding.grips);
@@ -86,6 +87,9 @@ std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;
+  fork->has_between_ = has_between_;
+  fork->num_links_ = num_links_;
+  fork->loads_.contact.setBetween(loads_.contact.points().sharedBetween());
   fork->restore(save(), to_look);
   return fork;
 }

@@ -4,12 +4,14 @@
 #include <algorithm>
 #include <cmath>
 
+#include "tool_forces.h"
+
 namespace deformable_surface::simulation {
 
 std::vector<ToolReaction> Dynamics::toolReactions() const {
   std::vector<ToolReaction> reactions(tools_.size());
   for (std::size_t t = 0; t < reactions.size(); ++t) reactions[t].id = tools_[t].id;
-  loads_.contact.addReactions(time(), now_.points, loads_.friction, reactions);
+  addReactions(loads_, time(), now_.points, reactions);
   if (grips_.isEmpty()) return reactions;
   system_.computeForcesOnAll(time(), now_.points, forces_on_all_);
   grips_.addReactions(time(), now_.points, forces_on_all_, reactions);
@@ -20,7 +22,7 @@ std::vector<Contact> Dynamics::contacts() const {
   std::vector<Contact> contacts;
   const std::vector<tool::ToolParams>& tools = tools_;
   for (Index t = 0; t < static_cast<Index>(tools.size()); ++t)
-    loads_.contact.appendContacts(time(), now_.points, loads_.friction, tools[t].id, t, contacts);
+    appendContacts(loads_, time(), now_.points, tools[t].id, t, contacts);
   return contacts;
 }
 
@@ -75,7 +77,7 @@ bool Dynamics::hasSnapped() const {
   for (Index i = 0; i < now_.points.size(); ++i)
     if (held_[i] && now_.points.positions[i] != rest_->points[i]) return false;
   std::vector<ToolReaction> reactions(tools_.size());
-  loads_.contact.addReactions(time(), now_.points, loads_.friction, reactions);
+  addReactions(loads_, time(), now_.points, reactions);
   if (std::any_of(reactions.begin(), reactions.end(), [](const ToolReaction& r) { return r.contacts > 0; })) return false;
   return maxStretchOf(*model_, now_.points) > kStretched;
 }

@@ -11,8 +11,6 @@ namespace {
 
 using contact::BodyAnchor;
 
-bool rubs(const tool::ToolParams& tool) { return tool.friction > 0.0 && tool.mode != tool::Mode::kAttract; }
-
 std::uint64_t keyOf(const std::string& id) {
   std::uint64_t hash = kHashBegin;
   for (const char c : id) hash = mixHash(hash, static_cast<unsigned char>(c));
@@ -31,7 +29,7 @@ Vec3 alongSurface(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) 
 
 bool FrictionLoad::isEmpty() const {
   return std::none_of(contact_.all().begin(), contact_.all().end(),
-                      [](const ContactLoad::Body& body) { return rubs(body.tool); });
+                      [](const ContactLoad::Body& body) { return tool::hasFriction(body.tool); });
 }
 
 FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, double time) const {
@@ -40,29 +38,30 @@ FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, d
 }
 
 FrictionLoad::Rub FrictionLoad::findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const {
-  const Vec3& x = state.positions[touch.point];
-  const double mass = contact_.massOf(touch.point), rate = contact_.rate(), pressing = touch.force.norm();
+  const Vec3& x = touch.position;
+  const double rate = contact_.rate(), pressing = touch.force.norm();
   const BodyAnchor* const anchor = findAnchor(state.friction, body.key, touch.point);
   const Vec3 moved = anchor ? Vec3(x - body.pose.position - body.pose.orientation * anchor->place) : Vec3::Zero();
-  return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing, mass * rate * rate, mass * rate},
+  return {{body.static_coefficient * pressing, body.kinetic_coefficient * pressing,
+           contact_.points().massOf(touch.point) * rate * rate, contact_.points().dampedMassOf(touch.point) * rate},
           alongSurface(moved, touch.normal),
-          alongSurface(state.velocities[touch.point] - body.motion.velocityAt(x), touch.normal),
+          alongSurface(contact_.points().findVelocity(touch.point, state.velocities) - body.motion.velocityAt(x), touch.normal),
           anchor && anchor->slides};
 }
 
 Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const {
   const tool::ToolParams& tool = contact_.all()[body].tool;
-  return rubs(tool) ? findRub(beginRubbing(tool, time), state, touch).force() : Vec3::Zero();
+  return tool::hasFriction(tool) ? findRub(beginRubbing(tool, time), state, touch).force() : Vec3::Zero();
 }
 
 void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
   for (std::size_t b = 0; b < contact_.all().size(); ++b) {
     const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!rubs(tool)) continue;
+    if (!tool::hasFriction(tool)) continue;
     const Rubbing body = beginRubbing(tool, time);
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions))
-      forces[touch.point] += findRub(body, state, touch).force();
+      contact_.points().addForce(touch.point, state.positions, findRub(body, state, touch).force(), forces);
   }
   contact_.addSeconds(timer.seconds());
 }
@@ -71,7 +70,7 @@ double FrictionLoad::storedEnergyAt(double time, const model::State& state) cons
   double sum = 0.0;
   for (std::size_t b = 0; b < contact_.all().size(); ++b) {
     const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!rubs(tool)) continue;
+    if (!tool::hasFriction(tool)) continue;
     const Rubbing body = beginRubbing(tool, time);
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
       const Rub rub = findRub(body, state, touch);
@@ -86,10 +85,10 @@ double FrictionLoad::estimateWork(double from, double to, const model::State& be
   double work = std::max(0.0, storedEnergyAt(from, before) - storedEnergyAt(to, after));
   for (std::size_t b = 0; b < contact_.all().size(); ++b) {
     const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!rubs(tool)) continue;
+    if (!tool::hasFriction(tool)) continue;
     const tool::Motion motion = tool::findMotion(tool.path, from);
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, to, after.positions))
-      work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(after.positions[touch.point]).norm();
+      work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(touch.position).norm();
   }
   return work;
 }
@@ -98,15 +97,16 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
   if (!(step > 0.0)) return;
   for (std::size_t b = 0; b < contact_.all().size(); ++b) {
     const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!rubs(tool)) continue;
+    if (!tool::hasFriction(tool)) continue;
     const Rubbing body = beginRubbing(tool, time);
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
       const Rub rub = findRub(body, state, touch);
       // A point that has just come has no spring yet.
       const double spring = findAnchor(state.friction, body.key, touch.point) ? rub.law.stiffness : 0.0;
       const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
-      stiffness.add(touch.point, touch.point,
-                    share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()));
+      contact_.points().addStiffness(
+          touch.point, share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()),
+          stiffness);
     }
   }
 }
@@ -114,20 +114,21 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
 // Across the normal, where the contact's own stiffness does not act: that of friction is no larger, and need not be added to it.
 void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
   for (const ContactLoad::Body& body : contact_.all())
-    for (Index i = 0; rubs(body.tool) && i < state.size(); ++i) damping[i] += contact_.massOf(i) * contact_.rate();
+    for (Index i = 0; tool::hasFriction(body.tool) && i < state.size(); ++i)
+      damping[i] += contact_.points().dampedMassOn(i) * contact_.rate();
 }
 
 void FrictionLoad::remember(double time, model::State& state) const {
   next_.clear();
   for (std::size_t b = 0; b < contact_.all().size(); ++b) {
     const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!rubs(tool)) continue;
+    if (!tool::hasFriction(tool)) continue;
     const Rubbing body = beginRubbing(tool, time);
-    next_.reserve(next_.size() + state.positions.size());
+    next_.reserve(next_.size() + contact_.points().size());
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
       Rub rub = findRub(body, state, touch);
       const bool slides = rub.law.slide(rub.stretch, rub.sliding, rub.slides);
-      const Vec3 place = body.pose.orientation.conjugate() * (state.positions[touch.point] - rub.stretch - body.pose.position);
+      const Vec3 place = body.pose.orientation.conjugate() * (touch.position - rub.stretch - body.pose.position);
       next_.push_back({body.key, touch.point, place, slides});
     }
   }

@@ -8,6 +8,7 @@ LoadSet::LoadSet(const model::DeformableModel& model, const SceneParams& params)
       drag(model, params.viscous_drag),
       forces(model.masses()),
       contact(model.masses()),
+      contact_damping(contact),
       friction(contact),
       track(model.masses(), params.input.tracking_gain) {}
 
@@ -22,6 +23,7 @@ void LoadSet::choose() {
   add(drag);
   add(anchors);
   add(contact);
+  add(contact_damping);
   add(friction);
   add(track);
   if (!self_contact || !self_contact->mayAct()) return;
@@ -47,9 +49,7 @@ void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index
     force.shares.resize(kept);
   }
   forces.restore(shared);
-  contact.restore(whole.contact.all());
-  contact.renumber(new_index);
-  contact.setRate(whole.contact.rate());
+  contact.takePart(whole.contact, new_index);
   choose();
 }
 

@@ -2,7 +2,7 @@
 // fewer points, both have one.
 #pragma once
 
-#include "deformable_surface/simulation/contact_load.h"
+#include "deformable_surface/simulation/contact_damping.h"
 #include "deformable_surface/simulation/friction_load.h"
 #include "deformable_surface/simulation/loads.h"
 #include "deformable_surface/simulation/track_load.h"
@@ -27,6 +27,7 @@ class LoadSet {
   AnchorLoad anchors{{}};
   NamedForces forces;
   ContactLoad contact;
+  ContactDamping contact_damping;
   FrictionLoad friction;
   TrackLoad track;
   /// Null: the surface may pass through itself. Not for parts.

@@ -48,6 +48,10 @@ RestSurface ModelKind::copyCoarser(const SceneParams& params, const RestSurface&
   return s;
 }
 
+std::shared_ptr<const transfer::SampledPoints> ModelKind::makeBetween(const SceneParams&, const RestSurface&) const {
+  return nullptr;
+}
+
 std::unique_ptr<CloudFollower> ModelKind::makeFollower(const RestSurface&, const SceneParams&,
                                                        const model::DeformableModel&) const {
   return nullptr;

@@ -78,12 +78,12 @@ void Simulation::Impl::listSkipped() {
   list(now.loads().pressure.isEmpty(), "pressure");
   list(now.loads().drag.isEmpty(), "drag");
   list(now.params().anchors.empty(), "anchors");
-  const std::vector<ContactLoad::Body>& bodies = now.loads().contact.all();
-  list(std::none_of(bodies.begin(), bodies.end(),
-                    [&](const ContactLoad::Body& body) {
-                      return !body.passed.empty() || isInReach(body.tool, now.time(), now.state().positions);
-                    }),
-       "contact");
+  bool may_touch = false;
+  const ContactLoad& contact = now.loads().contact;
+  for (std::size_t b = 0; b < contact.all().size() && !may_touch; ++b)
+    may_touch = !contact.all()[b].passed.empty() || isInReach(contact.all()[b].tool, now.time(), now.state().positions) ||
+                !contact.findTouches(b, now.time(), now.state().positions).empty();
+  list(!may_touch, "contact");
   list(now.loads().self_contact && !now.loads().self_contact->mayAct(), "self_contact");
 }
 

@@ -16,13 +16,15 @@ constexpr double kTold = 1e-3;   // of the surface's extent: a tool that appears
 constexpr double kFree = 0.01;   // of the depth at first that may be left where a tool comes from
 constexpr int kMostLooks = 200;  // on one path: a place that is not free by then counts as never free
 
-constexpr std::size_t kLook = 1024;  // points between two looks at an interrupt
+constexpr Index kLook = 1024;  // points between two looks at an interrupt
 
 // Points that a tool at a pose may push, seen from it.
 class Overlap {
  public:
-  Overlap(const tool::ToolParams& tool, const tool::Pose& pose, const Points& positions, const std::vector<char>& held)
-      : tool_(tool), pose_(pose), positions_(positions), held_(held) {}
+  /// positions: m, of the points.
+  Overlap(const tool::ToolParams& tool, const tool::Pose& pose, const ContactPoints& points, const Points& positions,
+          const std::vector<char>& held)
+      : tool_(tool), pose_(pose), points_(points), positions_(positions), held_(held) {}
 
   /// m, of the deepest point with the tool moved; 0 if there is none.
   double findDepth(const Vec3& offset) const {
@@ -36,9 +38,10 @@ class Overlap {
   void forEach(const Vec3& offset, Visit&& visit) const {
     const tool::Pose moved{pose_.position + offset, pose_.orientation};
     const double ball = findRadius(tool_.shape), squared_ball = ball * ball;
-    for (std::size_t i = 0; i < positions_.size(); ++i) {
+    for (Index i = 0; i < points_.size(); ++i) {
       endIfInterrupted(i, kLook);
-      if (held_[i] || (positions_[i] - moved.position).squaredNorm() > squared_ball) continue;
+      if ((positions_[i] - moved.position).squaredNorm() > squared_ball || points_.isSevered(i) || points_.isHeld(i, held_))
+        continue;
       const geometry::SignedDistance d = tool::findSignedDistance(tool_.shape, moved, positions_[i], 0.0);
       if (d.distance < 0.0) visit(-d.distance, d.normal);
     }
@@ -47,6 +50,7 @@ class Overlap {
  private:
   const tool::ToolParams& tool_;
   const tool::Pose pose_;
+  const ContactPoints& points_;
   const Points& positions_;
   const std::vector<char>& held_;
 };
@@ -70,7 +74,9 @@ void ContactLoad::findArrival(double time, double step, const model::State& stat
   body.arrival = {true, Vec3::Zero(), time, time + std::max(kArrival, step)};
   if (!arrives_) return;
   const tool::Pose pose = tool::interpolate(body.tool.path, time);
-  const Overlap overlap(body.tool, pose, state.positions, held);
+  Points all;
+  points_.placeAll(state.positions, all);
+  const Overlap overlap(body.tool, pose, points_, all, held);
   Vec3 push = Vec3::Zero();
   double deepest = 0.0;
   Index count = 0;
@@ -94,11 +100,13 @@ void ContactLoad::findArrival(double time, double step, const model::State& stat
   Eigen::AlignedBox3d extent;
   for (const Vec3& x : state.positions) extent.extend(x);
   if (!(deepest > kTold * extent.diagonal().norm())) return;
-  appendNotice(news_, "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " +
-                          std::to_string(state.size()) + " simulation points are, up to " + formatShort(deepest) + " m deep; " +
-                          (std::isfinite(shortest) ? "it arrives from " + formatShort(shortest) + " m beside, within " +
-                                                         formatShort(body.arrival.ends - time) + " s"
-                                                   : "no place free of them is near, and it is there at once"));
+  appendNotice(
+      news_,
+      "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " + std::to_string(points_.size()) +
+          (points_.between() ? " points are, up to " : " simulation points are, up to ") + formatShort(deepest) + " m deep; " +
+          (std::isfinite(shortest)
+               ? "it arrives from " + formatShort(shortest) + " m beside, within " + formatShort(body.arrival.ends - time) + " s"
+               : "no place free of them is near, and it is there at once"));
 }
 
 void ContactLoad::adoptArrivals(const ContactLoad& other) {

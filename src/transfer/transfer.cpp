@@ -155,6 +155,31 @@ void Transfer::findTileSources(Index tile) {
   for (Index j : sources) is_listed[j] = 0;
 }
 
+Transfer::PointRow Transfer::rowOf(Index dense) const {
+  const std::size_t group = dense / kLanes, lane = dense % kLanes;
+  const Index* const index = index_.data() + group * k_ * kLanes + lane;
+  const float* const weight = weight_.data() + group * k_ * 3 * kLanes + lane;
+  const float* const frame = frame_.data() + group * kFrameRows * kLanes + lane;
+  const auto read3 = [&](int first) {
+    return Vec3(frame[first * kLanes], frame[(first + 1) * kLanes], frame[(first + 2) * kLanes]);
+  };
+  PointRow row;
+  for (Index j = 0; j < k_; ++j) {
+    row.source.push_back(index[j * kLanes]);
+    row.value.push_back(weight[3 * j * kLanes]);
+    row.gradient_x.push_back(weight[(3 * j + 1) * kLanes]);
+    row.gradient_y.push_back(weight[(3 * j + 2) * kLanes]);
+  }
+  row.rest = rest_[dense];
+  row.normal = read3(kNormal);
+  row.tangent_x = read3(kTangentX);
+  row.tangent_y = read3(kTangentY);
+  row.slope_x = frame[kSlopeX * kLanes];
+  row.slope_y = frame[kSlopeY * kLanes];
+  row.height = frame[kHeight * kLanes];
+  return row;
+}
+
 std::vector<Index> Transfer::sourcesOf(Index dense) const {
   const Index* const index = index_.data() + dense / kLanes * k_ * kLanes + dense % kLanes;
   std::vector<Index> sources{index[0]};

@@ -136,7 +136,7 @@ TEST(ContactLoad, ASheetThatFallsOnABallDrapesOverIt) {
   simulation::Simulation s(p, sheetCloud());
   run(s, 40);
   double nearest = 1.0, lowest = 0.0;
-  for (const Vec3& x : s.state().positions) {
+  for (const Vec3& x : s.surface(false).positions) {
     nearest = std::min(nearest, (x - Vec3(0.5, 0.0, -0.3)).norm() - 0.25);
     lowest = std::min(lowest, x.z());
   }

@@ -1,24 +1,25 @@
 // Contact with tools that push or pull by where a point is: solid ones (and knives, which are solid) and attracting ones, as a
-// load on the simulation points.
+// load on the simulation points. Solid tools touch points of the cloud between these, too.
 #pragma once
 
-#include "deformable_surface/simulation/tool_reaction.h"
+#include "deformable_surface/simulation/contact_points.h"
 #include "deformable_surface/solve/external_load.h"
 #include "deformable_surface/tool/crossing.h"
 #include "deformable_surface/tool/tool.h"
 
+#include <memory>
 #include <optional>
 #include <utility>
 
 namespace deformable_surface::simulation {
 
-class FrictionLoad;
-
 /// Points inside a solid tool are pushed out along its normal by F = m r^2 d, d the depth: a penalty with the potential
 /// m r^2 d^2 / 2. Being in proportion to mass, it adds at most r^2 to the square of the highest frequency, wherever it acts; and
-/// at rest a point is as deep as its share of the load over m r^2. The simulation points alone are seen, not the surface between
-/// them. A point that a solid tool passes over within a step, so that its shortest way out would be another than the one it came
-/// in by, is pushed back along the latter, with d the depth below the plane there, until it is out or beside the tool.
+/// at rest a point is as deep as its share of the load over m r^2. Points of the cloud between the simulation points
+/// (setBetween()) are pushed in the same way, and push those that they follow. A plane, or a ball so large that the surface
+/// between simulation points does not get into it, touches these alone. A point that a solid tool passes over within a step, so
+/// that its shortest way out would be another than the one it came in by, is pushed back along the latter, with d the depth below
+/// the plane there, until it is out or beside the tool.
 ///
 /// A tool that appears where points already are comes to its place from the nearest one in which it touches none, straight and
 /// evenly within kArrival. Otherwise r d, some hundred metres a second, would be the speed at which they leave, each to its side.
@@ -29,7 +30,18 @@ class ContactLoad : public solve::ExternalLoad {
  public:
   static constexpr double kArrival = 0.1;  // s, or a step where that is longer; as long as a tool takes that is put elsewhere
 
-  explicit ContactLoad(const std::vector<double>& masses) : masses_(masses) {}
+  explicit ContactLoad(const std::vector<double>& masses) : points_(masses) {}
+
+  /// Which points touch tools.
+  const ContactPoints& points() const { return points_; }
+  void setBetween(std::shared_ptr<const transfer::SampledPoints> between) {
+    points_.setBetween(std::move(between));
+    forgetTouches();
+  }
+  void setSevered(std::vector<char> is_severed) {
+    points_.setSevered(std::move(is_severed));
+    forgetTouches();
+  }
 
   /// Tools of other modes are left alone. Those that are there by their id keep what they have passed over, and how they arrive
   /// unless they have another shape.
@@ -81,8 +93,10 @@ class ContactLoad : public solve::ExternalLoad {
   bool mayHold(const Vec3& point, const Vec3& direction, double time) const;
   /// Forgets what was passed over. The tools are to be set anew.
   void reset();
-  /// Points have got other indices: new_index (of those before), -1 = gone.
+  /// Simulation points have got other indices: new_index (of those before), -1 = gone.
   void renumber(const std::vector<Index>& new_index);
+  /// Becomes the contact of fewer points: new_index (of the simulation points there), -1 = left out.
+  void takePart(const ContactLoad& whole, const std::vector<Index>& new_index);
 
   /// r, 1/s. Set once the stable step at rest is known.
   void setRate(double rate) {
@@ -103,7 +117,8 @@ class ContactLoad : public solve::ExternalLoad {
 
   /// A point that a tool acts on.
   struct Touch {
-    Index point;
+    Index point;      // its number
+    Vec3 position;    // m
     double distance;  // m, from the tool's surface; negative inside
     Vec3 normal;      // outward
     Vec3 force;       // N, on the point, along the normal
@@ -111,20 +126,14 @@ class ContactLoad : public solve::ExternalLoad {
   /// Of the body in that place, for every point that it acts on, ascending; until the next call with another time or other
   /// positions. Found once for all who ask.
   const std::vector<Touch>& findTouches(std::size_t body, double time, const Points& positions) const;
-  double massOf(Index point) const { return masses_[point]; }
 
   /// s of wall time that contact and friction have taken since the last call, but for energies and stiffness.
   double takeSeconds() const { return std::exchange(seconds_, 0.0); }
   void addSeconds(double seconds) const { seconds_ += seconds; }
 
-  /// Adds what each tool feels, friction included, to those of its id.
-  void addReactions(double time, const model::State& state, const FrictionLoad& friction,
-                    std::vector<ToolReaction>& reactions) const;
-  /// Appends the touches of the tool of that id, if it is one of these, as those of the tool in that place.
-  void appendContacts(double time, const model::State& state, const FrictionLoad& friction, const std::string& id, Index place,
-                      std::vector<Contact>& contacts) const;
-
  private:
+  void listTouchesBetween(const tool::ToolParams& tool, const tool::Pose& pose, const Points& positions,
+                          std::vector<Touch>& touches) const;
   void findArrival(double time, double step, const model::State& state, const std::vector<char>& held, Body& body);
   double potentialOf(std::size_t body, double time, const Points& positions) const;
   // Their memory is kept.
@@ -134,13 +143,19 @@ class ContactLoad : public solve::ExternalLoad {
   void listTouches(const Body& body, double time, const Points& positions, std::vector<Touch>& touches) const;
   double totalMass() const;
 
-  const std::vector<double>& masses_;
+  ContactPoints points_;
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
   bool arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
   std::string news_;
   mutable double seconds_ = 0.0;
   Points before_;  // m, of the last beginStep()
+  // Scratch of listTouches().
+  struct NearCell {
+    Index cell;
+    double distance, reach;  // m, of its simulation point from the tool, and of its points from that
+  };
+  mutable std::vector<NearCell> near_;
   // What findTouches() has found.
   struct Touches {
     bool are_known = false;

@@ -1,4 +1,4 @@
-// Contact of a surface with itself: what a user may choose.
+// Contact with tools and of a surface with itself: what a user may choose.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -7,12 +7,16 @@
 namespace deformable_surface::simulation {
 
 struct ContactParams {
+  Index cloud_points = 8;    // 0 .. 64: of a cell, beside its simulation point, that touch tools
   bool self = false;         // parts of the surface do not pass through each other
   OrAuto<double> thickness;  // m, > 0; auto = that of the material
   double friction = 0.0;     // Coulomb's coefficient, >= 0
 };
 
 inline void visit(Fields& fields, ContactParams& p) {
+  fields.integer("cloud_points", p.cloud_points, "", between(0, 64),
+                 "points of the cloud around each simulation point that touch solid tools as well (mass_spring); 0 = simulation "
+                 "points alone");
   fields.flag("self", p.self, "parts of a mass-spring surface do not pass through each other");
   fields.number("thickness", p.thickness, "m", between(1e-9, kMaxLength),
                 "distance at which parts of the surface begin to push each other apart; `auto` = material.thickness");

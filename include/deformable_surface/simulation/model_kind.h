@@ -97,6 +97,10 @@ class ModelKind {
   /// See copyCoarser(). By default a clone of the model.
   virtual RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) const;
 
+  /// Points of the cloud between the simulation points that touch tools, too (ContactPoints); null: none. They are made when the
+  /// first tool comes.
+  virtual std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const;
+
   // While it runs; model: one that makeRest() has made, or a clone.
   /// How the full cloud follows the simulation points; null: by the transfer of the rest surface.
   virtual std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,

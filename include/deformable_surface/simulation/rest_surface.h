@@ -9,6 +9,7 @@
 #include "deformable_surface/model/deformable_model.h"
 #include "deformable_surface/simulation/region_material.h"
 #include "deformable_surface/simulation/scene_params.h"
+#include "deformable_surface/transfer/sampled_points.h"
 #include "deformable_surface/transfer/solid_transfer.h"
 #include "deformable_surface/transfer/transfer.h"
 
@@ -41,7 +42,8 @@ struct RestSurface {
   bool closed = false;             // the dense surface has no boundary
   std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out
   transfer::Transfer transfer;
-  transfer::SolidTransfer solid_transfer;     // in its place, of a solid; empty where every point is simulated
+  std::shared_ptr<const transfer::SampledPoints> between;  // of a coarser copy: points of the cloud that touch tools
+  transfer::SolidTransfer solid_transfer;                  // in its place, of a solid; empty where every point is simulated
   Lists solid_neighbors;                      // (m) of the simulation points of a solid, over its body, nearest first; else empty
   std::vector<double> detours;                // of these, weights; empty: all one
   std::vector<char> pinned;                   // (m) by the scene's pins: kInPin or, beside them, kRidesOnPin; else 0

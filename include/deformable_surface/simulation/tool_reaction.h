@@ -13,15 +13,15 @@ struct ToolReaction {
   std::string id;
   Vec3 force = Vec3::Zero();   // N, in the tool's frame
   Vec3 torque = Vec3::Zero();  // N m, in the tool's frame about its origin
-  Index contacts = 0;          // simulation points that it touches or holds
+  Index contacts = 0;          // points that it touches (simulation points and those between) or holds
   double penetration = 0.0;    // m, the deepest
 };
 
-/// A contact: a tool pushes or draws a simulation point. World frame.
+/// A contact: a tool pushes or draws a point. World frame.
 struct Contact {
   Index tool;     // place among Simulation::tools()
-  Index point;    // simulation point
-  Vec3 position;  // m, of that point
+  Index point;    // the simulation point, or the nearest one where the tool touches a point between
+  Vec3 position;  // m, of the point that the tool touches
   Vec3 normal;    // unit, out of the tool
   double depth;   // m, of the point inside the tool; negative: it is drawn from outside
   Vec3 force;     // N, on the point, friction included

@@ -31,6 +31,12 @@ Motion findMotion(const std::vector<WaypointParams>& path, double time);
 /// What is wrong with a path: the sentence that reading one would give for its first problem; empty if nothing is.
 std::string findProblem(const std::vector<WaypointParams>& path);
 
+/// Whether points cannot be inside it.
+inline bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
+
+/// Whether points stick to it and rub on it.
+inline bool hasFriction(const ToolParams& tool) { return tool.friction > 0.0 && isPushing(tool); }
+
 inline bool isActive(const ToolParams& tool, double time) { return tool.start <= time && time < tool.end; }
 
 /// Distance (m, negative inside) and outward normal of a solid at a pose, in the world; beyond the limit (m) as that of the

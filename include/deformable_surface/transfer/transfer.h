@@ -28,6 +28,15 @@ class Transfer {
   Transfer(const Points& dense, const Points& normals, const Points& simulation, const std::vector<char>& usable,
            const TransferParams& params, const Lists* followed = nullptr);
 
+  /// The row of a dense point. Rows that follow fewer than k points are filled up with weights of zero.
+  struct PointRow {
+    std::vector<Index> source;                          // (k)
+    std::vector<double> value, gradient_x, gradient_y;  // (k) weights; gradients in 1/m
+    Vec3 rest, normal, tangent_x, tangent_y;            // m; unit; of the fitted plane, see above
+    double slope_x, slope_y, height;                    // of that plane against the surface's, and m over it
+  };
+  PointRow rowOf(Index dense) const;
+  Index numNeighbors() const { return k_; }  // k
   /// The simulation points that a dense point follows, nearest first.
   std::vector<Index> sourcesOf(Index dense) const;
   /// Makes some dense points (ascending) follow other simulation points: followed (as many lists as points), as in the

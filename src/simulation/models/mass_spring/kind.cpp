@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "../../points_between.h"
 #include "cutting.h"
 #include "rest.h"
 
@@ -84,6 +85,10 @@ class MassSpringKind : public ModelKind {
   }
   RestSurface copyCoarser(const SceneParams& params, const RestSurface& of) const override {
     return copyCoarserMassSpring(params, of);
+  }
+
+  std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const override {
+    return rest.dense.positions.empty() ? rest.between : choosePointsBetween(params, rest.dense, rest);
   }
 
   std::unique_ptr<Evolution> makeEvolution(model::DeformableModel& model, const RestSurface&,

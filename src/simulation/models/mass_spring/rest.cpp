@@ -14,6 +14,7 @@
 #include "../../clamp_edges.h"
 #include "../../half_frame.h"
 #include "../../parts.h"
+#include "../../points_between.h"
 #include "../../rest_parts.h"
 #include "../../rest_steps.h"
 #include "../../unconstrained_parts.h"
@@ -230,6 +231,7 @@ RestSurface makeCoarserMassSpring(const SceneParams& params, const RestSurface& 
   s.closed = of.closed;
   connect(params, of, of.order.keepCount(target), s);
   buildModel(params, of, s);
+  s.between = choosePointsBetween(params, of.dense, s);
   return s;
 }
 
@@ -266,6 +268,7 @@ RestSurface copyCoarserMassSpring(const SceneParams& params, const RestSurface& 
   s.normals = of.normals;
   s.dense_index = of.dense_index;
   s.rings = of.rings;
+  s.between = of.between;
   buildModel(params, of, s);
   return s;
 }

@@ -1,0 +1,95 @@
+#include "deformable_surface/simulation/contact_points.h"
+
+#include <cmath>
+#include <numeric>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr double kDamped = 0.5;  // of the mass of a cell, for all of its points between together
+
+}  // namespace
+
+void ContactPoints::setBetween(std::shared_ptr<const transfer::SampledPoints> between) {
+  between_ = std::move(between);
+  is_severed_.clear();
+  damped_mass_.clear();
+  damped_mass_on_.clear();
+  if (!between_) return;
+  damped_mass_on_.assign(masses_.size(), 0.0);
+  for (Index s = 0; s < between_->size(); ++s) {
+    const Index cell = between_->cellOf(s);
+    damped_mass_.push_back(kDamped * masses_[cell] / (between_->end(cell) - between_->begin(cell)));
+    const double sum = sumOfWeights(s);
+    between_->visitWeights(s, [&](Index j, double w) { damped_mass_on_[j] += damped_mass_[s] * std::abs(w) * sum; });
+  }
+}
+
+void ContactPoints::takePart(const ContactPoints& whole, const std::vector<Index>& new_index) {
+  if (number_in_part_.empty() || taken_from_ != whole.between_) numberPart(whole, new_index);
+  is_severed_.clear();
+  if (whole.is_severed_.empty()) return;
+  for (Index p = numSimulated(); p < size(); ++p) is_severed_.push_back(whole.isSevered(number_in_whole_[p]));
+}
+
+// Parts are taken again whenever loads have changed: what is the same is kept.
+void ContactPoints::numberPart(const ContactPoints& whole, const std::vector<Index>& new_index) {
+  const Index n = whole.numSimulated();
+  taken_from_ = whole.between_;
+  number_in_part_ = new_index;
+  number_in_whole_.assign(numSimulated(), -1);
+  for (Index i = 0; i < n; ++i)
+    if (new_index[i] >= 0) number_in_whole_[new_index[i]] = i;
+  if (!whole.between_) return setBetween(nullptr);
+  std::vector<Index> old;
+  setBetween(std::make_shared<transfer::SampledPoints>(whole.between_->takePart(new_index, numSimulated(), old)));
+  number_in_part_.resize(whole.size(), -1);
+  for (std::size_t s = 0; s < old.size(); ++s) {
+    number_in_part_[n + old[s]] = numSimulated() + static_cast<Index>(s);
+    number_in_whole_.push_back(n + old[s]);
+    damped_mass_[s] = whole.dampedMassOf(n + old[s]);  // as many as the whole has in the cell, whatever is left of them
+  }
+}
+
+double ContactPoints::totalMass() const { return std::accumulate(masses_.begin(), masses_.end(), 0.0); }
+
+bool ContactPoints::isHeld(Index p, const std::vector<char>& held) const {
+  if (!isBetween(p)) return held[p];
+  bool is_held = true;
+  between_->visitWeights(p - numSimulated(), [&](Index j, double) { is_held = is_held && held[j]; });
+  return is_held;
+}
+
+void ContactPoints::placeAll(const Points& positions, Points& all) const {
+  all = positions;
+  for (Index s = 0; between_ && s < between_->size(); ++s) all.push_back(between_->place(s, positions));
+}
+
+double ContactPoints::sumOfWeights(Index s) const {
+  double sum = 0.0;
+  between_->visitWeights(s, [&](Index, double w) { sum += std::abs(w); });
+  return sum;
+}
+
+void ContactPoints::addStiffness(Index p, const Mat3& block, BlockSparse& stiffness) const {
+  if (!isBetween(p)) return stiffness.add(p, p, block);
+  const Index s = p - numSimulated();
+  between_->visitWeights(s, [&](Index i, double w_i) {
+    between_->visitWeights(s, [&](Index j, double w_j) {
+      if (j <= i) stiffness.add(i, j, w_i * w_j * block);
+    });
+  });
+}
+
+// Of w_i w_j, by the absolute values in a row.
+void ContactPoints::addRowBound(Index p, double value, std::vector<double>& bound) const {
+  if (!isBetween(p)) {
+    bound[p] += value;
+    return;
+  }
+  const Index s = p - numSimulated();
+  const double sum = sumOfWeights(s);
+  between_->visitWeights(s, [&](Index i, double w) { bound[i] += value * std::abs(w) * sum; });
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,98 @@
+#include "points_between.h"
+
+#include "deformable_surface/cloud/kd_tree.h"
+
+#include <algorithm>
+#include <limits>
+
+namespace deformable_surface::simulation {
+namespace {
+
+constexpr int kReach = 4;  // links: farther than any simulation point that a point of the cell follows where nothing is cut
+
+// The simulation point in whose cell each dense point lies; -1: in none.
+std::vector<Index> findOwners(const cloud::CleanCloud& dense, const RestSurface& surface) {
+  if (!surface.cells.owner.empty()) return surface.cells.owner;
+  const cloud::KdTree tree(surface.points);
+  std::vector<cloud::Neighbor> nearest;
+  std::vector<Index> owner;
+  for (const Vec3& p : dense.positions) {
+    tree.nearest(p, 1, nearest);
+    owner.push_back(nearest.front().index);
+  }
+  return owner;
+}
+
+// Of the candidates, ascending: the most that are far from each other and from the center.
+std::vector<Index> spread(const Points& positions, const Vec3& center, std::vector<Index> candidates, Index most) {
+  if (static_cast<Index>(candidates.size()) <= most) return candidates;
+  std::vector<double> squared;
+  for (const Index d : candidates) squared.push_back((positions[d] - center).squaredNorm());
+  std::vector<Index> chosen;
+  for (Index k = 0; k < most; ++k) {
+    const Index next = candidates[std::max_element(squared.begin(), squared.end()) - squared.begin()];
+    chosen.push_back(next);
+    for (std::size_t c = 0; c < candidates.size(); ++c)
+      squared[c] = std::min(squared[c], (positions[candidates[c]] - positions[next]).squaredNorm());
+  }
+  std::sort(chosen.begin(), chosen.end());
+  return chosen;
+}
+
+}  // namespace
+
+std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const SceneParams& params, const cloud::CleanCloud& dense,
+                                                                   const RestSurface& surface) {
+  const Index m = static_cast<Index>(surface.points.size());
+  const Index most = params.contact.cloud_points;
+  if (most == 0 || dense.positions.size() <= surface.points.size()) return nullptr;
+  const std::vector<Index> owner = findOwners(dense, surface);
+  std::vector<char> is_simulated(dense.positions.size(), 0);
+  for (const Index d : surface.dense_index) is_simulated[d] = 1;
+  std::vector<std::vector<Index>> cells(m);
+  for (std::size_t d = 0; d < dense.positions.size(); ++d)
+    if (owner[d] >= 0 && is_simulated[d] == 0) cells[owner[d]].push_back(static_cast<Index>(d));
+
+  Points positions, normals;
+  std::vector<Index> cell;
+  for (Index i = 0; i < m; ++i)
+    for (const Index d : spread(dense.positions, surface.points[i], std::move(cells[i]), most)) {
+      positions.push_back(dense.positions[d]);
+      normals.push_back(dense.normals[d]);
+      cell.push_back(i);
+    }
+  if (cell.empty()) return nullptr;
+  const bool is_euclidean = params.neighbors.areEuclidean();
+  const Lists followed = is_euclidean ? Lists{} : cloud::findChosenNear(surface.cells, cell, positions, params.transfer.k);
+  const transfer::Transfer rows(positions, normals, surface.points, std::vector<char>(m, 1), params.transfer,
+                                is_euclidean ? nullptr : &followed);
+  return std::make_shared<transfer::SampledPoints>(rows, surface.points, cell);
+}
+
+std::vector<char> findSevered(const transfer::SampledPoints& between, const std::vector<std::pair<Index, Index>>& links,
+                              Index m) {
+  std::vector<std::vector<Index>> ring(m);
+  for (const auto& [a, b] : links) {
+    ring[a].push_back(b);
+    ring[b].push_back(a);
+  }
+  std::vector<char> is_severed(between.size(), 0);
+  std::vector<Index> reached, distance(m, -1);
+  for (Index cell = 0; cell < m; ++cell) {
+    if (between.begin(cell) == between.end(cell)) continue;
+    reached.assign(1, cell);
+    distance[cell] = 0;
+    for (std::size_t k = 0; k < reached.size() && distance[reached[k]] < kReach; ++k)
+      for (const Index j : ring[reached[k]])
+        if (distance[j] < 0) {
+          distance[j] = distance[reached[k]] + 1;
+          reached.push_back(j);
+        }
+    for (Index s = between.begin(cell); s < between.end(cell); ++s)
+      between.visitWeights(s, [&](Index j, double) { is_severed[s] = is_severed[s] || distance[j] < 0; });
+    for (const Index j : reached) distance[j] = -1;
+  }
+  return is_severed;
+}
+
+}  // namespace deformable_surface::simulation

@@ -1,0 +1,98 @@
+#include "deformable_surface/simulation/contact_points.h"
+#include "../../src/simulation/points_between.h"
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <random>
+
+namespace deformable_surface::test {
+namespace {
+
+struct Sheet {
+  simulation::RestSurface rest;
+  std::vector<double> masses;
+  simulation::ContactPoints points{masses};
+
+  Sheet() {
+    simulation::SceneParams p = hangingSheet();
+    rest = simulation::buildRestSurface(p, sheetCloud(40));
+    masses = rest.model->masses();
+    points.setBetween(simulation::choosePointsBetween(p, rest.dense, rest));
+  }
+};
+
+TEST(ContactPoints, ASimulationPointIsItselfAndAPointBetweenBelongsToItsCell) {
+  const Sheet sheet;
+  const Index n = sheet.points.numSimulated();
+  ASSERT_GT(sheet.points.size(), 3 * n);
+  EXPECT_EQ(sheet.points.simulationPointOf(5), 5);
+  EXPECT_EQ(sheet.points.place(5, sheet.rest.points), sheet.rest.points[5]);
+  for (Index p = n; p < sheet.points.size(); ++p) {
+    const Vec3 place = sheet.points.place(p, sheet.rest.points);
+    const Index cell = sheet.points.simulationPointOf(p);
+    EXPECT_EQ(sheet.points.massOf(p), sheet.masses[cell]);
+    EXPECT_LT((place - sheet.rest.points[cell]).norm(), 0.12);
+  }
+}
+
+// The matrix of a stiffness on a point is w_i w_j K: what it does to a motion is what the point's own motion feels.
+TEST(ContactPoints, StiffnessActsThroughTheWeightsAndItsRowBoundHolds) {
+  const Sheet sheet;
+  const Index n = sheet.points.numSimulated(), p = n + 40;
+  BlockSparse stiffness;
+  stiffness.begin(n);
+  sheet.points.addStiffness(p, 3.0 * Mat3::Identity(), stiffness);
+  stiffness.finish();
+  std::mt19937 random(2);
+  std::uniform_real_distribution<double> u(-1.0, 1.0);
+  Points motion;
+  for (Index i = 0; i < n; ++i) motion.emplace_back(u(random), u(random), u(random));
+  const Eigen::VectorXd flat = Eigen::Map<const Eigen::VectorXd>(motion.data()->data(), 3 * n);
+  Eigen::VectorXd product(3 * n);
+  stiffness.multiply(flat, product);
+  Points expected(n, Vec3::Zero());
+  sheet.points.addForce(p, sheet.rest.points, 3.0 * sheet.points.findVelocity(p, motion), expected);
+  std::vector<double> bound(n, 0.0);
+  sheet.points.addRowBound(p, 3.0, bound);
+  double sum = 0.0;
+  for (Index i = 0; i < n; ++i) {
+    EXPECT_LT((product.segment<3>(3 * i) - expected[i]).norm(), 1e-12);
+    EXPECT_LE(expected[i].lpNorm<Eigen::Infinity>(), bound[i] + 1e-12);
+    sum += bound[i];
+  }
+  EXPECT_GT(sum, 2.9);
+}
+
+TEST(ContactPoints, APointIsHeldOnlyIfAllThatItFollowsIs) {
+  const Sheet sheet;
+  const Index n = sheet.points.numSimulated(), p = n + 7;
+  std::vector<char> held(n, 1);
+  EXPECT_TRUE(sheet.points.isHeld(p, held));
+  sheet.points.between()->visitWeights(7, [&](Index j, double) { held[j] = 0; });
+  held[sheet.points.simulationPointOf(p)] = 1;
+  EXPECT_FALSE(sheet.points.isHeld(p, held));
+}
+
+TEST(ContactPoints, APartNumbersItsPointsBothWays) {
+  const Sheet sheet;
+  const Index n = sheet.points.numSimulated();
+  std::vector<Index> new_index(n, -1);
+  std::vector<double> masses;
+  for (Index i = 0; i < n; ++i) {
+    if (sheet.rest.points[i].x() > 0.6) continue;
+    new_index[i] = static_cast<Index>(masses.size());
+    masses.push_back(sheet.masses[i]);
+  }
+  simulation::ContactPoints part(masses);
+  part.takePart(sheet.points, new_index);
+  ASSERT_GT(part.size(), 3 * part.numSimulated());
+  for (Index p = 0; p < part.size(); ++p) {
+    const Index there = part.numberInWhole()[p];
+    EXPECT_EQ(part.numberInPart()[there], p);
+    EXPECT_EQ(part.dampedMassOf(p), sheet.points.dampedMassOf(there));
+  }
+}
+
+}  // namespace
+}  // namespace deformable_surface::test

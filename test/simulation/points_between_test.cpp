@@ -1,0 +1,168 @@
+// Tools that touch the surface between its simulation points.
+#include "../../src/simulation/points_between.h"
+#include "clouds.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace deformable_surface::test {
+namespace {
+
+using simulation::SceneParams;
+using simulation::Simulation;
+
+tool::ToolParams makeTool(const geometry::Solid& shape, const std::vector<std::pair<double, Vec3>>& path) {
+  tool::ToolParams tool;
+  tool.id = "tool";
+  tool.shape = shape;
+  for (const auto& [time, place] : path) tool.path.push_back({time, place, Vec4(0.0, 0.0, 0.0, 1.0)});
+  return tool;
+}
+
+geometry::Solid makeBall(double radius) {
+  geometry::Solid solid;
+  solid.kind = geometry::Solid::Kind::kSphere;
+  solid.radius = radius;
+  return solid;
+}
+
+// A free sheet without weight.
+SceneParams floating() {
+  SceneParams p;
+  p.gravity.setZero();
+  p.material.damping = 2.0;
+  p.material.bending_rigidity = 1e-4;
+  p.simplification.target_points = 150;
+  return p;
+}
+
+double deepestOf(Simulation& s, const geometry::Solid& shape, const Vec3& place) {
+  double deepest = 0.0;
+  for (const Vec3& p : s.surface(false).positions)
+    deepest = std::max(deepest, -geometry::findSignedDistance(shape, p - place).distance);
+  return deepest;
+}
+
+TEST(PointsBetween, ABallThatIsSmallerThanTheSpacingDoesNotSlipThrough) {
+  // The simulation points are 8 cm apart; the ball has a radius of 2 cm.
+  SceneParams p = hangingSheet();
+  p.gravity.setZero();
+  p.material.damping = 5.0;
+  const auto meet = [&](Index cloud_points) {
+    p.contact.cloud_points = cloud_points;
+    // Midway between simulation points.
+    p.tools.clear();
+    Simulation s(p, sheetCloud(60));
+    Vec3 gap = Vec3::Zero();
+    double widest = 0.0;
+    for (double x = 0.5; x < 0.7; x += 0.005)
+      for (double y = -0.1; y < 0.1; y += 0.005) {
+        double nearest = 1.0;
+        for (const Vec3& q : s.state().positions) nearest = std::min(nearest, (q - Vec3(x, y, q.z())).norm());
+        if (nearest > widest) gap = Vec3(x, y, 0.0);
+        widest = std::max(widest, nearest);
+      }
+    EXPECT_GT(widest, 0.03);
+    s.setTool(makeTool(makeBall(0.02), {{0.0, gap + Vec3(0.0, 0.0, -0.05)}, {1.0, gap + Vec3(0.0, 0.0, 0.05)}}));
+    run(s, 100);
+    double highest = 0.0;
+    for (const Vec3& q : s.surface(false).positions) highest = std::max(highest, q.z());
+    return highest;
+  };
+  EXPECT_LT(meet(0), 0.005);
+  EXPECT_GT(meet(8), 0.06);
+}
+
+TEST(PointsBetween, TheFullCloudRestsOnABoxAndNotInIt) {
+  geometry::Solid box;
+  box.kind = geometry::Solid::Kind::kBox;
+  box.size = Vec3(0.4, 0.4, 0.2);
+  SceneParams p;
+  p.material.damping = 3.0;
+  p.material.young_modulus = 1e6;
+  p.material.bending_rigidity = 1e-4;
+  p.simplification.target_points = 300;
+  const auto drape = [&](Index cloud_points) {
+    p.contact.cloud_points = cloud_points;
+    p.tools = {makeTool(box, {{0.0, Vec3(0.5, 0.0, -0.101)}})};
+    Simulation s(p, sheetCloud(60));
+    run(s, 150);
+    return deepestOf(s, box, Vec3(0.5, 0.0, -0.101));
+  };
+  const double before = drape(0), after = drape(8);
+  EXPECT_GT(before, 0.01);
+  EXPECT_LT(after, 0.4 * before);
+}
+
+TEST(PointsBetween, AreAtMostSoManyInACellAndNeverSimulationPoints) {
+  SceneParams p = floating();
+  const cloud::PointCloud cloud = sheetCloud(40);
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, cloud);
+  for (const Index most : {1, 5, 64}) {
+    p.contact.cloud_points = most;
+    const auto between = simulation::choosePointsBetween(p, rest.dense, rest);
+    ASSERT_TRUE(between);
+    Index largest = 0;
+    for (Index c = 0; c < static_cast<Index>(rest.points.size()); ++c) {
+      largest = std::max(largest, between->end(c) - between->begin(c));
+      for (Index s = between->begin(c); s < between->end(c); ++s)
+        EXPECT_GT((between->place(s, rest.points) - rest.points[c]).norm(), 0.005);
+    }
+    EXPECT_LE(largest, most);
+    if (most == 64) EXPECT_EQ(between->size() + static_cast<Index>(rest.points.size()), static_cast<Index>(cloud.size()));
+  }
+  p.contact.cloud_points = 0;
+  EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest));
+}
+
+TEST(PointsBetween, ASurfaceOfWhichEveryPointIsSimulatedHasNone) {
+  SceneParams p = floating();
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(12));
+  EXPECT_FALSE(simulation::choosePointsBetween(p, rest.dense, rest));
+}
+
+TEST(PointsBetween, ThoseThatFollowBothSidesOfACutAreSevered) {
+  SceneParams p = floating();
+  const simulation::RestSurface rest = simulation::buildRestSurface(p, sheetCloud(40));
+  const auto between = simulation::choosePointsBetween(p, rest.dense, rest);
+  const Index m = static_cast<Index>(rest.points.size());
+  auto links = rest.model->links()->stretchLinks();
+  const std::vector<char> none = simulation::findSevered(*between, links, m);
+  EXPECT_EQ(std::count(none.begin(), none.end(), 1), 0);
+  const auto crosses = [&](const std::pair<Index, Index>& link) {
+    return (rest.points[link.first].x() < 0.5) != (rest.points[link.second].x() < 0.5);
+  };
+  links.erase(std::remove_if(links.begin(), links.end(), crosses), links.end());
+  const std::vector<char> severed = simulation::findSevered(*between, links, m);
+  for (Index s = 0; s < between->size(); ++s) {
+    bool left = false, right = false;
+    between->visitWeights(s, [&](Index j, double) { (rest.points[j].x() < 0.5 ? left : right) = true; });
+    EXPECT_EQ(severed[s] != 0, left && right);
+  }
+}
+
+TEST(PointsBetween, ForksAndSnapshotsGoOnBitForBit) {
+  SceneParams p = hangingSheet();
+  tool::ToolParams tool = makeTool(makeBall(0.05), {{0.0, Vec3(0.6, 0.0, 0.2)}, {1.0, Vec3(0.6, 0.1, -0.2)}});
+  tool.friction = 0.5;
+  p.tools = {tool};
+  Simulation s(p, sheetCloud(50));
+  run(s, 60);
+  const simulation::Snapshot kept = s.snapshot();
+  Simulation fork = s.fork();
+  run(s, 20);
+  run(fork, 20);
+  EXPECT_EQ(fork.stateHash(), s.stateHash());
+  const auto hash = s.stateHash();
+  s.restore(kept);
+  run(s, 20);
+  EXPECT_EQ(s.stateHash(), hash);
+  Simulation again(p, sheetCloud(50));
+  run(again, 80);
+  EXPECT_EQ(again.stateHash(), hash);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
