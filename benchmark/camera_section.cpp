@@ -123,7 +123,8 @@ void runCameraSection(const Options& options, Report& report) {
   report.end();
   report.note(
       "across: entries of the lists that lead across a gap of the true surface, per cent of those of rule 1; lost: per cent of "
-      "the true ones among the nearest where the rule looks for them; missed: of those to the eight pixels truly nearest. In frames above 100,000 points three pixels in four have the list of a "
+      "the true ones among the nearest where the rule looks for them; missed: of those to the eight pixels truly nearest. In "
+      "frames above 100,000 points three pixels in four have the list of a "
       "neighbour: lost and missed say nothing there");
   report.note("pieces of at least " + std::to_string(kPiecePoints) +
               " points; parts: of the simulation points; motion: rms of the difference to the noise-free pixels, per cent of the "
