@@ -53,6 +53,7 @@ COVERED = {
     "simulation/simulation_statistics.cpp": (["simulation/simulation", "simulation/viewer"], "a part of Simulation"),
     "simulation/snapshot.cpp": (["determinism/snapshot", "determinism/fork", "simulation/viewer"], "a part of Simulation"),
     "simulation/tool_arrival.cpp": (["simulation/appearing_tool"], "the test has the name of the feature"),
+    "simulation/tool_forces.cpp": (["simulation/reactions"], "sums of the loads of contact, as tools report them"),
     "simulation/unconstrained_parts.cpp": (["simulation/parts"], "one test for parts, held or not"),
 }
 
