@@ -98,7 +98,8 @@ Points findNeighbors(const SceneParams& scene, RestSurface& s) {
     return {};
   }
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);
-  if (!s.is_thick) warnOfRows(s);
+  // Particles have no rings that could come apart.
+  if (!s.is_thick && !findModel(scene.model).traits().is_oriented) warnOfRows(s);
   if (params.areEuclidean() || s.is_thick) return {};
   cloud::SurfaceSides sides;
   const bool is_given = !s.dense.normals.empty() && std::none_of(s.dense.normals.begin(), s.dense.normals.end(), isZero);
