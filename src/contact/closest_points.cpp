@@ -5,7 +5,7 @@
 namespace deformable_surface::contact {
 namespace {
 
-constexpr double kFlat = 1e-12;  // of the squares of two edges: that of the area of a triangle that is a line
+constexpr double kFlat = 1e-12;  // squared area of a degenerate triangle, as a fraction of the squares of two edges
 
 double divide(double a, double b) { return b > 0.0 ? std::clamp(a / b, 0.0, 1.0) : 0.0; }
 
@@ -14,7 +14,7 @@ Closest onTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c, d
   return {p - (wa * a + wb * b + wc * c), {1.0, -wa, -wb, -wc}};
 }
 
-// Of a triangle that is a line rounding would decide in which region a point lies.
+// In a degenerate triangle, rounding would decide the region of the point.
 Closest findClosestToLine(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const auto projectOn = [&](const Vec3& from, const Vec3& edge) { return divide(edge.dot(p - from), edge.squaredNorm()); };
   const double on_ab = projectOn(a, b - a), on_ac = projectOn(a, c - a), on_bc = projectOn(b, c - b);
@@ -27,7 +27,7 @@ Closest findClosestToLine(const Vec3& p, const Vec3& a, const Vec3& b, const Vec
 
 }  // namespace
 
-// By the regions in which the point may lie [Ericson 2005, sec. 5.1.5].
+// By the Voronoi region of the point [Ericson 2005, sec. 5.1.5].
 Closest findClosestToTriangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 ab = b - a, ac = c - a;
   if (ab.cross(ac).squaredNorm() <= kFlat * ab.squaredNorm() * ac.squaredNorm()) return findClosestToLine(p, a, b, c);

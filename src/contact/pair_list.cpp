@@ -11,13 +11,14 @@
 namespace deformable_surface::contact {
 namespace {
 
-// Of the median edge: the cheapest for a sheet that falls or folds; below the distance at rest of parts that are not neighbours.
+// Fraction of the median edge: the cheapest for falling or folding sheets; below the rest distance of parts that are not
+// neighbours.
 constexpr double kUsualRadius = 0.7;
-// Of a radius that a search is asked for beyond the usual one: it holds for a while.
+// Factor on a requested radius beyond the usual one, so that the list remains valid for a while.
 constexpr double kSpare = 1.5;
-// Of their distance at rest: so much nearer parts push each other apart.
+// Fraction of the rest distance at which parts begin to repel each other.
 constexpr double kOfRest = 0.9;
-constexpr Index kBlock = 64;  // vertices or edges a task
+constexpr Index kBlock = 64;  // vertices or edges per task
 
 Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
 
@@ -51,7 +52,7 @@ std::vector<std::array<Index, 2>> listEdges(Index n, const std::vector<Triangle>
   return edges;
 }
 
-// Whether edge p q goes through triangle a b c.
+// Whether edge p q crosses triangle a b c.
 bool pierces(const Vec3& p, const Vec3& q, const Vec3& a, const Vec3& b, const Vec3& c) {
   const Vec3 normal = (b - a).cross(c - a), along = q - p;
   const double from = normal.dot(p - a), to = normal.dot(q - a);

@@ -8,11 +8,11 @@
 namespace deformable_surface::contact {
 namespace {
 
-// Of a pair's thickness: nearer than that nothing comes on its own.
+// Fraction of a pair's thickness: limit() lets parts that move come no nearer.
 constexpr double kLeast = 0.5;
-// Of the room between a pair that its points may use up in one step: less than all, so that rounding crosses nothing.
+// Fraction of the room of a pair that its points may use in one step: below 1, so that rounding causes no crossing.
 constexpr double kOfRoom = 0.9;
-// Of a pair's thickness: parts as near as that may touch soon, however slow they are.
+// Factor on a pair's thickness: parts as near as that may touch soon, at any speed.
 constexpr double kWatched = 1.5;
 constexpr int kCollisions = 8;       // passes
 constexpr double kRounding = 1e-15;  // m
@@ -50,7 +50,7 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
   for (const Near& near : measure(positions, list_.usualReach())) {
     const Pair& pair = *near.pair;
-    double fastest = 0.0;  // of one primitive as seen from the other
+    double fastest = 0.0;  // largest velocity of one primitive relative to the other
     for (int v = 0; v < pair.numFirst(); ++v)
       for (int w = pair.numFirst(); w < 4; ++w)
         fastest = std::max(fastest, (velocities[pair.vertices[v]] - velocities[pair.vertices[w]]).squaredNorm());
@@ -111,7 +111,7 @@ void SelfContact::addRowBounds(const Points& positions, std::vector<double>& sti
   for (const Near& near : measure(positions, 0.0)) {
     const Pair& pair = *near.pair;
     if (!(near.distance < pair.thickness)) continue;
-    // The weights sum to two in size.
+    // The absolute weights sum to two.
     for (int v = 0; v < 4; ++v) {
       const double share = 2.0 * std::abs(near.closest.weight[v]) * stiffness(pair);
       stiffness_bounds[pair.vertices[v]] += share;
@@ -212,9 +212,9 @@ SelfContact::Approach SelfContact::makeApproach(const Near& near, const Points& 
   return approach;
 }
 
-// A plane across the gap separates two convex primitives. If the point of the first that comes farthest towards the second and
-// the point of the second that comes farthest towards the first use up less than the gap, a plane in between stays in between, as
-// it moves along. What both share does not count.
+// A plane across the gap separates two convex primitives. Take the point of the first that moves farthest towards the second, and
+// the point of the second that moves farthest towards the first. If both together use less than the gap, a moving plane between
+// them remains a separating plane. Common motion does not count.
 SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
   Worst worst{-1, -1, -approach.room};
   double first = 0.0, second = 0.0;
@@ -238,7 +238,7 @@ SelfContact::Worst SelfContact::findWorst(const Approach& approach) const {
   return worst;
 }
 
-// Pairs that would use up more than their room exchange momentum until they do not, one after the other.
+// Exchanges momentum within pairs that would use more than their room, one pair after the other, until none does.
 void SelfContact::collide() {
   for (int pass = 0; pass < kCollisions; ++pass) {
     bool is_done = true;
@@ -247,7 +247,7 @@ void SelfContact::collide() {
       const double mobility = mobility_[worst.first] + mobility_[worst.second];
       if (!(worst.excess > 0.0) || !(mobility > 0.0)) continue;
       is_done = false;
-      // A little more than needed, so that this comes to an end.
+      // A little more than needed, so that the iteration ends.
       const double momentum = (worst.excess + (1.0 - kOfRoom) * approach.room) / mobility;
       ways_[worst.first] += mobility_[worst.first] * momentum * approach.normal;
       ways_[worst.second] -= mobility_[worst.second] * momentum * approach.normal;
@@ -257,8 +257,8 @@ void SelfContact::collide() {
   }
 }
 
-// Zones of pairs that still come too near go on as one, with the momentum that they have, or stay where a point of theirs does.
-// Zones that then come too near others become one with them, until none does.
+// Zones of pairs that still come too near move on as one rigid zone with their total momentum, or stay where one of their points
+// is fixed. Zones that then come too near others are merged with them, until none does.
 void SelfContact::stopTogether() {
   const auto find = [&](Index i) {
     while (zone_[i] != i) i = zone_[i] = zone_[zone_[i]];
@@ -283,7 +283,7 @@ void SelfContact::stopTogether() {
       }
     }
     if (is_done) return;
-    // The motion of a zone is kept at its first point.
+    // The motion of a zone is stored at its first point.
     zone_motion_.assign(n, Vec3::Zero());
     zone_mass_.assign(n, 0.0);
     for (Index i = 0; i < n; ++i) {
@@ -305,7 +305,7 @@ void SelfContact::stopTogether() {
 const std::vector<Index>& SelfContact::limit(const Points& before, Points& after) {
   const Index n = static_cast<Index>(before.size());
   cut_.clear();
-  // A way that all share brings nothing nearer.
+  // Common motion brings no parts nearer.
   Vec3 shared = Vec3::Zero();
   bool does_one_stay = false;
   for (Index i = 0; i < n; ++i) {
@@ -330,7 +330,7 @@ const std::vector<Index>& SelfContact::limit(const Points& before, Points& after
   mobility_.resize(n);
   for (Index i = 0; i < n; ++i) mobility_[i] = after[i] == before[i] ? 0.0 : 1.0 / masses_[i];
   collide();
-  // Pairs that were not looked at stay apart if no point gets farther than the farthest would have.
+  // Pairs outside this list stay apart if no point moves farther than the farthest one before the change.
   for (Vec3& way : ways_)
     if (way.squaredNorm() > farthest) way *= std::sqrt(farthest / way.squaredNorm());
   stopTogether();

@@ -10,13 +10,14 @@ namespace {
 
 using geometry::SignedDistance;
 
-constexpr double kOut = 1e-6;        // of the way: how far outside a point that was inside begins
-constexpr double kMostLooks = 1e15;  // in a step: as many as times within it can be told apart
-// Where a step has more looks than this, those of a part of it in which the tool hardly moves, in shares of the resolution, are
-// taken as one: a tool that waits and then jumps would be looked at for ever where it waits.
+constexpr double kOut = 1e-6;        // fraction of the segment: offset outside at which a point from inside begins
+constexpr double kMostLooks = 1e15;  // per step: as many as there are distinguishable times within it
+// With more samples than this in a step, those of a part in which the tool hardly moves, in fractions of the resolution, are
+// merged. Otherwise a tool that waits and then jumps would be sampled endlessly where it waits.
 constexpr BladeSweep::Look kMany = 10000;
 constexpr double kStill = 0.1;
-constexpr double kGrazed = 1.01;  // of half the way between two points: farther from its middle nothing lies across it
+constexpr double kGrazed =
+    1.01;  // factor on half of the distance between two points: farther from its middle nothing lies across it
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
@@ -36,13 +37,13 @@ bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b) {
   return out && in->normal.dot(out->normal) < 0.0;
 }
 
-// Only a plane has no other side: nothing can lie between two points.
+// A plane has no other side, so it cannot lie between two points.
 BladeSweep::BladeSweep(const ToolParams& tool, double time, double step, const Points& before, const Points& after, double reach,
                        double resolution)
     : tool_(tool), time_(time), step_(step), reach_(reach), first_(interpolate(tool.path, time)) {
   if (tool.shape.kind == geometry::Solid::Kind::kPlane) return;
   const Pose last = interpolate(tool.path, time + step);
-  // A path with corners, or one that turns, is longer than the way from its beginning to its end.
+  // A path with corners or rotation is longer than the distance between its ends.
   double longer = 1.0;
   for (const WaypointParams& w : tool.path)
     if (w.time > time && w.time < time + step) longer += 1.0;
@@ -61,7 +62,7 @@ BladeSweep::BladeSweep(const ToolParams& tool, double time, double step, const P
   addPieces();
 }
 
-// From corner to corner of the path. A look belongs to the piece that interpolate() finds it on.
+// From corner to corner of the path. A sample belongs to the segment in which interpolate() finds it.
 void BladeSweep::addPieces() {
   const auto firstFrom = [this](double corner) {
     Look look = static_cast<Look>((corner - time_) / step_ * static_cast<double>(num_looks_));
@@ -73,7 +74,7 @@ void BladeSweep::addPieces() {
   Look first = 0;
   const auto add = [&](double to, Look next) {
     const Pose a = interpolate(tool_.path, from), b = interpolate(tool_.path, to);
-    const double share = step_ / (to - from) / static_cast<double>(num_looks_);  // of the piece, from look to look
+    const double share = step_ / (to - from) / static_cast<double>(num_looks_);  // fraction of the segment, between samples
     if (next > first)
       pieces_.push_back(
           {{first, next - 1}, share * (b.position - a.position), share * a.orientation.angularDistance(b.orientation)});
@@ -92,8 +93,8 @@ bool BladeSweep::isNear(const Vec3& point) const {
   return isNear() && geometry::findSignedDistance(tool_.shape, toTool(first_, point), reach).distance <= reach;
 }
 
-// Calls visit(look, pose) at looks of a piece until it returns true: at all at which the tool may touch a ball that moves evenly,
-// and at no others but those that divide the rest.
+// Calls visit(look, pose) at the samples of a segment until it returns true: at all samples at which the tool may touch a ball
+// with constant velocity, and otherwise only at those that bisect the rest.
 template <class Visit>
 bool BladeSweep::visitNear(const Piece& piece, const Looks& looks, const Vec3& before, const Vec3& after, double radius,
                            const Visit& visit) const {
@@ -101,7 +102,7 @@ bool BladeSweep::visitNear(const Piece& piece, const Looks& looks, const Vec3& b
   const Look middle = looks.first + (looks.last - looks.first) / 2;
   const Pose pose = poseAt(middle);
   const Vec3 center = toTool(pose, before + static_cast<double>(middle) / static_cast<double>(num_looks_) * (after - before));
-  // How far the ball goes in the tool's frame from here to either end.
+  // Path of the ball in the tool's frame from here to either end.
   const double longest = static_cast<double>(looks.last - middle);
   const double way = longest * ((after - before) / static_cast<double>(num_looks_) - piece.move).norm();
   const double reach = radius + way + longest * piece.turn * (center.norm() + way);

@@ -8,10 +8,11 @@ namespace {
 using geometry::SignedDistance;
 using geometry::Solid;
 
-constexpr double kSameSide = 0.5;  // cosine between normals that still push the same way
-constexpr int kMaxTraces = 200;    // steps: a way at five degrees to the surface has then come to a hundred-millionth of it
-constexpr double kMet = 1e-9;      // of the way: a distance that counts as none
-constexpr double kGrazed = 1e-3;   // of the way: what is so near after so many steps runs along the surface
+constexpr double kSameSide = 0.5;  // cosine between normals that push to the same side
+constexpr int kMaxTraces =
+    200;                       // steps: a path at five degrees to the surface has then come to a hundred-millionth of its length
+constexpr double kMet = 1e-9;  // fraction of the path: a distance that counts as zero
+constexpr double kGrazed = 1e-3;  // fraction of the path: if as near after all steps, the path runs along the surface
 
 }  // namespace
 
@@ -44,7 +45,7 @@ bool isHeldUp(const Solid& solid, const Entry& entry, const Vec3& point, const S
 }
 
 std::optional<Entry> findCrossing(const Solid& solid, const Vec3& from, const Vec3& to) {
-  if (solid.kind == Solid::Kind::kPlane) return std::nullopt;  // has no other side
+  if (solid.kind == Solid::Kind::kPlane) return std::nullopt;  // a plane has no other side
   const double length = (to - from).norm();
   const SignedDistance before = geometry::findSignedDistance(solid, from, length);
   if (before.distance > length) return std::nullopt;

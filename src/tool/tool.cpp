@@ -50,7 +50,7 @@ Motion findMotion(const std::vector<WaypointParams>& path, double time) {
   const Pose a = makePose(*(next - 1)), b = makePose(*next);
   const double duration = next->time - (next - 1)->time;
   motion.velocity = (b.position - a.position) / duration;
-  // The shorter way round, as the interpolation takes it.
+  // The shorter rotation, as in the interpolation.
   const Eigen::AngleAxisd turn(b.orientation.dot(a.orientation) < 0.0
                                    ? Eigen::Quaterniond(-(b.orientation * a.orientation.conjugate()).coeffs())
                                    : b.orientation * a.orientation.conjugate());

@@ -1,4 +1,4 @@
-// What sentences and pages say of the modes of tools, made from their table.
+// Text of messages and pages about tool modes, generated from their table.
 #include "deformable_surface/tool/tool_params.h"
 
 #include <algorithm>

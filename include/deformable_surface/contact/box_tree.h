@@ -1,4 +1,4 @@
-// Which of many boxes that move are near a given one: a tree over the boxes that keeps its shape while they move.
+// Finds which of many moving boxes are near a given box: a bounding volume hierarchy that keeps its topology while they move.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -12,13 +12,13 @@ using Box = Eigen::AlignedBox3d;  // m
 
 class BoxTree {
  public:
-  /// Halves the boxes by the middles along the widest axis, again and again. Deterministic.
+  /// Splits the boxes recursively at the median along the widest axis. Deterministic.
   explicit BoxTree(const std::vector<Box>& boxes);
 
-  /// The same boxes at other places. O(n).
+  /// Updates the tree for the same boxes at other places. O(n).
   void refit(const std::vector<Box>& boxes);
 
-  /// Calls visit(i) for the boxes that meet the given one, always in the same order. Parallel calls are fine.
+  /// Calls visit(i) for the boxes that overlap the given one, always in the same order. Thread-safe.
   template <class Visit>
   void visitMeeting(const Box& box, const Visit& visit) const {
     for (Index node = 0; node < static_cast<Index>(nodes_.size());) {
@@ -34,7 +34,7 @@ class BoxTree {
  private:
   struct Node {
     Box box;
-    Index behind;  // the node that follows all below this one
+    Index behind;  // the next node that is not below this one
     Index item;    // of a leaf; else -1
   };
   void build(std::vector<std::pair<Vec3, Index>>& middles, Index begin, Index end);

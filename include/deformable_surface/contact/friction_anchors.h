@@ -1,4 +1,4 @@
-// What friction remembers: where points stick. Part of the state of a surface.
+// Memory of friction: the places to which points stick. Part of the state of a surface.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -8,24 +8,24 @@
 
 namespace deformable_surface::contact {
 
-/// Where a point sticks to a rigid body, or is about to again.
+/// The place at which a point sticks to a rigid body, or would stick again.
 struct BodyAnchor {
   std::uint64_t body;  // a hash of its name
   Index point;
   Vec3 place;   // m, in the body's frame
-  bool slides;  // the point was sliding when it was last looked at
+  bool slides;  // the point was sliding at the last check
 
   bool isBefore(std::uint64_t other_body, Index other_point) const {
     return body != other_body ? body < other_body : point < other_point;
   }
 };
 
-/// Where two parts of the surface stick to each other.
+/// The place at which two parts of the surface stick to each other.
 struct PairAnchor {
   std::array<Index, 4> vertices;  // of the pair, see contact::Pair
   bool is_edges;
-  std::array<double, 4> weight;  // of the vertices in the gap between both places
-  Vec3 offset;                   // m, that gap where nothing pulls
+  std::array<double, 4> weight;  // of the vertices in the gap between the two places
+  Vec3 offset;                   // m, the gap at which the spring is unloaded
   bool slides;
 
   bool isBefore(const std::array<Index, 4>& other, bool other_is_edges) const {

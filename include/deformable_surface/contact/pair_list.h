@@ -1,4 +1,4 @@
-// The pairs of a surface's parts that may touch: vertices and triangles, edges and edges, that share no vertex.
+// The pairs of primitives of a surface that may touch and share no vertex: vertex and triangle, edge and edge.
 #pragma once
 
 #include "deformable_surface/contact/box_tree.h"
@@ -13,9 +13,9 @@ namespace deformable_surface::contact {
 using Triangle = std::array<Index, 3>;
 
 struct Pair {
-  std::array<Index, 4> vertices;  // of a triangle: the vertex first; of edges: two and two
+  std::array<Index, 4> vertices;  // vertex and triangle: the vertex first; edges: two and two
   bool is_edges;
-  double thickness;  // m: nearer than that they push each other apart; that of the surface, but below their distance at rest
+  double thickness;  // m: nearer parts repel each other; that of the surface, but below their distance at rest
 
   Index numFirst() const { return is_edges ? 2 : 1; }  // vertices of the first primitive
 };
@@ -26,18 +26,18 @@ inline Closest findClosest(const Pair& pair, const Points& positions) {
   return pair.is_edges ? findClosestOfEdges(a, b, c, d) : findClosestToTriangle(a, b, c, d);
 }
 
-/// Lists the pairs that are near, and says how long the list holds.
+/// Lists the near pairs, and determines how long the list is valid.
 class PairList {
  public:
-  /// rest: (n) m. thickness: m. Left out are pairs that touch at rest, and all of triangles that cross others there.
+  /// rest: (n) m. thickness: m. Pairs that touch at rest are omitted, and all pairs of triangles that cross others at rest.
   PairList(Points rest, const std::vector<Triangle>& triangles, double thickness);
 
-  /// Makes sure that every pair nearer than reach (m) is listed; the list is made anew if points have moved too far, all less
-  /// their mean, since it was made.
+  /// Ensures that every pair nearer than reach (m) is listed. Rebuilds the list if points have moved too far since the last
+  /// search, relative to their mean motion.
   void update(const Points& positions, double reach);
 
-  /// In an order that is the same whenever the list was made. Calls visit(pair) for those that may be nearer than reach (m), at
-  /// most that of the last update().
+  /// Calls visit(pair) for the pairs that may be nearer than reach (m), which must not exceed that of the last update(). The
+  /// order does not depend on when the list was built.
   template <class Visit>
   void visitNear(double reach, const Visit& visit) const {
     for (std::size_t p = 0; p < pairs_.size(); ++p) {
@@ -52,15 +52,15 @@ class PairList {
     }
   }
   double thickness() const { return thickness_; }
-  /// Triangles that edges of others go through at rest.
+  /// Number of triangles that are crossed by edges of others at rest.
   Index numCrossed() const { return num_crossed_; }
   const Vec3& firstCrossing() const { return first_crossing_; }  // m, at rest; only if there is one
-  /// m: a search for pairs that are nearer costs no more than one for those that touch.
+  /// m: a search up to this distance costs no more than one for touching pairs.
   double usualReach() const { return kUsualReach * usual_radius_; }
   Index numSearches() const { return num_searches_; }
 
  private:
-  static constexpr double kUsualReach = 0.5;  // the rest is what points may move until the next search
+  static constexpr double kUsualReach = 0.5;  // the remainder is the allowed motion until the next search
 
   void findCrossed();
   void measureWays(const Points& positions);
@@ -74,16 +74,16 @@ class PairList {
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxTree triangle_tree_, edge_tree_;
   double usual_radius_ = 0.0;     // m, of a search
-  std::vector<char> is_crossed_;  // (n) of a triangle that crosses another one at rest
+  std::vector<char> is_crossed_;  // (n) vertices of triangles that cross others at rest
   Index num_crossed_ = 0;
   Vec3 first_crossing_ = Vec3::Zero();
 
-  Points reference_;          // m, where the points were when the list was made; empty: there is none
+  Points reference_;          // m, positions at the last search; empty: no search yet
   double radius_ = 0.0;       // m: nearer pairs were listed
-  std::vector<double> way_;   // (n) m, of the points since then, less their mean
+  std::vector<double> way_;   // (n) m, motion of the points since the search, less their mean
   double largest_way_ = 0.0;  // m
   std::vector<Pair> pairs_;
-  std::vector<double> distance_;  // m, of the pairs then
+  std::vector<double> distance_;  // m, of the pairs at the search
   Index num_searches_ = 0;
 };
 

@@ -1,4 +1,4 @@
-// A knife in a step: what it went between. Apart from contact, because it does not push.
+// A knife in a step: finds pairs of points that it passed between. A knife applies no force here; that is contact.
 #pragma once
 
 #include "deformable_surface/tool/tool.h"
@@ -8,39 +8,40 @@
 
 namespace deformable_surface::tool {
 
-/// Whether a solid lies across the straight way between two points (m, in its frame): the way goes in on one side of it and comes
-/// out on an opposite one. A point inside counts as being where it would be pushed out.
+/// Whether a solid lies across the straight segment between two points (m, in its frame): the segment enters on one side and
+/// leaves on an opposite one. A point inside counts as being where it would be pushed out.
 bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b);
 
-/// The way of a tool through a step, looked at in even intervals of time between which it moves by no more than a resolution.
-/// Only the looks at which it is near are taken: intervals that it spends farther away than it goes in them are passed over, so
-/// that the work for a pair of points grows with the logarithm of the way alone.
+/// The motion of a tool through a step, sampled at even intervals of time in which it moves by no more than a resolution. Only
+/// samples at which the tool is near are evaluated. Intervals in which it cannot reach the points are skipped, so that the work
+/// for a pair of points grows with the logarithm of the path alone.
 class BladeSweep {
  public:
-  /// before, after (n x 3) m: points that move straight and evenly through the step, world; only those that the tool may come as
-  /// near to as reach, m, count for how fast it is. resolution, m, above 0. tool is kept by reference.
+  /// before, after (n x 3) m: points that move at constant velocity through the step, world. Only points that the tool may
+  /// approach to within reach, m, count for its speed. resolution, m, above 0. tool is kept by reference.
   BladeSweep(const ToolParams& tool, double time, double step, const Points& before, const Points& after, double reach,
              double resolution);
 
   using Look = std::int64_t;
-  /// Consecutive looks; none if last < first.
+  /// Consecutive samples; none if last < first.
   struct Looks {
     Look first = 0, last = -1;
   };
 
-  /// Whether it came so near to any of the points; to one that is there at the beginning of the step.
+  /// Whether the tool comes within reach of any of the points; isNear(point): of a point at this place at the beginning of the
+  /// step.
   bool isNear() const { return !pieces_.empty(); }
   bool isNear(const Vec3& point) const;
-  /// Between the first and the last of these lie all looks at which it may touch a ball whose centre moves straight and evenly.
+  /// All samples at which the tool may touch a ball whose centre moves at constant velocity lie between the first and the last.
   Looks findLooks(const Vec3& before, const Vec3& after, double radius) const;
   Looks all() const { return pieces_.empty() ? Looks{} : Looks{0, num_looks_}; }
-  /// Whether it went between two points that move straight and evenly in the world, at one of these looks. Where taken is given,
-  /// it grows by the number of poses that were looked at.
+  /// Whether the tool passed between two points with constant velocities in the world, at one of these samples. taken, if given,
+  /// is increased by the number of evaluated poses.
   bool wentBetween(const Vec3& a_before, const Vec3& a_after, const Vec3& b_before, const Vec3& b_after, const Looks& looks,
                    std::int64_t* taken = nullptr) const;
 
  private:
-  // Of the path: the looks on it, and how the tool moves from one of them to the next.
+  // A segment of the path: its samples, and the motion of the tool from one to the next.
   struct Piece {
     Looks looks;
     Vec3 move;    // m
@@ -49,7 +50,7 @@ class BladeSweep {
   // Two points, at the beginning and the end of the step.
   struct Pair {
     Vec3 a_before, a_after, b_before, b_after;
-    double half;  // m, of their distance at most
+    double half;  // m, half of their largest distance
   };
 
   Pose poseAt(Look look) const;
@@ -63,11 +64,11 @@ class BladeSweep {
   const ToolParams& tool_;
   double time_, step_;   // s
   double reach_;         // m
-  double travel_ = 0.0;  // m, at most, of a point near it in its frame
-  Look num_looks_ = 0;   // beside that at the beginning
-  double still_ = 0.0;   // m: looks between which it moves by less count as one
+  double travel_ = 0.0;  // m, upper bound, of a point near the tool in the tool's frame
+  Look num_looks_ = 0;   // without the one at the beginning
+  double still_ = 0.0;   // m: samples between which the tool moves by less count as one
   Pose first_;
-  std::vector<Piece> pieces_;  // empty: it is nowhere near
+  std::vector<Piece> pieces_;  // empty: the tool is not near
 };
 
 }  // namespace deformable_surface::tool

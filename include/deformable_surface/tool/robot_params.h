@@ -1,4 +1,4 @@
-// Which links of a robot are tools. Apart from tools, because what they look like and where they are comes from elsewhere.
+// Which links of a robot are tools. Their shapes and poses come from the URDF and tf.
 #pragma once
 
 #include "deformable_surface/base/params.h"

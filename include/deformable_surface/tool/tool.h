@@ -1,4 +1,4 @@
-// A rigid tool in motion: where it is at a time, and what it does to a point.
+// A rigid tool in motion: its pose at a time, and its effect on a point.
 #pragma once
 
 #include "deformable_surface/geometry/solid.h"
@@ -13,10 +13,10 @@ struct Pose {
   Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity();
 };
 
-/// Between waypoints positions run straight and orientations turn about one axis, both evenly in time; outside they rest.
+/// Linear interpolation of positions and spherical of orientations between waypoints; constant outside of the path.
 Pose interpolate(const std::vector<WaypointParams>& path, double time);
 
-/// How a tool moves: the velocity of any point that is fixed to it.
+/// Motion of a rigid tool: gives the velocity of any point fixed to it.
 struct Motion {
   Vec3 origin = Vec3::Zero();            // m, of the tool, world
   Vec3 velocity = Vec3::Zero();          // m/s, of the tool's origin
@@ -25,22 +25,22 @@ struct Motion {
   Vec3 velocityAt(const Vec3& position) const { return velocity + angular_velocity.cross(position - origin); }
 };
 
-/// At a time on the path; on a waypoint that of the part that begins there.
+/// Motion at a time on the path; on a waypoint that of the segment that begins there.
 Motion findMotion(const std::vector<WaypointParams>& path, double time);
 
-/// What is wrong with a path: the sentence that reading one would give for its first problem; empty if nothing is.
+/// The first problem of a path, in the same sentence as when it is read; empty if there is none.
 std::string findProblem(const std::vector<WaypointParams>& path);
 
-/// Whether points cannot be inside it.
+/// Whether the tool keeps points out.
 inline bool isPushing(const ToolParams& tool) { return tool.mode == Mode::kSolid || tool.mode == Mode::kCut; }
 
-/// Whether points stick to it and rub on it.
+/// Whether the tool has friction on points.
 inline bool hasFriction(const ToolParams& tool) { return tool.friction > 0.0 && isPushing(tool); }
 
 inline bool isActive(const ToolParams& tool, double time) { return tool.start <= time && time < tool.end; }
 
-/// Distance (m, negative inside) and outward normal of a solid at a pose, in the world; beyond the limit (m) as that of the
-/// solid.
+/// Distance (m, negative inside) and outward normal of a solid at a pose, in the world. Beyond the limit (m), as in
+/// geometry::findSignedDistance().
 inline geometry::SignedDistance findSignedDistance(const geometry::Solid& solid, const Pose& pose, const Vec3& point,
                                                    double limit = std::numeric_limits<double>::infinity()) {
   geometry::SignedDistance d = geometry::findSignedDistance(solid, pose.orientation.conjugate() * (point - pose.position), limit);

@@ -1,5 +1,5 @@
-// The table of tool modes: names, message codes, colours, and which fields each of them uses with which model. Apart from the
-// tools themselves, because scenes, messages, menus and markers all read it.
+// The table of tool modes: names, message codes, colours, and the fields that each mode uses with each model. Scenes, messages,
+// menus and markers all read it.
 #pragma once
 
 #include <array>
@@ -8,10 +8,10 @@
 
 namespace deformable_surface::tool {
 
-/// What a tool does; see docs/tools.md.
+/// Effect of a tool; see docs/tools.md.
 enum class Mode { kSolid, kAttract, kMove, kErase, kCut, kHeat };
 
-/// Which fields a mode reads; the others must not be given.
+/// The fields that a mode reads; others must not be given.
 struct ModeUse {
   bool is_known = false;  // the model has this mode
   bool friction = false, strength = false, reach = false;
@@ -19,12 +19,12 @@ struct ModeUse {
 
 struct ModeInfo {
   Mode mode;
-  const char* name;   // in scenes; in messages in capitals
+  const char* name;   // in scenes; in upper case in messages
   std::uint8_t code;  // in messages
   const char* meaning;
   const char* strength;        // its unit and meaning; null: no model uses it
-  bool needs_strength;         // it does nothing with 0
-  ModeUse everywhere;          // with every model; a model may have more (ModelKind::useOf())
+  bool needs_strength;         // the mode has no effect with 0
+  ModeUse everywhere;          // with every model; a model may add to it (ModelKind::useOf())
   std::array<float, 3> color;  // red, green, blue
 };
 
@@ -74,7 +74,7 @@ inline constexpr ModeInfo kModes[] = {
 
 constexpr const ModeInfo& infoOf(Mode mode) { return kModes[static_cast<int>(mode)]; }
 
-/// The mode of a message's code; null: none has it.
+/// The mode with this message code; null: none.
 inline const ModeInfo* findMode(int code) {
   for (const ModeInfo& info : kModes)
     if (info.code == code) return &info;

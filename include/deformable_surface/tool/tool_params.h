@@ -1,4 +1,4 @@
-// A rigid tool: what it is, what it does and where it goes.
+// A rigid tool: shape, mode and path.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -13,9 +13,9 @@
 
 namespace deformable_surface::tool {
 
-constexpr double kLengthTolerance = 1e-3;  // what the length of a quaternion written with few digits may miss
+constexpr double kLengthTolerance = 1e-3;  // tolerance on the length of a quaternion written with few digits
 
-/// Where a tool is at a time.
+/// Pose of a tool at a time.
 struct WaypointParams {
   double time = 0.0;                     // s
   Vec3 position = Vec3::Zero();          // m
@@ -26,15 +26,15 @@ struct ToolParams {
   std::string id;
   Mode mode = Mode::kSolid;
   geometry::Solid shape;
-  double friction = 0.0;               // Coulomb's coefficient, >= 0: of what sticks
-  OrAuto<double> kinetic_friction;     // the same of what slides, at most friction; auto = friction
+  double friction = 0.0;               // coefficient of static friction, >= 0
+  OrAuto<double> kinetic_friction;     // coefficient of kinetic friction, at most the static one; auto = friction
   double strength = 0.0;               // >= 0; unit and meaning: kModes
-  double reach = 0.0;                  // m, how far from its surface it is felt
+  double reach = 0.0;                  // m, range of its effect from its surface
   double start = -1e300, end = 1e300;  // s: acts in the steps that begin at start <= t < end
-  std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between and held outside
+  std::vector<WaypointParams> path;    // ascending times, at least one; interpolated between, constant outside
 };
 
-/// For the page of parameters, from the table: modes by name, and their strengths.
+/// Modes and their strengths, from the table, for the page of parameters.
 const char* describeModes();
 const char* describeStrengths();
 std::vector<std::pair<const char*, Mode>> listModes();
