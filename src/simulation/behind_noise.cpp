@@ -12,19 +12,19 @@
 namespace deformable_surface::simulation {
 namespace {
 
-// More than the edges of parts are.
+// Above the share of points at the edges of parts.
 constexpr double kMostUnexplained = 0.02;  // of the points
-// Of the gap that is taken for surface: layers of made frames that were farther apart had no links between them, whatever the
-// noise (docs/geodesics.md).
+// Factor on the gap that is taken for surface: in synthetic frames, layers farther apart had no links between them at any noise
+// (docs/geodesics.md).
 constexpr double kSureGap = 3.0;
-// Of the spacing, left by the windows: with more, areas and masses come out a tenth and more too large.
+// Fraction of the spacing, for the noise left by the windows: above it, areas and masses are too large by a tenth or more.
 constexpr double kMostLeft = 0.5;
 
 std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
 }
 
-// No depth camera sees so far; in millimetres a metre is a thousand.
+// No depth camera sees so far. In millimetres, a metre is a thousand.
 void warnOfUnits(const cloud::PointCloud& input, RestSurface& s) {
   constexpr double kFarthest = 50.0;  // m
   std::vector<double> distances;

@@ -15,10 +15,10 @@ namespace {
 
 using Link = std::pair<Index, Index>;
 
-constexpr double kRide = 0.35;  // of the spacing: a point that is nearer to an edge would have to bend too sharply beside it
+constexpr double kRide = 0.35;  // fraction of the spacing: a point nearer to an edge would have to bend too sharply beside it
 constexpr int kHalvings = 12;
 
-// The share of the way from a place inside to one outside at which the region ends.
+// Where the region ends between a place inside and one outside, as a fraction of their distance.
 double findEnd(const Vec3& inside, const Vec3& outside, const Contains& contains) {
   double low = 0.0, high = 1.0;
   for (int k = 0; k < kHalvings; ++k) {
@@ -46,7 +46,8 @@ ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>
   ClampEdges found;
   if (std::find(clamping.begin(), clamping.end(), 1) == clamping.end()) return found;
   const Index n = static_cast<Index>(surface.rest.size());
-  // Of every link that the edge crosses where, at rest; and of each point beside it the nearest place of the edge.
+  // For every link that the edge crosses, the place of the crossing at rest; and for each point beside the edge, its nearest
+  // place on it.
   std::map<Link, Vec3> crossings;
   const auto cross = [&](Index in, Index out) {
     const auto known = crossings.find(Link(in, out));
@@ -74,7 +75,7 @@ ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>
       nearest[i] = place;
     }
   }
-  // Where the edge meets that of the surface it does so on the outermost links.
+  // Where the region's edge meets that of the surface, it crosses the outermost links.
   for (const auto& [link, place] : crossings)
     for (const Index i : {link.first, link.second}) {
       if (!surface.open[link.first] || !surface.open[link.second]) continue;
@@ -112,7 +113,7 @@ bool canClamp(const SceneParams& params) { return findModel(params.model).isPlat
 
 namespace {
 
-// Pins that clamp nothing.
+// Notes pins that do not clamp.
 void noteHinges(const SceneParams& params, const Points& dense, const std::vector<char>& clamping, RestSurface& s) {
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
     bool clamps = false;

@@ -1,5 +1,5 @@
-// What solid tools pass over within a step, and what of it is over again. Apart from the forces of contact, which act in every
-// sub-step: this looks once before a step and once after it.
+// Continuous collision detection between solid tools and points, and when a recorded crossing ends. It runs once before and once
+// after each step; contact forces act in every sub-step.
 #include "deformable_surface/base/interrupt.h"
 #include "deformable_surface/simulation/contact_load.h"
 
@@ -16,20 +16,20 @@ using tool::Entry;
 using tool::Pose;
 using tool::ToolParams;
 
-constexpr double kRounding = 1e-6;  // of a step: by which times of its beginning may be off
-constexpr Index kLook = 64;         // points between two looks at an interrupt: each may be traced over all moments
+constexpr double kRounding = 1e-6;  // fraction of a step: possible rounding error of the time of its beginning
+constexpr Index kLook = 64;         // points between two checks for an interrupt: each may be traced over all moments
 constexpr int kMaxMoments = 64;
-constexpr double kTurn = 0.2;  // rad between two looks at a tool that turns: ways in its frame are then nearly straight
+constexpr double kTurn = 0.2;  // rad between two samples of a turning tool: paths in its frame are then nearly straight
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
 struct Moment {
-  double share;  // of the step
+  double share;  // fraction of the step
   Pose pose;
 };
 
-// Where a tool is at moments of a step between which it goes straight and turns little. As many as fit: a path with more corners
-// in one step than that is seen without the last of them.
+// Poses of a tool at moments of a step between which it moves straight and turns little. A path with too many corners in one step
+// loses the last of them.
 struct Moments {
   Moment all[kMaxMoments];
   int count = 0;
@@ -57,7 +57,7 @@ Moments listMoments(const ToolParams& tool, double time, double step) {
   return moments;
 }
 
-// The first crossing of a point that moves straight and evenly in the world.
+// The first crossing of a point with constant velocity in the world.
 std::optional<Entry> findCrossing(const ToolParams& tool, const Moments& moments, const Vec3& from, const Vec3& to) {
   Vec3 last = toTool(moments.all[0].pose, from);
   for (int k = 1; k < moments.count; ++k) {
@@ -72,7 +72,7 @@ bool passes(const ContactLoad::Body& body) {
   return body.tool.mode == tool::Mode::kSolid && body.tool.shape.kind != geometry::Solid::Kind::kPlane && *body.acts;
 }
 
-// Whether a point went through a triangle while both moved evenly.
+// Whether a point went through a triangle, all with constant velocities.
 bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], const Vec3 (&after)[3]) {
   const Vec3 across_before = (before[1] - before[0]).cross(before[2] - before[0]);
   const Vec3 across_after = (after[1] - after[0]).cross(after[2] - after[0]);
@@ -159,7 +159,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     }
     body.passed.swap(scratch_);
 
-    // A tool that finds its way between the points, its origin going before.
+    // A tool that passes between the points: its origin goes through a triangle.
     if (std::find(told_.begin(), told_.end(), body.tool.id) != told_.end()) continue;
     const auto isPassed = [&](Index i) {
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},

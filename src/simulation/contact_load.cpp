@@ -15,7 +15,7 @@ namespace {
 using tool::Mode;
 using tool::ToolParams;
 
-// Minus the derivative, and the value, of the attraction for unit stiffness at a distance, see the class.
+// Minus the derivative, and the value, of the attraction potential at a distance, for unit stiffness; see the class.
 double attractionForce(double d, double reach) {
   const double rest = 1.0 - d * d / (reach * reach);
   return -d * rest * rest;
@@ -25,16 +25,16 @@ double attractionPotential(double d, double reach) {
   return -reach * reach / 6.0 * rest * rest * rest;
 }
 
-// A ball is asked with a little more than its radius, so that rounding leaves nothing out.
+// Factor on the radius of a ball, so that rounding excludes no point.
 constexpr double kBallMargin = 1.0 + 1e-9;
 
-// Up to which the surface may be stretched for the points between simulation points to be found in time.
+// Largest stretch of the surface at which all touching points between simulation points are found.
 constexpr double kMostStretch = 4.0;
-// Of the radius of a cell, half of the spacing: balls with larger radii get into the surface between simulation points by no more
-// than a hundredth of the spacing, and heights below the other hardly count.
+// Factors on the radius of a cell, which is half of the spacing. Larger balls enter the surface between simulation points by no
+// more than a hundredth of the spacing; heights below the second factor hardly count.
 constexpr double kLargeBall = 40.0, kFlat = 0.02;
 
-// Whether a tool may touch points of a cell though it does not touch its simulation point.
+// Whether a tool may touch points of a cell without touching its simulation point.
 bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints& between, Index cell) {
   if (between.begin(cell) == between.end(cell)) return false;
   const bool is_flat = shape.kind == geometry::Solid::Kind::kPlane ||
@@ -42,7 +42,7 @@ bool mayTouchBetween(const geometry::Solid& shape, const transfer::SampledPoints
   return !is_flat || between.height(cell) > kFlat * between.radius(cell);
 }
 
-constexpr Index kLook = 1024;  // points between two looks at an interrupt: milliseconds, also of tools of many triangles
+constexpr Index kLook = 1024;  // points between two checks for an interrupt: milliseconds, also for tools of many triangles
 
 }  // namespace
 
@@ -67,7 +67,7 @@ void ContactLoad::setTools(const std::vector<ToolParams>& tools) {
 }
 
 bool ContactLoad::mayHold(const Vec3& point, const Vec3& direction, double time) const {
-  constexpr double kFar = 1e3;  // of the distance to the tool and its size: so far a way is followed
+  constexpr double kFar = 1e3;  // factor on the distance to the tool and its size: the length of the path that is checked
   return std::any_of(bodies_.begin(), bodies_.end(), [&](const Body& body) {
     const ToolParams& tool = body.tool;
     if (!body.acts.value_or(tool::isActive(tool, time))) return false;
@@ -97,7 +97,7 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
   const transfer::SampledPoints* const between = pushing ? points_.between() : nullptr;
   for (Index i = 0; i < static_cast<Index>(positions.size()); ++i) {
     endIfInterrupted(i, kLook);
-    // Most points are far from most tools, and need no more of them.
+    // Most points are far from most tools, and are skipped here.
     const bool is_passed = passed != body.passed.end() && passed->point == i;
     const double squared_distance = (positions[i] - pose.position).squaredNorm();
     double reach = 0.0;
@@ -120,7 +120,7 @@ void ContactLoad::listTouches(const Body& body, double time, const Points& posit
   if (between) listTouchesBetween(tool, pose, positions, touches);
 }
 
-// Of cells that are near.
+// For the cells that are near.
 void ContactLoad::listTouchesBetween(const ToolParams& tool, const tool::Pose& pose, const Points& positions,
                                      std::vector<Touch>& touches) const {
   const transfer::SampledPoints& between = *points_.between();
@@ -188,11 +188,12 @@ double ContactLoad::estimateWork(double from, double to, const model::State& bef
   return std::max({0.0, potential(to, before) - potential(from, before), potential(to, after) - potential(from, after)});
 }
 
-// The curvature of the tool's surface would soften a point that slides; leaving it out keeps the matrix positive.
+// The curvature of the tool's surface would soften a sliding point. It is left out, so that the matrix stays positive
+// semidefinite.
 void ContactLoad::addStiffness(double time, const model::State& state, double, BlockSparse& stiffness) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {
     const ToolParams& tool = bodies_[b].tool;
-    // Also without contact: the pattern stays the same from step to step.
+    // Also without contact: the sparsity pattern stays the same from step to step.
     for (Index i = 0; i < state.size(); ++i) stiffness.add(i, i, Mat3::Zero());
     const double per_mass = tool::isPushing(tool) ? rate_ * rate_ : tool.strength / points_.totalMass();
     for (const Touch& touch : findTouches(b, time, state.positions))
@@ -201,7 +202,7 @@ void ContactLoad::addStiffness(double time, const model::State& state, double, B
   }
 }
 
-// Of simulation points in any case, so that the bound stays the same while they come and go; of others where they touch.
+// For simulation points in any case, so that the bound is constant while contacts change; for other points only in contact.
 void ContactLoad::addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                                std::vector<double>&) const {
   for (std::size_t b = 0; b < bodies_.size(); ++b) {

@@ -6,7 +6,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kDamped = 0.5;  // of the mass of a cell, for all of its points between together
+constexpr double kDamped = 0.5;  // fraction of the mass of a cell, for all of its points between together
 
 }  // namespace
 
@@ -32,7 +32,7 @@ void ContactPoints::takePart(const ContactPoints& whole, const std::vector<Index
   for (Index p = numSimulated(); p < size(); ++p) is_severed_.push_back(whole.isSevered(number_in_whole_[p]));
 }
 
-// Parts are taken again whenever loads have changed: what is the same is kept.
+// Parts are taken again whenever loads have changed. Unchanged data is kept.
 void ContactPoints::numberPart(const ContactPoints& whole, const std::vector<Index>& new_index) {
   const Index n = whole.numSimulated();
   taken_from_ = whole.between_;
@@ -47,7 +47,7 @@ void ContactPoints::numberPart(const ContactPoints& whole, const std::vector<Ind
   for (std::size_t s = 0; s < old.size(); ++s) {
     number_in_part_[n + old[s]] = numSimulated() + static_cast<Index>(s);
     number_in_whole_.push_back(n + old[s]);
-    damped_mass_[s] = whole.dampedMassOf(n + old[s]);  // as many as the whole has in the cell, whatever is left of them
+    damped_mass_[s] = whole.dampedMassOf(n + old[s]);  // divided by the number in the whole cell, also if the part has fewer
   }
 }
 
@@ -81,7 +81,7 @@ void ContactPoints::addStiffness(Index p, const Mat3& block, BlockSparse& stiffn
   });
 }
 
-// Of w_i w_j, by the absolute values in a row.
+// Row sums of |w_i w_j|.
 void ContactPoints::addRowBound(Index p, double value, std::vector<double>& bound) const {
   if (!isBetween(p)) {
     bound[p] += value;

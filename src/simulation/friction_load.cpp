@@ -101,7 +101,7 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
     const Rubbing body = beginRubbing(tool, time);
     for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
       const Rub rub = findRub(body, state, touch);
-      // A point that has just come has no spring yet.
+      // A new contact has no spring yet.
       const double spring = findAnchor(state.friction, body.key, touch.point) ? rub.law.stiffness : 0.0;
       const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
       contact_.points().addStiffness(
@@ -111,7 +111,8 @@ void FrictionLoad::addStiffness(double time, const model::State& state, double s
   }
 }
 
-// Across the normal, where the contact's own stiffness does not act: that of friction is no larger, and need not be added to it.
+// Tangential, where the contact spring has no stiffness. The stiffness of friction is no larger than that of the spring, and need
+// not be added to it.
 void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {
   for (const ContactLoad::Body& body : contact_.all())
     for (Index i = 0; tool::hasFriction(body.tool) && i < state.size(); ++i)

@@ -10,7 +10,7 @@ namespace {
 
 constexpr char kAnew[] = "a tool that is deleted and added again takes hold anew";
 
-constexpr Index kLook = 1024;  // points between two looks at an interrupt
+constexpr Index kLook = 1024;  // points between two checks for an interrupt
 constexpr int kMaxPatch = 127;
 
 void release(Grips::Grip& grip) {
@@ -167,7 +167,7 @@ void Grips::clamp(std::size_t index, double time, std::vector<model::ClampEdge> 
 
 void Grips::addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>& edges) const {
   const std::size_t num_before = edges.size();
-  int patch = 1;  // that of what does not move
+  int patch = 1;  // that of the fixed points
   for (const Grip& grip : grips_) {
     if (grip.points.empty()) continue;
     patch = patch % kMaxPatch + 1;
@@ -175,7 +175,7 @@ void Grips::addPatches(std::vector<char>& patches, std::vector<model::ClampEdge>
     edges.insert(edges.end(), grip.edges.begin(), grip.edges.end());
   }
   if (edges.size() == num_before) return;
-  // Of a point on two the later one's counts.
+  // For a point on two edges, the later one counts.
   const auto isBefore = [](const model::ClampEdge& a, const model::ClampEdge& b) { return a.point < b.point; };
   std::stable_sort(edges.begin(), edges.end(), isBefore);
 }

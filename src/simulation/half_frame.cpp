@@ -12,9 +12,9 @@ namespace deformable_surface::simulation {
 namespace {
 
 constexpr Index kLargeFrame = 100000;  // points: smaller ones are ready in a second anyway
-constexpr Index kPixelsPerPoint = 12;  // of the lattice, for a simulation point: rings of these are wide enough
-constexpr Index kPinned = 3;           // of the lattice, in every pin: choosePinPoints() takes as many
-constexpr Index kListed = 12;          // neighbours of a pixel between those of the lattice
+constexpr Index kPixelsPerPoint = 12;  // pixels of the lattice per simulation point: enough for their rings
+constexpr Index kPinned = 3;           // pixels of the lattice in every pin: as many as choosePinPoints() takes
+constexpr Index kListed = 12;          // neighbours of a pixel off the lattice
 constexpr Index kBlock = 4096;
 
 bool isWanted(const SceneParams& params, const RestSurface& s) {
@@ -32,7 +32,7 @@ bool arePinsSeen(const SceneParams& params, const Points& points) {
   });
 }
 
-// The lattice's lists, and of a pixel between the nearest of the lattice and the first of its list.
+// The lists of the lattice; for a pixel off the lattice, the nearest one on it and the first of the list of that one.
 Lists spreadNeighbors(const HalfFrame& half) {
   const std::vector<Index>& points = half.lattice.points;
   const Lists &followed = half.lattice.followed, &lists = half.surface.dense_neighbors;
@@ -85,14 +85,14 @@ void takeHalf(const Vec3& eye, HalfFrame half, std::vector<Index>& kept, RestSur
       Vec3 sum = Vec3::Zero();
       for (const Index* k = followed.begin(i); k != followed.end(i); ++k) sum += half.surface.dense.normals[*k];
       if (sum.isZero(0.0)) sum = eye - s.dense.positions[i];
-      if (sum.isZero(0.0)) sum = Vec3::UnitZ();  // some cameras put what they do not see into their eye
+      if (sum.isZero(0.0)) sum = Vec3::UnitZ();  // some cameras put pixels without a depth at the origin of the camera
       s.dense.normals[i] = sum.normalized();
     }
   });
   s.dense_neighbors = spreadNeighbors(half);
   s.closed = half.surface.closed;
 
-  // The pixels between are removed first.
+  // The pixels off the lattice are removed first.
   s.leader.resize(n);
   s.order.num_points = n;
   Index alone = 0;

@@ -8,7 +8,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr int kReach = 4;  // links: farther than any simulation point that a point of the cell follows where nothing is cut
+constexpr int kReach = 4;  // links: farther than any simulation point that a point of an uncut cell follows
 
 // The simulation point in whose cell each dense point lies; -1: in none.
 std::vector<Index> findOwners(const cloud::CleanCloud& dense, const RestSurface& surface) {
@@ -23,7 +23,7 @@ std::vector<Index> findOwners(const cloud::CleanCloud& dense, const RestSurface&
   return owner;
 }
 
-// Of the candidates, ascending: the most that are far from each other and from the center.
+// Farthest point sampling: at most `most` of the candidates that are far from each other and from the center, ascending.
 std::vector<Index> spread(const Points& positions, const Vec3& center, std::vector<Index> candidates, Index most) {
   if (static_cast<Index>(candidates.size()) <= most) return candidates;
   std::vector<double> squared;

@@ -6,8 +6,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kAlone = 0.99;  // weight of a triangle in whose Delaunay cell there is no other
-// Of the length of the shorter edge: edges without a common point that are nearer belong to triangles that overlap.
+constexpr double kAlone = 0.99;  // weight of a triangle whose Delaunay cell holds no other
+// Fraction of the length of the shorter edge: nearer edges without a common point belong to overlapping triangles.
 constexpr double kOverlap = 0.05;
 
 struct Edge {
@@ -15,7 +15,7 @@ struct Edge {
   std::size_t triangle;
 };
 
-// Drops the triangles at the longer one of two edges that cross within the surface.
+// Drops the triangles at the longer of two edges that cross within the surface.
 void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles) {
   std::vector<Edge> edges;
   std::vector<contact::Box> boxes, triangle_boxes;
@@ -46,7 +46,7 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
       if (closest.squaredDistance() < kOverlap * kOverlap * length * length) is_dropped[other.triangle] = 1;
     });
   }
-  // A point within a triangle that its own neighbours cover.
+  // A point within a triangle that is covered by the triangles of its own neighbours.
   for (std::size_t p = 0; p < rest.size(); ++p)
     triangle_tree.visitMeeting(contact::Box(rest[p]), [&](Index f) {
       const contact::Triangle& t = triangles[f];
@@ -69,8 +69,8 @@ contact::SelfContactParams makeParams(double thickness, double friction) {
 
 }  // namespace
 
-// Neighbours on a surface run along their common edge in opposite directions. Triangles of which one would run along an edge that
-// another has taken overlap it.
+// Neighbours on a surface traverse their common edge in opposite directions. A triangle that would traverse an edge in the same
+// direction as another one overlaps it.
 std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles) {
   std::vector<contact::Triangle> chosen;
   std::set<std::pair<Index, Index>> taken;
@@ -92,7 +92,7 @@ SelfContactLoads::SelfContactLoads(const Points& rest, const model::DeformableMo
     : contact(rest, chooseContactTriangles(rest, trianglesOf(model)), model.masses(), makeParams(thickness, friction)),
       rubs_(friction > 0.0) {}
 
-// Where the loads do not act the limit still does: parts that come faster than was foreseen are stopped, not bounced.
+// Where the loads do not act, the limit still does: parts that come faster than predicted are stopped, not bounced.
 bool SelfContactLoads::beginStep(const model::State& state, double step) {
   limit.forgetStopped();
   const bool may_act = contact.mayTouch(state.positions, state.velocities, step);

@@ -1,5 +1,5 @@
-// Contact of the surface with itself as a solver sees it: loads on the simulation points and a limit of their motion. Apart from
-// the contact room, which knows no solver.
+// Contact of the surface with itself for the solver: loads on the simulation points and a limit of their motion. The contact room
+// itself does not depend on the solver.
 #pragma once
 
 #include "deformable_surface/contact/self_contact.h"
@@ -13,7 +13,7 @@
 namespace deformable_surface::simulation {
 
 /// The triangles without those that overlap others at rest, (n) m. Delaunay cells of more than three corners hold several
-/// triangulations: of these one is taken. At edges of scattered points long triangles may lie across others: they are left out.
+/// triangulations: one of them is kept. At edges of scattered points, long triangles may lie across others: they are left out.
 std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const std::vector<model::WeightedTriangle>& triangles);
 
 /// The springs that push near parts apart.
@@ -39,7 +39,7 @@ class SelfContactLoad : public solve::ExternalLoad {
   contact::SelfContact& contact_;
 };
 
-/// Their damping. Its stiffness and bounds are those of SelfContactLoad, which acts whenever this one does.
+/// The damping of these springs. Its stiffness and bounds are those of SelfContactLoad, which acts whenever this one does.
 class SelfContactDamping : public solve::ExternalLoad {
  public:
   explicit SelfContactDamping(contact::SelfContact& contact) : contact_(contact) {}
@@ -53,7 +53,7 @@ class SelfContactDamping : public solve::ExternalLoad {
   contact::SelfContact& contact_;
 };
 
-/// Friction between parts. Takes energy, but for what its springs give back.
+/// Friction between parts. Dissipative, except for the energy that its springs return.
 class SelfFriction : public solve::ExternalLoad {
  public:
   explicit SelfFriction(contact::SelfContact& contact) : contact_(contact) {}
@@ -86,7 +86,7 @@ class SelfContactLimit : public solve::MotionLimit {
     for (const Index i : stopped) stopped_[i] = 1;
     return stopped;
   }
-  /// Points that were stopped since the last forgetStopped().
+  /// Number of points stopped since the last forgetStopped().
   Index numStopped() const { return std::count(stopped_.begin(), stopped_.end(), char{1}); }
   void forgetStopped() { std::fill(stopped_.begin(), stopped_.end(), char{0}); }
 
@@ -95,7 +95,7 @@ class SelfContactLimit : public solve::MotionLimit {
   mutable std::vector<char> stopped_;  // (n)
 };
 
-/// All of it for one surface.
+/// Loads and limit of one surface.
 class SelfContactLoads {
  public:
   /// rest: (n) m; thickness: m; friction: Coulomb's coefficient.
@@ -103,12 +103,12 @@ class SelfContactLoads {
   SelfContactLoads(const SelfContactLoads&) = delete;
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 
-  /// Looks whether the loads may act in a step of so many seconds. Returns whether that is another answer than before.
+  /// Checks whether the loads may act in a step of this length (s). Returns whether the answer has changed.
   bool beginStep(const model::State& state, double step);
   bool mayAct() const { return may_act_; }
   bool rubs() const { return rubs_; }
   void setMayAct(bool may_act) { may_act_ = may_act; }
-  /// Points that were stopped short since the step was begun.
+  /// Number of points stopped since the step began.
   Index numStopped() const { return limit.numStopped(); }
 
   contact::SelfContact contact;

@@ -12,13 +12,13 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kTold = 1e-3;   // of the surface's extent: a tool that appears deeper than that in it is reported
-constexpr double kFree = 0.01;   // of the depth at first that may be left where a tool comes from
+constexpr double kTold = 1e-3;   // fraction of the surface's extent: a tool that appears deeper inside is reported
+constexpr double kFree = 0.01;   // fraction of the initial depth that may be left at the start of the arrival
 constexpr int kMostLooks = 200;  // on one path: a place that is not free by then counts as never free
 
-constexpr Index kLook = 1024;  // points between two looks at an interrupt
+constexpr Index kLook = 1024;  // points between two checks for an interrupt
 
-// Points that a tool at a pose may push, seen from it.
+// Points that a tool at a pose may push, in its frame.
 class Overlap {
  public:
   /// positions: m, of the points.
@@ -56,7 +56,7 @@ class Overlap {
 };
 
 // Distance that the tool has to move in a direction until no point is deeper than some depth; the limit if it is not free before.
-// A tool that moves by a point's depth cannot have released it before, so that no free place is skipped.
+// A move by a point's depth is the least that can release the point, so that no free place is skipped.
 double findWay(const Overlap& overlap, const Vec3& direction, double depth, double limit) {
   double way = 0.0;
   for (int look = 0; look < kMostLooks && way < limit; ++look) {

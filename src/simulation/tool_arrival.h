@@ -5,7 +5,7 @@
 
 namespace deformable_surface::simulation {
 
-/// The path plus the offset of the arrival, which falls evenly to zero.
+/// The path plus the offset of the arrival, which decreases linearly to zero.
 std::vector<tool::WaypointParams> findArrivingPath(const std::vector<tool::WaypointParams>& path,
                                                    const ContactLoad::Arrival& arrival);
 

@@ -1,5 +1,4 @@
-// How far a tool reaches from its own origin. Contact skips points beyond it, and sleeping points within it
-// wake.
+// Largest distance of a tool's surface from its origin. Contact skips points beyond it, and sleeping points within it wake.
 #pragma once
 
 #include "deformable_surface/tool/tool.h"

@@ -16,7 +16,7 @@ void extend(Eigen::AlignedBox3d& box, const ToolParams& tool, const Pose& pose) 
   box.extend(Vec3(pose.position + reach));
 }
 
-// By the tool's place at the beginning of the step and at the corners of its path: a jump is seen from end to end.
+// Adds the tool's pose at the beginning of the step and at the corners of its path: a jump is covered from end to end.
 void extendByWay(Eigen::AlignedBox3d& box, const ToolParams& tool, double time, double step) {
   extend(box, tool, tool::interpolate(tool.path, time - step));
   for (const tool::WaypointParams& w : tool.path)
@@ -25,7 +25,7 @@ void extendByWay(Eigen::AlignedBox3d& box, const ToolParams& tool, double time, 
 
 bool isSame(const Pose& a, const Pose& b) { return a.position == b.position && a.orientation.coeffs() == b.orientation.coeffs(); }
 
-// Whether the tool moves away within the step and may be back at its end.
+// Whether the tool leaves its final pose within the step, as one that moves away and returns.
 bool turnsWithin(const ToolParams& tool, double time, double step) {
   const Pose end = tool::interpolate(tool.path, time);
   return std::any_of(tool.path.begin(), tool.path.end(), [&](const tool::WaypointParams& w) {
@@ -33,7 +33,7 @@ bool turnsWithin(const ToolParams& tool, double time, double step) {
   });
 }
 
-// Apart from the path and the times at which it acts.
+// Compares all but the path and the times at which the tool acts.
 bool isSame(const ToolParams& a, const ToolParams& b) {
   return a.id == b.id && a.mode == b.mode && geometry::isSame(a.shape, b.shape) && a.friction == b.friction &&
          a.kinetic_friction.valueOr(a.friction) == b.kinetic_friction.valueOr(b.friction) && a.strength == b.strength &&

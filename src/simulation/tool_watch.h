@@ -20,7 +20,7 @@ class ToolWatch {
   /// The result of the last check.
   const std::vector<Eigen::AlignedBox3d>& changed() const { return changed_; }
 
-  /// What a snapshot must hold.
+  /// Must be in a snapshot.
   struct Seen {
     tool::ToolParams tool;  // without its path
     bool is_active;

@@ -1,5 +1,5 @@
-// Damping of the springs of contact with solid tools that have friction, as a load on the points that touch them. The springs
-// themselves are ContactLoad, which has a potential.
+// Damping of contact with solid tools that have friction, as a load on the points that touch them. The contact springs are
+// ContactLoad, which has a potential.
 #pragma once
 
 #include "deformable_surface/simulation/contact_load.h"
@@ -7,10 +7,10 @@
 namespace deformable_surface::simulation {
 
 /// F = -c v n on a point that touches a solid tool with friction. v: velocity of the point relative to the tool, along the
-/// outward normal n. c = 2 zeta m r, with zeta = kShare and m r^2 the stiffness of the contact's spring. F never exceeds the
-/// force of the spring, so that contact does not pull. About half of the speed is left after an impact. Without this damping,
-/// points that are pressed between two tools bounced higher and higher: friction on their way put energy in. Contact without
-/// friction keeps its energy.
+/// outward normal n. c = 2 zeta m r, with zeta = kShare and m r^2 the stiffness of the contact spring. F never exceeds the spring
+/// force, so that contact does not pull. About half of the speed is left after an impact. Without this damping, points pressed
+/// between two tools bounced higher and higher, because friction added energy on their way. Contact without friction conserves
+/// energy.
 class ContactDamping : public solve::ExternalLoad {
  public:
   static constexpr double kShare = 0.2;  // zeta, of critical
@@ -20,13 +20,13 @@ class ContactDamping : public solve::ExternalLoad {
   /// Whether no tool has friction.
   bool isEmpty() const;
   void addForces(double time, const model::State& state, Points& forces) const override;
-  /// It takes energy, but where a tool moves along n with speed V: its power is then at most c V^2 / 4.
+  /// Dissipative, except where a tool moves along n with speed V: its power is then at most c V^2 / 4.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
 
-  /// N, on a touched point.
+  /// Damping force on a touched point, N.
   Vec3 findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const;
 
  private:

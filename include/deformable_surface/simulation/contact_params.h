@@ -1,4 +1,4 @@
-// Contact with tools and of a surface with itself: what a user may choose.
+// Parameters of contact with tools and of a surface with itself.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -7,7 +7,7 @@
 namespace deformable_surface::simulation {
 
 struct ContactParams {
-  Index cloud_points = 8;    // 0 .. 64: of a cell, beside its simulation point, that touch tools
+  Index cloud_points = 8;    // 0 .. 64: per cell, beside its simulation point, that touch tools
   bool self = false;         // parts of the surface do not pass through each other
   OrAuto<double> thickness;  // m, > 0; auto = that of the material
   double friction = 0.0;     // Coulomb's coefficient, >= 0

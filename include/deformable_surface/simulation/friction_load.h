@@ -1,4 +1,4 @@
-// Friction of the points that solid tools touch, as a load on them.
+// Friction between solid tools and the points that they touch, as a load.
 #pragma once
 
 #include "deformable_surface/contact/friction_law.h"
@@ -9,29 +9,29 @@
 
 namespace deformable_surface::simulation {
 
-/// Coulomb's friction by contact::FrictionLaw. A point that begins to touch a tool sticks to the place of the tool that it
-/// touches; State::friction remembers the place. The spring has the rate of the contact itself, k = m r^2, and is damped by c = m
-/// r. In an equilibrium there is none.
+/// Coulomb's friction by contact::FrictionLaw. A point that begins to touch a tool sticks to the touched place of the tool;
+/// State::friction stores the place. The spring has the stiffness of the contact spring, k = m r^2, and damping c = m r.
+/// Equilibria have no friction.
 class FrictionLoad : public solve::ExternalLoad {
  public:
   explicit FrictionLoad(const ContactLoad& contact) : contact_(contact) {}
 
   bool isEmpty() const;
   void addForces(double time, const model::State& state, Points& forces) const override;
-  /// It takes energy, but where a tool's own motion drags points along, at most friction times the tool's way, and where springs
-  /// give back what they have stored.
+  /// Dissipative, except where a tool's own motion drags points along, at most friction times the tool's path, and where springs
+  /// return stored energy.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;
   void addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const override;
   void addRowBounds(double time, const model::State& state, std::vector<double>& stiffness,
                     std::vector<double>& damping) const override;
-  /// Where points stick from now on.
+  /// Updates the places to which points stick.
   void remember(double time, model::State& state) const override;
 
-  /// N, on a touched point.
+  /// Friction force on a touched point, N.
   Vec3 findForce(std::size_t body, double time, const model::State& state, const ContactLoad::Touch& touch) const;
 
  private:
-  /// How the point of a touch has moved along the surface of the tool.
+  /// Tangential displacement and velocity of the point of a touch relative to the tool.
   struct Rub {
     contact::FrictionLaw law;
     Vec3 stretch;  // m
@@ -40,7 +40,7 @@ class FrictionLoad : public solve::ExternalLoad {
 
     Vec3 force() const { return law.findForce(stretch, sliding, slides); }
   };
-  /// What is the same for all touches of a body at a time.
+  /// Values shared by all touches of a body at a time.
   struct Rubbing {
     std::uint64_t key;
     double static_coefficient, kinetic_coefficient;
@@ -55,7 +55,7 @@ class FrictionLoad : public solve::ExternalLoad {
   const ContactLoad& contact_;
 };
 
-/// Points have got other indices: new_index (of those before), -1 = gone.
+/// The indices of points have changed: new_index (of the former points), -1 = removed.
 void renumberFriction(const std::vector<Index>& new_index, std::vector<contact::BodyAnchor>& friction);
 
 }  // namespace deformable_surface::simulation

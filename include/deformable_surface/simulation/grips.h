@@ -14,7 +14,7 @@ namespace deformable_surface::simulation {
 /// releases all points and does not take hold again.
 class Grips {
  public:
-  /// What a snapshot must hold.
+  /// Must be in a snapshot.
   struct Grip {
     tool::ToolParams tool;
     bool has_begun = false;
