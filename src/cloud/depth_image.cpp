@@ -9,21 +9,21 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kFewestPixels = 100;
-constexpr Index kSampled = 2000;    // pixels that the camera is fitted to
-constexpr double kOffRay = 0.1;     // of a pixel: what a point may lie off its ray
-constexpr double kStraying = 0.02;  // of the pixels may lie farther off: some drivers move single points
+constexpr Index kSampled = 2000;    // pixels used to fit the camera
+constexpr double kOffRay = 0.1;     // fraction of a pixel: tolerance of a point's distance from its ray
+constexpr double kStraying = 0.02;  // fraction of the pixels that may lie farther off: some drivers move single points
 
 struct Sighting {
   Vec3 pixel;      // (u, v, 1), scaled
   Vec3 direction;  // unit, from the eye
 };
 
-// The matrix A of least sum of |d x A m|^2, up to its length.
+// The matrix A that minimises the sum of |d x A m|^2, up to its length.
 Mat3 fitView(const std::vector<Sighting>& sightings) {
   using Mat9 = Eigen::Matrix<double, 9, 9>;
   Mat9 normal = Mat9::Zero();
   for (const Sighting& s : sightings) {
-    const Mat3 off = Mat3::Identity() - s.direction * s.direction.transpose();  // its square is itself
+    const Mat3 off = Mat3::Identity() - s.direction * s.direction.transpose();  // a projection, hence its own square
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) normal.block<3, 3>(3 * a, 3 * b) += s.pixel[a] * s.pixel[b] * off;
   }
@@ -42,7 +42,7 @@ std::optional<DepthImage> findDepthImage(const PointCloud& input, const CleanClo
     if (cloud.point_of_input[i] >= 0 && input.positions[i] != input.eye()) seen.push_back(i);
   if (static_cast<Index>(seen.size()) < kFewestPixels) return std::nullopt;
 
-  // Pixels from -1 to 1, for the sake of the numbers.
+  // Pixels are scaled to -1 to 1 for numerical conditioning.
   Mat3 scale;
   scale << 2.0 / width, 0.0, -1.0, 0.0, 2.0 / height, -1.0, 0.0, 0.0, 1.0;
   const std::size_t stride = std::max<std::size_t>(1, seen.size() / kSampled);
@@ -52,7 +52,7 @@ std::optional<DepthImage> findDepthImage(const PointCloud& input, const CleanClo
         {scale * Vec3(seen[s] % width, seen[s] / width, 1.0), (input.positions[seen[s]] - input.eye()).normalized()});
   DepthImage image{width, height, input.eye(), fitView(sightings) * scale, {}};
 
-  // Depths count along the axis, with which all rays view (u, v, 1) have the same product.
+  // Depths are measured along the axis; all rays view (u, v, 1) have the same product with it.
   if (!(std::abs(image.view.determinant()) > 0.0)) return std::nullopt;
   image.view *= Vec3(image.view.transpose().inverse() * Vec3::UnitZ()).norm();
   const Index middle = seen[seen.size() / 2];

@@ -1,5 +1,4 @@
-// An organised cloud as the pinhole camera that took it sees it: a depth for every pixel. Private: what it is good for is in
-// sensor_noise.h.
+// A pinhole model of an organised cloud: a depth for every pixel. Private: see sensor_noise.h.
 #pragma once
 
 #include "deformable_surface/cloud/clean.h"
@@ -15,11 +14,11 @@ struct DepthImage {
   std::vector<double> inverse_depth;  // (height x width) 1/m, along the optical axis; 0: a hole
 
   Vec3 ray(Index u, Index v) const { return view * Vec3(u, v, 1.0); }
-  /// Of neighbouring pixels at depth 1, m.
+  /// Distance of neighbouring pixels at depth 1, m.
   double pixel() const { return view.col(0).norm(); }
 };
 
-/// The image of an organised cloud whose rows and columns a pinhole camera at input.eye() explains; none otherwise.
+/// The depth image of an organised cloud whose rows and columns fit a pinhole camera at input.eye(); else none.
 /// cloud: clean(input). O(n).
 std::optional<DepthImage> findDepthImage(const PointCloud& input, const CleanCloud& cloud);
 

@@ -12,14 +12,16 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kRowsPerTask = 8, kPlanesPerTask = 8192;
-constexpr Index kNoiseRadius = 3;      // of the windows that noise is measured in
-constexpr Index kSampledRows = 120;    // and at most so many rows of them, as many columns
+constexpr Index kNoiseRadius = 3;      // of the windows for the measurement of noise
+constexpr Index kSampledRows = 120;    // largest number of rows and of columns of these windows
 constexpr double kUnknowns = 3.0;      // of a plane
 constexpr double kFewestPixels = 6.0;  // of a window: twice the unknowns of a plane
-constexpr double kLeastFilled = 0.3;   // of a window: a little more than a quarter, which is left in the corner of an image
-constexpr double kLeastSpread = 0.05;  // of the determinant of a full window's spread: what stands in a line has no plane
-constexpr Index kBeside = 2;           // pixels that a window may be away from one that fits none
-constexpr double kMostVariance = 3.0;  // of a window over that of small ones: more is shape
+constexpr double kLeastFilled =
+    0.3;  // fraction of a window: a little more than the quarter that is left in the corner of an image
+constexpr double kLeastSpread =
+    0.05;                     // fraction of the determinant of a full window's spread: collinear pixels determine no plane
+constexpr Index kBeside = 2;  // largest distance in pixels of a window from a pixel that fits none
+constexpr double kMostVariance = 3.0;  // factor on the variance of small windows: a larger one is due to shape
 
 // Sums over pixels; u and v count from the middle of the image.
 struct Sums {
@@ -39,7 +41,7 @@ struct Sums {
   }
 };
 
-// Sums over all rectangles that begin in the first pixel, from which those over any other follow.
+// Sums over all rectangles that begin in the first pixel; the sums over any other rectangle follow from them.
 class SummedImage {
  public:
   explicit SummedImage(const DepthImage& image)
@@ -89,12 +91,13 @@ class SummedImage {
 
 struct Plane {
   double at_zero = 0.0, along_u = 0.0, along_v = 0.0;  // of u = v = 0
-  double deviation = 0.0;  // of the noise there; 0: the window shows no plane, or noise does not explain it
-  double variance = 0.0;   // of what it leaves
+  double deviation = 0.0;  // of the noise there; 0: the window has no plane, or noise does not explain it
+  double variance = 0.0;   // of the residuals
   double freedom = 0.0;
 
   double at(Index u, Index v) const { return at_zero + along_u * u + along_v * v; }
-  // At a pixel so many columns and rows from the middle of the window. A mean's deviation, and that of two slopes.
+  // The plane at a pixel, given in columns and rows from the middle of the window. Combines the deviations of a mean and of two
+  // slopes.
   PixelPlane takeOff(Index u, Index v, Index radius) const {
     const double share = (1.0 + 3.0 * (u * u + v * v) / (radius * (radius + 1.0))) / (freedom + kUnknowns);
     return {along_u, along_v, deviation * std::sqrt(share)};
@@ -120,7 +123,7 @@ Plane fitPlane(const SummedImage& image, const NoiseProfile& noise, Index u, Ind
   return plane;
 }
 
-// Leaves no deviation to those that noise does not explain. Returns the factor of the deviations.
+// Sets the deviation of planes that noise does not explain to zero. Returns the factor of the deviations.
 double markExplained(std::vector<Plane>& planes) {
   std::vector<double> shares;
   for (const Plane& plane : planes)
@@ -138,7 +141,7 @@ double markExplained(std::vector<Plane>& planes) {
   return factor;
 }
 
-// Middles of the windows that contain a pixel, the nearest first.
+// Centres of the windows that contain a pixel, the nearest first.
 struct Offset {
   double cost;
   Index u, v;
@@ -190,8 +193,8 @@ FittedDepths fitWindows(const DepthImage& image, const NoiseProfile& noise, Inde
   fitted.planes.resize(planes.size());
   fitted.factor = markExplained(planes);
   const std::vector<Offset> offsets = listOffsets(radius);
-  // What flies between two surfaces goes to the nearer one, so that it does not join them. Windows that contain it hold others
-  // that fly, so those beside them are asked as well.
+  // A pixel between two surfaces goes to the nearer one, so that it does not join them. Windows that contain it hold other such
+  // pixels, so the windows beside them are tried as well.
   const Index wide = radius + kBeside;
   const auto takeNearest = [&](Index u, Index v, double& value, PixelPlane& taken) {
     const double own = value;

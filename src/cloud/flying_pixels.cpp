@@ -10,18 +10,18 @@
 namespace deformable_surface::cloud {
 namespace {
 
-constexpr int kWidest = 2;  // pixels of a mixed edge: what the optics blur and what a resampled frame interpolates
-// How far a side is searched for points: the shadow of a projector beside an outline is some dozens of pixels wide.
+constexpr int kWidest = 2;  // pixels of a mixed edge: blur of the optics, or interpolation of a resampled frame
+// How far to search for points on a side: the shadow of a projector beside an outline is some dozens of pixels wide.
 constexpr int kReach = 48;
 constexpr Index kBlock = 4;  // rows
 
-/// The first points on one side of a pixel: how many pixels away, and 1 / distance.
+/// The first points on one side of a pixel: distances in pixels, and 1 / distance from the eye.
 struct Side {
   int step[kWidest + 1];
   double w[kWidest + 1];
   int count = 0;
 
-  /// What the surface that begins with its g-th point has at the pixel.
+  /// Extrapolates the surface that begins with its g-th point to the pixel.
   double extrapolate(int g) const {
     const double slope = (w[g + 1] - w[g]) / (step[g + 1] - step[g]);
     return w[g] - slope * step[g];
@@ -56,15 +56,15 @@ class Grid {
   bool flies(int row, int column, double jump) const {
     const double w = at(row, column);
     if (!std::isfinite(w)) return false;
-    // Every outline crosses rows or columns; diagonals would only see past corners.
+    // Every outline crosses rows or columns. Diagonals would only look past corners.
     for (const bool along_row : {true, false}) {
       const Side one = look(row, column, !along_row, along_row);
       const Side other = look(row, column, -!along_row, -along_row);
-      // The surfaces begin right beside it, or behind a second pixel of the mixture; what is wider is a thing of its own.
+      // The surfaces begin next to the pixel, or behind a second mixed pixel. Anything wider is an object.
       for (int g = 0; g < kWidest && g + 1 < one.count && g + 1 < other.count; ++g) {
         const bool is_wide = !(std::abs(one.w[0] - w) > jump) && !(std::abs(other.w[0] - w) > jump);
         const bool is_between = (one.w[g] > w) != (other.w[g] > w);
-        const double tolerance = (g + 1) * jump;  // the farther, the noisier is what is extrapolated
+        const double tolerance = (g + 1) * jump;  // the error of extrapolation grows with the distance
         const auto continues = [&](const Side& side) {
           return !(std::abs(side.w[g] - w) > tolerance) || !(std::abs(side.extrapolate(g) - w) > tolerance);
         };
@@ -76,7 +76,7 @@ class Grid {
 
  private:
   int width_, height_;
-  std::vector<double> w_;  // 1/m; not finite where there is no point
+  std::vector<double> w_;  // 1/m; not finite without a point
 };
 
 }  // namespace

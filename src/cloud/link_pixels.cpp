@@ -9,8 +9,8 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kRowsPerTask = 8;
-// Of its depth from pixel to pixel over their distance: a surface seen at seven degrees. Cameras that smooth their depths make
-// steeper ramps of the steps between two surfaces.
+// Largest change of depth from pixel to pixel over their distance: a surface seen at seven degrees. Cameras that smooth their
+// depths make steeper ramps of steps between two surfaces.
 constexpr double kSteepest = 8.0;
 
 // q: a pixel du columns and dv rows from p, to the right or below.
@@ -37,7 +37,7 @@ PixelLinks linkPixels(const DepthImage& image, const FittedDepths& fitted) {
           if (u + du < 0 || u + du >= width || v + dv < 0 || v + dv >= height) continue;
           const std::size_t q = std::size_t(v + dv) * width + u + du;
           if (!(fitted.inverse_depth[q] > 0.0)) continue;
-          // The same for both ends.
+          // Evaluated identically for both ends.
           const bool are_linked = q > p ? agree(image, fitted, p, q, du, dv) : agree(image, fitted, q, p, -du, -dv);
           if (are_linked) result.links[p] |= 1 << d;
         }

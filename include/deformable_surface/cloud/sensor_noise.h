@@ -1,5 +1,5 @@
-// Noise of a depth sensor, and the surface behind it. Neighbours over the surface take any step off it for a gap; what noise
-// makes is none.
+// Noise of a depth sensor, and the surface behind it. Neighbour search over the surface takes any step for a gap; steps of noise
+// are none.
 #pragma once
 
 #include "deformable_surface/base/or_auto.h"
@@ -13,19 +13,20 @@ struct SensorNoise {
   double spacing = 0.0;     // m, of neighbouring points: median
   bool is_image = false;    // measured in rows and columns, by depth
   bool is_seen = false;     // points are moved along their lines of sight, else along normals
-  double window = 0.0;      // spacings across the windows in which the surface was looked for; 0: points stay where they are
-  double least_gap = 0.0;   // m: parts that are nearer to each other in that direction are not told apart
-  Index unexplained = 0;    // points that fit no window that noise explains, and go to the nearest, if there is one
-  Index num_levels = 0;     // of depths that take too few to tell steps of the sensor from flat parts; else 0
-  double level_step = 0.0;  // m, from one of these to the next
-  bool is_thick = false;    // points fill their neighbourhoods: there is no telling what is surface and what is noise
-  Points surface;           // (n) where the points lie on the surface; empty: where they are
-  PixelLinks links;         // of an image on that surface; empty: there is none, or too many of its pixels are missing
+  double window = 0.0;      // width of the fitted windows in spacings; 0: points stay in place
+  double least_gap = 0.0;   // m: nearer parts cannot be separated in that direction
+  Index unexplained = 0;    // points that fit no window explained by noise; they move to the nearest window, if any
+  Index num_levels = 0;     // number of depths, if too few to separate sensor steps from flat parts; else 0
+  double level_step = 0.0;  // m, from one of these depths to the next
+  bool is_thick = false;    // points fill their neighbourhoods: surface and noise cannot be separated
+  Points surface;           // (n) points moved onto the surface; empty: not moved
+  PixelLinks links;         // of an image on that surface; empty: no image, or too many missing pixels
 };
 
-/// Noise above kNoticed spacings moves points onto local planes (in inverse depth, where the points are an image of a pinhole
-/// camera or seen from input.eye()) of the least windows that leave that much of it, as long as noise explains nearly all of
-/// them. deviation: m, given in place of the measured median. cloud: clean(input). Parallel; O(n window^2) at most.
+/// Noise above kNoticed spacings moves points onto local planes. These are planes in inverse depth if the points are an image of
+/// a pinhole camera or seen from input.eye(). The windows are the smallest that leave only that fraction of the noise, as long as
+/// noise explains nearly all of them. deviation: m, replaces the measured median. cloud: clean(input). Parallel; O(n window^2) at
+/// most.
 SensorNoise findSensorNoise(const PointCloud& input, const CleanCloud& cloud, const OrAuto<double>& deviation = {});
 
 constexpr double kNoticed = 0.15;

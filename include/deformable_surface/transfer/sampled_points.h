@@ -1,5 +1,5 @@
-// Some of the dense points, followed one by one. Apart from the transfer, which makes all of them at once: contact looks at few
-// of them, in every sub-step, and puts forces on them.
+// Some of the dense points, evaluated one by one. Transfer evaluates all of them at once; contact needs few of them, in every
+// sub-step, and applies forces to them.
 #pragma once
 
 #include "deformable_surface/transfer/transfer.h"
@@ -8,38 +8,38 @@
 
 namespace deformable_surface::transfer {
 
-/// Dense points in the cells of simulation points. Each is where Transfer puts it: p = sum_j w_j x_j + h n, with x_j the
+/// Dense points in the cells of simulation points. Each is where Transfer places it: p = sum_j w_j x_j + h n, with x_j the
 /// simulation points that it follows, n the unit normal of the transferred tangents and h its height over the fitted plane.
-/// Results are Transfer's but for its float rounding.
+/// Results are those of Transfer except for its float rounding.
 class SampledPoints {
  public:
   SampledPoints() = default;
-  /// rows: an operator on the sampled points alone. simulation (m x 3): at rest, m. cell (s): the simulation point of the cell in
-  /// which each lies, ascending.
+  /// rows: an operator for the sampled points alone. simulation (m x 3): at rest, m. cell (s): the simulation point of the cell
+  /// of each sample, ascending.
   SampledPoints(const Transfer& rows, const Points& simulation, const std::vector<Index>& cell);
 
   Index size() const { return static_cast<Index>(cell_.size()); }
-  /// The samples of a cell follow each other.
+  /// The samples of a cell are consecutive.
   Index begin(Index cell) const { return begin_[cell]; }
   Index end(Index cell) const { return begin_[cell + 1]; }
   Index cellOf(Index s) const { return cell_[s]; }
-  /// m, at rest, of the sample of a cell that is farthest from its simulation point.
+  /// Largest distance, m, at rest, of the samples of a cell from its simulation point.
   double radius(Index cell) const { return radius_[cell]; }
-  /// How far from the simulation point of its cell a sample lies at rest, as a share of radius().
+  /// Distance at rest of a sample from the simulation point of its cell, as a fraction of radius().
   double share(Index s) const { return share_[s]; }
-  /// m, how far samples of the cell lie beside the planes that are fitted through the simulation points at rest.
+  /// Largest distance, m, of the samples of the cell from the planes fitted through the simulation points at rest.
   double height(Index cell) const { return height_[cell]; }
   /// The simulation points that samples of the cell follow, ascending.
   const Lists& sources() const { return sources_; }
-  /// m, how far from the simulation point of the cell its samples can be now: as at rest, stretched as the surface is there.
+  /// Largest present distance, m, of the samples of the cell from its simulation point: that at rest times the local stretch of
+  /// the surface.
   double findReach(Index cell, const Points& simulation_now) const;
 
-  /// m, from the positions (m x 3) of the simulation points now.
+  /// Position, m, from the present positions (m x 3) of the simulation points.
   Vec3 place(Index s, const Points& simulation_now) const;
-  /// m/s, but for what h n adds.
+  /// Velocity, m/s, without the contribution of h n.
   Vec3 findVelocity(Index s, const Points& velocities) const;
-  /// Adds to forces (m x 3), N, what a force on the sample does to the simulation points: the transpose of the derivative of
-  /// place().
+  /// Adds to forces (m x 3), N, the effect of a force on the sample: the transpose of the derivative of place().
   void scatter(Index s, const Points& simulation_now, const Vec3& force, Points& forces) const;
   /// visit(simulation point, weight) for the points that a sample follows; weights sum to 1.
   template <class Visit>
@@ -48,8 +48,8 @@ class SampledPoints {
       if (rows_[e].value != 0.0) visit(rows_[e].point, rows_[e].value);
   }
 
-  /// The samples of which all sources are left, for fewer simulation points: new_index (of those before) or -1. old (as many as
-  /// are left) says which they were.
+  /// The samples whose sources are all kept, for fewer simulation points: new_index (of the former points) or -1. old receives
+  /// the former index of each kept sample.
   SampledPoints takePart(const std::vector<Index>& new_index, Index new_size, std::vector<Index>& old) const;
 
  private:
@@ -58,8 +58,8 @@ class SampledPoints {
     double value, gradient_x, gradient_y;  // weights of the value row and, 1/m, of the gradient rows
   };
   struct Frame {
-    Vec3 offset = Vec3::Zero();       // m, of the point, beside what the row gives: rounding
-    Vec3 tangent_x, tangent_y;        // the same of the tangents: where neighbours lie in a line, all of one
+    Vec3 offset = Vec3::Zero();       // m, of the point, beyond the value of the row: rounding
+    Vec3 tangent_x, tangent_y;        // the same of the tangents: all of a tangent where neighbours are collinear
     double slope_x, slope_y, height;  // of the fitted plane, and m over it
   };
   struct Tangents {

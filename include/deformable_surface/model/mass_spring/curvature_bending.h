@@ -1,4 +1,4 @@
-// A bending energy of the point set that converges to a stated rigidity, holds curved rest shapes and needs nothing special at
+// A bending energy of the point set that converges to a stated rigidity, supports curved rest shapes and needs no special case at
 // free edges. The published bending springs have no stiffness at a flat rest state: their energy grows with the fourth power of
 // curvature.
 #pragma once
@@ -12,7 +12,7 @@
 
 namespace deformable_surface::model {
 
-/// A surface at rest as the bending energy sees it.
+/// The rest surface of the bending energy.
 struct PlateRest {
   Points points, normals;                   // (n x 3) m
   Lists ring;                               // (n) neighbours, symmetric
@@ -22,8 +22,8 @@ struct PlateRest {
   std::vector<double> shares = {};          // (n) of D, of each point; empty: 1
 };
 
-/// A point on the edge of a clamp, which rides on three that are held: any function that is linear on them is sum of
-/// weights * values there, and has the gradient sum of gradients * values.
+/// A point on the edge of a clamp, which follows three held points: any function that is linear on them is sum of weights *
+/// values there, and has the gradient sum of gradients * values.
 struct EdgePoint {
   Index points[3];
   double weights[3];
@@ -42,12 +42,12 @@ struct CurvatureRow {
 ///   W = D/2 sum_i A_i [(1 - nu) sum_ab k_ab^2 + nu (k_11 + k_22)^2],  k_ab = n . b_ab - II0_ab,
 /// a plate of rigidity D and Poisson's ratio nu. With nu = 0 a strip of any width has rigidity D per width.
 ///
-/// The rows c^ab are those of the fits with the least change that brings a constant moment into balance at every point
-/// (balanceMoments()); without it scattered points are some per cent soft however many they are. A_i: thirds of the triangles.
+/// The rows c^ab are those of the fits with the smallest change that balances a constant moment at every point
+/// (balanceMoments()). Without it, scattered points are some per cent too soft at any resolution. A_i: thirds of the triangles.
 ///
-/// Where the surface is crushed the direction of n means nothing and changes without bound. So where |t_1 x t_2| is below e, a
-/// tenth of what it is at rest, n = t_1 x t_2 / s with s = (|t_1 x t_2|^2 + e^2) / (2 e), which goes on smoothly and ends at
-/// zero.
+/// Where the surface is crushed (degenerate), the direction of n is meaningless and changes without bound. So where |t_1 x t_2|
+/// is below e, a tenth of its value at rest, n = t_1 x t_2 / s with s = (|t_1 x t_2|^2 + e^2) / (2 e), a smooth continuation that
+/// ends at zero.
 class CurvatureBending {
  public:
   static constexpr Index kFitPoints = 16;  // neighbours in a fit: about two rings, enough for one-sided fits at edges
@@ -55,37 +55,37 @@ class CurvatureBending {
   CurvatureBending() = default;
 
   /// Points whose neighbourhood does not determine a quadratic (fewer than five neighbours, collinear) get no bending energy;
-  /// numWithoutFit() counts them. held (n), or empty: points that do not move; edges: see DeformableModel::setHeld(). A clamp
-  /// ends where these say: fits beside it look at its edge, and at the edge at one side, with the slope of the patch.
+  /// numWithoutFit() counts them. held (n), or empty: points that do not move; edges: see DeformableModel::setHeld(), they say
+  /// where a clamp ends. Fits beside it use the points of its edge. Fits at the edge are one-sided, with the slope of the patch.
   explicit CurvatureBending(const PlateRest& plate, const std::vector<char>& held = {}, const std::vector<ClampEdge>& edges = {});
 
   /// Marks the other points of the fits that use points.
   void markPartners(const std::vector<Index>& points, std::vector<char>& marked) const;
-  /// The fits that use a wanted point; the others have no energy.
+  /// Only the fits that use a wanted point; the others have no energy.
   CurvatureBending makePart(const PartIndex& part) const;
 
-  /// positions are given back as they were.
+  /// positions are unchanged on return.
   void addForces(PaddedPoints& positions, Points& forces) const;
   double energy(PaddedPoints& positions) const;
-  /// kPositive: the Gauss-Newton part alone, which is positive semidefinite.
+  /// kPositive: only the Gauss-Newton part, which is positive semidefinite.
   void addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const;
   void addRowBounds(std::vector<double>& stiffness) const;
-  /// Springs across the surface that together are the stiffness at rest of a flat one: visit(k, N/m) for what each fit couples
-  /// point j with points k > j.
+  /// Springs across the surface whose sum is the stiffness of a flat one at rest: visit(k, N/m) for the couplings of each fit
+  /// between point j and points k > j.
   template <typename Visit>
   void forEachSpring(Index j, const Visit& visit) const;
-  /// All of them, N/m.
+  /// Sum of all springs, N/m.
   double sumSprings() const;
   /// Upper bound of the largest eigenvalue of M^-1 K, with K the Gauss-Newton part at a state, 1/s^2. masses (n), kg.
   double boundRate(const State& state, const std::vector<double>& masses) const;
 
   Index numWithoutFit() const { return num_without_fit_; }
-  /// Edges of clamps at which the surface turns freely, since all points held there lie in one line.
+  /// Edges of clamps at which the surface turns freely, since all points held there are collinear.
   Index numHinged() const { return num_hinged_; }
 
  private:
   using Row = CurvatureRow;
-  // The rows of a fit by the points that there are: those on edges are shared out to what they ride on.
+  // The rows of a fit in terms of the actual points: those of edge points are distributed to the points that these follow.
   struct WholeFit {
     Index size = 0;
     Index points[3 * (kFitPoints + 1)];
@@ -111,17 +111,17 @@ class CurvatureBending {
   };
   // The deformed shape at a crushed point.
   struct CrushedShape {
-    Vec3 normal;       // n, no unit vector
+    Vec3 normal;       // n, not a unit vector
     Vec3 change;       // n . b_ab - II0_ab for ab = 11, 12, 22; 1/m
-    Mat3 by_first[2];  // by the tangents t_1, t_2: the gradients of the three in columns
-    /// The gradients of the three by the position of a neighbour, in columns.
+    Mat3 by_first[2];  // derivatives by the tangents t_1, t_2: the gradients of the three components of change, in columns
+    /// The gradients of the three components of change by the position of a neighbour, in columns.
     Mat3 changeBy(const Row& row) const;
   };
-  // Of positions that lie stride numbers apart.
+  // positions: with a stride between points.
   static Derivatives sumDerivatives(const WholeFit& fit, const double* positions, Index stride);
   static bool isCrushed(const Derivatives& derivatives);
-  // M over D A: the moments that belong to changes of curvature, 11, both of 12 and 21, 22; the matrix that
-  // gives them; its symmetric root.
+  // M over D A: the moments conjugate to changes of curvature, 11, both of 12 and 21, 22; the matrix that gives them; its
+  // symmetric root.
   Vec3 momentOf(const Vec3& change) const {
     const double nu = poisson_ratio_;
     return {change[0] + nu * change[2], 2.0 * (1.0 - nu) * change[1], change[2] + nu * change[0]};
@@ -134,29 +134,30 @@ class CurvatureBending {
   void addCrushedStiffness(const WholeFit& fit, double weight, const CrushedShape& shape, BlockSparse& stiffness) const;
   void prepareForceLoop();
 
-  // Constants. Points on edges of clamps come after the others. The point itself is the first of its own list.
+  // Constants. Points on edges of clamps come after the others. A point is the first of its own list.
   std::vector<EdgePoint> edge_points_;
-  std::vector<std::pair<Index, Index>> riders_;  // ascending (held point, point on an edge that rides on it)
+  std::vector<std::pair<Index, Index>> riders_;  // ascending (held point, point on an edge that follows it)
   Lists neighbors_;
   std::vector<Row> rows_;  // one per item of neighbors_
   std::vector<Vec3> rest_curvature_;
   std::vector<double> weight_;  // D * A_i; 0 where there is no fit
   double poisson_ratio_ = 0.0;
-  // The same once more for the force loop: four points side by side, each with as many neighbours as a fit can have and rows of
-  // zero in the place of those that it has not.
-  std::vector<Index> group_neighbors_;   // (neighbours x 4) a group: where their positions are among the padded ones
-  std::vector<double> group_rows_;       // (neighbours x 5 x 4)
-  std::vector<double> group_constants_;  // (4 x 4) D A and the rest curvature
-  Lists users_;                          // per point j: 2 items a fit that uses it, the places in along_ and normals_
+  // A copy for the force loop: four points side by side, each with the largest number of neighbours of a fit; rows of missing
+  // neighbours are zero.
+  std::vector<Index> group_neighbors_;   // (neighbours x 4) per group: indices of their positions in the padded ones
+  std::vector<double> group_rows_;       // (neighbours x 5 x 4) per group
+  std::vector<double> group_constants_;  // (4 x 4) per group: D A and the rest curvature
+  Lists users_;                          // per point j: 2 items per fit that uses it, indices into along_ and normals_
   Index num_without_fit_ = 0, num_hinged_ = 0;
-  // Scratch: minus the force on each neighbour along the normal of the fit's point, (neighbours x 4) a group, and those normals,
-  // padded to four numbers.
+  // Scratch: minus the force on each neighbour along the normal of the fit's point, (neighbours x 4) per group, and those
+  // normals, padded to four numbers.
   mutable std::vector<double> along_, normals_;
   mutable std::vector<double> rate_;  // (n)
 };
 
-// At rest a fit's energy is of w, the motions along its normal, and entry jk is D A c_j . M(c_k); as the rows sum to zero it is
-// that of springs of minus the entries. Points on edges are taken to move as the first of those that they ride on.
+// At rest, the energy of a fit depends on w, the motions along its normal, and entry jk is D A c_j . M(c_k). As the rows sum to
+// zero, it equals that of springs with minus the entries. Points on edges are taken to move as the first of the points that they
+// follow.
 template <typename Visit>
 void CurvatureBending::forEachSpring(Index j, const Visit& visit) const {
   if (neighbors_.size() == 0) return;
