@@ -12,17 +12,18 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr int kUnknowns = 6;         // of a quadratic
-constexpr int kFreedom = 4;          // samples beyond that, at least
-constexpr std::size_t kFewest = 40;  // windows of a part of the profile
+constexpr int kFreedom = 4;          // least number of samples beyond that
+constexpr std::size_t kFewest = 40;  // windows per part of the profile
 constexpr std::size_t kMostParts = 6;
-// Values that take so few levels, but not next to none, are quantised. Two levels may be two flat parts.
+// Values with few levels (many values per level), but at least kFewestLevels of them, are quantised. Two levels may be two flat
+// parts.
 constexpr std::size_t kFewestLevels = 8, kRepeats = 4;
-// Of what steps leave of a window, a twelfth of their square: that many windows have about that, and not just edges of parts or a
-// plane whose rows are level.
+// Bounds on the residual variance of a window over that of steps, a twelfth of their square, and the least share of windows
+// within them. The other windows have edges of parts or level rows.
 constexpr double kLeastStepped = 0.2, kMostStepped = 1.5, kSteppedShare = 0.01;
-constexpr double kSameLevel = 2e-6;  // relative: what single precision makes of one
+constexpr double kSameLevel = 2e-6;  // relative: differences from rounding to single precision
 
-// Between neighbouring levels. sorted: values, ascending.
+// Steps between neighbouring levels. sorted: values, ascending.
 std::vector<double> findSteps(const std::vector<double>& sorted) {
   std::vector<double> steps;
   for (std::size_t i = 1; i < sorted.size(); ++i)

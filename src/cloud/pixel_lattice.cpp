@@ -1,4 +1,4 @@
-// Links of every second pixel lead over the pixels between them.
+// Links of every second pixel lead across the pixels between them.
 #include "deformable_surface/cloud/pixel_lattice.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -11,8 +11,8 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 4096;  // pixels per task: less than a millisecond of work
-constexpr int kMostLinks = 3;   // to the pixel that one goes with: more lead along hairs only
-constexpr int kMostBeside = 4;  // pixels of the lattice beside one
+constexpr int kMostLinks = 3;   // links to the pixel that one follows: longer chains lead along hairs only
+constexpr int kMostBeside = 4;  // lattice pixels beside one pixel
 
 // Steps from pixel to pixel of an image.
 class Steps {
@@ -21,7 +21,7 @@ class Steps {
     for (int d = 0; d < 8; ++d) to_[d] = kPixelSteps[d][1] * image.width + kPixelSteps[d][0];
   }
 
-  // Whether two links lead twice as far in that direction: straight on or, along rows and columns, around what is missing there.
+  // Whether two links lead twice as far in that direction: straight or, along rows and columns, around a missing pixel.
   bool leadTwice(Index p, int d) const {
     const int right = (d + 1) % 8, left = (d + 7) % 8;
     return lead(p, d, d) || (d % 2 == 0 && (lead(p, right, left) || lead(p, left, right)));
@@ -50,7 +50,7 @@ PixelLattice takeEverySecond(const PixelLinks& image, const std::vector<Index>& 
   lattice.place.assign(lattice.links.links.size(), -1);
   const auto isOnLattice = [&](Index p) { return p % image.width % 2 == 0 && p / image.width % 2 == 0; };
 
-  // Points in the order of the cloud, and the lattice's in that order.
+  // Points in the order of the cloud, and the lattice points in the same order.
   std::vector<Index> pixel(n, -1), place_of(n, -1);
   for (Index p = 0; p < num_pixels; ++p)
     if (point[p] >= 0 && pixel[point[p]] < 0) pixel[point[p]] = p;
@@ -70,7 +70,7 @@ PixelLattice takeEverySecond(const PixelLinks& image, const std::vector<Index>& 
     }
   });
 
-  // What each goes with, as far as one link leads.
+  // The lattice points that each pixel follows over one link.
   std::vector<std::array<Index, kMostBeside>> beside(n);
   std::vector<std::uint8_t> count(n);
   const auto isNearer = [&](Index i, Index a, Index b) {
@@ -89,7 +89,7 @@ PixelLattice takeEverySecond(const PixelLinks& image, const std::vector<Index>& 
       }
     }
   });
-  // And farther: few points.
+  // Over more links: for few points.
   std::vector<Index> left;
   for (Index i = 0; i < n; ++i)
     if (count[i] == 0 && pixel[i] >= 0) left.push_back(i);

@@ -11,16 +11,16 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 1024;  // points per task: a millisecond of work
-// Columns and rows that lists reach: of a surface seen at 80 degrees some thirty neighbours lie in seven times as many rows as
-// columns.
+// Columns and rows covered by the lists: on a surface seen at 80 degrees, some thirty neighbours lie in seven times as many rows
+// as columns.
 constexpr Index kReach = 12;
-constexpr Index kAcross = 2 * kReach + 3;  // with a rim, which is never entered
-constexpr Index kMostHoles = 4;            // in line between two pixels that are joined for their distance
+constexpr Index kAcross = 2 * kReach + 3;  // with a border that is never entered
+constexpr Index kMostHoles = 4;            // in line between two pixels that are joined by distance
 
-// The pixels around one that links lead to, nearer ones in the image first.
+// The pixels around one that can be reached over links, nearer ones in the image first.
 class PixelSearch {
  public:
-  // Links lead over pixels without points between pixels that are no farther apart than the gap.
+  // Links also lead across pixels without points, between pixels no farther apart than the gap.
   PixelSearch(const PixelLinks& image, const std::vector<Index>& point, const Points& positions, double gap)
       : image_(image), point_(point), positions_(positions), squared_gap_(gap * gap) {
     for (int d = 0; d < 8; ++d) {
@@ -63,8 +63,8 @@ class PixelSearch {
 
  private:
   struct Met {
-    Index pixel, place;  // in the image, and around the pixel that is searched around
-    Index last;          // point on the way there, its own if it has one
+    Index pixel, place;  // in the image, and around the centre of the search
+    Index last;          // the last point on the path to it, its own if it has one
     double squared_distance;
   };
   const PixelLinks& image_;
@@ -83,7 +83,7 @@ Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, co
   if (static_cast<Index>(image.links.size()) != num_pixels || point.size() != image.links.size())
     throw InputError("findNeighbors: " + std::to_string(image.links.size()) + " links and " + std::to_string(point.size()) +
                      " points for " + std::to_string(num_pixels) + " pixels; the three numbers must be equal");
-  // Of pixels that share a point only the first counts.
+  // Of pixels that share a point, only the first counts.
   std::vector<Index> own(num_pixels, -1), pixel(n, -1);
   for (Index p = 0; p < num_pixels; ++p) {
     if (point[p] < 0 || pixel[point[p]] >= 0) continue;

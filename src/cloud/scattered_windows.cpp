@@ -17,21 +17,22 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kBlock = 256;
-constexpr Index kSampled = 2000;    // windows that noise is measured in
-constexpr Index kNoiseWindow = 32;  // points of the windows of a camera's noise
+constexpr Index kSampled = 2000;    // windows for the measurement of noise
+constexpr Index kNoiseWindow = 32;  // points per window for a camera's noise
 constexpr Index kNoiseWindows[] = {16, 32, 64, 128, 256};
-// Of what windows leave, twice the points over half of them: noise leaves as much, a surface that they bend over four times as
-// much, one that they are lost in (a hair, a crumpled ball) 1.4 times. Over the window's radius it must be small, too.
+// Residual variance of windows with twice the points over that of the smaller ones: equal for noise, four times as large for a
+// surface that they bend over, 1.4 times for a degenerate one (a hair, a crumpled ball). It must also be small compared with the
+// window's radius.
 constexpr double kPlateau = 1.2, kThinnest = 0.25;
 constexpr double kLayers = 2.2;                  // kurtosis below that of any noise
-constexpr double kThickest = 0.31, kBall = 2.3;  // of the radius, in windows of 64 points, and kurtosis
-constexpr double kClean = 0.1;    // spacings: as little in the two smallest windows is not worth a look at larger ones
-constexpr double kRegular = 1.5;  // ninth over first decile of the distances of directions that pixels have
+constexpr double kThickest = 0.31, kBall = 2.3;  // fraction of the radius, in windows of 64 points, and kurtosis
+constexpr double kClean = 0.1;    // spacings: with less noise in the two smallest windows, larger ones are not examined
+constexpr double kRegular = 1.5;  // ninth over first decile of the distances of the directions of pixels
 
-// A plane through some points, least squares; the normal is unit.
+// A plane through some points by least squares; the normal is unit.
 struct Plane {
   Vec3 middle, normal;
-  double sum;  // m^2, of the squared distances
+  double sum;  // m^2, sum of the squared distances
 };
 
 Plane fitPlane(const Points& positions, const Index* begin, const Index* end) {
@@ -44,7 +45,7 @@ Plane fitPlane(const Points& positions, const Index* begin, const Index* end) {
   return {middle, solver.eigenvectors().col(0), std::max(0.0, solver.eigenvalues()[0])};
 }
 
-// The nearest of every stride-th point, itself first.
+// The nearest neighbours of every stride-th point, itself first.
 std::vector<std::vector<Index>> sampleWindows(const Points& points, const KdTree& tree, Index count) {
   const Index n = static_cast<Index>(points.size()), stride = std::max(Index{1}, n / kSampled);
   std::vector<std::vector<Index>> windows((n + stride - 1) / stride);
@@ -62,7 +63,7 @@ double findLastDistance(const Points& points, const std::vector<Index>& window) 
   return (points[window.back()] - points[window.front()]).norm();
 }
 
-// What the best quadratics over the planes of the windows leave: medians.
+// Residuals of the best quadratics over the planes of the windows: medians.
 struct Level {
   double deviation = 0.0, kurtosis = 0.0, radius = 0.0;
 };
@@ -86,7 +87,7 @@ Level measureLevel(const Points& positions, const KdTree& tree, Index count) {
   return {std::sqrt(findMedian(std::move(variances))), findMedian(std::move(kurtoses)), findMedian(std::move(radii))};
 }
 
-// Whether directions are as far from each other as pixels are.
+// Whether directions are spaced as regularly as those of pixels.
 bool areRegular(const Points& directions, const KdTree& tree) {
   std::vector<double> nearest;
   for (const std::vector<Index>& window : sampleWindows(directions, tree, 2))
@@ -96,7 +97,7 @@ bool areRegular(const Points& directions, const KdTree& tree) {
   return nearest[nearest.size() / 10] > 0.0 && nearest[nearest.size() * 9 / 10] <= kRegular * nearest[nearest.size() / 10];
 }
 
-// Inverse distances in the directions in which points are seen; a plane is a linear function of the direction.
+// Inverse distances along the directions from the eye; a plane is a linear function of the direction.
 struct SeenWindows {
   const Points& directions;
   std::vector<double> values;  // 1/m
@@ -128,7 +129,7 @@ struct SeenWindows {
   }
 };
 
-// Planes in space, of points whose noise is the same everywhere.
+// Planes in space, for points with uniform noise.
 struct SpaceWindows {
   const Points& positions;
   double deviation;  // m
@@ -148,7 +149,7 @@ struct SpaceWindows {
   Vec3 move(const Fit& fit, Index i, const Vec3& position) const { return position + measureMisfit(fit, i) * fit.normal; }
 };
 
-// places: where the windows' points are each other's neighbours.
+// places: where the points of the windows are neighbours of each other.
 template <class Windows>
 void fitAll(const Windows& windows, const Points& places, Index count, FittedPoints& fitted) {
   const Index n = static_cast<Index>(places.size());
@@ -186,7 +187,7 @@ void fitAll(const Windows& windows, const Points& places, Index count, FittedPoi
         if (offset <= 1.0) offer(*j, offset);
       }
       missing += chosen < 0;
-      if (chosen < 0) chosen = least;  // what flies goes to the nearer surface
+      if (chosen < 0) chosen = least;  // a flying point goes to the nearer surface
       if (chosen >= 0) fitted.positions[i] = windows.move(fits[chosen], i, fitted.positions[i]);
     }
     return missing;
@@ -213,7 +214,7 @@ ScatteredNoise measureNoise(const Points& positions) {
   Level before;
   for (const Index count : kNoiseWindows) {
     const Level level = measureLevel(positions, tree, count);
-    const double spacing = level.radius * std::sqrt(kPi / count);  // of a lattice of which so many points lie in a disk
+    const double spacing = level.radius * std::sqrt(kPi / count);  // of a lattice with this many points per disk
     if (!(level.radius > 0.0) || count > static_cast<Index>(positions.size())) break;
     if (count == 64) noise.is_thick = level.deviation >= kThickest * level.radius && level.kurtosis >= kBall;
     noise.spacing = spacing;

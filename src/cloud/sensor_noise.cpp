@@ -16,15 +16,15 @@ namespace {
 
 constexpr Index kMostRadius = 8;  // pixels
 constexpr Index kFewestInWindow = 16, kMostInWindow = 128;
-constexpr double kMostUnexplained = 0.015;  // of the points: with more the surface is curved within its windows
+constexpr double kMostUnexplained = 0.015;  // fraction of the points: with more, the surface is curved within its windows
 constexpr double kMostShape = 0.05;
-// Of the way to the surface: two points seen in the same direction stay apart.
+// Fraction of the distance to the surface: two points seen in the same direction stay separate.
 constexpr double kWay = 0.999;
-// A step seen through the middle of a window of n samples adds a sixteenth of its square to their variance, of which noise makes
-// three standard deviations of its own, sigma^2 sqrt(18 / n). Below 3.5 sigma steps were told apart in no window.
+// A step seen through the middle of a window of n samples adds a sixteenth of its square to their variance. Noise makes three
+// standard deviations of its own, sigma^2 sqrt(18 / n). Below 3.5 sigma, no window separated steps.
 constexpr double kStepShare = 16.0, kLeastStep = 3.5;
-// Of the eight pixels beside one that have a depth, in the mean: links between fewer fall apart where pixels are missing. Half of
-// them missing at random left dozens of pieces, a third none.
+// Mean number of the eight neighbours of a pixel that have a depth: with fewer, the links fall into pieces at missing pixels. A
+// random half of missing pixels left dozens of pieces, a third none.
 constexpr double kFewestBeside = 5.0;
 
 bool isNoticed(const SensorNoise& noise) {
@@ -49,7 +49,7 @@ bool isDense(const DepthImage& image) {
   return static_cast<double>(beside) >= kFewestBeside * static_cast<double>(seen);
 }
 
-// False, and nothing done, if too few pixels have depths around them.
+// Returns false and does nothing if too few pixels have depths around them.
 bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<double>& deviation, SensorNoise& noise) {
   NoiseProfile profile = measureNoise(image);
   if (profile.isEmpty()) return false;
@@ -93,7 +93,7 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
       const std::size_t pixel = std::size_t(v) * image.width + u;
       const Index i = cloud.point_of_input[pixel];
       const double before = image.inverse_depth[pixel], after = fitted.inverse_depth[pixel];
-      // A point that several pixels repeat moves once.
+      // A point that several pixels repeat moves only once.
       if (i >= 0 && before > 0.0 && noise.surface[i] == cloud.positions[i])
         noise.surface[i] += kWay * (1.0 / after - 1.0 / before) * image.ray(u, v);
     }
@@ -115,7 +115,7 @@ void fitScattered(const PointCloud& input, const CleanCloud& cloud, const OrAuto
     count = std::max(kFewestInWindow, count / 2);
     fitted = fitWindows(cloud.positions, input.eye(), noise.deviation, measured.deviation, count);
   }
-  // More than that are at no edges: it is no noise.
+  // A larger share does not lie at edges: it is not noise.
   if (deviation.is_auto && fitted.unexplained > kMostShape * static_cast<double>(cloud.positions.size())) return;
   noise.unexplained = fitted.unexplained;
   noise.is_seen = fitted.is_seen;

@@ -12,12 +12,12 @@ namespace deformable_surface::cloud {
 namespace {
 
 constexpr Index kRowsPerTask = 8;
-constexpr int kRounds = 4;  // a wrong pixel leaves its neighbours alone after one; more than two side by side are rare
-// Of the squares of deviations that a pixel which agrees outweighs. Of 1, 2, 3, 5 and 8 for made frames with layers four and five
-// deviations apart 2 and 3 left the fewest pixels on the wrong side: with more, corners are taken away.
+constexpr int kRounds = 4;  // a wrong pixel is corrected after one round; more than two adjacent ones are rare
+// Squared deviations that one vote outweighs. Of 1, 2, 3, 5 and 8 for synthetic frames with layers four and five deviations
+// apart, 2 and 3 left the fewest pixels on the wrong side: with more, corners are removed.
 constexpr double kVote = 2.0;
 
-// The plane that a pixel took, or would take, there.
+// The plane that a pixel took, or would take, at that place.
 struct Taken {
   double value;
   PixelPlane plane;
@@ -39,7 +39,7 @@ void settlePixels(const DepthImage& image, const NoiseProfile& noise, FittedDept
         for (Index u = 0; u < width; ++u) {
           const std::size_t p = std::size_t(v) * width + u;
           if (!(values[p] > 0.0)) continue;
-          // What the pixels around it would have there.
+          // Values that the surrounding pixels predict at this one.
           Taken around[9] = {{values[p], planes[p]}};
           int count = 1;
           bool is_beside_step = false;

@@ -6,7 +6,7 @@
 namespace deformable_surface::transfer {
 namespace {
 
-// Of the radius of a cell: lower heights are those of rounding, or too small to matter, and not followed.
+// Fraction of the radius of a cell: lower heights are due to rounding or negligible, and are ignored.
 constexpr double kFlat = 1e-4;
 
 }  // namespace
@@ -31,7 +31,7 @@ SampledPoints::SampledPoints(const Transfer& rows, const Points& simulation, con
   for (std::size_t s = 0; s < frame_.size(); ++s) {
     share_[s] = radius_[cell[s]] > 0.0 ? share_[s] / radius_[cell[s]] : 0.0;
     if (std::abs(frame_[s].height) > kFlat * radius_[cell[s]]) continue;
-    // The offset takes the height along.
+    // The offset includes the height.
     const Tangents tangents = findTangents(static_cast<Index>(s), simulation);
     frame_[s].offset += frame_[s].height * tangents.normal.normalized();
     frame_[s].height = 0.0;
@@ -114,7 +114,7 @@ SampledPoints SampledPoints::takePart(const std::vector<Index>& new_index, Index
   part.radius_.assign(new_size, 0.0);
   part.height_.assign(new_size, 0.0);
   part.spread_.assign(new_size, 0.0);
-  // By the new cells, which may be in another order.
+  // By the new cells, whose order may differ.
   std::vector<std::pair<Index, Index>> kept;  // cell, sample before
   for (Index s = 0; s < size(); ++s) {
     bool is_left = new_index[cell_[s]] >= 0;

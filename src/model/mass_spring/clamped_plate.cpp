@@ -6,10 +6,11 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr double kClose = 0.5;  // of the spacing: points on an edge that are nearer are one
-// Least height of a triangle of held points over its longest side, of near ones and of any, for it to carry a point beside it.
+constexpr double kClose = 0.5;  // fraction of the spacing: nearer points on an edge are merged
+// Least height of a triangle of held points over its longest side, for near points and for any, for it to support a point beside
+// it.
 constexpr double kFat = 0.2, kThin = 0.02;
-constexpr std::size_t kNear = 12, kMost = 200;  // held points among which it is looked for, at first and then
+constexpr std::size_t kNear = 12, kMost = 200;  // number of held points that are searched, first and then
 
 bool holds(const std::vector<Index>& list, Index i) { return std::find(list.begin(), list.end(), i) != list.end(); }
 
@@ -24,7 +25,7 @@ struct Patches {
   const std::vector<char>& is_inner;
 };
 
-// i and so many points of its patch, nearest rings first.
+// i and the nearest points of its patch, at most most of them, by rings.
 std::vector<Index> findPatch(Index i, const PlateRest& plate, const Patches& patches, std::size_t most) {
   std::vector<Index> patch{i};
   for (std::size_t next = 0; next < patch.size(); ++next)
@@ -33,7 +34,7 @@ std::vector<Index> findPatch(Index i, const PlateRest& plate, const Patches& pat
   return patch;
 }
 
-// The triangle of i and two others of a patch that is fattest for its size. Returns its height over its longest side.
+// The triangle of i and two others of a patch with the best shape for its size. Returns its height over its longest side.
 double chooseTriangle(const std::vector<Index>& patch, const Points& x, Index (&corners)[3]) {
   double best = 0.0, best_shape = 0.0;
   const Vec3& origin = x[patch[0]];
@@ -52,7 +53,7 @@ double chooseTriangle(const std::vector<Index>& patch, const Points& x, Index (&
   return best_shape;
 }
 
-// What carries the place of an edge near i; false: i and what is held with it lie in one line.
+// Finds the support of the place of an edge near i; false: i and the points held with it are collinear.
 bool carry(Index i, const Vec3& place, const PlateRest& plate, const Patches& patches, EdgePoint& edge) {
   const Points& x = plate.points;
   double shape = chooseTriangle(findPatch(i, plate, patches, kNear), x, edge.points);
@@ -80,8 +81,8 @@ ClampedPlate clampPlate(const PlateRest& plate, const std::vector<char>& held, c
   for (Index i = 0; i < n; ++i) clamped.is_inner[i] = held[i] && plate.ring.count(i) > 0 && !isBesideFree(i);
   for (const ClampEdge& edge : edges) clamped.is_inner[edge.point] = held[edge.point] != 0;
 
-  // Points on the edge: each held point beside free ones is moved there, or one that is there already stands for it.
-  std::vector<Index> moved(n, -1);  // where a held point goes
+  // Points on the edge: each held point beside free ones is moved there, or an existing edge point replaces it.
+  std::vector<Index> moved(n, -1);  // new place of a held point
   for (Index i = 0; i < n; ++i)
     if (!clamped.is_inner[i]) moved[i] = i;
   for (const ClampEdge& edge : edges) {
@@ -107,7 +108,7 @@ ClampedPlate clampPlate(const PlateRest& plate, const std::vector<char>& held, c
     }
     moved[edge.point] = same;
   }
-  // What nothing carries is a hinge.
+  // Held points beside free ones without an edge point are hinges.
   for (Index i = 0; i < n; ++i) {
     if (moved[i] >= 0 || !isBesideFree(i)) continue;
     clamped.is_inner[i] = 0;

@@ -13,11 +13,11 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;  // points a parallel block: handing it out costs little beside it
-constexpr Index kBatch = 4;     // groups of four points: their rows stay in the nearest cache between the two readings
+constexpr Index kBlock = 2048;  // points per parallel block: distribution costs little beside it
+constexpr Index kBatch = 4;     // groups of four points: their rows stay in the first-level cache between the two passes
 constexpr Index kSlots = CurvatureBending::kFitPoints + 1;  // with the point itself
 
-// |t_1 x t_2|, the area that a unit of it at rest has now, below which a point counts as crushed, see the header.
+// |t_1 x t_2|, the present area of a unit area at rest, below which a point counts as crushed, see the header.
 constexpr double kCrushed = 0.1;
 
 // Four points at a time, one coordinate in one vector.
@@ -34,7 +34,7 @@ DEFORMABLE_SURFACE_INLINE void sumDerivatives(const Index* neighbors, const doub
     for (int lane = 0; lane < 4; ++lane) load(positions + neighbors[4 * r + lane], x[r][lane]);
     transpose(x[r][0], x[r][1], x[r][2], x[r][3]);
   }
-  // In two loops, so that the sums fit the registers.
+  // Two loops, so that the sums fit the registers.
   Double4 t1[3]{}, t2[3]{};
   for (Index r = 0; r < kSlots; ++r) {
     Double4 g1, g2;
@@ -112,7 +112,7 @@ DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, double poiss
   multiply(turned, p, m.first[1]);
 }
 
-// -M^ab c^ab + M^ab Gamma^c_ab g^c of each neighbour.
+// The contribution -M^ab c^ab + M^ab Gamma^c_ab g^c for each neighbour.
 DEFORMABLE_SURFACE_INLINE void spreadMoments(const double* rows, const Moments& m, double* along) {
   for (Index r = 0; r < kSlots; ++r) {
     Double4 g1, g2, c11, c12, c22;
@@ -125,7 +125,7 @@ DEFORMABLE_SURFACE_INLINE void spreadMoments(const double* rows, const Moments& 
   }
 }
 
-// The groups from begin to end. Crushed points get no normal, hence no force. Returns whether any are.
+// The groups from begin to end. Crushed points get no normal, hence no force here. Returns whether there are any.
 DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index* neighbors, const double* rows,
                                             const double* constants, double poisson_ratio, const double* positions, double* along,
                                             double* normals) {
@@ -141,7 +141,7 @@ DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index*
       findMoments(constants + 16 * g, poisson_ratio, moments[g - batch], n, is_crushed);
       for (int c = 0; c < 3; ++c) n[c] = is_crushed ? Double4{} : n[c];
       load(constants + 16 * g, weight);
-      is_crushed &= weight > 0.0;  // not where there is no fit
+      is_crushed &= weight > 0.0;  // false without a fit
       any_crushed |= is_crushed[0] || is_crushed[1] || is_crushed[2] || is_crushed[3];
       transpose(n[0], n[1], n[2], n[3]);
       for (int lane = 0; lane < 4; ++lane) store(n[lane], normals + 16 * g + 4 * lane);
@@ -166,7 +166,7 @@ DEFORMABLE_SURFACE_WIDE double sumEnergies(Index begin, Index end, const Index* 
   return (sum[0] + sum[1]) + (sum[2] + sum[3]);
 }
 
-// Adds to each point what the fits that use it push. users: two items a fit; forces: (n x 3).
+// Adds to each point the forces of the fits that use it. users: two items per fit; forces: (n x 3).
 DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* offsets, const Index* users, const double* along,
                                           const double* normals, double* forces) {
   for (Index j = begin; j < end; ++j) {
@@ -241,7 +241,7 @@ void CurvatureBending::prepareForceLoop() {
   for (std::size_t e = 0; e < edge_points_.size(); ++e)
     for (const Index point : edge_points_[e].points) riders_.emplace_back(point, numPoints() + static_cast<Index>(e));
   std::sort(riders_.begin(), riders_.end());
-  // What each fit pushes, grouped by the points: counted first, then put in its place.
+  // The forces of the fits, grouped by points: counted first, then placed.
   users_.offsets.assign(n + 1, 0);
   const auto forEachUse = [&](const auto& visit) {
     for (Index i = 0; i < n; ++i)
@@ -372,7 +372,7 @@ void CurvatureBending::addForces(PaddedPoints& positions, Points& forces) const 
   if (any_crushed) addCrushedForces(positions.data(), forces);
 }
 
-// Of the few that got none with the others, one by one.
+// The few crushed points, which got no force with the others, one by one.
 void CurvatureBending::addCrushedForces(const double* positions, Points& forces) const {
   for (Index i = 0; i < neighbors_.size(); ++i) {
     const double* normal = &normals_[4 * i];
@@ -398,7 +398,7 @@ double CurvatureBending::energy(PaddedPoints& positions) const {
 //   dM_ab dk_ab,               dk_ab = n . (db_ab - Gamma^c_ab dt_c)                    (Gauss-Newton), and
 //   M_ab d2(n . b_ab) = -2 (n . dt_c) (t^c . dp) - M_ab (n . b_ab) (t^c . t^d) (n . dt_c) (n . dt_d),
 //   dp = M_ab (db_ab - Gamma^d_ab dt_d).
-// Of crushed points it is the former part alone.
+// For crushed points only the former part.
 void CurvatureBending::addStiffness(const State& state, Hessian hessian, BlockSparse& stiffness) const {
   std::array<Vec3, 3 * (kFitPoints + 1)> change;   // of k_ab by the normal motion of each neighbour
   std::array<double, 3 * (kFitPoints + 1)> along;  // dp by the motion of each neighbour
@@ -448,9 +448,10 @@ void CurvatureBending::addCrushedStiffness(const WholeFit& fit, double weight, c
     for (Index k = 0; k <= j; ++k) stiffness.add(fit.points[j], fit.points[k], change[j] * moments * change[k].transpose());
 }
 
-// x . K x is the sum of those of the fits, each at most its largest eigenvalue times x . M x over its own points; so no
-// eigenvalue of the sum exceeds, at the worst point, the sum of those of the fits that use it. That of a fit is the one of
-// the 3 x 3 matrix D A sum_j r(j) r(j)^T / m_j, which its Frobenius norm bounds; r = R dk with R^T R the matrix of the moments.
+// x . K x is the sum of that of the fits, each at most its largest eigenvalue times x . M x over its own points. So no eigenvalue
+// of the sum exceeds the maximum over points of the summed eigenvalues of the fits that use the point. The eigenvalue of a fit is
+// that of the 3 x 3 matrix D A sum_j r(j) r(j)^T / m_j, which its Frobenius norm bounds; r = R dk with R^T R the matrix of the
+// moments.
 double CurvatureBending::boundRate(const State& state, const std::vector<double>& masses) const {
   rate_.assign(masses.size(), 0.0);
   const Mat3 root = momentRoot();
@@ -490,7 +491,7 @@ void CurvatureBending::addRowBounds(std::vector<double>& stiffness) const {
   }
 }
 
-// Each is on the diagonal twice.
+// Every spring is on the diagonal twice.
 double CurvatureBending::sumSprings() const {
   double trace = 0.0;
   for (Index i = 0; i < neighbors_.size(); ++i)

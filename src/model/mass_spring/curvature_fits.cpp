@@ -1,5 +1,5 @@
-// Which neighbours a fit of curvature has, and its least squares, at the edges of clamps on one side. Apart from what follows
-// from the fits at every state (curvature_bending.cpp).
+// Chooses the neighbours of each fit of curvature, and solves its least squares, one-sided at the edges of clamps. The evaluation
+// of the fits at a state is in curvature_bending.cpp.
 #include "curvature_fits.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -15,16 +15,16 @@ namespace {
 
 constexpr Index kFitPoints = CurvatureBending::kFitPoints;
 constexpr Index kSlots = kFitPoints + 1;
-constexpr Index kBlock = 64;     // fits a task: about a millisecond
+constexpr Index kBlock = 64;     // fits per task: about a millisecond
 constexpr double kReach = 1.05;  // kernel support over the farthest neighbour's distance, so that it still counts
-// Moments change fast beside clamps, where fits that reach less far smooth less. Elsewhere they would bring to light that
-// membranes of few curved triangles are too stiff (docs/decisions/0007-balanced-bending.md).
+// Moments change fast beside clamps, where smaller fits smooth less. Elsewhere smaller fits would reveal that membranes of few
+// curved triangles are too stiff (docs/decisions/0007-balanced-bending.md).
 constexpr Index kFitPointsAtClamps = 12;
 constexpr double kSteepness = 1.5;       // exponent of a weight's root
 constexpr int kRingsAtClamps = 3;        // from the edge
 constexpr double kRankTolerance = 1e-3;  // smallest pivot over the largest for a fit to count as determined
 
-// The nearest ones, at most so many, among the first, second and, if those are too few, third ring.
+// The nearest points, up to a number, among the first, second and, if these are too few, third ring.
 void chooseFitPoints(Index i, const PlateRest& plate, Index most, std::vector<Index>& found) {
   const Points& rest = plate.points;
   found.assign(1, i);
@@ -43,7 +43,7 @@ void chooseFitPoints(Index i, const PlateRest& plate, Index most, std::vector<In
   if (static_cast<Index>(found.size()) > most) found.resize(most);
 }
 
-// Which points are so few rings from the edge of a clamp.
+// Marks the points within a few rings of a clamp's edge.
 std::vector<char> markBesideClamps(const ClampedPlate& clamped) {
   const Lists& ring = clamped.plate.ring;
   std::vector<char> marked(ring.size(), 0);
@@ -65,8 +65,8 @@ using Small = Eigen::Matrix<double, Rows == 0 ? Eigen::Dynamic : Rows, Columns =
                             Rows == 0 ? kFitPoints : Rows, Columns == 0 ? kFitPoints : Columns>;
 using Weights = Small<0, 1>;
 
-// Least squares with rows already weighted: for each neighbour the coefficients that a unit of its position adds, and the
-// orthonormal columns that span those of the design. False if the rows do not determine it.
+// Least squares with weighted rows: for each neighbour the coefficients per unit of its position, and the orthonormal columns
+// that span those of the design. False if the rows do not determine it.
 template <int Columns>
 bool solveLeastSquares(const Small<0, Columns>& design, const Weights& root_weight, Small<Columns, 0>& inverse,
                        Small<0, Columns>& q) {
@@ -95,7 +95,7 @@ bool solveFree(const Small<0, 5>& design, const Weights& root_weight, Solution& 
   return true;
 }
 
-// At the edge of a clamp: with the slope of what is held, which comes after the neighbours, the curvature.
+// At the edge of a clamp: the curvature, with the slope of the held patch, whose points come after the neighbours.
 bool solveClamped(const Small<0, 5>& design, const Weights& root_weight, const EdgePoint& edge, const TangentAxes& axes,
                   double reach, Solution& solution) {
   const Index k = static_cast<Index>(design.rows());
@@ -110,7 +110,7 @@ bool solveClamped(const Small<0, 5>& design, const Weights& root_weight, const E
   for (int h = 0; h < 3; ++h) {
     const Vec2 slope = reach * Vec2(edge.gradients[h].dot(axes.first), edge.gradients[h].dot(axes.second));
     solution.inverse.col(k + h).head<2>() = slope;
-    // Less what the slope alone gives at the neighbours. A row of the design is weighted.
+    // Subtracts what the slope alone gives at the neighbours. A row of the design is weighted.
     for (Index m = 0; m < k; ++m)
       solution.inverse.col(k + h).tail<3>() -= curvatures.col(m) * (design.row(m).head<2>().dot(slope) / root_weight[m]);
   }
@@ -125,7 +125,7 @@ CurvatureFits fitCurvatures(const ClampedPlate& clamped) {
   CurvatureFits fits;
   fits.reach.assign(n, 0.0);
   fits.bases.resize(n);
-  // Each in room of its own, of which the lists are then made.
+  // Each fit writes to its own slots; the lists are made from these.
   std::vector<Index> slots(kSlots * n);
   std::vector<CurvatureRow> rows(kSlots * n);
   std::vector<Index> counts(n, 1);

@@ -1,4 +1,4 @@
-// The fits of curvature at rest, as moment_balance.h changes them and CurvatureBending keeps them.
+// The fits of curvature at rest: balanced by moment_balance.h and used by CurvatureBending.
 #pragma once
 
 #include "deformable_surface/model/mass_spring/curvature_bending.h"
@@ -9,7 +9,7 @@
 
 namespace deformable_surface::model {
 
-/// The two axes of the tangent plane in which the fit of a point has its coordinates.
+/// The two axes of the tangent plane for the coordinates of a fit.
 struct TangentAxes {
   explicit TangentAxes(const Vec3& normal) : first(normal.unitOrthogonal()), second(normal.cross(first)) {}
   Vec3 first, second;

@@ -11,23 +11,23 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 256;  // fits or points a task
+constexpr Index kBlock = 256;  // fits or points per task
 constexpr int kMaxIterations = 30;
-constexpr double kTolerance = 1e-4;  // of the residual's norm at the beginning
-constexpr double kShift = 1e-11;     // of the diagonal: quadratics cost nothing, and a factor wants to be definite
-// The same, times the squared sine of the angle between the normals of neighbours: on curved surfaces there are no quadratics,
-// what comes near to them can hardly be balanced, and would change the rows by more than it is worth.
+constexpr double kTolerance = 1e-4;  // fraction of the initial norm of the residual
+constexpr double kShift = 1e-11;     // fraction of the diagonal: quadratics have no cost, and the factor must be definite
+// The same, times the squared sine of the angle between the normals of neighbours. On curved surfaces there are no exact
+// quadratics. Approximate ones can hardly be balanced, and would change the rows too much.
 constexpr double kCurvedShift = 0.05;
-constexpr Index kMaxFactored = 20000;  // points above which the factor costs more than it is worth
+constexpr Index kMaxFactored = 20000;  // points above which the factor costs more than it saves
 
 // A symmetric tensor of a tangent plane: half of its trace, half of the difference of its diagonal, its off-diagonal. The inner
-// product of two is twice that of these numbers.
+// product of two tensors is twice that of these numbers.
 using Tensor = Vec3;
 using Tensors = std::vector<Tensor>;
 
 Tensor toTensor(double xx, double xy, double yy) { return {0.5 * (xx + yy), 0.5 * (xx - yy), xy}; }
 
-// From the axes of one point to those of another: the two last numbers of a tensor turn by twice the angle of the axes.
+// From the axes of one point to those of another: the last two numbers of a tensor turn by twice the angle of the axes.
 struct Turn {
   double cosine = 1.0, sine = 0.0;
   Tensor apply(const Tensor& x) const { return {x[0], cosine * x[1] - sine * x[2], sine * x[1] + cosine * x[2]}; }
@@ -53,14 +53,14 @@ void add(double factor, const Tensors& what, Tensors& to) {
   for (std::size_t i = 0; i < to.size(); ++i) to[i] += factor * what[i];
 }
 
-// The equation for the multipliers, one tensor a point.
+// The equation for the multipliers, one tensor per point.
 class MomentBalance {
  public:
   MomentBalance(const ClampedPlate& clamped, const std::vector<double>& areas, const CurvatureFits& fits);
 
   Index size() const { return fits_.points.size(); }
   bool isUnknown(Index j) const { return is_unknown_[j]; }
-  /// The part of the rows' moments that is not in balance.
+  /// The unbalanced part of the moments of the rows.
   void findResidual(Tensors& residual) const;
   /// (S + shift) l.
   void multiply(const Tensors& l, Tensors& product) const;
@@ -73,7 +73,7 @@ class MomentBalance {
   Index fitOf(Index item) const { return fit_of_[item]; }
   /// A_i / R_i^2; 0 without a fit.
   double scale(Index i) const { return scale_[i]; }
-  /// Diagonal of S; and what is added to it.
+  /// Diagonal of S; and the shift added to it.
   double diagonal(Index j) const { return diagonal_[j]; }
   double shift(Index j) const { return shift_[j]; }
 
@@ -89,9 +89,9 @@ class MomentBalance {
   const std::vector<double>& areas_;
   const CurvatureFits& fits_;
   std::vector<TangentAxes> axes_;
-  std::vector<Turn> turns_;    // per item of the fits' points, from its axes to those of the fit
+  std::vector<Turn> turns_;    // per item of the fits' points, from the item's axes to those of the fit
   std::vector<Index> fit_of_;  // per item
-  Lists users_;                // per point: the items that it is
+  Lists users_;                // per point: its items
   std::vector<char> is_unknown_;
   std::vector<double> scale_, diagonal_, shift_;
   mutable Tensors pushed_;  // per item
@@ -115,7 +115,7 @@ MomentBalance::MomentBalance(const ClampedPlate& clamped, const std::vector<doub
         if (j != i) turns_[item] = findTurn(plate_.normals[j], axes_[j], plate_.normals[i], axes_[i]);
       }
   });
-  // Counted, then put in their places.
+  // Counted, then placed.
   users_.offsets.assign(n + 1, 0);
   for (Index item = 0; item < num_items; ++item)
     if (scale_[fit_of_[item]] > 0.0) ++users_.offsets[fits.points.items[item] + 1];
@@ -127,7 +127,7 @@ MomentBalance::MomentBalance(const ClampedPlate& clamped, const std::vector<doub
   is_unknown_.resize(n);
   for (Index j = 0; j < n; ++j) is_unknown_[j] = users_.count(j) > 0 && !clamped.isClamped(j);
   pushed_.resize(num_items);
-  // The diagonal, and how far the normals of a fit turn.
+  // The diagonal, and the mean squared sine of the angles between the normals of a fit.
   std::vector<double> own(num_items, 0.0), turns(n, 0.0);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     for (Index i = begin; i < end; ++i) {
@@ -187,7 +187,7 @@ void MomentBalance::explain(Index i, const Tensors& l, Tensor* change) const {
     change[0] -= change[m];
     if (on_clamp) slope += placeOf(i, begin + m) * change[m].transpose();
   }
-  // What the slope of those that the edge rides on adds to the places of the others. They have no multipliers.
+  // Adds the slope of the points that the edge follows to the places of the others. They have no multipliers.
   if (on_clamp)
     for (Index m = 0; m < count; ++m) change[m] -= slope.transpose() * fits_.rows[begin + m].first;
 }
@@ -206,7 +206,7 @@ void MomentBalance::multiply(const Tensors& l, Tensors& product) const {
 }
 
 void MomentBalance::findResidual(Tensors& residual) const {
-  // The outward normals of free edges, times half the lengths at each point. Inside these sum to zero.
+  // The outward normals of free edges, times half the lengths at each point. They sum to zero inside.
   Points outward(size(), Vec3::Zero());
   for (const WeightedTriangle& t : plate_.triangles) {
     const Points& x = plate_.points;
@@ -230,10 +230,10 @@ void MomentBalance::findResidual(Tensors& residual) const {
   gather(pushed_, residual);
 }
 
-// The equation as it were on a plane, where each number of a tensor has the same matrix: exact there, a good guess elsewhere.
+// The equation as on a plane, where each number of a tensor has the same matrix: exact there, an approximation elsewhere.
 class PlanarBalance {
  public:
-  /// Of many points its diagonal alone.
+  /// For many points only the diagonal is used.
   explicit PlanarBalance(const MomentBalance& balance);
   void solve(const Tensors& b, Tensors& x);
 
@@ -246,9 +246,9 @@ class PlanarBalance {
   void factorize();
 
   const MomentBalance& balance_;
-  // With p = root q, entry (s, r) of a fit is -p_s . p_r beside its diagonal; the point itself has minus the sum of the others.
+  // With p = root q, entry (s, r) of a fit is -p_s . p_r beside its diagonal. The point itself has minus the sum of the others.
   std::vector<Weights> weights_;  // (n) p
-  BlockCholesky factor_;          // of points by threes, since it has fast blocks of three
+  BlockCholesky factor_;          // of groups of three points, for the fast blocks of three
   bool is_factored_ = false;
   Eigen::Matrix<double, Eigen::Dynamic, 6> in_space_;
   Eigen::VectorXd column_;
@@ -291,7 +291,7 @@ void PlanarBalance::factorize() {
     std::vector<Index> place(num_blocks, -1);  // of a block in the column
     for (Index c = begin; c < end; ++c) {
       std::vector<Block>& column = columns[c];
-      column.push_back({c, Mat3::Identity()});  // of places that have no unknown
+      column.push_back({c, Mat3::Identity()});  // of places without an unknown
       place[c] = 0;
       for (Index k = 3 * c; k < std::min(3 * c + 3, n); ++k) {
         if (!balance_.isUnknown(k)) continue;
@@ -326,7 +326,7 @@ void PlanarBalance::factorize() {
   is_factored_ = factor_.factorize(values);
 }
 
-// A tensor of a tangent plane as one in space, whose six numbers are solved for, and back.
+// Solves for a tensor of a tangent plane as one in space, with six numbers, and converts back.
 void PlanarBalance::solve(const Tensors& b, Tensors& x) {
   const Index n = balance_.size();
   if (!is_factored_) {
@@ -359,7 +359,7 @@ void PlanarBalance::solve(const Tensors& b, Tensors& x) {
   }
 }
 
-// Conjugate gradients; the best of the iterates.
+// Conjugate gradients; returns the best iterate.
 Tensors solveForMultipliers(const MomentBalance& balance) {
   const Index n = balance.size();
   Tensors l(n, Tensor::Zero()), residual(n), direction(n), solved(n), product(n), best = l;
