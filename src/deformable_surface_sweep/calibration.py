@@ -20,7 +20,7 @@ TABLE = "calibration_scenes.csv"
 
 
 def run_seeds(job, runs, inputs):
-    """As worker.run_batch(); the first assignment of a run is its seed."""
+    """Same as worker.run_batch(). The first assignment of a run is its seed."""
     require_version(job)
     return [run_seed(job["program"], assignments[0]) for assignments, _ in runs]
 
@@ -38,7 +38,7 @@ def run_seed(program, seed):
 
 
 def read_table(path):
-    """Its lines, the header first."""
+    """The lines of a table, the header first."""
     if not os.path.exists(path):
         return []
     with open(path) as stream:
@@ -46,7 +46,7 @@ def read_table(path):
 
 
 def find_seed(line):
-    """Of a row that was written to its end; else None."""
+    """The seed of a complete row; else None."""
     seed = line.split(",", 1)[0]
     return int(seed) if seed.isdigit() and line.endswith("\n") else None
 
@@ -70,7 +70,7 @@ def calibrate(options):
         header[:] = lines[:1] or header
         if result.status == "done":
             rows[int(name[len("seed"):])] = lines[1:]
-            # In the order of the seeds, whoever ends first.
+            # In the order of the seeds, not of completion.
             write_whole(path, "".join(header + [line for seed in sorted(rows) for line in rows[seed]]).encode())
         else:
             progress.say("%s: %s" % (name, result.problem))

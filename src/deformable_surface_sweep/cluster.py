@@ -1,4 +1,4 @@
-"""Where runs are run: processes of this machine, a scheduler of Dask that is there, or workers that Slurm starts."""
+"""The machines of a sweep: processes of this machine, an existing Dask scheduler, or workers started by Slurm."""
 import contextlib
 import logging
 import os
@@ -11,13 +11,13 @@ from .errors import SweepError
 
 THREADS_A_PROCESS = 8  # a run takes a few milliseconds of Python, one thread at a time
 
-# What Dask watches of itself many times a second takes more time than the runs do that nobody looks at.
+# Dask's frequent monitoring of itself would take more time than short runs.
 SELDOM = {"distributed.worker.profile.interval": "1s", "distributed.worker.profile.cycle": "100s", "distributed.admin.tick.interval": "1s",
           "distributed.admin.system-monitor.interval": "5s", "distributed.worker.memory.monitor-interval": "5s"}
 
 
 def find_versions():
-    """Of what runs the sweep."""
+    """Versions of the software that runs the sweep."""
     try:
         import dask
         import distributed
@@ -29,13 +29,13 @@ def find_versions():
 
 @contextlib.contextmanager
 def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
-    """A client of Dask, and whether its workers see this machine's files. Closes what it started."""
+    """A Dask client, and whether its workers see this machine's files. Closes on exit whatever it started."""
     import dask
     from distributed import Client, LocalCluster
-    # Workers come and go, which the sweep itself tells where it matters.
+    # Workers come and go; the sweep itself reports it where it matters.
     logging.disable(logging.CRITICAL)
     with contextlib.ExitStack() as stack:
-        # Else the files of workers would lie in the folder that the command is called from.
+        # Otherwise the workers would put their files into the current folder.
         folder = stack.enter_context(tempfile.TemporaryDirectory(prefix="sweep_workers_"))
         dask.config.set({"distributed.comm.timeouts.connect": "10s", "temporary-directory": folder, **SELDOM})
         if scheduler or scheduler_file:
@@ -52,7 +52,7 @@ def open_cluster(scheduler="", scheduler_file="", slurm=None, workers=0):
             return
         count = workers or len(os.sched_getaffinity(0))
         if slurm is None:
-            # The threads of one process wait for their simulations; a process for each would take seconds to start.
+            # Threads of one process suffice, as they wait for simulations. A process each would take seconds to start.
             processes = next(n for n in range(-(-count // THREADS_A_PROCESS), count + 1) if count % n == 0)
             options = {"n_workers": processes, "threads_per_worker": count // processes, "processes": processes > 1}
         else:

@@ -1,4 +1,4 @@
-"""The command `sweep`: reads a plan, runs what has not been run, writes the table."""
+"""The command `sweep`: reads a plan, runs the missing runs, writes the table."""
 import argparse
 import json
 import os
@@ -26,7 +26,7 @@ command line or the cluster is wrong; 130 interrupted. The plan and examples: do
 
 class Parser(argparse.ArgumentParser):
     def error(self, message):
-        """Without the usage, which --help says."""
+        """Omits the usage, which --help prints."""
         raise SweepError(message)
 
 
@@ -60,7 +60,7 @@ def parse_arguments(arguments):
 
 
 class Sweep:
-    """A plan with the names of its runs and the inputs that they read."""
+    """A plan with the names of its runs and their inputs."""
 
     def __init__(self, options):
         self.options = options
@@ -75,7 +75,7 @@ class Sweep:
         self.runs = [self.describe_run(run) for run in self.plan.runs]
 
     def add_input(self, path):
-        """An input's name: the hash of what is in it, with the ending by which `simulate` knows its kind."""
+        """The name of an input: the hash of its content, with the extension by which `simulate` determines its kind."""
         name = self.files.hash(path) + os.path.splitext(path)[1]
         self.inputs[name] = os.path.abspath(path)
         return name
@@ -90,13 +90,13 @@ class Sweep:
         return Run(name, ["%s=%s" % (key, to_text(value)) for key, value in run.items() if key not in files], files)
 
     def describe_for_program(self, run):
-        """(scene, assignments, bag, topics, keep) of a run on this machine, as Simulator takes them."""
+        """(scene, assignments, bag, topics, keep) of a run on this machine, for Simulator."""
         assignments = run.assignments + ["%s=%s" % (key, self.inputs[name]) for key, name in run.files.items()]
         job = self.job()
         return self.inputs[self.scene], assignments, self.inputs.get(self.bag, ""), job["topics"], job["keep"]
 
     def job(self):
-        """What all runs share."""
+        """The values shared by all runs."""
         return {"program": self.options.simulate and self.program, "version": self.version, "scene": self.scene, "bag": self.bag,
                 "topics": self.plan.topics, "keep": self.plan.keep.describe(), "timeout": self.plan.timeout}
 
@@ -120,7 +120,7 @@ def run_sweep(options):
         progress.say("%d of %d runs are there from before" % (progress.done, progress.total))
 
     def take(name, result):
-        # A run whose workers die may end on another day: it is a row, and not kept as a result.
+        # A run whose workers died may succeed another time: it gets a row, but is not stored as a result.
         records[name] = store.add(name, result) if result.status != "lost" else {
             "status": "lost", "problem": result.problem, "values": {}, "files": {}, "hash": ""}
         progress.add(result.status)
@@ -151,7 +151,7 @@ def keep_plan(sweep, out):
 
 
 def main(arguments=None):
-    # An end that is asked for is an interrupt: what is finished gets its table.
+    # A termination signal is treated as an interrupt: finished runs get their table.
     signal.signal(signal.SIGTERM, signal.default_int_handler)
     try:
         return run_sweep(parse_arguments(arguments))

@@ -10,7 +10,7 @@ from .errors import SweepError
 
 
 class Loader(yaml.SafeLoader):
-    """Numbers as YAML 1.2 and `simulate` have them: 1e5 is a number, "yes" is text, and a key occurs once."""
+    """Numbers as in YAML 1.2 and `simulate`: 1e5 is a number, "yes" is text, and a key occurs once."""
 
     yaml_implicit_resolvers = {}
 
@@ -54,7 +54,7 @@ def read_yaml(path):
 
 
 def set_by_path(document, path, value):
-    """Sets one value as `simulate --set` does: maps are made where there is nothing, a number is the place in a list."""
+    """Sets one value as `simulate --set` does: missing maps are created, a number is an index into a list."""
     *parents, last = path.split(".")
     place = document
     for depth, key in enumerate(parents):
@@ -89,7 +89,7 @@ def merge(scene, overrides):
 
 
 def find_files(document, path=""):
-    """(dotted path, name) of every file that a scene names: keys called `file`."""
+    """(dotted path, name) of every file in a scene: keys called `file`."""
     pairs = document.items() if isinstance(document, dict) else enumerate(document) if isinstance(document, list) else ()
     for key, value in pairs:
         inner = "%s.%s" % (path, key) if path else str(key)
@@ -100,7 +100,7 @@ def find_files(document, path=""):
 
 
 def to_text(value):
-    """A value as `simulate --set` and a cell of the table have it. JSON is YAML but for what is no number."""
+    """A value as text for `simulate --set` and cells of the table. JSON is YAML except for values that are not finite."""
     if isinstance(value, float) and not math.isfinite(value):
         return ".nan" if math.isnan(value) else ".inf" if value > 0 else "-.inf"
     if isinstance(value, list):

@@ -1,4 +1,4 @@
-"""What a plan will take, said before it is run: the number of runs, and time and bytes by a few of them that are run here."""
+"""Estimates the cost of a plan: the number of runs, and time and bytes measured on a few of them on this machine."""
 import os
 
 from .progress import describe_bytes, describe_time
@@ -26,7 +26,7 @@ def describe_probes(sweep, probes, count):
         results = [simulator.run(*sweep.describe_for_program(run), sweep.plan.timeout) for run in probes]
     finally:
         simulator.close()
-    # The first also loads the program.
+    # The first run also loads the program.
     seconds = sum(result.seconds for result in results) / len(results)
     size = sum(len(data) for result in results for files in result.files.values() for _, data in files) / len(results)
     workers = sweep.options.workers or len(os.sched_getaffinity(0))

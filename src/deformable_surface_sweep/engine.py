@@ -1,5 +1,5 @@
-"""Runs a list of runs on a cluster of Dask. A few batches a worker are under way at a time, so that neither the scheduler nor the
-client holds what is still to come; each result is handed on as it comes."""
+"""Runs a list of runs on a Dask cluster. Only a few batches per worker are submitted at a time, so that neither the scheduler nor
+the client holds all future runs. Each result is passed on as it arrives."""
 import collections
 import hashlib
 import math
@@ -11,15 +11,15 @@ from .errors import SweepError
 from .simulator import Result
 from .worker import keep_value, run_batch
 
-BATCH_TIME = 0.25     # s of one worker in a batch: the milliseconds of the scheduler are little beside it, and a death loses little
+BATCH_TIME = 0.25     # s of one worker per batch: much longer than scheduling takes, and little is lost with a worker
 MOST_IN_BATCH = 200
-MOST_SENT = 64        # inputs that wait for more runs of theirs: a batch has a few, and a plan may have thousands
-BATCHES_A_WORKER = 3  # one runs, one is there, one is on its way
+MOST_SENT = 64        # inputs kept for further runs: a batch has a few, and a plan may have thousands
+BATCHES_A_WORKER = 3  # one running, one waiting at the worker, one being sent
 PATIENCE = 30.0       # s without a scheduler
 LOSS = "lost the scheduler; finished runs are kept, and the same command goes on with the others"
 MOST_ATTEMPTS = 5     # of a batch that workers refuse
 
-# What a worker says of itself, also one without this package: hence no function of it.
+# Versions of a worker. Also for workers without this package: hence no function of it.
 DESCRIBE = ("__import__('importlib.util').util.find_spec('deformable_surface_sweep') is not None and "
             "__import__('deformable_surface_sweep.worker', fromlist=['worker']).describe_version(%r)")
 
@@ -28,22 +28,22 @@ Run.__doc__ = """name: its hash; assignments: KEY=VALUE; files: {KEY: name of an
 
 
 class Engine:
-    """job: what all runs share (worker.py). inputs: {name: path} of the files that they read. shares_files: whether workers see
-    these paths. say: takes a line for the user. batch: what a worker does, as run_batch()."""
+    """job: the values shared by all runs (worker.py). inputs: {name: path} of their files. shares_files: whether workers see
+    these paths. say: takes a line for the user. batch: the function of a worker, like run_batch()."""
 
     def __init__(self, client, job, inputs, shares_files, say, batch=run_batch):
         self.client, self.job, self.inputs, self.shares_files, self.say, self.batch = client, job, inputs, shares_files, say, batch
         self.job_key = hashlib.sha256(repr(sorted(job.items())).encode()).hexdigest()[:16]
         self.ended = queue.Queue()
         self.under_way = {}     # future -> (runs, attempts)
-        self.sent = collections.OrderedDict()  # key -> the future that holds a value; those used last are at the end
-        self.refused = {}       # address of a worker -> its sentence
-        self.good = []          # addresses of those that were found right
+        self.sent = collections.OrderedDict()  # key -> the future that holds a value, in the order of last use
+        self.refused = {}       # address of a refused worker -> the reason
+        self.good = []          # addresses of accepted workers
         self.slots, self.asked = 0, -math.inf
         self.seconds, self.counted = 0.0, 0
 
     def run(self, todo, take):
-        """take(name, result) for each run of todo, in the order in which they end."""
+        """take(name, result) for each run of todo, in the order of completion."""
         waiting = collections.deque((run, 0) for run in todo)
         last = time.monotonic()
         while waiting or self.under_way:
@@ -62,7 +62,7 @@ class Engine:
                 take(name, result)
 
     def count_slots(self):
-        """Threads of the workers that may run this; asked for once a second."""
+        """Number of threads of the workers that may run this sweep; updated once a second."""
         if time.monotonic() - self.asked < 1.0:
             return
         self.asked = time.monotonic()
@@ -70,7 +70,7 @@ class Engine:
             threads = self.client.nthreads()
             self.examine(sorted(set(threads) - set(self.refused) - set(self.good)))
         except (OSError, TimeoutError, ValueError):
-            # A worker that has died, of which the scheduler does not know yet, is no reason to end.
+            # A dead worker that the scheduler still lists is no reason to end.
             if self.client.status != "running":
                 raise SweepError(LOSS)
             return
@@ -79,7 +79,7 @@ class Engine:
             raise SweepError("found no worker that can run this; " + "; ".join(sorted(set(self.refused.values()))))
 
     def examine(self, workers):
-        """Asks new workers what they have."""
+        """Asks new workers for their versions."""
         answers = self.client.run(eval, DESCRIBE % self.job["program"], workers=workers) if workers else {}
         for worker, answer in answers.items():
             version, problem = answer or ("", "found no package deformable_surface_sweep; "
@@ -112,7 +112,7 @@ class Engine:
         return self.send_value("sweep-job-" + self.job_key, lambda: self.job)
 
     def send(self, name):
-        """A path, or the future of a file's bytes, which travels to each worker once."""
+        """A path, or the future of a file's bytes, which is sent to each worker once."""
         if self.shares_files:
             return self.inputs[name]
         return self.send_value("sweep-input-" + name, lambda: read_bytes(self.inputs[name]))
@@ -120,16 +120,16 @@ class Engine:
     def send_value(self, key, make):
         if key not in self.sent:
             with warnings.catch_warnings():
-                warnings.simplefilter("ignore")  # that it is large
+                warnings.simplefilter("ignore")  # the warning about its size
                 self.sent[key] = self.client.submit(keep_value, make(), key=key, workers=self.allowed())
         self.sent.move_to_end(key)
-        # What is let go stays with the cluster as long as a batch needs it.
+        # The cluster keeps a released value as long as a batch needs it.
         while len(self.sent) > MOST_SENT:
             self.sent.popitem(last=False)
         return self.sent[key]
 
     def collect(self, ended, waiting):
-        """(name, result) of the batches that are done; the others go back to what is waiting."""
+        """(name, result) of the finished batches; the runs of failed ones wait again."""
         for future in ended:
             runs, attempts = self.under_way.pop(future)
             try:
@@ -157,7 +157,8 @@ class Engine:
         waiting.extendleft((run, attempts + 1) for run in reversed(runs))
 
     def check(self, last):
-        """After a while without a result: is there still somebody who works? Returns when that was last so."""
+        """Called while no result arrives: reports a lack of workers, and ends the sweep after a while without a scheduler. Returns the
+        time from which that is counted."""
         if self.client.status == "running":
             if not self.slots and time.monotonic() - last > 10.0:
                 self.say("waiting for workers")

@@ -1,4 +1,4 @@
-"""What is wrong with a plan or with the machines, in sentences for the user. A file of its own because every other file raises it."""
+"""Problems of a plan or of the machines, in sentences for the user. Every other file raises this error."""
 
 
 class SweepError(Exception):

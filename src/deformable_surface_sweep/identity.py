@@ -28,7 +28,7 @@ def hash_file(path):
 
 
 def find_program(program=""):
-    """The path of `simulate`: the one given, else that of the first catkin workspace that has one."""
+    """The path of `simulate`: the given one, or that of the first catkin workspace that has one."""
     if program:
         if os.access(program, os.X_OK) and os.path.isfile(program):
             return os.path.abspath(program)
@@ -55,7 +55,7 @@ def find_version(program):
 
 
 def find_package(package):
-    """The folder of a ROS package that a scene names a file of."""
+    """The folder of a ROS package, for file names of a scene."""
     for prefix in os.environ.get("CMAKE_PREFIX_PATH", "").split(os.pathsep):
         if prefix and os.path.isdir(os.path.join(prefix, "share", package)):
             return os.path.join(prefix, "share", package)
@@ -67,13 +67,13 @@ def find_package(package):
 
 
 def resolve(name):
-    """The path of a file that a scene or a plan names."""
+    """The path of a file named in a scene or a plan."""
     match = re.match(r"package://([^/]+)/(.*)", name)
     return os.path.join(find_package(match.group(1)), match.group(2)) if match else os.path.abspath(name)
 
 
 class Files:
-    """Hashes of the files that runs read, each made once."""
+    """Hashes of the input files of runs, each computed once."""
 
     def __init__(self):
         self.hashes = {}  # path -> hash

@@ -1,5 +1,5 @@
-"""Names in a plan that none of its runs has: keys of the scene, columns, quantities, tools. They are refused before anything is run,
-while a value that is wrong in one run may be right in the next."""
+"""Unknown names in a plan: keys of the scene, columns, quantities, tools. They are refused before anything is run.
+In contrast, a value that is wrong in one run may be valid in another."""
 import re
 
 from .errors import SweepError
@@ -10,7 +10,7 @@ PATIENCE = 60.0  # s
 
 
 def check_plan(sweep):
-    """Asks the program, which says what is wrong with the first run without running it."""
+    """Checks the first run with the program, without running it."""
     plan = sweep.plan
     simulator = Simulator(sweep.program)
     try:
@@ -28,7 +28,7 @@ def check_plan(sweep):
 
 
 def translate(line, keys):
-    """The sentence of the program about the plan; nothing if it is about values, or the scene."""
+    """The program's sentence in terms of the plan; nothing if it is about values, or the scene."""
     if line.startswith("--measure: "):
         return "keep: measure: " + line[len("--measure: "):]
     path, is_unknown, rest = line.partition(": unknown key; ")
@@ -38,12 +38,12 @@ def translate(line, keys):
 
 
 def to_path(key):
-    """`simulate` names the items of lists so."""
+    """A dotted path with list items as `simulate` names them: name[index]."""
     return re.sub(r"\.(\d+)", r"[\1]", key)
 
 
 def find_reactions(document):
-    """Ids in the file of wrenches of a scene."""
+    """The ids that occur in the wrench file of a scene."""
     tools, pins = ((document.get(name) or []) for name in ("tools", "pins"))
     yield from (tool["id"] for tool in tools if isinstance(tool, dict) and isinstance(tool.get("id"), str))
     yield from ("pins[%d]" % i for i in range(len(pins)))

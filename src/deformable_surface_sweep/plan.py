@@ -1,4 +1,4 @@
-"""The plan of a sweep: which runs there are and what is kept of each. Reads and checks the YAML file; nothing is run here."""
+"""The plan of a sweep: its runs and the results to keep of each. Reads and checks the YAML file; nothing is run here."""
 import glob
 import os
 
@@ -15,7 +15,7 @@ OWN_KEYS = {"threads": "each run has one thread; --workers says how many run at 
 
 
 class Keep:
-    """What is kept of a run, as values that can be sent and hashed."""
+    """The results to keep of a run, as values that can be sent and hashed."""
 
     def __init__(self, section):
         section = require_map("keep", section, KEPT)
@@ -38,11 +38,11 @@ class Keep:
                 raise SweepError("keep: found the column '%s' twice; accepted: once" % name)
 
     def describe(self):
-        """Everything that a run's result depends on."""
+        """All settings that affect the result of a run."""
         return {name: getattr(self, name) for name in KEPT}
 
     def columns(self):
-        """Of the table, in its order."""
+        """The columns of the table, in its order."""
         return ([name_reduction(name, how) for kept in (self.statistics, self.wrenches) for name, all_of in kept.items()
                  for how in all_of] + list(self.measure))
 
@@ -67,7 +67,7 @@ class Plan:
         parts = self.read_parts(document)
         self.varied = [name for part in parts for name in part[0]]
         self.check_keys()
-        # A cloud in the plan is named from the plan, and one in the scene as `simulate` has it.
+        # The file name of a cloud in the plan is relative to the plan; one in the scene is resolved as by `simulate`.
         self.fixed = self.place_files(self.fixed)
         self.runs = []
         for rows in limited_product(parts):
@@ -147,7 +147,7 @@ def read_flag(where, value):
 
 
 def read_reductions(where, section):
-    """{column: ways}: the last, max, mean or min of all steps, or a time in s."""
+    """{column: ways}: the last, max, mean or min over all steps, or a time in s."""
     found = {}
     for name, ways in require_map(where, section).items():
         ways = ways if isinstance(ways, list) else [ways]

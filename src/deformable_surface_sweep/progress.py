@@ -1,5 +1,5 @@
-"""How far a sweep is: runs done, failed and to come, rate and time left. One line that is drawn anew at a terminal, else a line now
-and then."""
+"""Progress of a sweep: runs done, failed and remaining, rate and remaining time. One updated line at a terminal, otherwise a line
+now and then."""
 import sys
 import time
 
@@ -45,7 +45,7 @@ class Progress:
         return text
 
     def describe_end(self, problems):
-        """problems: of the runs without a result, of this and earlier sweeps."""
+        """problems: those of the runs without a result, in this and earlier sweeps."""
         return "all %d runs are done" % self.total if not problems else "%d of %d runs are done, %d are not, the first: %s" % (
             self.total - len(problems), self.total, len(problems), problems[0])
 
@@ -56,7 +56,7 @@ class Progress:
             self.stream.flush()
 
     def say(self, line):
-        """A line of its own."""
+        """Prints a separate line."""
         if not self.quiet:
             self.stream.write(("\r\033[K" if self.is_terminal else "") + "sweep: %s\n" % line)
             self.stream.flush()

@@ -1,4 +1,4 @@
-"""From the rows of a run, one per step, to the numbers that are kept of it."""
+"""Reduces the rows of a run, one per step, to the numbers to keep."""
 import csv
 import math
 
@@ -8,12 +8,12 @@ REDUCTIONS = ("last", "max", "mean", "min")
 
 
 def name_reduction(name, way):
-    """The column of the table; a way that is no word is a time in s."""
+    """The name of a column of the table. A reduction that is not a word is a time in s."""
     return "%s.%s" % (name, way if way in REDUCTIONS else "at_%g" % way)
 
 
 def reduce_column(times, values, way):
-    """values at the times of the steps; NaN where a run has none. A time stands for the first step that is not before it."""
+    """values at the times of the steps; NaN where a run has none. A time selects the first step that is not before it."""
     if not values:
         return math.nan
     if way == "last":
@@ -21,7 +21,7 @@ def reduce_column(times, values, way):
     if way == "mean":
         return math.fsum(values) / len(values)
     if way in ("max", "min"):
-        # NaN is kept: it is no number that another could be above.
+        # NaN is kept: comparisons with it are false.
         return math.nan if any(math.isnan(value) for value in values) else max(values) if way == "max" else min(values)
     tolerance = 1e-9 * max(1.0, way)  # of times in decimal fractions
     return next((value for time, value in zip(times, values) if time >= way - tolerance), math.nan)

@@ -1,4 +1,4 @@
-"""Values of the swept keys: grids, paired lists, and samples of distributions. Each sample of one plan and seed is always the same."""
+"""Values of the swept keys: grids, paired lists, and samples of distributions. Samples are reproducible for a plan and seed."""
 import itertools
 import math
 import zlib
@@ -56,8 +56,8 @@ class Distribution:
 
 
 def draw(method, samples, seed, keys):
-    """(samples x keys) numbers from 0 to 1. Of `random` each key has a stream of its own, and of `random` and `sobol` more samples
-    begin with the fewer: a widened plan keeps what was run."""
+    """(samples x keys) numbers from 0 to 1. With `random`, each key has its own stream. With `random` and `sobol`, a larger number
+    of samples begins with the smaller one: an enlarged plan keeps the finished runs."""
     if method == "sobol":
         try:
             from scipy.stats import qmc
@@ -67,7 +67,7 @@ def draw(method, samples, seed, keys):
     streams = [np.random.default_rng([seed, zlib.crc32(key.encode())]) for key in keys]
     if method == "random":
         return np.stack([stream.random(samples) for stream in streams], axis=1)
-    # A sample in each of as many equal strata, in an order of its own for each key.
+    # One sample in each of n equal strata, in an independent random order for each key.
     return np.stack([(np.argsort(stream.random(samples)) + stream.random(samples)) / samples for stream in streams], axis=1)
 
 

@@ -1,5 +1,5 @@
-"""One process of `simulate --serve`, which loads its libraries once and runs scene after scene. A file of its own because the
-engine knows runs by their results only."""
+"""One process of `simulate --serve`, which loads its libraries once and runs scene after scene. The
+engine only sees results of runs."""
 import collections
 import os
 import select
@@ -26,7 +26,7 @@ class Simulator:
         self.process = None
 
     def run(self, scene, assignments, bag, topics, keep, timeout):
-        """One run. scene, bag: files; assignments: KEY=VALUE, as of --set."""
+        """Runs one scene. scene, bag: files; assignments: KEY=VALUE, as for --set."""
         folder = tempfile.mkdtemp(prefix="sweep_")
         try:
             return self.run_in(folder, scene, assignments, bag, topics, keep, timeout)
@@ -44,7 +44,7 @@ class Simulator:
             try:
                 values, files, state, missing = collect(folder, keep)
                 problem = problem or missing
-            except SweepError as error:  # the plan keeps what this scene has not
+            except SweepError as error:  # the plan keeps a value that this scene lacks
                 status, problem = 2, str(error)
             except (OSError, ValueError, KeyError) as error:
                 status, problem = 1, "its results cannot be read (%s)" % error
@@ -52,7 +52,7 @@ class Simulator:
         return Result(name, problem, values, files, state, time.monotonic() - begin)
 
     def check(self, scene, assignments, bag, topics, keep, timeout):
-        """(what is wrong with a run that is not begun, in sentences; columns of numbers in its statistics)."""
+        """(problems of a run, in sentences, without running it; numeric columns of its statistics)."""
         folder = tempfile.mkdtemp(prefix="sweep_")
         try:
             status, problem = self.ask([folder, scene] + make_options(assignments, bag, topics, keep) + ["--check"], timeout)
@@ -65,10 +65,10 @@ class Simulator:
             shutil.rmtree(folder, ignore_errors=True)
 
     def ask(self, arguments, timeout):
-        """(status, problem): the exit status of a run, or "failed" or "timed out" and the sentence."""
+        """(status, problem): the exit status of a run, or "failed" or "timed out" with the reason."""
         try:
             if self.process is None:
-                # A group of its own: an interrupt at the terminal is the sweep's, which ends its runs itself.
+                # A separate process group: an interrupt at the terminal goes to the sweep, which ends its runs itself.
                 self.process = subprocess.Popen([self.program, "--serve"], stdin=subprocess.PIPE, stdout=subprocess.PIPE,
                                                 start_new_session=True)
             self.process.stdin.write(b"".join(os.fsencode(argument) + b"\0" for argument in arguments) + b"\0")
@@ -98,7 +98,7 @@ class Simulator:
             pass
         try:
             self.process.stdin.close()
-        except BrokenPipeError:  # what it did not take
+        except BrokenPipeError:  # input that it did not read
             pass
         self.process.stdout.close()
         self.process.wait()
@@ -129,7 +129,7 @@ def make_options(assignments, bag, topics, keep):
 
 
 def collect(folder, keep):
-    """(values, files, hash of the state, which values there are not) of a run that ended."""
+    """(values, files, hash of the state, missing values) of a finished run."""
     values, state, missing = {}, "", []
     for line in read_lines(os.path.join(folder, "out")):
         words = line.split()

@@ -1,6 +1,6 @@
-"""Results on the disk. Files lie under their content's hash; results are lines of journals, one journal a sweep that writes, so that
-two sweeps in one folder do not spoil each other and one that is killed leaves all that it finished.
-  OUT/runs/*.jsonl       a line a run: its name (identity.py), status, sentence, numbers, names of its files
+"""Results on disk. Files are stored under the hash of their content. Results are lines of journals, one journal per writing sweep.
+So two sweeps can share a folder, and a killed sweep leaves all finished results.
+  OUT/runs/*.jsonl       a line per run: its name (identity.py), status, sentence, numbers, names of its files
   OUT/files/ab/ab12...   clouds, frames and bags"""
 import json
 import os
@@ -10,7 +10,7 @@ import time
 
 from .errors import SweepError
 
-SYNC_PERIOD = 1.0  # s: what a machine that loses its power may lose of finished runs
+SYNC_PERIOD = 1.0  # s: finished runs of this duration may be lost in a power failure
 UNWRITABLE = "%s: cannot be written (%s); accepted: a folder with room on its disk"
 
 
@@ -26,7 +26,7 @@ class Store:
             raise SweepError("--out: found '%s', which cannot be made (%s); accepted: a folder" % (out, error.strerror))
 
     def read(self):
-        """{name of a run: its record} of all sweeps so far. A line that was cut off by a kill is no result."""
+        """{name of a run: its record} of all sweeps so far. A line cut off by a kill is ignored."""
         records = {}
         folder = os.path.join(self.out, "runs")
         for name in sorted(os.listdir(folder)):
@@ -42,7 +42,7 @@ class Store:
         return records
 
     def add(self, run, result):
-        """Keeps the result of a run and returns its record: files first, so that what a record names is there."""
+        """Keeps the result of a run and returns its record: files first, so that all files named in a record exist."""
         files = {column: [self.keep_file(name, data) for name, data in items] for column, items in result.files.items()}
         record = {"run": run, "status": result.status, "problem": result.problem, "values": result.values, "files": files,
                   "hash": result.hash, "seconds": round(result.seconds, 4)}
@@ -83,7 +83,7 @@ class Store:
 
 
 def write_whole(path, data):
-    """A file that is there with all its bytes or not at all, whoever else writes it and whatever is killed."""
+    """Writes a file atomically: it exists completely or not at all, also with concurrent writers or a kill."""
     try:
         os.makedirs(os.path.dirname(path) or ".", exist_ok=True)
         handle, temporary = tempfile.mkstemp(prefix=".", suffix=".partial", dir=os.path.dirname(path) or ".")

@@ -1,4 +1,4 @@
-"""The table of a sweep, one row a run in the order of the plan: CSV, and Parquet where pyarrow is."""
+"""The table of a sweep, one row per run in the order of the plan: CSV, and Parquet if pyarrow is installed."""
 import csv
 import io
 import math
@@ -9,13 +9,13 @@ from .store import write_whole
 
 
 def make_columns(plan):
-    """Names, in order."""
+    """Names of the columns, in order."""
     files = [name for name in ("final", "frames", "bag") if getattr(plan.keep, name)]
     return ["run"] + plan.varied + ["status", "problem"] + plan.keep.columns() + files + ["hash"]
 
 
 def make_row(plan, run, name, record):
-    """Cells as text or numbers; None where there is none."""
+    """Cells as text or numbers; None if there is no value."""
     row = [name] + [value if isinstance(value, (int, float, str)) else to_text(value) for value in (run[key] for key in plan.varied)]
     row += [record["status"], record["problem"] or None]
     row += [record["values"].get(column) for column in plan.keep.columns()]

@@ -1,5 +1,5 @@
-"""What runs in the processes of a cluster: batches of runs, each by a `simulate` that stays there. Everything comes as arguments; a
-worker and the sweep share no disk."""
+"""Runs batches in the processes of a cluster, each with a persistent `simulate`. All data are passed as arguments; a
+worker and the sweep need not share a disk."""
 import atexit
 import os
 import queue
@@ -16,12 +16,12 @@ class WrongWorker(Exception):
     """This worker must not run this sweep; another one may."""
 
 
-simulators = {}  # program -> those that wait for a run; a worker of several threads has several
-folder = None    # of the files that came from the sweep; made with the first
+simulators = {}  # program -> idle simulators; a worker with several threads has several
+folder = None    # of the files sent by the sweep; created with the first one
 
 
 def describe_version(program):
-    """(version of simulate here, "") or ("", the sentence why there is none)."""
+    """(version of simulate here, "") or ("", the reason why there is none)."""
     try:
         return find_version(find_program(program)), ""
     except SweepError as error:
@@ -35,12 +35,12 @@ def require_version(job):
 
 
 def keep_value(value):
-    """A task that only holds a value, for the tasks that read it: workers fetch it once each, and another has it when one dies."""
+    """A task that only holds a value for other tasks: each worker fetches it once, and copies survive the death of a worker."""
     return value
 
 
 def place_file(name, content):
-    """The path of an input: a path is one already, bytes become a file with this name, which is their hash."""
+    """The path of an input: a path is returned unchanged, bytes are written to a file with this name, which is their hash."""
     global folder
     if isinstance(content, str):
         return content
@@ -54,8 +54,8 @@ def place_file(name, content):
 
 
 def run_batch(job, runs, inputs):
-    """Results of the runs, in order. job: what they share; runs: (assignments KEY=VALUE, {KEY: input} of files); inputs: {name: path or
-    bytes}."""
+    """Results of the runs, in order. job: their shared values; runs: (assignments KEY=VALUE, {KEY: input} of files); inputs: {name: path
+    or bytes}."""
     require_version(job)
     waiting = simulators.setdefault(job["program"], queue.Queue())
     try:
