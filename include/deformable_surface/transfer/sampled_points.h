@@ -29,8 +29,6 @@ class SampledPoints {
   double share(Index s) const { return share_[s]; }
   /// Largest distance, m, of the samples of the cell from the planes fitted through the simulation points at rest.
   double height(Index cell) const { return height_[cell]; }
-  /// The simulation points that samples of the cell follow, ascending.
-  const Lists& sources() const { return sources_; }
   /// Largest present distance, m, of the samples of the cell from its simulation point: that at rest times the local stretch of
   /// the surface.
   double findReach(Index cell, const Points& simulation_now) const;
