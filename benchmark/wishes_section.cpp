@@ -1,6 +1,6 @@
-// Part 15: what a wish for an accuracy costs and gives: the sheets for which times at a millimetre were printed elsewhere, run
-// with what accuracy.position_error chooses for them, beside what they are without a wish. A part of its own because here the
-// scene says what it wants, not how.
+// Part 15: cost and error of an accuracy target. The sheets are those for which times at a millimetre were printed elsewhere. They run
+// with what accuracy.position_error chooses for them, and without a target. A part of its own because here the scene states what it
+// wants, not how.
 #include "../src/simulation/dynamics.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
@@ -20,7 +20,7 @@ using simulation::Simulation;
 
 constexpr double kWishes[] = {0.0, 1e-3, 2e-3, 5e-3};  // m; 0: none
 constexpr int kRuns = 3;                               // of which the fastest counts, those of a scene in turn
-constexpr Index kFineness = 2;  // of the truth: its error is then a quarter of that of a run without a wish
+constexpr Index kFineness = 2;  // of the truth: its error is then a quarter of that of a run without a target
 
 struct Sheet {
   const char* name;
