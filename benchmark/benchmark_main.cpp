@@ -32,7 +32,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"activity", runActivitySection, true},
                            {"scale", runScaleSection, true},
                            {"peers", runPeersSection, true},
-                           {"wishes", runWishesSection, true},
+                           {"targets", runTargetsSection, true},
                            {"geodesics", runGeodesicsSection, true},
                            {"camera", runCameraSection, true},
                            {"accuracy", runAccuracySection, true},
@@ -103,7 +103,7 @@ int run(int argc, char** argv) {
     } else {
       return fail(
           "found '" + argument +
-          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --wishes, --geodesics, --camera, --accuracy, "
+          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --targets, --geodesics, --camera, --accuracy, "
           "--simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, "
           "--output FOLDER, --commit TEXT");
     }

@@ -32,7 +32,7 @@ void runParticlesSection(const Options& options, Report& report);
 void runActivitySection(const Options& options, Report& report);
 void runScaleSection(const Options& options, Report& report);
 void runPeersSection(const Options& options, Report& report);
-void runWishesSection(const Options& options, Report& report);
+void runTargetsSection(const Options& options, Report& report);
 void runGeodesicsSection(const Options& options, Report& report);
 void runCameraSection(const Options& options, Report& report);
 void runCalibrationSection(const Options& options, Report& report);

@@ -235,7 +235,7 @@ namespace {
 RestSurface buildChosenBy(const std::function<RestSurface(const ModelKind::Choose&)>& build, const SceneParams& params,
                           AccuracyChoice& choice) {
   choice = AccuracyChoice{};
-  choice.is_asked = hasWish(params.accuracy);
+  choice.is_asked = hasTarget(params.accuracy);
   if (!choice.is_asked) return build(nullptr);
   RestSurface rest = build([&](const RestSurface& full) {
     if (params.accuracy.position_error > 0.0) return chooseByError(params, full, choice);

@@ -16,7 +16,7 @@ constexpr Index kFewestTried = 8 * kCoarsestPoints;
 /// The rest surface with the number of simulation points chosen from params.accuracy; without a target, the number that params
 /// state. Throws InputError.
 RestSurface buildChosen(const SceneParams& params, const cloud::PointCloud& input, AccuracyChoice& choice);
-/// The same of a surface that was prepared to_choose if the scene has a wish.
+/// The same of a surface that was prepared to_choose if the scene has an accuracy target.
 RestSurface buildChosen(const SceneParams& params, RestSurface prepared, AccuracyChoice& choice);
 
 /// Time of a step, s: the least of the last few calls of step(), each of which returns its time. The first never counts.

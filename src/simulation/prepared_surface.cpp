@@ -6,7 +6,7 @@
 
 namespace deformable_surface::simulation {
 
-bool hasWish(const AccuracyParams& accuracy) { return accuracy.position_error > 0.0 || accuracy.step_budget > 0.0; }
+bool hasTarget(const AccuracyParams& accuracy) { return accuracy.position_error > 0.0 || accuracy.step_budget > 0.0; }
 
 SceneParams keepWhatPrepares(const SceneParams& params) {
   // Parts that nothing holds are left out: by pins, anchors, tools and gravity.
@@ -33,7 +33,7 @@ SceneParams keepWhatPrepares(const SceneParams& params) {
     kept.anchors.back().point = place;
     kept.anchors.back().stiffness = 1.0;
   }
-  kept.accuracy.position_error = hasWish(params.accuracy) ? 1.0 : 0.0;
+  kept.accuracy.position_error = hasTarget(params.accuracy) ? 1.0 : 0.0;
   // Whether it bends decides where points are to be dense.
   if (params.simplification.density == cloud::PointDensity::kAdaptive) {
     kept.mass_spring = params.mass_spring;
@@ -48,7 +48,7 @@ bool canShare(const SceneParams& params) {
 
 Index findCoarsest(const SceneParams& params) {
   const bool is_needed =
-      hasWish(params.accuracy) || params.accuracy.estimate || params.integrator.type == solve::IntegratorType::kStatic;
+      hasTarget(params.accuracy) || params.accuracy.estimate || params.integrator.type == solve::IntegratorType::kStatic;
   return is_needed ? kCoarsestPoints : kMaxIndex;
 }
 

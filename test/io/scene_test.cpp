@@ -222,7 +222,7 @@ TEST(ReadScene, RefusesChoicesOfElasticSolidsThatDoNotGoTogether) {
   EXPECT_TRUE(contains(problemOf("elastic_solid: {law: linear, plasticity: {yield_stress: 1}}"), "found one with law: linear"));
 }
 
-TEST(ReadScene, TakesOneWishForAccuracyWhereTheNumberOfPointsIsFree) {
+TEST(ReadScene, TakesOneAccuracyTargetWhereTheNumberOfPointsIsFree) {
   EXPECT_EQ(problemOf("accuracy: {position_error: 0.01}"), "accepted");
   EXPECT_EQ(problemOf("accuracy: {step_budget: 0.01}"), "accepted");
   EXPECT_EQ(problemOf("accuracy: {position_error: 0.01, step_budget: 0.01}"),
@@ -245,20 +245,21 @@ TEST(ReadScene, TakesADensityWherePointsAreChosenByIt) {
   }
 }
 
-TEST(ReadScene, NamesWhatStatesTheNumberOfPointsBesideAWishAndFollowsItsOwnAdvice) {
-  const std::string wish = "accuracy: {step_budget: 0.01}\nsimplification: ";
+TEST(ReadScene, NamesWhatStatesTheNumberOfPointsBesideAnAccuracyTargetAndFollowsItsOwnAdvice) {
+  const std::string target = "accuracy: {step_budget: 0.01}\nsimplification: ";
   const std::vector<std::array<std::string, 3>> cases{
       {"{target_points: 100}", "simplification.target_points 100", "simplification.target_points=0"},
       {"{threshold: 0.1}", "simplification.threshold 0.1", "simplification.threshold=auto"},
       {"{method: none}", "simplification.method none", "simplification.method=delaunay"}};
   for (const auto& [number, found, advice] : cases) {
-    EXPECT_TRUE(contains(problemOf(wish + number), "accuracy: found a wish beside " + found + ", which states")) << number;
-    EXPECT_TRUE(contains(problemOf(wish + number), "give --set " + advice)) << number;
-    Value root = parseYaml("model: mass_spring\n" + wish + number, "test.yaml");
+    EXPECT_TRUE(contains(problemOf(target + number), "accuracy: found an accuracy target beside " + found + ", which states"))
+        << number;
+    EXPECT_TRUE(contains(problemOf(target + number), "give --set " + advice)) << number;
+    Value root = parseYaml("model: mass_spring\n" + target + number, "test.yaml");
     setByPath(root, advice);
     EXPECT_NO_THROW(readScene(root)) << number;
   }
-  EXPECT_TRUE(contains(problemOf(wish + "{target_points: 100, threshold: 0.1}"),
+  EXPECT_TRUE(contains(problemOf(target + "{target_points: 100, threshold: 0.1}"),
                        "target_points 100, simplification.threshold 0.1, which states"));
 }
 
@@ -448,7 +449,6 @@ TEST(ParametersPage, IsWhatTheRepositoryHolds) {
 
 TEST(ReadScene, FiltersOfTheInputAreReadAndAllOffByDefault) {
   EXPECT_FALSE(read("model: mass_spring").input.filter.isOn());
-  EXPECT_FALSE(read("model: mass_spring\ninput: {filter: {plane: {radius: 0.1}, outliers: {neighbors: 3}}}").input.filter.isOn());
   const SceneParams p = read(
       "model: mass_spring\n"
       "input:\n"
@@ -488,6 +488,12 @@ TEST(ReadScene, FiltersOfTheInputThatCannotBeAreRefused) {
       {"plane: {min_share: 1.1}", "input.filter.plane.min_share: found 1.1"},
       {"plane: {keep: above}", "input.filter.plane.keep: found "},
       {"outliers: {method: radius}", "input.filter.outliers.radius: found 0 with the method radius"},
+      {"outliers: {radius: 0.01}", "input.filter.outliers.radius: found 0.01 without the method that uses it; accepted: method "},
+      {"outliers: {method: statistical, radius: 1}", "input.filter.outliers.radius: found 1.0 without the method that uses it"},
+      {"outliers: {deviations: 3}", "input.filter.outliers.deviations: found 3.0 without the method that uses it"},
+      {"outliers: {neighbors: 3}", "input.filter.outliers.neighbors: found 3 without a method that uses it"},
+      {"plane: {radius: 0.1}", "input.filter.plane.distance: found 0, which turns the filter off, beside its other parameters"},
+      {"plane: {keep: near_side}", "input.filter.plane.distance: found 0, which turns the filter off"},
       {"outliers: {method: mean}", "input.filter.outliers.method: found "},
       {"outliers: {neighbors: 0}", "input.filter.outliers.neighbors: found 0"},
       {"outliers: {neighbors: 1001}", "input.filter.outliers.neighbors: found 1001"},

@@ -16,8 +16,8 @@ TEST(AccuracyChoice, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
   const cloud::PointCloud cloud = strip();
   const Points truth = findTruth(p, cloud);
   Index previous = 0;
-  for (double wish : {0.1, 0.02}) {
-    p.accuracy.position_error = wish;
+  for (double target : {0.1, 0.02}) {
+    p.accuracy.position_error = target;
     Simulation s(p, cloud);
     const simulation::AccuracyChoice& choice = s.accuracyChoice();
     EXPECT_TRUE(choice.is_met) << choice.sentence;
@@ -27,13 +27,13 @@ TEST(AccuracyChoice, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
     EXPECT_GE(choice.points, previous);
     previous = choice.points;
     run(s, 30);
-    EXPECT_LE(s.statistics().error_estimate, wish);
-    EXPECT_LE(findLargestDistance(s.surface(false).positions, truth), wish);
+    EXPECT_LE(s.statistics().error_estimate, target);
+    EXPECT_LE(findLargestDistance(s.surface(false).positions, truth), target);
   }
   EXPECT_LT(previous, cloud.size());
 }
 
-TEST(AccuracyChoice, SaysOnceWhenTheEstimateGrowsBeyondTheWishLater) {
+TEST(AccuracyChoice, SaysOnceWhenTheEstimateGrowsBeyondTheTargetLater) {
   // The trial sees the first hundredth of a second only, in which the strip hardly moves.
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.duration = 0.01;
@@ -46,7 +46,7 @@ TEST(AccuracyChoice, SaysOnceWhenTheEstimateGrowsBeyondTheWishLater) {
   EXPECT_EQ(times_said, 1);
 }
 
-TEST(AccuracyChoice, SaysThatAWishCannotBeMet) {
+TEST(AccuracyChoice, SaysThatATargetCannotBeMet) {
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.accuracy.position_error = 1e-13;
   const Simulation s(p, strip());
@@ -121,7 +121,7 @@ TEST(AccuracyChoice, FillsATimeBudgetByWhatStepsCost) {
   EXPECT_FALSE(choice.is_met);
 }
 
-TEST(AccuracyChoice, WithoutAWishIsAThousandPoints) {
+TEST(AccuracyChoice, WithoutATargetIsAThousandPoints) {
   const Simulation s(saggingStrip(IntegratorType::kVerlet), sheetCloud(40));
   EXPECT_FALSE(s.accuracyChoice().is_asked);
   EXPECT_EQ(s.accuracyChoice().sentence, "");

@@ -258,7 +258,7 @@ TEST(ErrorEstimate, SaysBesideItsNumberThatASphereMayBuckle) {
   EXPECT_FALSE(s.statistics().may_buckle);
   s.restore(snapshot);
   EXPECT_TRUE(s.statistics().may_buckle);
-  // A wish that this keeps says so, too.
+  // A target that this meets says so, too.
   p.simplification.target_points = 0;
   p.accuracy.position_error = 0.1;
   const Simulation chosen(p, io::makeShape(p.cloud));

@@ -61,7 +61,7 @@ double findLargestDistance(const Points& a, const Points& b) {
   return largest;
 }
 
-TEST(IntegratorChoice, TakesImplicitStepsWhereTheyKeepTheWishForLessWork) {
+TEST(IntegratorChoice, TakesImplicitStepsWhereTheyKeepTheTargetForLessWork) {
   SceneParams p = pressedPlate();
   Simulation s(p, sheet());
   const simulation::AccuracyChoice& choice = s.accuracyChoice();
@@ -88,7 +88,7 @@ TEST(IntegratorChoice, TakesImplicitStepsWhereTheyKeepTheWishForLessWork) {
   EXPECT_LE(findLargestDistance(s.surface(false).positions, truth.surface(false).positions), s.statistics().error_estimate);
 }
 
-TEST(IntegratorChoice, LeavesVerletWhereImplicitStepsWouldLoseMoreThanTheWish) {
+TEST(IntegratorChoice, LeavesVerletWhereImplicitStepsWouldLoseMoreThanTheTarget) {
   // Let go, it swings; steps as long as a fifth of its period damp that.
   SceneParams p = pressedPlate();
   p.gravity = Vec3(0.0, 0.0, -9.81);
@@ -110,7 +110,7 @@ TEST(IntegratorChoice, LeavesVerletWithoutATrialWhereNoImplicitStepCouldBeCheape
     EXPECT_EQ(tried.integrator, IntegratorType::kAuto);
 }
 
-TEST(IntegratorChoice, TakesMoreSubstepsThanAutoWouldWhereImplicitStepsMissTheWish) {
+TEST(IntegratorChoice, TakesMoreSubstepsThanAutoWouldWhereImplicitStepsMissTheTarget) {
   SceneParams p = swingingSheet();
   Simulation s(p, sheet());
   const simulation::AccuracyChoice& choice = s.accuracyChoice();

@@ -14,7 +14,7 @@ namespace {
 using simulation::SceneParams;
 using simulation::Simulation;
 
-constexpr double kWish = 0.02;  // m
+constexpr double kTarget = 0.02;  // m
 
 // Hangs from one edge, so stiff in its plane that its steps are those of waves that nobody sees.
 SceneParams stiffSheet() {
@@ -22,7 +22,7 @@ SceneParams stiffSheet() {
   p.material.young_modulus = 1e8;
   p.material.bending_rigidity = 1e-3;
   p.simplification = cloud::SimplificationParams();
-  p.accuracy.position_error = kWish;
+  p.accuracy.position_error = kTarget;
   p.duration = 0.2;
   return p;
 }
@@ -37,7 +37,7 @@ double findLargestDistance(const Points& a, const Points& b) {
   return largest;
 }
 
-TEST(MembraneChoice, TakesASofterMembraneWhoseErrorStaysBelowTheWish) {
+TEST(MembraneChoice, TakesASofterMembraneWhoseErrorStaysBelowTheTarget) {
   SceneParams p = stiffSheet();
   Simulation s(p, sheet());
   const simulation::AccuracyChoice& choice = s.accuracyChoice();
@@ -58,13 +58,13 @@ TEST(MembraneChoice, TakesASofterMembraneWhoseErrorStaysBelowTheWish) {
   EXPECT_GT(now.error_stiffness, 0.0);
   EXPECT_LE(findLargestDistance(s.state().positions, stated.state().positions), now.error_stiffness);
   EXPECT_LE(findLargestDistance(s.surface(false).positions, truth.surface(false).positions), now.error_estimate);
-  EXPECT_LE(now.error_estimate, kWish);
+  EXPECT_LE(now.error_estimate, kTarget);
   EXPECT_NEAR(now.error_estimate, now.error_space + now.error_transfer + now.error_time + now.error_stiffness, 1e-12);
   // Sub-steps are as the root of the stiffness, where that of the membrane decides; one more each by rounding up.
   EXPECT_LE(s.dynamics().lastSubsteps(), std::sqrt(choice.membrane_share) * stated.dynamics().lastSubsteps() + 2.0);
 }
 
-TEST(MembraneChoice, LeavesTheMembraneAsItIsWhereTheWishIsTooSmallForMore) {
+TEST(MembraneChoice, LeavesTheMembraneAsItIsWhereTheTargetIsTooSmallForMore) {
   SceneParams p = stiffSheet();
   p.accuracy.position_error = 1e-6;
   Simulation s(p, sheet());

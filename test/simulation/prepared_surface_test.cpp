@@ -228,7 +228,7 @@ TEST(PreparedSurface, IsSharedByScenesThatPutOtherLoadsOnIt) {
 
 TEST(PreparedSurface, GivesTheRunThatASurfaceOfItsOwnGives) {
   for (const char* model : {"mass_spring", "oriented_particles", "elastic_solid"})
-    for (const double wish : {0.0, 0.02}) {
+    for (const double target : {0.0, 0.02}) {
       SceneParams scene;
       scene.model = model;
       scene.cloud.shape = simulation::CloudParams::Shape::kSheet;
@@ -238,8 +238,8 @@ TEST(PreparedSurface, GivesTheRunThatASurfaceOfItsOwnGives) {
       scene.pins[0].region.min = Vec3(-0.6, -0.6, -0.1);
       scene.pins[0].region.max = Vec3(-0.4, 0.6, 0.1);
       scene.duration = 0.03;
-      if (wish > 0.0 && scene.model == "mass_spring")
-        scene.accuracy.position_error = wish;
+      if (target > 0.0 && scene.model == "mass_spring")
+        scene.accuracy.position_error = target;
       else
         scene.simplification.target_points = 100;
       const cloud::PointCloud cloud = io::makeShape(scene.cloud);
@@ -247,7 +247,7 @@ TEST(PreparedSurface, GivesTheRunThatASurfaceOfItsOwnGives) {
       first.material.young_modulus *= 3.0;
       first.duration = 1.0;
       RestSurface prepared =
-          simulation::prepareSurface(first, cloud, simulation::findCoarsest(first), simulation::hasWish(first.accuracy));
+          simulation::prepareSurface(first, cloud, simulation::findCoarsest(first), simulation::hasTarget(first.accuracy));
       simulation::Simulation own(scene, cloud), shared(scene, cloud, std::move(prepared));
       EXPECT_EQ(own.buildNotes(), shared.buildNotes());
       EXPECT_EQ(own.buildWarnings(), shared.buildWarnings());

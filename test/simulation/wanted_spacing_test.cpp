@@ -200,7 +200,7 @@ TEST(WantedSpacing, MoreLoadsThanATenthOfThePointsKeepNoneAndThatIsTold) {
     const RestSurface s = build(p);
     EXPECT_EQ(isTold(s, kTold), s.points.size() < 70) << s.points.size();
   }
-  // A wish for accuracy tries few points first, and its copies have fewer.
+  // An accuracy target tries few points first, and its copies have fewer.
   p.simplification = cloud::SimplificationParams{};
   for (int f = 0; f < 7; ++f) p.forces.push_back(pullAt(Vec3(0.4 - 0.1 * f, -0.27, 0.0), "g" + std::to_string(f)));
   EXPECT_FALSE(isTold(build(p), kTold));

@@ -76,6 +76,11 @@ inline void visit(Fields& fields, PlaneFilterParams& p) {
                 "side of the plane that is kept, seen from the viewpoint. `both` = only the plane is removed. `near_side` also "
                 "removes the floor around a table, noise below its top, and the part of a towel that hangs over the edge. "
                 "`far_side` is for a cloud frame with its origin below the table");
+  const PlaneFilterParams off;
+  const bool is_asked = p.radius != off.radius || p.min_share != off.min_share || p.keep != off.keep;
+  fields.require(p.distance > 0.0 || !is_asked, "distance",
+                 "found 0, which turns the filter off, beside its other parameters; accepted: above 0 and at most " +
+                     formatReal(kMaxLength) + " (m), or none of the others");
 }
 
 inline void visit(Fields& fields, OutlierParams& p) {
@@ -88,6 +93,17 @@ inline void visit(Fields& fields, OutlierParams& p) {
   fields.require(p.method != Method::kRadius || p.radius > 0.0, "radius",
                  "found 0 with the method radius; accepted: above 0 and at most " + formatReal(kMaxLength) + " (m)");
   fields.number("deviations", p.deviations, "", between(0.0, 1e6), "for `statistical`: number of standard deviations");
+  const OutlierParams off;
+  fields.require(p.method == Method::kRadius || p.radius == off.radius, "radius",
+                 "found " + formatReal(p.radius) + " without the method that uses it; accepted: method radius beside it, or 0");
+  fields.require(p.method == Method::kStatistical || p.deviations == off.deviations, "deviations",
+                 "found " + formatReal(p.deviations) +
+                     " without the method that uses it; accepted: method statistical beside it, or " +
+                     formatReal(off.deviations));
+  fields.require(p.method != Method::kNone || p.neighbors == off.neighbors, "neighbors",
+                 "found " + std::to_string(p.neighbors) +
+                     " without a method that uses it; accepted: method radius or statistical beside it, or " +
+                     std::to_string(off.neighbors));
 }
 
 inline void visit(Fields& fields, InputFilterParams& p) {

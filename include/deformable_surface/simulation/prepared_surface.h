@@ -14,7 +14,7 @@ SceneParams keepWhatPrepares(const SceneParams& params);
 bool canShare(const SceneParams& params);
 
 /// Whether trials choose the number of simulation points.
-bool hasWish(const AccuracyParams& accuracy);
+bool hasTarget(const AccuracyParams& accuracy);
 
 /// Down to how many simulation points a simulation of this scene needs the order of removal.
 Index findCoarsest(const SceneParams& params);

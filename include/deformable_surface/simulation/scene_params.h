@@ -283,7 +283,7 @@ inline std::string describeStatedNumber(const cloud::SimplificationParams& how) 
   if (how.target_points != 0) add("target_points", std::to_string(how.target_points), "0");
   if (!how.threshold.is_auto) add("threshold", formatReal(how.threshold.value), "auto");
   if (keys.empty()) return "";
-  return "found a wish beside " + keys +
+  return "found an accuracy target beside " + keys +
          ", which states the number of simulation points; accepted: one of the two; leave out what states it, or give" + values;
 }
 

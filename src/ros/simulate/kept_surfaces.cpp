@@ -54,7 +54,7 @@ void KeptSurfaces::make(const SceneParams& params) {
   if (!report.problem.empty()) throw InputError(report.problem);
   made.notices = std::move(report.notices);
   made.prepared =
-      simulation::prepareSurface(params, made.cloud, simulation::findCoarsest(params), simulation::hasWish(params.accuracy));
+      simulation::prepareSurface(params, made.cloud, simulation::findCoarsest(params), simulation::hasTarget(params.accuracy));
   kept_.push_front(std::move(made));
   std::size_t points = 0;
   for (auto kept = kept_.begin(); kept != kept_.end(); ++kept) {

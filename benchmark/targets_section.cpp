@@ -18,8 +18,8 @@ namespace {
 using simulation::SceneParams;
 using simulation::Simulation;
 
-constexpr double kWishes[] = {0.0, 1e-3, 2e-3, 5e-3};  // m; 0: none
-constexpr int kRuns = 3;                               // of which the fastest counts, those of a scene in turn
+constexpr double kTargets[] = {0.0, 1e-3, 2e-3, 5e-3};  // m; 0: none
+constexpr int kRuns = 3;                                // of which the fastest counts, those of a scene in turn
 constexpr Index kFineness = 2;  // of the truth: its error is then a quarter of that of a run without a target
 
 struct Sheet {
@@ -38,7 +38,7 @@ std::vector<Sheet> makeSheets(bool large) {
 }
 
 struct Choice {
-  double wish;
+  double target;
   bool estimate;  // also in the run
   double set_up = 0.0;
   std::unique_ptr<Simulation> simulation;
@@ -59,13 +59,13 @@ void addSheet(const Sheet& sheet, Report& report) {
   const Points exact = truth.surface(false).positions;
 
   std::vector<Choice> choices;
-  for (const double wish : kWishes)
+  for (const double target : kTargets)
     for (const bool estimate : {false, true}) {
       SceneParams scene = sheet.scene;
-      scene.accuracy.position_error = wish;
+      scene.accuracy.position_error = target;
       scene.accuracy.estimate = estimate;
-      if (wish > 0.0) scene.simplification = cloud::SimplificationParams();
-      Choice choice{wish, estimate};
+      if (target > 0.0) scene.simplification = cloud::SimplificationParams();
+      Choice choice{target, estimate};
       const double before = processorSeconds();
       choice.simulation = std::make_unique<Simulation>(scene, sheet.cloud);
       choice.set_up = processorSeconds() - before;
@@ -86,7 +86,7 @@ void addSheet(const Sheet& sheet, Report& report) {
     double largest = 0.0;
     for (std::size_t i = 0; i < exact.size(); ++i) largest = std::max(largest, (found[i] - exact[i]).norm());
     const simulation::AccuracyChoice& chosen = simulation.accuracyChoice();
-    report.add({sheet.name, std::to_string(sheet.cloud.size()), choice.wish > 0.0 ? show(choice.wish) : "-",
+    report.add({sheet.name, std::to_string(sheet.cloud.size()), choice.target > 0.0 ? show(choice.target) : "-",
                 choice.estimate ? "yes" : "no", std::to_string(simulation.state().size()), show(simulation.membraneShare()),
                 chosen.is_asked ? (chosen.is_met ? "yes" : "no") : "-", show(choice.set_up), show(choice.wall), show(choice.cpu),
                 show(rmsDistance(found, exact)), show(largest),
@@ -96,9 +96,9 @@ void addSheet(const Sheet& sheet, Report& report) {
 
 }  // namespace
 
-void runWishesSection(const Options& options, Report& report) {
-  report.begin("wishes", "15. Sheets with what accuracy.position_error chooses for them, one thread",
-               {"sheet", "points", "wish_m", "estimate_in_run", "simulated", "membrane_share", "met", "set_up_cpu_s",
+void runTargetsSection(const Options& options, Report& report) {
+  report.begin("targets", "15. Sheets with what accuracy.position_error chooses for them, one thread",
+               {"sheet", "points", "target_m", "estimate_in_run", "simulated", "membrane_share", "met", "set_up_cpu_s",
                 "wall_s_per_simulated_s", "cpu_s_per_simulated_s", "rms_error_m", "largest_error_m", "estimate_m"});
   setNumThreads(1);
   for (const Sheet& sheet : makeSheets(options.large)) addSheet(sheet, report);
