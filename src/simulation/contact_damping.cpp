@@ -6,11 +6,6 @@
 
 namespace deformable_surface::simulation {
 
-bool ContactDamping::isEmpty() const {
-  return std::none_of(contact_.all().begin(), contact_.all().end(),
-                      [](const ContactLoad::Body& body) { return tool::hasFriction(body.tool); });
-}
-
 Vec3 ContactDamping::findForce(const tool::Motion& motion, const model::State& state, const ContactLoad::Touch& touch) const {
   const Vec3 relative = contact_.points().findVelocity(touch.point, state.velocities) - motion.velocityAt(touch.position);
   const double force = -coefficient(contact_.points().dampedMassOf(touch.point)) * relative.dot(touch.normal);
@@ -24,39 +19,30 @@ Vec3 ContactDamping::findForce(std::size_t body, double time, const model::State
 
 void ContactDamping::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, time);
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions))
-      contact_.points().addForce(touch.point, state.positions, findForce(motion, state, touch), forces);
-  }
+  const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, time); };
+  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+    contact_.points().addForce(touch.point, state.positions, findForce(motion, state, touch), forces);
+  });
   contact_.addSeconds(timer.seconds());
 }
 
 double ContactDamping::estimateWork(double from, double to, const model::State&, const model::State& after) const {
   double work = 0.0;
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, from);
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, to, after.positions)) {
-      const double speed = motion.velocityAt(touch.position).dot(touch.normal);
-      work += 0.25 * coefficient(contact_.points().dampedMassOf(touch.point)) * speed * speed * (to - from);
-    }
-  }
+  const auto begin = [&](const tool::ToolParams& tool) { return tool::findMotion(tool.path, from); };
+  contact_.forEachRubbingTouch(to, after.positions, begin, [&](const tool::Motion& motion, const ContactLoad::Touch& touch) {
+    const double speed = motion.velocityAt(touch.position).dot(touch.normal);
+    work += 0.25 * coefficient(contact_.points().dampedMassOf(touch.point)) * speed * speed * (to - from);
+  });
   return work;
 }
 
 void ContactDamping::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    if (!tool::hasFriction(contact_.all()[b].tool)) continue;
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions))
-      contact_.points().addStiffness(
-          touch.point, coefficient(contact_.points().dampedMassOf(touch.point)) / step * touch.normal * touch.normal.transpose(),
-          stiffness);
-  }
+  const auto begin = [](const tool::ToolParams& tool) { return &tool; };
+  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const tool::ToolParams*, const ContactLoad::Touch& touch) {
+    const double damping = coefficient(contact_.points().dampedMassOf(touch.point)) / step;
+    contact_.points().addStiffness(touch.point, damping * touch.normal * touch.normal.transpose(), stiffness);
+  });
 }
 
 void ContactDamping::addRowBounds(double, const model::State& state, std::vector<double>&, std::vector<double>& damping) const {

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -26,11 +27,6 @@ const BodyAnchor* findAnchor(const std::vector<BodyAnchor>& anchors, std::uint64
 Vec3 alongSurface(const Vec3& v, const Vec3& normal) { return v - v.dot(normal) * normal; }
 
 }  // namespace
-
-bool FrictionLoad::isEmpty() const {
-  return std::none_of(contact_.all().begin(), contact_.all().end(),
-                      [](const ContactLoad::Body& body) { return tool::hasFriction(body.tool); });
-}
 
 FrictionLoad::Rubbing FrictionLoad::beginRubbing(const tool::ToolParams& tool, double time) const {
   return {keyOf(tool.id), tool.friction, tool.kinetic_friction.valueOr(tool.friction), tool::interpolate(tool.path, time),
@@ -54,61 +50,50 @@ Vec3 FrictionLoad::findForce(std::size_t body, double time, const model::State& 
   return tool::hasFriction(tool) ? findRub(beginRubbing(tool, time), state, touch).force() : Vec3::Zero();
 }
 
+template <typename Visit>
+void FrictionLoad::forEachRub(double time, const model::State& state, const Visit& visit) const {
+  const auto begin = [&](const tool::ToolParams& tool) { return beginRubbing(tool, time); };
+  contact_.forEachRubbingTouch(time, state.positions, begin, [&](const Rubbing& body, const ContactLoad::Touch& touch) {
+    visit(body, touch, findRub(body, state, touch));
+  });
+}
+
 void FrictionLoad::addForces(double time, const model::State& state, Points& forces) const {
   const Timer timer;
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const Rubbing body = beginRubbing(tool, time);
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions))
-      contact_.points().addForce(touch.point, state.positions, findRub(body, state, touch).force(), forces);
-  }
+  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch& touch, const Rub& rub) {
+    contact_.points().addForce(touch.point, state.positions, rub.force(), forces);
+  });
   contact_.addSeconds(timer.seconds());
 }
 
 double FrictionLoad::storedEnergyAt(double time, const model::State& state) const {
   double sum = 0.0;
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const Rubbing body = beginRubbing(tool, time);
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
-      const Rub rub = findRub(body, state, touch);
-      const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
-      sum += 0.5 * force * force / rub.law.stiffness;
-    }
-  }
+  forEachRub(time, state, [&](const Rubbing&, const ContactLoad::Touch&, const Rub& rub) {
+    const double force = std::min(rub.law.stiffness * rub.stretch.norm(), rub.law.static_limit);
+    sum += 0.5 * force * force / rub.law.stiffness;
+  });
   return sum;
 }
 
 double FrictionLoad::estimateWork(double from, double to, const model::State& before, const model::State& after) const {
   double work = std::max(0.0, storedEnergyAt(from, before) - storedEnergyAt(to, after));
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const tool::Motion motion = tool::findMotion(tool.path, from);
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, to, after.positions))
-      work += tool.friction * touch.force.norm() * (to - from) * motion.velocityAt(touch.position).norm();
-  }
+  const auto begin = [&](const tool::ToolParams& tool) { return std::pair(tool.friction, tool::findMotion(tool.path, from)); };
+  contact_.forEachRubbingTouch(to, after.positions, begin, [&](const auto& body, const ContactLoad::Touch& touch) {
+    work += body.first * touch.force.norm() * (to - from) * body.second.velocityAt(touch.position).norm();
+  });
   return work;
 }
 
 void FrictionLoad::addStiffness(double time, const model::State& state, double step, BlockSparse& stiffness) const {
   if (!(step > 0.0)) return;
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const Rubbing body = beginRubbing(tool, time);
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
-      const Rub rub = findRub(body, state, touch);
-      // A new contact has no spring yet.
-      const double spring = findAnchor(state.friction, body.key, touch.point) ? rub.law.stiffness : 0.0;
-      const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
-      contact_.points().addStiffness(
-          touch.point, share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()),
-          stiffness);
-    }
-  }
+  forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
+    // A new contact has no spring yet.
+    const double spring = findAnchor(state.friction, body.key, touch.point) ? rub.law.stiffness : 0.0;
+    const double share = rub.law.findShare(rub.stretch, rub.sliding, rub.slides);
+    contact_.points().addStiffness(
+        touch.point, share * (spring + rub.law.damping / step) * (Mat3::Identity() - touch.normal * touch.normal.transpose()),
+        stiffness);
+  });
 }
 
 // Tangential, where the contact spring has no stiffness. The stiffness of friction is no larger than that of the spring, and need
@@ -121,18 +106,13 @@ void FrictionLoad::addRowBounds(double, const model::State& state, std::vector<d
 
 void FrictionLoad::remember(double time, model::State& state) const {
   next_.clear();
-  for (std::size_t b = 0; b < contact_.all().size(); ++b) {
-    const tool::ToolParams& tool = contact_.all()[b].tool;
-    if (!tool::hasFriction(tool)) continue;
-    const Rubbing body = beginRubbing(tool, time);
-    next_.reserve(next_.size() + contact_.points().size());
-    for (const ContactLoad::Touch& touch : contact_.findTouches(b, time, state.positions)) {
-      Rub rub = findRub(body, state, touch);
-      const bool slides = rub.law.slide(rub.stretch, rub.sliding, rub.slides);
-      const Vec3 place = body.pose.orientation.conjugate() * (touch.position - rub.stretch - body.pose.position);
-      next_.push_back({body.key, touch.point, place, slides});
-    }
-  }
+  next_.reserve(contact_.all().size() * contact_.points().size());
+  forEachRub(time, state, [&](const Rubbing& body, const ContactLoad::Touch& touch, const Rub& rub) {
+    Vec3 stretch = rub.stretch;
+    const bool slides = rub.law.slide(stretch, rub.sliding, rub.slides);
+    const Vec3 place = body.pose.orientation.conjugate() * (touch.position - stretch - body.pose.position);
+    next_.push_back({body.key, touch.point, place, slides});
+  });
   std::sort(next_.begin(), next_.end(), [](const BodyAnchor& a, const BodyAnchor& b) { return a.isBefore(b.body, b.point); });
   state.friction = next_;
 }

@@ -18,7 +18,7 @@ class ContactDamping : public solve::ExternalLoad {
   explicit ContactDamping(const ContactLoad& contact) : contact_(contact) {}
 
   /// Whether no tool has friction.
-  bool isEmpty() const;
+  bool isEmpty() const { return !contact_.hasFriction(); }
   void addForces(double time, const model::State& state, Points& forces) const override;
   /// Dissipative, except where a tool moves along n with speed V: its power is then at most c V^2 / 4.
   double estimateWork(double from, double to, const model::State& before, const model::State& after) const override;

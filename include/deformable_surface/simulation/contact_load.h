@@ -7,6 +7,7 @@
 #include "deformable_surface/tool/crossing.h"
 #include "deformable_surface/tool/tool.h"
 
+#include <algorithm>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -128,6 +129,19 @@ class ContactLoad : public solve::ExternalLoad {
   /// The touches of one body, for every point that it acts on, ascending. Valid until the next call with another time or other
   /// positions. Computed once for all callers.
   const std::vector<Touch>& findTouches(std::size_t body, double time, const Points& positions) const;
+
+  bool hasFriction() const {
+    return std::any_of(bodies_.begin(), bodies_.end(), [](const Body& body) { return tool::hasFriction(body.tool); });
+  }
+  /// visit(begin(tool), touch) for the touches of all tools with friction; begin is called once per tool.
+  template <typename Begin, typename Visit>
+  void forEachRubbingTouch(double time, const Points& positions, const Begin& begin, const Visit& visit) const {
+    for (std::size_t b = 0; b < bodies_.size(); ++b) {
+      if (!tool::hasFriction(bodies_[b].tool)) continue;
+      const auto body = begin(bodies_[b].tool);
+      for (const Touch& touch : findTouches(b, time, positions)) visit(body, touch);
+    }
+  }
 
   /// Wall time (s) of contact and friction since the last call, without energies and stiffness.
   double takeSeconds() const { return std::exchange(seconds_, 0.0); }

@@ -16,7 +16,7 @@ class FrictionLoad : public solve::ExternalLoad {
  public:
   explicit FrictionLoad(const ContactLoad& contact) : contact_(contact) {}
 
-  bool isEmpty() const;
+  bool isEmpty() const { return !contact_.hasFriction(); }
   void addForces(double time, const model::State& state, Points& forces) const override;
   /// Dissipative, except where a tool's own motion drags points along, at most friction times the tool's path, and where springs
   /// return stored energy.
@@ -48,6 +48,8 @@ class FrictionLoad : public solve::ExternalLoad {
     tool::Motion motion;
   };
   Rubbing beginRubbing(const tool::ToolParams& tool, double time) const;
+  template <typename Visit>  // visit(rubbing, touch, rub)
+  void forEachRub(double time, const model::State& state, const Visit& visit) const;
   Rub findRub(const Rubbing& body, const model::State& state, const ContactLoad::Touch& touch) const;
   double storedEnergyAt(double time, const model::State& state) const;
 

@@ -1,11 +1,7 @@
 #include "deformable_surface/model/mass_spring/curvature_bending.h"
 
-#include "deformable_surface/base/parallel.h"
-#include "deformable_surface/base/simd.h"
-
 #include <algorithm>
 #include <array>
-#include <atomic>
 #include <cmath>
 
 #include "moment_balance.h"
@@ -13,172 +9,7 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;  // points per parallel block: distribution costs little beside it
-constexpr Index kBatch = 4;     // groups of four points: their rows stay in the first-level cache between the two passes
-constexpr Index kSlots = CurvatureBending::kFitPoints + 1;  // with the point itself
-
-// |t_1 x t_2|, the present area of a unit area at rest, below which a point counts as crushed, see the header.
-constexpr double kCrushed = 0.1;
-
-// Four points at a time, one coordinate in one vector.
-struct Moments {
-  Double4 t1[3], t2[3], b11[3], b12[3], b22[3];  // first the derivatives of the positions,
-  Double4 change[3];                             // then n . b_ab - II0_ab,
-  Double4 second[3], first[2];                   // then the weights of the second and first derivative rows in the force
-};
-
-// t_a and b_ab: the sums of rows times positions.
-DEFORMABLE_SURFACE_INLINE void sumDerivatives(const Index* neighbors, const double* rows, const double* positions, Moments& m) {
-  Double4 x[kSlots][4];
-  for (Index r = 0; r < kSlots; ++r) {
-    for (int lane = 0; lane < 4; ++lane) load(positions + neighbors[4 * r + lane], x[r][lane]);
-    transpose(x[r][0], x[r][1], x[r][2], x[r][3]);
-  }
-  // Two loops, so that the sums fit the registers.
-  Double4 t1[3]{}, t2[3]{};
-  for (Index r = 0; r < kSlots; ++r) {
-    Double4 g1, g2;
-    load(rows + 20 * r, g1);
-    load(rows + 20 * r + 4, g2);
-    for (int c = 0; c < 3; ++c) {
-      t1[c] += g1 * x[r][c];
-      t2[c] += g2 * x[r][c];
-    }
-  }
-  Double4 b11[3]{}, b12[3]{}, b22[3]{};
-  for (Index r = 0; r < kSlots; ++r) {
-    Double4 c11, c12, c22;
-    load(rows + 20 * r + 8, c11);
-    load(rows + 20 * r + 12, c12);
-    load(rows + 20 * r + 16, c22);
-    for (int c = 0; c < 3; ++c) {
-      b11[c] += c11 * x[r][c];
-      b12[c] += c12 * x[r][c];
-      b22[c] += c22 * x[r][c];
-    }
-  }
-  for (int c = 0; c < 3; ++c) {
-    m.t1[c] = t1[c];
-    m.t2[c] = t2[c];
-    m.b11[c] = b11[c];
-    m.b12[c] = b12[c];
-    m.b22[c] = b22[c];
-  }
-}
-
-DEFORMABLE_SURFACE_INLINE void multiply(const Double4* a, const Double4* b, Double4& dot) {
-  dot = a[0] * b[0] + a[1] * b[1] + a[2] * b[2];
-}
-
-DEFORMABLE_SURFACE_INLINE void multiplyCross(const Double4* a, const Double4* b, Double4* cross) {
-  cross[0] = a[1] * b[2] - a[2] * b[1];
-  cross[1] = a[2] * b[0] - a[0] * b[2];
-  cross[2] = a[0] * b[1] - a[1] * b[0];
-}
-
-using Mask4 = decltype(Double4{} < Double4{});
-
-// Moments and normals of four points, of crushed ones as in the header.
-DEFORMABLE_SURFACE_INLINE void findMoments(const double* constants, double poisson_ratio, Moments& m, Double4* n,
-                                           Mask4& is_crushed) {
-  Double4 area, weight, rest11, rest12, rest22;
-  multiplyCross(m.t1, m.t2, n);
-  multiply(n, n, area);
-  const Double4 softened = (area + kCrushed * kCrushed) * (0.5 / kCrushed);
-  takeRoots(area);
-  is_crushed = area < kCrushed;
-  const Double4 inverse = 1.0 / (is_crushed ? softened : area);
-  for (int c = 0; c < 3; ++c) n[c] *= inverse;
-  n[3] = Double4{};
-  load(constants, weight);
-  load(constants + 4, rest11);
-  load(constants + 8, rest12);
-  load(constants + 12, rest22);
-  multiply(n, m.b11, m.change[0]);
-  multiply(n, m.b12, m.change[1]);
-  multiply(n, m.b22, m.change[2]);
-  m.change[0] -= rest11;
-  m.change[1] -= rest12;
-  m.change[2] -= rest22;
-  m.second[0] = weight * (m.change[0] + poisson_ratio * m.change[2]);
-  m.second[1] = 2.0 * (1.0 - poisson_ratio) * weight * m.change[1];  // 12 and 21
-  m.second[2] = weight * (m.change[2] + poisson_ratio * m.change[0]);
-  // M^ab Gamma^c_ab = t^c . (M^ab b_ab) with the dual basis t^1 = t_2 x n / |t_1 x t_2|, t^2 = n x t_1 / |t_1 x t_2|.
-  Double4 p[3], turned[3];
-  for (int c = 0; c < 3; ++c) p[c] = inverse * (m.second[0] * m.b11[c] + m.second[1] * m.b12[c] + m.second[2] * m.b22[c]);
-  multiplyCross(m.t2, n, turned);
-  multiply(turned, p, m.first[0]);
-  multiplyCross(n, m.t1, turned);
-  multiply(turned, p, m.first[1]);
-}
-
-// The contribution -M^ab c^ab + M^ab Gamma^c_ab g^c for each neighbour.
-DEFORMABLE_SURFACE_INLINE void spreadMoments(const double* rows, const Moments& m, double* along) {
-  for (Index r = 0; r < kSlots; ++r) {
-    Double4 g1, g2, c11, c12, c22;
-    load(rows + 20 * r, g1);
-    load(rows + 20 * r + 4, g2);
-    load(rows + 20 * r + 8, c11);
-    load(rows + 20 * r + 12, c12);
-    load(rows + 20 * r + 16, c22);
-    store(m.first[0] * g1 + m.first[1] * g2 - m.second[0] * c11 - m.second[1] * c12 - m.second[2] * c22, along + 4 * r);
-  }
-}
-
-// The groups from begin to end. Crushed points get no normal, hence no force here. Returns whether there are any.
-DEFORMABLE_SURFACE_WIDE bool computeMoments(Index begin, Index end, const Index* neighbors, const double* rows,
-                                            const double* constants, double poisson_ratio, const double* positions, double* along,
-                                            double* normals) {
-  Moments moments[kBatch];
-  bool any_crushed = false;
-  for (Index batch = begin; batch < end; batch += kBatch) {
-    const Index batch_end = batch + kBatch < end ? batch + kBatch : end;
-    for (Index g = batch; g < batch_end; ++g)
-      sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, moments[g - batch]);
-    for (Index g = batch; g < batch_end; ++g) {
-      Double4 n[4], weight;
-      Mask4 is_crushed;
-      findMoments(constants + 16 * g, poisson_ratio, moments[g - batch], n, is_crushed);
-      for (int c = 0; c < 3; ++c) n[c] = is_crushed ? Double4{} : n[c];
-      load(constants + 16 * g, weight);
-      is_crushed &= weight > 0.0;  // false without a fit
-      any_crushed |= is_crushed[0] || is_crushed[1] || is_crushed[2] || is_crushed[3];
-      transpose(n[0], n[1], n[2], n[3]);
-      for (int lane = 0; lane < 4; ++lane) store(n[lane], normals + 16 * g + 4 * lane);
-    }
-    for (Index g = batch; g < batch_end; ++g) spreadMoments(rows + 20 * kSlots * g, moments[g - batch], along + 4 * kSlots * g);
-  }
-  return any_crushed;
-}
-
-// The energy of the groups from begin to end, J.
-DEFORMABLE_SURFACE_WIDE double sumEnergies(Index begin, Index end, const Index* neighbors, const double* rows,
-                                           const double* constants, double poisson_ratio, const double* positions) {
-  Double4 sum{};
-  for (Index g = begin; g < end; ++g) {
-    Moments m;
-    Double4 normals[4];
-    Mask4 is_crushed;
-    sumDerivatives(neighbors + 4 * kSlots * g, rows + 20 * kSlots * g, positions, m);
-    findMoments(constants + 16 * g, poisson_ratio, m, normals, is_crushed);
-    for (int k = 0; k < 3; ++k) sum += 0.5 * m.second[k] * m.change[k];
-  }
-  return (sum[0] + sum[1]) + (sum[2] + sum[3]);
-}
-
-// Adds to each point the forces of the fits that use it. users: two items per fit; forces: (n x 3).
-DEFORMABLE_SURFACE_WIDE void gatherForces(Index begin, Index end, const Index* offsets, const Index* users, const double* along,
-                                          const double* normals, double* forces) {
-  for (Index j = begin; j < end; ++j) {
-    Double4 sum{};
-    for (Index u = offsets[j]; u < offsets[j + 1]; u += 2) {
-      Double4 normal;
-      load(normals + users[u + 1], normal);
-      sum += along[users[u]] * normal;
-    }
-    for (int c = 0; c < 3; ++c) forces[3 * j + c] += sum[c];
-  }
-}
+constexpr double kCrushed = CurvatureLoop::kCrushed;
 
 // Thirds of the triangles, m^2.
 std::vector<double> findAreas(const PlateRest& plate, const CurvatureFits& fits) {
@@ -219,43 +50,11 @@ CurvatureBending::CurvatureBending(const PlateRest& plate, const std::vector<cha
 }
 
 void CurvatureBending::prepareForceLoop() {
-  const Index n = neighbors_.size(), padded = (n + 3) / 4 * 4;
-  group_neighbors_.assign(kSlots * padded, 0);
-  group_rows_.assign(5 * kSlots * padded, 0.0);
-  group_constants_.assign(4 * padded, 0.0);
-  along_.resize(kSlots * padded);
-  normals_.resize(4 * padded);
-  for (Index i = 0; i < n; ++i) {
-    const Index group = i / 4, lane = i % 4;
-    const double constants[4] = {weight_[i], rest_curvature_[i][0], rest_curvature_[i][1], rest_curvature_[i][2]};
-    for (int k = 0; k < 4; ++k) group_constants_[16 * group + 4 * k + lane] = constants[k];
-    if (weight_[i] == 0.0) continue;
-    for (Index slot = 0; slot < neighbors_.count(i); ++slot) {
-      const Index r = neighbors_.offsets[i] + slot, place = 4 * (kSlots * group + slot) + lane;
-      const double row[5] = {rows_[r].first[0], rows_[r].first[1], rows_[r].second[0], rows_[r].second[1], rows_[r].second[2]};
-      for (int k = 0; k < 5; ++k) group_rows_[5 * (place - lane) + 4 * k + lane] = row[k];
-      group_neighbors_[place] = 4 * neighbors_.items[r];
-    }
-  }
   riders_.clear();
   for (std::size_t e = 0; e < edge_points_.size(); ++e)
     for (const Index point : edge_points_[e].points) riders_.emplace_back(point, numPoints() + static_cast<Index>(e));
   std::sort(riders_.begin(), riders_.end());
-  // The forces of the fits, grouped by points: counted first, then placed.
-  users_.offsets.assign(n + 1, 0);
-  const auto forEachUse = [&](const auto& visit) {
-    for (Index i = 0; i < n; ++i)
-      for (Index slot = 0; weight_[i] != 0.0 && slot < neighbors_.count(i); ++slot)
-        visit(neighbors_.begin(i)[slot], 4 * (kSlots * (i / 4) + slot) + i % 4, 4 * i);
-  };
-  forEachUse([&](Index user, Index, Index) { users_.offsets[user + 1] += 2; });
-  for (Index i = 0; i < n; ++i) users_.offsets[i + 1] += users_.offsets[i];
-  users_.items.resize(users_.offsets.back());
-  std::vector<Index> next(users_.offsets.begin(), users_.offsets.end() - 1);
-  forEachUse([&](Index user, Index along, Index normal) {
-    users_.items[next[user]++] = along;
-    users_.items[next[user]++] = normal;
-  });
+  loop_ = CurvatureLoop(neighbors_, rows_, weight_, rest_curvature_, poisson_ratio_);
 }
 
 CurvatureBending::WholeFit CurvatureBending::wholeFit(Index i) const {
@@ -349,23 +148,14 @@ void CurvatureBending::appendEdge(PaddedPoints& positions) const {
   }
 }
 
-// f_j = -sum_i n_i (M_i^ab c^ab_ij - M_i^ab Gamma^c_ab g^c_ij), M = D A [(1 - nu) k + nu tr(k) I], k = n . b - II0: by the fits,
-// then gathered by the points, and from those on edges by what they ride on.
+// By the fits and their points, then from the points on edges to the points that they follow.
 void CurvatureBending::addForces(PaddedPoints& positions, Points& forces) const {
-  appendEdge(positions);
-  std::atomic<bool> any_crushed{false};
-  parallelFor(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
-    if (computeMoments(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), poisson_ratio_,
-                       positions.data(), along_.data(), normals_.data()))
-      any_crushed.store(true, std::memory_order_relaxed);
-  });
-  parallelFor(numPoints(), kBlock, [&](Index begin, Index end) {
-    gatherForces(begin, end, users_.offsets.data(), users_.items.data(), along_.data(), normals_.data(), forces.data()->data());
-  });
   const Index num_points = numPoints();
-  for (Index e = 0; e < static_cast<Index>(edge_points_.size()); ++e) {
-    Vec3 force = Vec3::Zero();
-    gatherForces(0, 1, &users_.offsets[num_points + e], users_.items.data(), along_.data(), normals_.data(), force.data());
+  appendEdge(positions);
+  const bool any_crushed = loop_.computeMoments(positions);
+  loop_.addForces(num_points, forces);
+  for (std::size_t e = 0; e < edge_points_.size(); ++e) {
+    const Vec3 force = loop_.findForce(num_points + static_cast<Index>(e));
     for (int c = 0; c < 3; ++c) forces[edge_points_[e].points[c]] += edge_points_[e].weights[c] * force;
   }
   positions.shorten(num_points);
@@ -375,8 +165,7 @@ void CurvatureBending::addForces(PaddedPoints& positions, Points& forces) const 
 // The few crushed points, which got no force with the others, one by one.
 void CurvatureBending::addCrushedForces(const double* positions, Points& forces) const {
   for (Index i = 0; i < neighbors_.size(); ++i) {
-    const double* normal = &normals_[4 * i];
-    if (weight_[i] == 0.0 || normal[0] != 0.0 || normal[1] != 0.0 || normal[2] != 0.0) continue;
+    if (weight_[i] == 0.0 || loop_.hasNormal(i)) continue;
     const WholeFit fit = wholeFit(i);
     const CrushedShape s = crushedShapeAt(i, sumDerivatives(fit, positions, 4));
     const Vec3 moment = weight_[i] * momentOf(s.change);
@@ -386,10 +175,7 @@ void CurvatureBending::addCrushedForces(const double* positions, Points& forces)
 
 double CurvatureBending::energy(PaddedPoints& positions) const {
   appendEdge(positions);
-  const double sum = parallelSum(static_cast<Index>(group_constants_.size() / 16), kBlock / 4, [&](Index begin, Index end) {
-    return sumEnergies(begin, end, group_neighbors_.data(), group_rows_.data(), group_constants_.data(), poisson_ratio_,
-                       positions.data());
-  });
+  const double sum = loop_.energy(positions);
   positions.shorten(numPoints());
   return sum;
 }

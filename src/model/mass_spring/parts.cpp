@@ -60,8 +60,8 @@ void CurvatureBending::markPartners(const std::vector<Index>& points, std::vecto
   if (is_seen.size() < static_cast<std::size_t>(neighbors_.size())) is_seen.resize(neighbors_.size(), 0);
   seen.reserve(neighbors_.size());
   const auto markFitsOf = [&](Index i) {
-    for (Index k = users_.offsets[i]; k < users_.offsets[i + 1]; k += 2) {
-      const Index fit = users_.items[k + 1] / 4;
+    for (Index k = loop_.users().offsets[i]; k < loop_.users().offsets[i + 1]; k += 2) {
+      const Index fit = loop_.fitOf(k);
       if (is_seen[fit]) continue;
       is_seen[fit] = 1;
       seen.push_back(fit);
@@ -90,7 +90,7 @@ CurvatureBending CurvatureBending::makePart(const PartIndex& part) const {
     for (auto rider = firstRider(i); rider != riders_.end() && rider->first == i; ++rider) wanted.push_back(rider->second);
   std::sort(wanted.begin(), wanted.end());
   wanted.erase(std::unique(wanted.begin(), wanted.end()), wanted.end());
-  const std::vector<Index> fits = findElements(wanted, users_, 2, [&](Index k) { return users_.items[k + 1] / 4; });
+  const std::vector<Index> fits = findElements(wanted, loop_.users(), 2, [&](Index k) { return loop_.fitOf(k); });
   // Points on edges belong to the part if one of its fits uses them.
   const Index num_points = numPoints();
   std::vector<Index> points = part.points, new_edge(edge_points_.size(), -1);

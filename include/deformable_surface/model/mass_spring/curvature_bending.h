@@ -5,6 +5,7 @@
 
 #include "deformable_surface/base/padded_points.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/mass_spring/curvature_loop.h"
 #include "deformable_surface/model/mass_spring/part_index.h"
 
 #include <algorithm>
@@ -30,12 +31,6 @@ struct EdgePoint {
   Vec3 gradients[3];  // 1/m
 };
 
-/// The rows of a fit for one of its points.
-struct CurvatureRow {
-  Eigen::Matrix<double, 2, 1, Eigen::DontAlign> first;  // g^1, g^2, 1/m
-  Vec3 second;                                          // c^11, c^12, c^22, 1/m^2
-};
-
 /// At rest a quadratic x(a, b) is fitted through every point to its neighbours (weights (1 - s^2)^2, s = distance over reach),
 /// in coordinates a, b of its tangent plane. The fit is linear in the positions: fixed rows g^a_j and c^ab_j give tangents
 /// t_a = sum_j g^a_j x_j and second derivatives b_ab = sum_j c^ab_j x_j; with n = t_1 x t_2 / |.| the curvature is n . b_ab, and
@@ -50,7 +45,8 @@ struct CurvatureRow {
 /// ends at zero.
 class CurvatureBending {
  public:
-  static constexpr Index kFitPoints = 16;  // neighbours in a fit: about two rings, enough for one-sided fits at edges
+  static constexpr Index kFitPoints =
+      CurvatureLoop::kSlots - 1;  // neighbours in a fit: about two rings, enough for one-sided fits at edges
 
   CurvatureBending() = default;
 
@@ -142,17 +138,9 @@ class CurvatureBending {
   std::vector<Vec3> rest_curvature_;
   std::vector<double> weight_;  // D * A_i; 0 where there is no fit
   double poisson_ratio_ = 0.0;
-  // A copy for the force loop: four points side by side, each with the largest number of neighbours of a fit; rows of missing
-  // neighbours are zero.
-  std::vector<Index> group_neighbors_;   // (neighbours x 4) per group: indices of their positions in the padded ones
-  std::vector<double> group_rows_;       // (neighbours x 5 x 4) per group
-  std::vector<double> group_constants_;  // (4 x 4) per group: D A and the rest curvature
-  Lists users_;                          // per point j: 2 items per fit that uses it, indices into along_ and normals_
+  CurvatureLoop loop_;
   Index num_without_fit_ = 0, num_hinged_ = 0;
-  // Scratch: minus the force on each neighbour along the normal of the fit's point, (neighbours x 4) per group, and those
-  // normals, padded to four numbers.
-  mutable std::vector<double> along_, normals_;
-  mutable std::vector<double> rate_;  // (n)
+  mutable std::vector<double> rate_;  // (n), scratch
 };
 
 // At rest, the energy of a fit depends on w, the motions along its normal, and entry jk is D A c_j . M(c_k). As the rows sum to
@@ -163,8 +151,8 @@ void CurvatureBending::forEachSpring(Index j, const Visit& visit) const {
   if (neighbors_.size() == 0) return;
   const auto pointOf = [&](Index k) { return k < numPoints() ? k : edge_points_[k - numPoints()].points[0]; };
   const auto visitFitsOf = [&](Index point) {
-    for (const Index* user = users_.begin(point); user != users_.end(point); user += 2) {
-      const Index i = user[1] / 4, begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
+    for (Index k = loop_.users().offsets[point]; k < loop_.users().offsets[point + 1]; k += 2) {
+      const Index i = loop_.fitOf(k), begin = neighbors_.offsets[i], end = neighbors_.offsets[i + 1];
       Index own = begin;
       while (neighbors_.items[own] != point) ++own;
       const Vec3 scaled = -weight_[i] * momentOf(rows_[own].second);
