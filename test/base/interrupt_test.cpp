@@ -29,7 +29,7 @@ TEST(Interrupt, EndsALoopBetweenTwoBlocksOnAnyNumberOfThreads) {
                                ++done;
                              }),
                  Interrupted);
-    EXPECT_LE(done, threads);  // what was under way is finished
+    EXPECT_LE(done, threads);  // blocks that have begun are finished
     EXPECT_GE(done, 1);
   }
   setNumThreads(0);
@@ -61,7 +61,7 @@ TEST(Interrupt, IsAMatterOfTheThreadAndOfTheInnermostScope) {
   EXPECT_EQ(currentInterrupt(), &outer_flag);
 }
 
-// The pool serves other threads afterwards.
+// The pool works for other threads afterwards.
 TEST(Interrupt, LeavesThePoolReadyForTheNextLoop) {
   std::atomic<bool> flag{true};
   try {

@@ -40,7 +40,7 @@ TEST_P(Parallel, SumsDoNotDependOnTheNumberOfThreads) {
     });
   };
   const double here = sum();
-  EXPECT_NEAR(here, std::log(1e5) + 0.5772156649 + 0.5e-5, 1e-9);  // the harmonic number: no block is left out
+  EXPECT_NEAR(here, std::log(1e5) + 0.5772156649 + 0.5e-5, 1e-9);  // the harmonic number: no block is missing
   setNumThreads(1);
   EXPECT_EQ(here, sum());
 }
@@ -75,7 +75,7 @@ TEST_P(Parallel, SeveralCallersAtOnceDoNotMixTheirWork) {
   EXPECT_EQ(total, 4L * 50 * 1000);
 }
 
-// The threads that take part in a loop of many blocks.
+// Number of threads that take part in a loop of many blocks.
 std::set<std::thread::id> findThreads() {
   std::mutex mutex;
   std::set<std::thread::id> ids;
@@ -84,7 +84,7 @@ std::set<std::thread::id> findThreads() {
       const std::lock_guard<std::mutex> lock(mutex);
       ids.insert(std::this_thread::get_id());
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(100));  // others get their turn
+    std::this_thread::sleep_for(std::chrono::microseconds(100));  // lets other threads run
   });
   return ids;
 }

@@ -1,4 +1,4 @@
-// Holds the cleaning to its promise: what is left is finite, distinct, in the input's order, and every input point finds its own.
+// Cleaning keeps finite, distinct points in the order of the input. Every input point is mapped to its own.
 #include "deformable_surface/cloud/clean.h"
 
 #include "deformable_surface/base/error.h"

@@ -15,7 +15,7 @@ double nearestDistance(const Points& points, const std::vector<Index>& kept, con
   return nearest;
 }
 
-// What farthest points promise: none is nearer to another than some radius, and every point is within it of one.
+// No two farthest points are closer than some radius, and every point of the cloud is within that radius of one of them.
 TEST(FarthestPoints, FillABodyEvenlyAtEveryNumber) {
   const Points box = makeBox(14, 10, 10, 0.1, 0.3);
   const cloud::Simplification order = cloud::orderByDistance(box, cloud::nearestNeighbors(box, 32), 20, {});
@@ -34,7 +34,7 @@ TEST(FarthestPoints, AreAPrefixOfFewerOnes) {
   const cloud::Simplification order = cloud::orderByDistance(box, cloud::nearestNeighbors(box, 32), 10, {});
   const std::vector<Index> few = order.keepCount(50), many = order.keepCount(200);
   EXPECT_TRUE(std::includes(many.begin(), many.end(), few.begin(), few.end()));
-  // The threshold is twice the distance from one to the next.
+  // The threshold is twice the distance from a point to the next.
   const std::vector<Index> kept = order.keepDiameter(0.4);
   for (Index i : kept) EXPECT_GE(nearestDistance(box, kept, box[i], i), 0.2);
 }

@@ -1,4 +1,4 @@
-// Flying pixels on frames whose truth is known: what hangs at outlines goes, what is a surface stays.
+// Flying pixels on frames whose truth is known: pixels between object and background are removed, surfaces stay.
 #include "support/depth_picture.h"
 
 #include "deformable_surface/base/error.h"
@@ -20,13 +20,13 @@ using test::kNothing;
 namespace {
 
 constexpr double kJump = 0.02, kFront = 0.8, kBehind = 1.3;
-constexpr int kLeft = 50, kRight = 110;  // columns of a thing in front
+constexpr int kLeft = 50, kRight = 110;  // columns of an object in front
 
 long count(const std::vector<char>& marked) { return std::count(marked.begin(), marked.end(), 1); }
 
 bool isInFront(int column) { return column >= kLeft && column < kRight; }
 
-/// A thing in front of a wall, and depths of its own for the columns just left of it.
+/// An object in front of a wall. The columns just left of it have depths of their own.
 template <class Edge>
 PointCloud takeEdge(const Camera& camera, const Edge& edge) {
   return test::takeFrame(camera, [&](int row, int column) {
@@ -35,7 +35,7 @@ PointCloud takeEdge(const Camera& camera, const Edge& edge) {
   });
 }
 
-/// Whether the marked columns are those that lie 1 .. wide pixels left of the thing, in every row but the first and last ones.
+/// Whether the marked columns are those that lie 1 .. wide pixels left of the object, in every row but the first and last ones.
 void expectOnly(const std::vector<char>& marked, const Camera& camera, int wide) {
   for (int row = 0; row < camera.height; ++row)
     for (int column = 0; column < camera.width; ++column)
@@ -48,7 +48,7 @@ TEST(FlyingPixels, OnesThatHangBetweenAThingAndTheWallAreFound) {
   for (const double noise : {0.0, 0.05}) {
     Camera camera;
     camera.noise = noise;
-    // As a time-of-flight camera mixes them, each in another place; and as a resampled frame does, all alike.
+    // Mixed depths as of a time-of-flight camera, each at another place; and as of a resampled frame, all alike.
     expectOnly(
         findFlyingPixels(takeEdge(camera, [](int row, int left) { return left == 1 ? 0.9 + 0.003 * (row % 100) : 0.0; }), kJump),
         camera, 1);
@@ -89,9 +89,9 @@ TEST(FlyingPixels, EdgesStepsAndRoundThingsStay) {
   Camera camera;
   camera.noise = 0.05;
   EXPECT_EQ(count(findFlyingPixels(takeEdge(camera, [](int, int) { return 0.0; }), kJump)), 0);
-  // A staircase: a band of three pixels between front and wall is a thing of its own.
+  // A staircase: a band of three pixels between front and wall is an object.
   EXPECT_EQ(count(findFlyingPixels(takeEdge(camera, [](int, int left) { return left > 0 && left <= 3 ? 1.0 : 0.0; }), kJump)), 0);
-  // A cable one pixel thick in front of all.
+  // A cable one pixel wide, in front of everything.
   EXPECT_EQ(count(findFlyingPixels(takeEdge(camera, [](int row, int) { return row == 40 ? 0.6 : 0.0; }), kJump)), 0);
   // A ball, up to its rim.
   const double radius = 0.09;

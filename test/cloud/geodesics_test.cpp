@@ -1,4 +1,4 @@
-// What is close in space and far along the surface is not linked; what belongs together is.
+// Points that are close in space but far apart along the surface are not linked. Points that are close along it are.
 #include "deformable_surface/cloud/geodesics.h"
 
 #include "deformable_surface/base/error.h"
@@ -34,7 +34,7 @@ using test::measureCoupling;
 
 constexpr Index kListed = 32;  // twice the default k, as in a set-up
 
-// What is promised (docs/geodesics.md).
+// The limits that docs/geodesics.md states.
 constexpr double kLeastWithin = 0.95, kMostAcross = 0.02;
 
 Lists findWithin(const Points& points, double radius) {
@@ -91,7 +91,7 @@ TEST(Geodesics, ANarrowingGapIsBridgedStepByStep) {
       const Gapped bars = makeTwoBars(gap, 0.2, 1, seed);
       across += 0.5 * couple(bars, findWithin(bars.positions, 3.0), {}).across;
     }
-    // Other gaps are other clouds: pairs come and go at the radius, by a few per cent.
+    // Another gap width gives another cloud: pairs enter and leave the radius. This changes a few per cent.
     EXPECT_GE(across, last - 0.03) << "gap " << gap;
     largest_step = std::max(largest_step, across - last);
     last = across;
@@ -121,8 +121,8 @@ TEST(Geodesics, SidesOfAThinBodyAreToldApartByOrientedNormalsAtATenthOfTheSpacin
   EXPECT_GT(couple(body, links, {body.normals, false}).across, 0.5);
 }
 
-// Where legs are nearest their normals oppose each other; beside it they turn towards each other by less, and the gap is still no
-// wider than the spacing along the legs, which by itself costs true links a little. A link there has no part along the mean
+// Where the legs are closest, their normals are opposite. Beside that place the normals differ by less, and the gap is still no
+// wider than the spacing along the legs. That spacing alone costs true links some weight. A link there has no part along the mean
 // normal.
 TEST(Geodesics, RoundLegsAreToldApartBesideWhereTheyAreNearestToo) {
   constexpr double kRadius = 5.0, kAlong = 3.0, kLeastAlongSparse = 0.92;
@@ -168,7 +168,8 @@ TEST(Geodesics, TheCornersOfASlitAreNotGlued) {
       }
 }
 
-// Legs sampled more sparsely along than around: what is joined beside where they are nearest is counted, what is apart is not.
+// Legs sampled more sparsely along than around. Links across the gap beside the closest place are counted; links at the closest
+// place must not exist.
 TEST(Geodesics, WhatSticksAcrossAGapIsCountedAndNothingElse) {
   const auto count = [](const Gapped& cloud) {
     const Lists links = nearestNeighbors(cloud.positions, kListed);
@@ -181,7 +182,7 @@ TEST(Geodesics, WhatSticksAcrossAGapIsCountedAndNothingElse) {
     for (const double radius : {2.0, 5.0})
       for (const double jitter : {0.0, 0.2}) EXPECT_EQ(count(makeLegs(radius, 1.0, gap, jitter)), 0) << gap;
   }
-  // Neither a thin body's two sides nor leaves of a stack face each other in front.
+  // The two sides of a thin body, or the leaves of a stack, do not count as facing each other.
   EXPECT_EQ(count(makeStack(2, 0.5, 0.1, true)), 0);
 }
 
@@ -225,7 +226,7 @@ TEST(Geodesics, ListsOfSurfacesWithoutGapsStayAsTheyAre) {
   }
 }
 
-// A grid moved by share of its spacing in its plane and by noise (standard deviation) off it, as scans are.
+// A grid whose points are moved by a share of the spacing in its plane and by noise (standard deviation) across it, as in scans.
 Gapped makeRoughSheet(double share, double noise) {
   constexpr int kSide = 50;
   Gapped sheet;
@@ -253,7 +254,7 @@ TEST(Geodesics, RoughAndUnevenSamplingsKeepTheirLinks) {
 }
 
 TEST(Geodesics, AFewPointsInASparseSpotOfADenseSheetAreNoGap) {
-  // The surroundings say that links are half as long as those that hold the spot.
+  // The surroundings have links half as long as those at this place.
   constexpr int kSide = 48;
   Points points;
   test::Jitter jitter(0.1, 1);
@@ -311,13 +312,13 @@ TEST(Geodesics, UnitsDoNotMatter) {
         geodesicWeights(buildGeodesicGraph(bars.positions, {}, links, geodesic_exponent), bars.positions, links);
     const std::vector<double> in_millimetres =
         geodesicWeights(buildGeodesicGraph(millimetres, {}, links, geodesic_exponent), millimetres, links);
-    // Weights vary by about one per unit of detour; the trust radii come from float lengths.
+    // Weights change by about one per unit of detour. The trust radii are computed from float lengths.
     for (std::size_t e = 0; e < in_metres.size(); ++e) ASSERT_NEAR(in_metres[e], in_millimetres[e], 1e-5);
   }
 }
 
 TEST(Geodesics, AnExponentOfSixtyNeitherUnderflowsNorOverflows) {
-  // A chain of short hops around, a jump across: sixty powers of a micrometre are 1e-360.
+  // A chain of short links around a gap, one jump across: sixty powers of a micrometre are 1e-360.
   Points points;
   for (int i = 0; i <= 10; ++i) points.emplace_back(1e-6 * i, 0.0, 0.0);
   for (int i = 1; i <= 2; ++i) points.emplace_back(1e-5, 1e-6 * i, 0.0);
@@ -425,7 +426,7 @@ TEST(Geodesics, PointsInLineFarOutliersAndSinglePointsHaveDistances) {
   EXPECT_EQ(keepGeodesicNeighbors(buildGeodesicGraph(single, {}, none, {}), single, {}, none).lists.count(0), 0);
 }
 
-// Bars whose gap is narrower than the spacing of the points that are left.
+// Bars whose gap is narrower than the spacing of the remaining points.
 struct Thinned {
   Gapped bars = makeTwoBars(2.0, 0.1);
   Lists neighbors;
@@ -550,12 +551,12 @@ TEST(GeodesicSimplification, LeavesNoPointsTogetherOnARoughSheet) {
           nearest = std::min(nearest, (sheet.positions[i] - sheet.positions[j]).norm());
     return nearest;
   };
-  // Nine tenths: other links make another set of points.
+  // Nine tenths, because other links give another set of points.
   const Lists kept = keepGeodesicNeighbors(graph, sheet.positions, sides, links).lists;
   EXPECT_GE(measureNearest(kept, true), 0.9 * measureNearest(links, false));
 }
 
-// A mesh of a real garment: its edges, and those across them, give the true distances.
+// The mesh of a real garment. Its edges, and the edges across them, give the true distances.
 struct Garment {
   Points positions, normals;
   GeodesicGraph truth;
@@ -614,8 +615,8 @@ std::optional<Garment> readGarment(const std::string& name) {
 // Detour over the edges of a triangle mesh up to which two vertices are near on its surface.
 constexpr double kNearDetour = 1.35;
 
-// Shares of the sixteen nearest that keep half of their weight: of those near on the mesh, and of those so far on it that no
-// weight is due to them.
+// Shares of the sixteen nearest points that keep half of their weight: of points near on the mesh, and of points so far on it
+// that they should have no weight.
 Coupling measureKept(const Garment& garment, bool with_normals) {
   const Lists links = nearestNeighbors(garment.positions, 16), listed = nearestNeighbors(garment.positions, kListed);
   const std::vector<double> truth = findGeodesicDistances(garment.truth, garment.positions, links, 2.0 * kLongestDetour);
@@ -644,7 +645,7 @@ TEST(GeodesicsOfGarments, LegsOfTrousersAreToldApart) {
   const Coupling given = measureKept(*trousers, true);
   EXPECT_GE(given.within, kLeastWithin);
   EXPECT_LE(given.across, kMostAcross);
-  // The gap is a half to three local spacings wide, and normals estimated across it tell less.
+  // The gap is half to three local spacings wide. Normals estimated across it are less reliable.
   const Coupling estimated = measureKept(*trousers, false);
   EXPECT_GE(estimated.within, kLeastWithin);
   EXPECT_LE(estimated.across, 0.2);

@@ -1,4 +1,4 @@
-// The inside of surfaces: winding numbers of spheres that close and that do not, and the points that fill them.
+// The inside of surfaces: winding numbers of closed and open spheres, and the points that fill them.
 #include "deformable_surface/cloud/interior.h"
 
 #include "../support/surfaces.h"
@@ -11,7 +11,7 @@
 namespace deformable_surface::cloud {
 namespace {
 
-// An even unit sphere; share: of it, from the top.
+// A unit sphere with even points; share: the part of it that exists, from the top.
 SurfaceDipoles makeSphereDipoles(Index n, double share = 1.0) {
   const test::Surface sphere = test::makeSphere(n, 1.0);
   Points positions, normals;
@@ -32,7 +32,7 @@ TEST(WindingNumber, IsOneInsideAndZeroOutside) {
   for (const double r : {1.15, 1.5, 4.0}) EXPECT_NEAR(findWindingNumber(sphere, Vec3(0.0, 0.6 * r, 0.8 * r)), 0.0, 0.01) << r;
 }
 
-// The solid angle of what is there over that of a sphere: a half, seen from the middle of a hemisphere.
+// The solid angle of the existing part over that of a sphere: one half, seen from the middle of a hemisphere.
 TEST(WindingNumber, IsInBetweenWhereASurfaceIsOpen) {
   EXPECT_NEAR(findWindingNumber(makeSphereDipoles(2000, 0.5), Vec3::Zero()), 0.5, 0.01);
 }
@@ -56,8 +56,8 @@ TEST(FillSurface, PutsALatticeInsideThatKeepsClearOfTheSurface) {
   const double spacing = std::sqrt(4.0 * kPi / 2000);
   const Interior interior = fillSurface(makeSphereDipoles(2000), sphere.points, spacing);
   EXPECT_EQ(interior.doubtful, 0.0);
-  // As many as cubes of the spacing in the ball that is left, within the layer in which they may lie or not: between the points
-  // of the surface there is room up to it.
+  // The number of lattice cubes in the ball that remains. The layer near the surface is uncertain, because there is room between
+  // the surface points.
   const double most = 4.0 / 3.0 * kPi / std::pow(spacing, 3), least = most * std::pow(1.0 - 0.6 * spacing, 3);
   EXPECT_GT(static_cast<double>(interior.points.size()), 0.97 * least);
   EXPECT_LT(static_cast<double>(interior.points.size()), most);

@@ -1,4 +1,4 @@
-// Holds the kd-tree to a search through all points, ties, removal and degenerate clouds included.
+// The kd-tree against a search through all points, with ties, removal and degenerate clouds.
 #include "deformable_surface/cloud/kd_tree.h"
 
 #include "deformable_surface/base/error.h"
@@ -22,7 +22,7 @@ Points makeRandomPoints(Index n, double scale, unsigned seed) {
   return points;
 }
 
-// A lattice, so that nearly all distances tie, with every point repeated.
+// A lattice, so that nearly all distances are ties. Every point is repeated.
 Points makeLatticeTwice(Index side) {
   Points points;
   for (int copy = 0; copy < 2; ++copy) {
@@ -52,7 +52,7 @@ void expectSame(const std::vector<Neighbor>& expected, const std::vector<Neighbo
   }
 }
 
-// Queries at and between the points, with and without removal, against the search through all.
+// Queries at and between the points, with and without removal, against a search through all points.
 void compareWithFullSearch(const Points& points) {
   KdTree tree(points);
   std::vector<char> alive(points.size(), 1);
@@ -64,7 +64,7 @@ void compareWithFullSearch(const Points& points) {
       if (trial % 2 == 1) query = 0.5 * (query + points[random() % points.size()]);
       std::vector<Neighbor> expected = searchAll(points, alive, query);
       const Index k = 1 + static_cast<Index>(random() % 24);
-      // A radius that is exactly some point's distance, so that the ball's being closed matters.
+      // The radius equals the distance of a point. The ball must be closed.
       const std::size_t some = expected.empty() ? 0 : std::min<std::size_t>(k, expected.size() - 1);
       const double radius = expected.empty() ? 0.0 : std::sqrt(expected[some].squared_distance);
       std::vector<Neighbor> expected_ball;
@@ -77,7 +77,7 @@ void compareWithFullSearch(const Points& points) {
       tree.withinRadius(query, radius, found);
       expectSame(expected_ball, found);
     }
-    // Remove about half of what is left.
+    // Removes about half of the remaining points.
     for (std::size_t i = 0; i < points.size(); ++i) {
       if (alive[i] && random() % 2 == 0) {
         tree.remove(static_cast<Index>(i));
@@ -122,7 +122,7 @@ TEST(KdTree, OrderNamesEveryPointOnceAndKeepsNearPointsTogether) {
   for (Index i = 0; i < 4000; ++i) ASSERT_EQ(i, sorted[i]);
 }
 
-// Of sizes at which branches built side by side have equal and different numbers of nodes.
+// Sizes at which branches that are built side by side have equal and different numbers of nodes.
 TEST(KdTree, BuiltInBranchesAgreesWithFullSearch) {
   for (const Index n : {4096, 4097, 20001, 69999, 131072}) {
     const Points points = makeRandomPoints(n, 1.0, 3);

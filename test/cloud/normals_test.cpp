@@ -1,4 +1,4 @@
-// Holds normals to shapes whose normals are known, their side to each rule that decides it, and both to clouds without a surface.
+// Normals against shapes whose normals are known, the rules for their side, and clouds that are no surface.
 #include "deformable_surface/cloud/normals.h"
 
 #include "deformable_surface/base/error.h"
@@ -54,10 +54,10 @@ Shape makeTorus(Index around, Index across) {
   return shape;
 }
 
-// A rotation without special directions.
+// A rotation that is special to no axis.
 Mat3 makeTilt() { return Eigen::AngleAxisd(0.7, Vec3(1.0, -2.0, 0.5).normalized()).toRotationMatrix(); }
 
-// Estimated normals with signs at random, as an estimator that knows no side may give them.
+// Estimated normals with random signs, as from an estimator that does not know the side.
 Points estimateWithRandomSigns(const Shape& shape, const Lists& neighbors) {
   Points normals = estimateNormals(shape.positions, neighbors);
   std::mt19937 random(1);

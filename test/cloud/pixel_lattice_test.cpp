@@ -1,4 +1,4 @@
-// Every second pixel of an image: which there are, what links them, and which of them others go with.
+// Every second pixel of an image: which pixels are on this lattice, their links, and which of them the other pixels follow.
 #include "deformable_surface/cloud/pixel_lattice.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -11,7 +11,7 @@
 namespace deformable_surface::cloud {
 namespace {
 
-// A point for each pixel, linked to all of its neighbours that are there and not cut off.
+// One point per pixel, linked to all neighbours that exist and are not cut off.
 struct Image {
   PixelLinks links;
   std::vector<Index> point;

@@ -203,8 +203,8 @@ TEST(Rings, NeighborAlongTheNormalDoesNotSpoilTheRing) {
   EXPECT_NEAR(sumAreas(rings), 1.0, 0.03);
 }
 
-// Beside a gap a point is listed neighbours on one side only, though it is on no boundary: three points in line, as far as the
-// digits of a file tell, are no triangle there.
+// Beside a gap a point has neighbours on one side only, although it is on no boundary. Three points that are in line within the
+// digits of the file are no triangle there.
 TEST(Rings, PointsInLineBesideAGapSpanNoSliver) {
   constexpr Index kSide = 11, kRow = 5;
   TestSurface surface = makeSheet(kSide);

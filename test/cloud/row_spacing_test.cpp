@@ -1,4 +1,4 @@
-// Rows are told from lattices, random places and jitter, flat and on curved surfaces.
+// Rows are distinguished from lattices, random points and jitter, on flat and curved surfaces.
 #include "deformable_surface/cloud/row_spacing.h"
 
 #include "../support/surfaces.h"
@@ -13,7 +13,7 @@ constexpr Index kNeighbors = 32;
 
 double measure(const Points& points) { return cloud::findRowSpacing(points, cloud::nearestNeighbors(points, kNeighbors)); }
 
-// 60 x so many points, whose rows are so many times farther apart.
+// 60 x so many points. The rows are so many times farther apart than the points in a row.
 Points makeRows(double apart, double jitter) { return makeSheet(60, 40, 59.0, 39.0 * apart, jitter).points; }
 
 TEST(RowSpacing, EvenAndRandomPointsHaveNone) {

@@ -1,4 +1,4 @@
-// Where the surface lies behind the noise of depth cameras, and what is left as it is.
+// Estimates the surface behind the noise of depth cameras, and leaves clouds without noise as they are.
 #include "deformable_surface/cloud/sensor_noise.h"
 
 #include "../support/camera_scenes.h"
@@ -31,7 +31,7 @@ CameraFrame take(const CameraScene& scene, double noise, double quantum, double 
   return test::takeFrame(camera, scene.sheets);
 }
 
-// Root mean square of the distances from where the pixels truly are.
+// Root mean square distance from the true places of the pixels.
 double measureError(const CameraFrame& frame, const CleanCloud& cloud, const Points& points) {
   double sum = 0.0, count = 0.0;
   for (Index p = 0; p < frame.size(); ++p) {

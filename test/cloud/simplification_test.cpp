@@ -1,5 +1,5 @@
-// Simplification keeps what a surface needs: even spacing, corners, straight edges, protected points, every part; and it ends on
-// clouds that are no surface at all.
+// Simplification keeps what a surface needs: even spacing, corners, straight edges, protected points, every part. It also ends on
+// clouds that are no surface.
 #include "deformable_surface/cloud/simplification.h"
 
 #include "cloud/test_surfaces.h"
@@ -70,9 +70,9 @@ TEST(Simplification, LeavesDebrisOutThatWouldTakeTheTarget) {
   const std::vector<Index> kept = few.keepCount(100);
   EXPECT_EQ(kept.size(), 100u);
   EXPECT_TRUE(std::all_of(kept.begin(), kept.end(), [&](Index i) { return i < num_sheet; }));
-  // A crumb is worth three points where so many are wanted.
+  // With so many points wanted, a small part gets three points.
   EXPECT_EQ(keep(1500).num_left_out, 0);
-  // Without a target nothing is too small.
+  // Without a target no part is too small.
   EXPECT_EQ(keep(0).num_left_out, 0);
 }
 
@@ -99,7 +99,7 @@ TEST(Simplification, EveryTargetAndThresholdIsAPrefixOfOnePass) {
   EXPECT_EQ(result.keepDiameter(0.0).size(), 900u);
   EXPECT_EQ(result.keepDiameter(std::numeric_limits<double>::infinity()).size(), 50u);
 
-  // A pass that stops earlier is the beginning of one that goes on.
+  // A pass that stops earlier gives the beginning of a pass that continues.
   const Simplification shorter = simplifyTo(sheet, 300);
   ASSERT_EQ(shorter.removed.size(), 600u);
   EXPECT_TRUE(std::equal(shorter.removed.begin(), shorter.removed.end(), result.removed.begin()));
@@ -145,7 +145,7 @@ TEST(Simplification, SheetKeepsItsCornersAndStraightEdges) {
       for (Index corner : {0, side - 1, side * (side - 1), side * side - 1}) {
         EXPECT_TRUE(std::binary_search(kept.begin(), kept.end(), corner)) << "target " << target << ", corner " << corner;
       }
-      // No stretch of an edge without points is longer than a few times the mean spacing, and the area is whole.
+      // No part of an edge is without points for longer than a few mean spacings, and the area is complete.
       const double spacing = 1.0 / std::sqrt(target);
       double last = 0.0;
       for (Index i : kept) {
@@ -204,7 +204,8 @@ TEST(Simplification, EveryPartKeepsPoints) {
 }
 
 TEST(Simplification, CloseLayersAreThinnedOneByOne) {
-  // Two layers closer to each other than the points left: the lower one alone must be thinned as it would be without the upper.
+  // Two layers closer to each other than the remaining points. The lower layer must be thinned as it would be without the upper
+  // one.
   const TestSurface lower = makeSheet(30, 0.2);
   TestSurface both = lower;
   both.append(makeSheet(30, 0.2, 2), Vec3(0.0, 0.0, 0.2));
@@ -216,7 +217,8 @@ TEST(Simplification, CloseLayersAreThinnedOneByOne) {
   EXPECT_EQ(together, alone);
 }
 
-// As at the rims of gaps, where lists over the surface are short: all ask for more, by way of each other's lists.
+// As at the rims of gaps, where lists along the surface are short: all points ask for more neighbours, through the lists of each
+// other.
 TEST(Simplification, ListsThatAreTooShortAreFilledAlikeByAnyNumberOfThreads) {
   const TestSurface sheet = makeSheet(120, 0.2);
   const Lists neighbors = nearestNeighbors(sheet.positions, kNeighbors - 2);
@@ -299,13 +301,13 @@ TEST(Simplification, ALargeCloudIsSpacedAsWantedFromTheCountThatIsAskedFor) {
   const Simplification result = simplifyGraded(sheet, 500, wanted);
   EXPECT_EQ(result.keepCount(0).size(), 500u);
   EXPECT_LT(measureUnevenness(sheet, result.keepCount(500), wanted), 0.22);
-  // More than a quarter of what is left for the rings, which asking for them changes.
+  // More than a quarter of the points that remain for the rings; the number of rings changes with it.
   const std::vector<Index> many = simplifyGraded(sheet, 5000, wanted, 5000).keepCount(5000);
   ASSERT_EQ(many.size(), 5000u);
   EXPECT_LT(measureUnevenness(sheet, many, wanted), 0.22);
 }
 
-// Of so many points most go by distances alone, before rings are looked at.
+// With so many points most are removed by distance alone, before rings are computed.
 TEST(Simplification, ALargeCloudIsThinnedAsEvenlyAsASmallOneInOneOrderForAnyNumberOfThreads) {
   const TestSurface sheet = makeSheet(400, 0.3);
   setNumThreads(1);
@@ -317,7 +319,7 @@ TEST(Simplification, ALargeCloudIsThinnedAsEvenlyAsASmallOneInOneOrderForAnyNumb
   EXPECT_EQ(result.removed, again.removed);
   EXPECT_EQ(result.diameter, again.diameter);
   EXPECT_EQ(result.keepCount(0).size(), 500u);
-  // As even as small clouds are (SpacesPointsEvenly), whether the count is reached by rings or by distances.
+  // As even as small clouds (SpacesPointsEvenly), whether the count is reached by rings or by distances.
   for (const Index count : {500, 20000, 100000})
     EXPECT_LT(measureUnevenness(select(sheet, result.keepCount(count))), 0.2) << count;
   const std::vector<Index> kept = result.keepCount(500);
@@ -344,7 +346,7 @@ TEST(Simplification, PartsOfALargeCloudStayApart) {
   const auto below = countBetween(0, other.size()), above = countBetween(other.size(), first_of_clump);
   EXPECT_GT(below, 150);
   EXPECT_GT(above, 150);
-  // Each is even by itself, so neither was thinned for the other's sake.
+  // Each sheet is even by itself, so neither was thinned because of the other.
   std::vector<Index> lower(kept.begin(), kept.begin() + below);
   EXPECT_LT(measureUnevenness(select(layers, lower)), 0.25);
 }
@@ -374,7 +376,7 @@ TEST(Simplification, EndsOnCloudsThatAreNoSurface) {
       EXPECT_GE(result.keepCount(0).size(), std::min<std::size_t>(surface->size(), std::max(3, min_points)));
     }
   }
-  // A curve is thinned evenly too; the ends of the line stay.
+  // A curve is thinned evenly, too. The ends of the line stay.
   const std::vector<Index> of_line = simplifyTo(line, 12).keepCount(12);
   ASSERT_EQ(of_line.size(), 12u);
   EXPECT_EQ(of_line.front(), 0);

@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kSide = 200;
 
-// A sheet in rows, and the input's place of each of its points.
+// A sheet in rows, and the position of each of its points in the input.
 PointCloud makeSheet(bool is_shuffled) {
   PointCloud cloud;
   for (int row = 0; row < kSide; ++row)
@@ -44,7 +44,7 @@ TEST(SpaceOrder, BringsNeighborsOfAShuffledSheetTogether) {
   EXPECT_GT(findMedianStep(cloud.positions), 0.5);
   EXPECT_TRUE(orderInSpace(cloud));
   EXPECT_LT(findMedianStep(cloud.positions), 0.03);
-  // Every point of the input finds itself and its normal.
+  // Every point of the input is mapped to itself and its normal.
   for (std::size_t i = 0; i < input.positions.size(); ++i) {
     const Index point = cloud.point_of_input[i];
     ASSERT_EQ(input.positions[i], cloud.positions[point]);

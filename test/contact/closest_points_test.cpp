@@ -14,7 +14,7 @@ namespace {
 
 constexpr int kSteps = 60;
 
-// Gap and weights say the same, and the weights are those of two points within their primitives.
+// Gap and weights agree. The weights are those of two points within their primitives.
 void expectConsistent(const Closest& closest, const std::array<Vec3, 4>& x, int num_first) {
   Vec3 gap = Vec3::Zero();
   double first = 0.0, second = 0.0;

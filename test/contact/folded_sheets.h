@@ -16,7 +16,7 @@ struct Sheets {
 };
 
 /// num sheets of n x n points, 0.1 m wide and gap (m) apart, moved along their planes and jittered in three dimensions by
-/// `jitter` (m): one may be moved against another without a change of which points belong together.
+/// `jitter` (m). A sheet may be moved against another without changing which points belong together.
 inline Sheets makeSheets(int num, int n, double gap, double jitter, unsigned seed = 1) {
   std::mt19937 generator(seed);
   Sheets sheets;

@@ -1,4 +1,4 @@
-// Which pairs of a surface's parts are listed as near.
+// Which pairs of vertices, edges and triangles are listed as near.
 #include "deformable_surface/contact/pair_list.h"
 
 #include "deformable_surface/base/error.h"
@@ -26,7 +26,7 @@ Found listNear(PairList& list, const Points& positions, double reach) {
   return found;
 }
 
-// By looking at all.
+// By comparison of all pairs.
 std::set<std::array<Index, 5>> findAll(const test::Sheets& sheets, const Points& positions, double reach) {
   std::set<std::array<Index, 5>> found;
   std::set<std::array<Index, 2>> edges;
@@ -59,7 +59,7 @@ TEST(PairList, HasAllThatAreNearWhileTheyMove) {
     const Found found = listNear(list, positions, reach);
     EXPECT_EQ(std::set(found.begin(), found.end()), findAll(sheets, positions, reach)) << step;
   }
-  // It was not made anew each time, though all moved far together.
+  // The list was not rebuilt each time, although all points moved far together.
   EXPECT_LT(list.numSearches(), 20);
 }
 

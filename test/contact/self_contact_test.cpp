@@ -1,4 +1,4 @@
-// What pushes parts of a surface apart, and what keeps them from crossing.
+// Springs push parts of a surface apart, and the limit of motion keeps them from crossing.
 #include "deformable_surface/contact/self_contact.h"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ SelfContact makeContact(const test::Sheets& sheets, const Points& rest, const Se
   return SelfContact(rest, sheets.triangles, masses, params);
 }
 
-// The sheets farther apart: their rest, so that nothing is too near there.
+// The rest shape has the sheets farther apart, so that no pair is too close at rest.
 Points spread(Points points, int per_sheet) {
   for (std::size_t i = 0; i < points.size(); ++i) points[i].z() += 0.05 * (i / per_sheet);
   return points;
@@ -108,7 +108,7 @@ TEST(SelfContact, FrictionHoldsUpToItsLimitAndKeepsMomentum) {
     std::vector<PairAnchor> next = anchors;
     contact.moveAnchors(moved, still, next);
     for (const PairAnchor& anchor : next) EXPECT_EQ(anchor.slides, slides);
-    // What is left of the springs is what they hold.
+    // The friction springs that remain carry the whole load.
     Points again(moved.size(), Vec3::Zero());
     contact.addFriction(moved, still, next, again);
     for (std::size_t i = 0; i < moved.size(); ++i) EXPECT_LT((again[i] - rubbing[i]).norm(), 1e-9 * pressed) << i;
@@ -151,7 +151,7 @@ TEST(SelfContact, StiffnessStaysBelowItsBounds) {
   }
 }
 
-// Points that fly at random, far beyond the gaps.
+// Points with random motion far beyond the gaps.
 TEST(SelfContact, NothingCrossesOnLimitedWays) {
   std::mt19937 generator(6);
   Index num_crossing_before = 0;
@@ -165,7 +165,7 @@ TEST(SelfContact, NothingCrossesOnLimitedWays) {
       for (std::size_t i = 0; i < after.size(); ++i)
         if (i % 7 != 0) after[i] += Vec3(0.0, 0.0, 0.003 * (1.0 - i / 36)) + 0.002 * test::randomVector(generator);
       const Points wanted = after;
-      double wanted_energy = 0.0, energy = 0.0;  // of the motion, but for a factor
+      double wanted_energy = 0.0, energy = 0.0;  // the motion up to a factor
       num_crossing_before += !test::findCrossings(after, sheets.triangles).empty();
       const std::vector<Index> cut = contact.limit(positions, after);
       for (std::size_t i = 0; i < after.size(); ++i) {

@@ -1,4 +1,4 @@
-// The same input gives the same bits: twice, with any number of threads, through a reset.
+// The same input gives the same bits: in two runs, with any number of threads, and after a reset.
 #include "../simulation/clouds.h"
 #include "deformable_surface/base/parallel.h"
 
@@ -68,7 +68,7 @@ SceneParams loadedSheet(solve::IntegratorType type, Index points = kManyPoints) 
   return p;
 }
 
-// Its weight acts along the sheet: far from rest an equilibrium takes many iterations.
+// The weight acts along the sheet. An equilibrium far from rest takes many iterations.
 SceneParams staticSheet() {
   SceneParams p = sheet(solve::IntegratorType::kStatic, kFewPoints);
   p.gravity = Vec3(0.1, 0.0, 0.0);

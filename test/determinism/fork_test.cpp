@@ -1,4 +1,4 @@
-// A fork goes on as the simulation that it was made of would, bit for bit, whatever becomes of either.
+// A fork continues as the original simulation would, bit for bit, whatever happens to either of them.
 #include "../simulation/clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -32,7 +32,7 @@ tool::ToolParams makeBall() {
   return ball;
 }
 
-// The bits of all that a planner reads: state, estimate, energy, the full surface.
+// The bits of everything that a planner reads: state, estimate, energy, full surface.
 std::vector<std::uint64_t> listBits(Simulation& s) {
   std::vector<std::uint64_t> bits;
   const auto add = [&](double value) {
@@ -71,7 +71,7 @@ void checkFork(const simulation::SceneParams& p) {
   EXPECT_EQ(listBits(fork), expected);
   EXPECT_NE(listBits(disturbed), expected);
 
-  // Snapshots are those of the same surface, either way.
+  // Snapshots are interchangeable between the two.
   fork.restore(before);
   EXPECT_EQ(listBits(fork), expected);
   original.restore(fork.fork().snapshot());
@@ -141,7 +141,7 @@ TEST(Fork, SnapshotsSayHowLargeTheyAre) {
   run(s, 2);
   const simulation::Snapshot snapshot = s.snapshot();
   EXPECT_DOUBLE_EQ(snapshot.time(), s.time());
-  // Positions and velocities at least, and copies of the estimate, but not the cloud.
+  // Positions and velocities at least, and the copies of the estimate, but not the cloud.
   EXPECT_GE(snapshot.bytes(), 48u * s.state().positions.size());
   EXPECT_EQ(simulation::Snapshot().bytes(), 0u);
 }

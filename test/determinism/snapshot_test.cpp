@@ -1,4 +1,4 @@
-// A run through a snapshot gives the same bits in every step as one that was never interrupted.
+// A run continued from a snapshot gives the same bits in every step as an uninterrupted run.
 #include "../simulation/clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -52,7 +52,7 @@ void checkContinuation(const simulation::SceneParams& p, Index cloud_side, int t
   const std::vector<std::uint64_t> expected = hashes(whole, kSteps);
   const Points surface = whole.surface(false).positions;
 
-  // In the same simulation, after it went elsewhere.
+  // In the same simulation, after other steps.
   whole.removeForce("pull");
   whole.setGravity(Vec3(0.0, 30.0, 0.0));
   whole.unpin({geometry::Region::Kind::kSphere, {}, {}, Vec3(0.0, 0.0, 0.0), 0.2});
@@ -62,7 +62,7 @@ void checkContinuation(const simulation::SceneParams& p, Index cloud_side, int t
   EXPECT_EQ(hashes(whole, kSteps), expected);
   EXPECT_EQ(whole.surface(false).positions, surface);
 
-  // In one made anew, with another number of threads.
+  // In a new simulation with another number of threads.
   setNumThreads(threads == 1 ? 3 : 1);
   Simulation other(p, sheetCloud(cloud_side));
   other.restore(snapshot);

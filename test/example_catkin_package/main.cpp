@@ -1,5 +1,5 @@
-// A program of another catkin package: run_scene SCENE.yaml RESULT.ply runs a scene and writes its last surface. Messages of the
-// package are there as well.
+// A program of another catkin package: run_scene SCENE.yaml RESULT.ply runs a scene and writes its last surface. It can also use
+// the messages of the package.
 #include <deformable_surface/Statistics.h>
 #include <deformable_surface/base/error.h>
 #include <deformable_surface/io/cloud_filters.h>

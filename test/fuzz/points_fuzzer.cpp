@@ -10,7 +10,7 @@
 
 namespace {
 
-/// A file in memory where there is such a place, and gone at the end.
+/// A temporary file, in memory where possible, removed at the end.
 struct TemporaryFile {
   explicit TemporaryFile(const char* extension)
       : name("/dev/shm/deformable_surface_fuzz_" + std::to_string(getpid()) + extension) {}

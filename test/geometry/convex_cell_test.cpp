@@ -47,7 +47,7 @@ TEST(ConvexCell, IsEmptyBehindAPlaneThatTakesEverything) {
   EXPECT_EQ(cell.volume(), 0.0);
 }
 
-// Many planes tangent to a sphere enclose little more than the sphere.
+// The cell of many planes tangent to a sphere is little larger than the sphere.
 TEST(ConvexCell, ApproachesASphereByTangentPlanes) {
   ConvexCell cell;
   cell.reset(2.0);

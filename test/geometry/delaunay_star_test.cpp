@@ -1,4 +1,4 @@
-// The star of one point against a triangulation by brute force, and on the configurations that break ties: grids, lines, copies.
+// The star of one point against a brute-force triangulation, and on configurations with ties: grids, lines, copies.
 #include "deformable_surface/geometry/delaunay_star.h"
 
 #include <gtest/gtest.h>

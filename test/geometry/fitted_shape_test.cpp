@@ -14,7 +14,7 @@ using geometry::FittedShape;
 
 const double kTurn = 2.0 * std::acos(-1.0);
 
-// Points of a torus about an axis that is none of the coordinates', `off` outside and inside of it in turn.
+// Points of a torus about an axis that is no coordinate axis, alternately `off` outside and inside of it.
 Points makeTorus(double ring, double tube, double off) {
   const Quaternion turn(Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, 0.5).normalized()));
   Points points;
@@ -44,7 +44,7 @@ TEST(FittedShape, IsTheTorusThatPointsLieOn) {
   EXPECT_LT(found.largest, 1e-12);
 }
 
-// As many are outside as inside, at every place: the shape is still the nearest.
+// At every place as many points are outside as inside. The shape is still the nearest.
 TEST(FittedShape, TellsHowFarPointsAreFromIt) {
   const FittedShape torus = geometry::fitTorus(makeTorus(0.4, 0.15, 0.01));
   EXPECT_NEAR(torus.radius, 0.4, 1e-9);

@@ -28,7 +28,7 @@ double distanceToSegment(const Vec3& p, const Vec3& a, const Vec3& b) {
   return (p - a - t * (b - a)).norm();
 }
 
-// By another way than the tree: over all triangles; the sign by the solid angle that the mesh fills.
+// A reference without the tree: the distance over all triangles, the sign by the solid angle that the mesh fills.
 double findPlainly(const Mesh& mesh, const Vec3& p) {
   double nearest = 1e300, angle = 0.0;
   for (const auto& t : mesh.triangles) {
@@ -93,7 +93,7 @@ TEST(Polyhedron, OnEdgesAndCornersTheNormalPointsOut) {
 TEST(Polyhedron, WindingEitherWayAndCornersGivenTwiceAreTheSameSolid) {
   const Mesh mesh = makeNotchedMesh();
   const Polyhedron solid(mesh.vertices, mesh.triangles);
-  // As STL has it: three corners of its own for every triangle; and inside out.
+  // As in STL files: three corners for every triangle. And inside out.
   Mesh soup;
   for (const auto& t : mesh.triangles) {
     const Index first = static_cast<Index>(soup.vertices.size());

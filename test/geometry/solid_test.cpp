@@ -42,7 +42,8 @@ TEST(Solid, AStepOfTheDistanceAgainstTheNormalEndsOnTheSurface) {
 }
 
 TEST(Solid, NoPointOfTheSurfaceIsNearerThanTheDistance) {
-  // The distance changes by no more than the way between two points, and takes every value between: it is then the nearest.
+  // The distance changes by no more than the distance between two points, and takes every value between. It is then the distance
+  // to the nearest point.
   std::mt19937 random(2);
   for (Solid::Kind kind : kKinds)
     for (int k = 0; k < 1000; ++k) {

@@ -1,4 +1,4 @@
-// What filters take from frames whose truth is known, and what they refuse.
+// What filters remove from frames whose truth is known, and which parameters they refuse.
 #include "support/depth_picture.h"
 
 #include "deformable_surface/base/error.h"
@@ -34,7 +34,7 @@ struct Table {
   Camera camera;
   Vec3 normal = Vec3(0.05, -0.3, -1.0).normalized();  // up from the table
   Vec3 middle{0.0, 0.0, 1.0};
-  std::vector<Thing> things;  // (n) what the pixel really shows
+  std::vector<Thing> things;  // (n) the object that the pixel shows
   PointCloud cloud;
 
   explicit Table(double noise = 0.0) {
@@ -67,7 +67,7 @@ struct Table {
 
   double heightOf(const Vec3& p) const { return normal.dot(p - middle); }
   long count(Thing thing) const { return std::count(things.begin(), things.end(), thing); }
-  /// How many of these the filter took.
+  /// The number of these pixels that the filter removed.
   long count(Thing thing, RemovedBy filter, const FilterReport& report) const {
     long sum = 0;
     for (std::size_t i = 0; i < things.size(); ++i) sum += things[i] == thing && report.removed_by[i] == filter;
@@ -210,7 +210,7 @@ TEST(FilterCloud, OneSideOfATableStaysAlone) {
   const FilterReport far_report = filterCloud(makePlane(0.002, 0.0, Keep::kFarSide), far);
   EXPECT_EQ(table.count(Thing::kFloor, RemovedBy::kNone, far_report), table.count(Thing::kFloor));
   EXPECT_EQ(table.count(Thing::kTowel, RemovedBy::kOtherSide, far_report), table.count(Thing::kTowel));
-  // Seen from the plane itself nothing is near or far.
+  // Seen from a point in the plane, no side is near or far.
   PointCloud within = table.cloud;
   within.viewpoint = Vec3(table.middle);
   EXPECT_THROW(filterCloud(makePlane(0.002, 0.0, Keep::kNearSide), within), InputError);
@@ -248,7 +248,7 @@ TEST(FilterCloud, APlaneThatFewPointsLieOnStaysWhichTheNotesSay) {
   EXPECT_TRUE(cloud::areEqual(cloud, table.cloud));
   ASSERT_EQ(report.notices.size(), 2u);
   EXPECT_TRUE(contains(report.notices[1], "min_share")) << report.notices[1];
-  // The same plane is named, however much is asked for.
+  // The same plane is found, whatever number of points is requested.
   const auto beforeAccepted = [](const std::string& notice) { return notice.substr(0, notice.find("; accepted")); };
   params.plane.min_share = 1.0;
   const FilterReport all = filterCloud(params, cloud);
@@ -278,7 +278,7 @@ TEST(FilterCloud, FlyingPixelsGoOnlyInOrganisedClouds) {
   InputFilterParams params;
   params.flying_pixels = 0.02;
   PointCloud spike = table.cloud;
-  EXPECT_EQ(count(filterCloud(params, spike), RemovedBy::kFlyingPixels), 0);  // it hangs before all, not between two
+  EXPECT_EQ(count(filterCloud(params, spike), RemovedBy::kFlyingPixels), 0);  // in front of everything, not between two surfaces
 
   // The outline of the box, 100 mm above the table: pixels in the middle of the jump.
   long made = 0;
@@ -317,7 +317,7 @@ TEST(FilterCloud, FiltersFollowOneAnotherAndTheNotesCountWhatEachTook) {
   }
   EXPECT_TRUE(contains(note, "before: " + std::to_string(cloud.size()) + " points, ")) << note;
   EXPECT_TRUE(contains(note, "after: " + std::to_string(count(report, RemovedBy::kNone)) + " points, ")) << note;
-  // What is left of the scene: the towel and the box.
+  // The remaining part of the scene: the towel and the box.
   EXPECT_LT(table.count(Thing::kTable, RemovedBy::kNone, report), 0.02 * static_cast<double>(table.count(Thing::kTable)));
   EXPECT_EQ(table.count(Thing::kFloor, RemovedBy::kNone, report), 0);
   EXPECT_EQ(table.count(Thing::kBox, RemovedBy::kNone, report), table.count(Thing::kBox));
@@ -395,7 +395,7 @@ TEST(FilterCloud, AFileCanSayByWhichFilterEachPointWent) {
   EXPECT_EQ(told.extra_fields[0].name, "removed_by");
   for (std::size_t i = 0; i < table.things.size(); ++i)
     ASSERT_EQ(told.extra_fields[0].bytes[i], table.things[i] == Thing::kTable ? 4 : 0);
-  // Nothing was filtered: nothing went.
+  // Without a filter no point is removed.
   EXPECT_EQ(io::withRemovedBy(FilterReport(), table.cloud).extra_fields[0].bytes,
             std::vector<std::uint8_t>(table.things.size(), 0));
 }

@@ -1,4 +1,4 @@
-// Files that get their names when they are finished, also through symbolic links.
+// Files that get their final names when they are complete, also through symbolic links.
 #include "deformable_surface/io/pending_file.h"
 
 #include "deformable_surface/base/error.h"

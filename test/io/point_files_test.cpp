@@ -1,4 +1,4 @@
-// Point files: every encoding in and out, what travels along, and that broken or lying files are refused with their name.
+// Point files: every encoding is written and read, other fields are kept, and broken files are refused with their name.
 #include "deformable_surface/io/point_files.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/value.h"
@@ -42,7 +42,7 @@ class PointFiles : public testing::Test {
     std::ofstream(file, std::ios::binary) << content;
     return file;
   }
-  /// What reading a file of this content complains about.
+  /// The message of an attempt to read a file with this content.
   std::string problem(const std::string& name, const std::string& content, Index max_points = kMany) {
     const std::string file = write(name, content);
     try {
@@ -245,7 +245,7 @@ TEST_F(PointFiles, RefusesHeadersThatPromiseMoreThanTheFileHolds) {
     }
     EXPECT_NE(problem("a.ply", makePly(count, kXyz, "1 2 3\n")), "accepted") << count;
   }
-  // Within the number of points that is accepted, but not in the file.
+  // A number of points that is accepted, but that the file does not contain.
   EXPECT_TRUE(contains(problem("a.pcd", makePcd("900000", "ascii", "1 2 3\n")), "need at least"));
   EXPECT_TRUE(contains(problem("a.pcd", makePcd("2", "binary", std::string(23, 'a'))), "need at least 24"));
   EXPECT_TRUE(contains(problem("a.ply", makePly("2", kXyz, std::string(23, 'a'), "binary_little_endian")), "need at least 24"));

@@ -1,4 +1,4 @@
-// Scenes with the names of the version before: they run as those with the new names, bit for bit, and tell so.
+// Scenes with the names of the previous version give the same bits as those with the new names, with a notice.
 #include "deformable_surface/io/scene_old_names.h"
 
 #include "deformable_surface/base/error.h"
@@ -22,7 +22,7 @@ struct Names {
   std::size_t num_notices;
 };
 
-// Each with values that are no defaults, all old names between them.
+// Each has values that are no defaults. Together they contain all old names.
 const Names kScenes[] = {{R"(
 model: mass_spring
 cloud: {shape: sheet, points: 225, size: [0.3, 0.3]}
@@ -98,7 +98,7 @@ TEST(OldNames, AreToldByTheSurface) {
 TEST(OldNames, AreRefusedBesideTheNewOnes) {
   EXPECT_EQ(problemOf("{model: mass_spring, activity: {sleep: never}, sleep: {mode: always}}"),
             "activity.sleep: found beside sleep.mode, which is its new name; accepted: the new one alone");
-  // A scene that states every default may lie below one with old names.
+  // A scene that states every default may be combined with one that has old names.
   const simulation::SceneParams scene = read("{model: mass_spring, activity: {sleep: never}, sleep: {mode: auto}}");
   EXPECT_EQ(scene.sleep.mode, simulation::Sleep::kNever);
   EXPECT_EQ(scene.notices.size(), 1u);

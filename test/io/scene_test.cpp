@@ -1,4 +1,4 @@
-// Scene files: what is read, what is refused and with which words, overriding, printing, and the page of parameters.
+// Scene files: what is read, what is refused and with which message, overriding, printing, and the page of parameters.
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/base/error.h"
 
@@ -36,7 +36,7 @@ std::string problemOf(const std::string& text) {
 
 bool contains(const std::string& text, const std::string& part) { return text.find(part) != std::string::npos; }
 
-// Every section of the contract's scene that is built.
+// Every section of a scene.
 const char* const kFullScene = R"(
 model: mass_spring
 frame_id: ""
@@ -114,7 +114,7 @@ TEST(ReadScene, AcceptsWhatItPrints) {
     const std::string text = printScene(params);
     EXPECT_EQ(printScene(read(text)), text);
   }
-  // Printing hides nothing: another value gives another text.
+  // Printing omits nothing: another value gives another text.
   SceneParams changed = read(kFullScene);
   changed.forces[1].start = 0.1 + 0.2;
   EXPECT_NE(printScene(changed), printScene(read(kFullScene)));
@@ -142,7 +142,7 @@ TEST(ReadScene, CollectsAllProblems) {
 }
 
 TEST(ReadScene, RefusesTheOutsideOfEveryRange) {
-  // Numbers for which no field of this kind has a use: beyond every upper end, not finite, or not a number.
+  // Numbers that no field of this kind accepts: above every upper limit, not finite, or NaN.
   const std::vector<std::string> numbers = {"cloud: {radius: X}",
                                             "cloud: {gap: X}",
                                             "cloud: {scale: X}",
@@ -187,7 +187,7 @@ TEST(ReadScene, RefusesTheOutsideOfEveryRange) {
       const std::string text = number.substr(0, place) + bad + number.substr(place + 1);
       EXPECT_TRUE(contains(problemOf(text), "; accepted: ")) << text << ": " << problemOf(text);
     }
-    // Where a field must be positive it must be so beyond rounding.
+    // Where a field must be positive, a value that is positive by rounding only is refused.
     if (contains(number, "modulus") || contains(number, "density") || contains(number, "thickness") ||
         contains(number, "time_step") || contains(number, "threshold") || contains(number, "tolerance") ||
         contains(number, "duration") || contains(number, "scale")) {
@@ -318,7 +318,7 @@ TEST(ParseYaml, RefusesWhatIsNoPlainMap) {
   EXPECT_TRUE(contains(problem("[1]: 2"), "not a word"));
   EXPECT_TRUE(contains(problem(std::string("a: \0", 4)), "zero byte"));
   EXPECT_TRUE(contains(problem("a: " + std::string(100, '[') + std::string(100, ']')), "levels of nesting"));
-  // Far deeper than the stack could take.
+  // Far deeper than the stack allows.
   EXPECT_FALSE(problemsOf("a: " + std::string(200000, '[') + std::string(200000, ']')).empty());
   EXPECT_FALSE(problemsOf("a: " + std::string(200000, '{')).empty());
 }
@@ -385,7 +385,7 @@ TEST(ReadScene, ShowsNoCharacterThatATerminalObeys) {
   for (const std::string& text :
        {"\"a" + clear + "\": 1", "expect: {\"max_x" + clear + "\": [0, 1]}", "integrator: {type: \"" + clear + "\"}",
         "tools: [{id: \"x" + clear + "\", shape: {sphere: {radius: 1}}, mode: \"" + clear + "\"}]"}) {
-    // YAML itself refuses some of them, in a sentence of its own.
+    // YAML itself refuses some of them, with a message of its own.
     std::string said;
     try {
       read("model: mass_spring\n" + text);
@@ -395,14 +395,14 @@ TEST(ReadScene, ShowsNoCharacterThatATerminalObeys) {
     EXPECT_FALSE(said.empty()) << text;
     EXPECT_EQ(said.find('\x1b'), std::string::npos);
   }
-  // A name of megabytes is neither shown nor compared as a whole.
+  // A name of several megabytes is neither shown nor compared as a whole.
   const std::string long_name(4 << 20, 'q');
   const std::vector<std::string> problems = problemsOf("model: mass_spring\nexpect: {? " + long_name + " : [0, 1]}");
   ASSERT_EQ(problems.size(), 1u);
   EXPECT_LT(problems[0].size(), 300u);
 }
 
-// Every row of a table has the cells of its head.
+// Every row of a table has as many cells as its head.
 TEST(ParametersPage, HasRowsOfFiveCells) {
   std::istringstream page(parametersPage());
   int rows = 0;
@@ -429,7 +429,7 @@ TEST(DefaultScene, IsTheOneInTheRepositoryAndReadsBackAsTheDefaults) {
   params.duration = SceneParams().duration;
   params.expect.clear();
   EXPECT_EQ(printScene(params), printScene(SceneParams()));
-  // Nothing is left out: what is printed of the defaults is in the file, key by key.
+  // Nothing is left out: every printed default is in the file, key by key.
   const Value defaults = parseYaml(printScene(SceneParams()), "defaults");
   for (const auto& [key, value] : *defaults.asMap()) {
     const Value* const section = root.find(key);
@@ -467,7 +467,7 @@ TEST(ReadScene, FiltersOfTheInputAreReadAndAllOffByDefault) {
   EXPECT_EQ(filter.outliers.neighbors, 12);
   const std::string text = printScene(p);
   EXPECT_EQ(printScene(read(text)), text);
-  // Each alone is on.
+  // Each one alone is on.
   for (const char* one : {"crop: [{sphere: {center: [0, 0, 0], radius: 1}}]", "range: {min: 0.1}", "range: {max: 5}",
                           "flying_pixels: 0.01", "plane: {distance: 0.001}", "outliers: {method: statistical}"})
     EXPECT_TRUE(read(std::string("model: mass_spring\ninput: {filter: {") + one + "}}").input.filter.isOn()) << one;

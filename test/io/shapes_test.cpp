@@ -1,4 +1,4 @@
-// Generated clouds: extents, counts, edges, jitter, and that they are the same everywhere.
+// Generated clouds: extents, counts, edges, jitter, and the same points on every platform.
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/base/error.h"
 
@@ -157,7 +157,7 @@ TEST(Shapes, SeedsGiveTheSameNumbersEverywhere) {
   EXPECT_EQ(first, again);
   params.seed = 2;
   EXPECT_NE(makeShape(params).positions, first);
-  // A corner takes the first two draws, so the first edge point moves by the third: the numbers 5 and 6 of the engine.
+  // A corner takes the first two random numbers. The first edge point moves by the third: numbers 5 and 6 of the engine.
   std::mt19937 engine(1);
   engine.discard(4);
   const double high = engine() * 2097152.0, low = engine() >> 11;

@@ -38,7 +38,7 @@ BlockSparse fill(Index n, const Pairs& pairs, double dominance, std::mt19937& ge
   return matrix;
 }
 
-// Points of a grid in random order, with those within the reach as pairs: the pattern of a surface.
+// Points of a grid in random order, with the pairs within the reach: the pattern of a surface.
 Pairs gridPairs(Index side, double reach, std::mt19937& generator) {
   std::vector<Index> at(side * side);
   for (Index i = 0; i < side * side; ++i) at[i] = i;

@@ -1,4 +1,4 @@
-// The order of elimination: the same whether or not it can be interrupted, and left at once when it is.
+// The order of elimination is the same whether or not it can be interrupted. An interrupt ends the search at once.
 #include "deformable_surface/linear/fill_reducing_order.h"
 #include "deformable_surface/base/interrupt.h"
 

@@ -1,4 +1,4 @@
-// Approximate inverses of springs between points: how near to the exact one, and what they may be used for.
+// Approximate inverses of spring networks: how close they are to the exact inverse, and where they may be used.
 #include "deformable_surface/linear/multigrid.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -19,8 +19,8 @@ struct Springs {
   std::vector<double> diagonal, values;
 };
 
-// A lattice with springs of unlike stiffness to the next points along axes and face diagonals, and a weight on every point; the
-// points of the first layer are held: identity rows.
+// A lattice with springs of different stiffness to the next points along axes and face diagonals, and a weight on every point.
+// The points of the first layer are constrained: identity rows.
 Springs makeLattice(Index nx, Index ny, Index nz, double weight) {
   Springs s{nx * ny * nz, {}, {}, {}};
   s.diagonal.assign(s.n, weight);
@@ -61,7 +61,7 @@ Points applyTo(const Springs& s, const Points& b) {
   return x;
 }
 
-// The matrix of what it does, from unit vectors, three at a time.
+// The matrix of the preconditioner, computed from unit vectors, three at a time.
 Eigen::MatrixXd formInverse(const Springs& s) {
   Multigrid multigrid;
   multigrid.analyze(s.n, s.pairs);
@@ -78,9 +78,9 @@ Eigen::MatrixXd formInverse(const Springs& s) {
   return inverse;
 }
 
-// Without weights a body that is held at one end is as soft as it can be: of its softest motion sweeps alone find less than a
-// hundredth. Aggregates of some ten points, two levels of them, were found to leave a quarter at least; no motion is overdone by
-// as much as would make it grow.
+// Without weights a body that is held at one end is as soft as possible. Sweeps alone find less than a hundredth of its softest
+// motion. With aggregates of some ten points on two levels at least a quarter was found. No motion is overestimated so much that
+// an iteration would grow.
 TEST(Multigrid, IsSymmetricAndWithinAFactorOfTheInverse) {
   for (const double weight : {0.0, 1.0}) {
     const Springs s = makeLattice(16, 6, 6, weight);
@@ -120,7 +120,7 @@ TEST(Multigrid, StoresInProportionToThePoints) {
   EXPECT_LT(sizes[1], 1.1 * 8.0 * static_cast<double>(sizes[0]));  // a larger share of them is inside
 }
 
-// Points alone, and handfuls: nothing to make coarser.
+// Single points, and groups of a few: nothing to coarsen.
 TEST(Multigrid, ServesPointsThatNothingIsCoupledTo) {
   Springs s = makeLattice(10, 6, 6, 0.5);
   s.n += 3;

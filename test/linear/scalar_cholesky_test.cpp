@@ -19,7 +19,7 @@ struct Matrix {
   Eigen::MatrixXd dense;
 };
 
-// Some pairs, in whatever order and direction, and points that nothing is coupled to.
+// Some pairs in any order and direction, and points that are coupled to nothing.
 Matrix makeMatrix(Index n, unsigned seed) {
   std::mt19937 generator(seed);
   std::uniform_real_distribution<double> number(-1.0, 1.0);

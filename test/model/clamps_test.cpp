@@ -1,4 +1,4 @@
-// Held patches: what is free beside them bends as a clamped plate does, and nothing else of the model is lost.
+// Held patches: the free surface beside them bends like a clamped plate, and the rest of the model does not change.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "model_checks.h"
 
@@ -28,7 +28,7 @@ bool hold(MassSpring& strip, const Surface& s, const std::vector<char>& held) {
   return strip.setHeld(held, edgesAtPoints(s, held));
 }
 
-// The energy of bending alone: what the membrane adds is taken away.
+// The bending energy only: the membrane energy is subtracted.
 double bendingEnergy(const MassSpring& strip, const Surface& s, const Points& bent) {
   model::MaterialParams material;
   material.bending_rigidity = 0.0;
@@ -48,7 +48,7 @@ TEST(Clamps, AParabolaBesideAHeldPatchCostsWhatThePlateDoes) {
   // Without the clamp the fits across the edge see half the curvature.
   EXPECT_LT(bendingEnergy(strip, s, bent), 0.97 * exact);
   EXPECT_TRUE(hold(strip, s, holdBefore(s, edge)));
-  // The fits at the edge see the patch on one side of it, which takes little of their curvature.
+  // The fits at the edge have the patch on one side only, which reduces their curvature a little.
   EXPECT_NEAR(bendingEnergy(strip, s, bent) / exact, 1.0, 0.01);
 }
 

@@ -52,7 +52,7 @@ TEST(ConsistentGradients, AreExactForLinearMotionsOnJitteredPoints) {
   }
 }
 
-// Inside nothing is left over: uniform stress is in balance. Fits alone leave a good part of a facet, 0.01 m^2.
+// Inside, the sum is zero: uniform stress is in balance. Without the correction a good part of a facet (0.01 m^2) remains.
 TEST(ConsistentGradients, KeepGausssTheoremOnJitteredPoints) {
   const Gradients g = makeGradients(0.3);
   double fitted = 0.0, corrected = 0.0;
@@ -67,7 +67,7 @@ TEST(ConsistentGradients, KeepGausssTheoremOnJitteredPoints) {
   EXPECT_LT(g.corrected.residual, 1e-9);
 }
 
-// On the faces what is left is their area, but for what the shift that makes the theorem possible takes.
+// On the faces the sum is their area, except for the shift that makes the theorem possible.
 TEST(ConsistentGradients, LeaveTheAreaOfTheOutside) {
   const Gradients g = makeGradients(0.2);
   const Points after = integrate(g, true);
@@ -85,15 +85,15 @@ Gradients makeGradientsOf(Points points, const Vec3& across) {
   return g;
 }
 
-// Two bodies in one cloud: neither leaves to the other what it lacks itself.
+// Two bodies in one cloud: the correction of one does not use points of the other.
 TEST(ConsistentGradients, KeepGausssTheoremOfEveryBody) {
   Points points = makeBox(6, 5, 5, 0.1, 0.3);
   for (const Vec3& p : makeBox(5, 6, 4, 0.1, 0.3, 7)) points.push_back(p + Vec3(5.0, 0.0, 0.0));
   EXPECT_LT(makeGradientsOf(points, Vec3::Zero()).corrected.residual, 1e-8);
 }
 
-// Points at random have some with a neighbour or two, where the theorem cannot hold: what is left is less than without the
-// correction, and rows stay of the size that fits have.
+// Random points: some have one or two neighbours, where the theorem cannot hold. The remaining error is smaller than without the
+// correction, and the rows keep the size of those of the fits.
 TEST(ConsistentGradients, AreNoWorseWhereTheTheoremCannotHold) {
   std::mt19937 generator(1);
   Points points(100);

@@ -1,4 +1,4 @@
-// What is known of a model that has only the core: every question has an answer.
+// A model with only the core interface: every question has a default answer.
 #include "deformable_surface/model/deformable_model.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// A part of an elastic solid pushes its points as the whole does.
+// Forces in a part of an elastic solid are those in the whole solid.
 #include "model_checks.h"
 #include "solids.h"
 
@@ -29,7 +29,7 @@ class ElasticSolidPart : public testing::TestWithParam<Variant> {
 
   ElasticSolidPart()
       : rest(GetParam().is_planar ? makeBox(30, 12, 1, kSpacing, 0.2) : makeBox(20, 6, 6, kSpacing, 0.2)), whole(make(rest)) {
-    // Turned as a whole, and every point off its place.
+    // The body is rotated as a whole, and every point is displaced.
     std::mt19937 generator(5);
     const Mat3 turn =
         Eigen::AngleAxisd(0.7, GetParam().is_planar ? Vec3(0.0, 0.0, 1.0) : Vec3(1.0, 2.0, 2.0).normalized()).toRotationMatrix();
@@ -54,7 +54,7 @@ class ElasticSolidPart : public testing::TestWithParam<Variant> {
     return forces;
   }
 
-  // The largest difference on wanted points, in shares of the largest.
+  // The largest difference on the wanted points, relative to the largest value.
   double compare(const Points& all, const Points& some, const std::vector<Index>& points) const {
     double difference = 0.0, largest = 0.0;
     for (std::size_t k = 0; k < points.size(); ++k) {
@@ -72,7 +72,8 @@ class ElasticSolidPart : public testing::TestWithParam<Variant> {
   std::vector<char> wanted;
 };
 
-// Four points are turned side by side until the last of them has converged, and in a part others are beside them: to rounding.
+// Four points are rotated together until the last of them has converged. In a part other points are in the group: equal up to
+// rounding.
 constexpr double kRounding = 1e-12;
 
 TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
@@ -84,7 +85,7 @@ TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
   partial.velocities.assign(part.points.size(), Vec3::Zero());
   EXPECT_LT(compare(forcesOf(whole, state), forcesOf(*part.model, partial), part.points), kRounding);
 
-  // Its stiffness too.
+  // The same for the stiffness.
   std::mt19937 generator(9);
   Points motion(rest.size()), partial_motion;
   for (Vec3& v : motion) v = randomVector(generator);
@@ -100,7 +101,7 @@ TEST_P(ElasticSolidPart, PushesItsPointsAsTheWholeDoes) {
   EXPECT_EQ(part.model->findStableStep(partial), whole.findStableStep(state));
 }
 
-// What moves in the part changes the energy of the part as it changes that of the whole.
+// Motion in the part changes the energy of the part as it changes that of the whole.
 TEST_P(ElasticSolidPart, HasTheEnergyOfWhatItMoves) {
   const model::Partition::Part part = whole.makePart(wanted);
   State partial;
@@ -119,7 +120,7 @@ TEST_P(ElasticSolidPart, HasTheEnergyOfWhatItMoves) {
   EXPECT_NEAR(part.model->elasticEnergy(partial) - partial_before, change, 1e-11 * before);
 }
 
-// A poke changes nothing beyond the partners that are marked.
+// A poke changes nothing beyond the marked partners.
 TEST_P(ElasticSolidPart, MarksAllOnWhichAPointsForceDepends) {
   const Index poked = static_cast<Index>(rest.size() / 2) + (GetParam().is_planar ? 6 : 0);  // inside
   std::vector<char> marked(rest.size(), 0);

@@ -1,5 +1,4 @@
-// How wrong elastic solids are at rest under small loads, on irregular points, against fields that the theory of elasticity
-// knows.
+// Errors of elastic solids at rest under small loads, on irregular points, against fields of the theory of elasticity.
 #include "model_checks.h"
 #include "solids.h"
 
@@ -12,8 +11,8 @@ namespace {
 
 using model::ElasticSolid;
 
-// Small displacements (n x 3) under forces, with some coordinates (3 n) given: conjugate gradients on the stiffness at rest,
-// whose products are differences of forces.
+// Small displacements (n x 3) under forces, with some coordinates (3 n) given. Conjugate gradients on the stiffness at rest, with
+// products from differences of forces.
 Points solveSmall(const ElasticSolid& solid, const Points& rest, const std::vector<char>& is_given, Points displacement,
                   const Points& load, double size) {
   const Index n = static_cast<Index>(rest.size());
@@ -57,7 +56,7 @@ Points solveSmall(const ElasticSolid& solid, const Points& rest, const std::vect
 
 constexpr double kYoung = 1e5, kPoisson = 0.3;
 
-// The surface of a jittered block is moved by a linear field: the inside follows it. The differences of forces are good for ten
+// The surface of a jittered block is moved by a linear field. The inside follows it. Differences of forces are accurate to ten
 // digits.
 TEST(ElasticSolidStatics, PassesThePatchTestOnJitteredPoints) {
   Mat3 strain;
@@ -82,7 +81,7 @@ TEST(ElasticSolidStatics, PassesThePatchTestOnJitteredPoints) {
   }
 }
 
-// Pulled at one end, on rollers at three faces: length and lateral contraction, each point where it belongs.
+// Pulled at one end, on rollers at three faces: length and lateral contraction, place of each point.
 TEST(ElasticSolidStatics, AStretchedBarContractsAcross) {
   const Index nx = 13, nt = 5;
   const double a = 0.05, length = a * (nx - 1), stretch = 1e-4;
@@ -195,8 +194,8 @@ TEST(ElasticSolidStatics, ATubeUnderInnerPressureConvergesToTheExactSolution) {
     }
 }
 
-// A bar clamped at one end and loaded at the other, against Timoshenko's beam: the clamp, which keeps the end from contracting,
-// makes it a little stiffer.
+// A bar clamped at one end and loaded at the other, against Timoshenko's beam. The clamp prevents contraction of the end, which
+// makes the bar a little stiffer.
 TEST(ElasticSolidStatics, ABarBendsAsBeamsDo) {
   const Index depth = 6;
   const double D = 0.2, L = 1.0, a = D / (depth - 1), I = D * D * D * D / 12.0, P = 1e-5 * 3.0 * kYoung * I;

@@ -1,4 +1,4 @@
-// The elastic solid as a model: what its points stand for, what they feel, and what they must not feel.
+// The elastic solid as a model: masses, energies and forces of its points, and motions that must cause no force.
 #include "deformable_surface/base/parallel.h"
 #include "model_checks.h"
 #include "solids.h"
@@ -78,7 +78,7 @@ TEST(ElasticSolid, DoesNotNoticeRigidMotion) {
   checkRigidMotionIsNotNoticed(body.solid, deform(body, false));
 }
 
-// By central differences of fourth order: what is left is rounding.
+// Central differences of fourth order: the remaining error is rounding.
 void checkForcesAreTheGradient(const model::ElasticSolid& solid, const Points& at, bool is_planar, double h = 1e-3 * kSpacing) {
   const Points forces = forcesAt(solid, stateAt(at));
   std::mt19937 generator(5);
@@ -113,7 +113,7 @@ TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergy) {
     }
 }
 
-// Several blocks of points; turned inside out, points are done one by one.
+// Several blocks of points. Inverted points are computed one by one.
 TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergyAcrossBlocksAndInsideOut) {
   const Points rest = makeBox(12, 8, 7, kSpacing, 0.2);
   ASSERT_GT(static_cast<Index>(rest.size()), 2 * model::PointRooms::kPoints);
@@ -125,7 +125,7 @@ TEST(ElasticSolid, PushesByMinusTheGradientOfItsEnergyAcrossBlocksAndInsideOut) 
       const model::ElasticSolid solid = makeSolid(rest, options);
       Points at = mapAll(rest, Mat3(Vec3(1.1 * side, 0.95, 1.03).asDiagonal()));
       for (Vec3& p : at) p += 0.02 * kSpacing * randomVector(generator);
-      checkForcesAreTheGradient(solid, at, false, 2e-4 * kSpacing);  // rotations turn faster inside out
+      checkForcesAreTheGradient(solid, at, false, 2e-4 * kSpacing);  // rotations change faster in inverted states
       if (law == model::SolidLaw::kCorotated) checkMomentumIsKept(solid, stateAt(at));
     }
 }
@@ -156,7 +156,7 @@ TEST(ElasticSolid, TakesARotationForStrainOnlyByTheLinearLaw) {
   EXPECT_GT(linear.solid.elasticEnergy(stateAt(mapAll(linear.rest, R))), 0.01 * scale);
 }
 
-// Six rigid motions, and none beside that would cost next to nothing.
+// Six rigid motions, and no other motion of almost zero energy.
 TEST(ElasticSolid, HasNoMotionWithoutEnergyButRigidOnes) {
   const Points rest = makeBox(5, 4, 4, kSpacing, 0.2);
   const auto softest = [&](double stabilization) {
@@ -205,7 +205,7 @@ TEST(ElasticSolid, MultipliesByTheDerivativeOfItsForces) {
     }
 }
 
-// Also where the body is compressed, flattened, inside out: there the derivative itself is not positive.
+// Also where the body is compressed, flattened or inverted: there the derivative itself is not positive.
 TEST(ElasticSolid, MultipliesByAPositiveMatrixWhereItIsAskedFor) {
   const Points rest = makeBox(5, 4, 4, kSpacing, 0.3);
   const ElasticSolid solid = makeSolid(rest);
@@ -220,7 +220,7 @@ TEST(ElasticSolid, MultipliesByAPositiveMatrixWhereItIsAskedFor) {
     EXPECT_GT(lowest(stretch, model::Hessian::kPositive), -1e-9) << stretch.transpose();
 }
 
-// What a preconditioner is good for: products and springs resist every motion alike, but for a factor.
+// The quality of the preconditioner: products and springs resist every motion alike, up to a factor.
 TEST(ElasticSolid, ItsCouplingsResistMuchAsItDoes) {
   const Points rest = makeBox(6, 5, 5, kSpacing, 0.2);
   const ElasticSolid solid = makeSolid(rest);
@@ -249,7 +249,7 @@ TEST(ElasticSolid, ItsCouplingsResistMuchAsItDoes) {
     }
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(A, B, Eigen::EigenvaluesOnly);
   std::printf("products over springs: %.3f to %.3f\n", solver.eigenvalues().minCoeff(), solver.eigenvalues().maxCoeff());
-  // Conjugate gradients with a ratio of a hundred gain a digit in a dozen products at worst.
+  // With a ratio of a hundred, conjugate gradients gain a digit in at most a dozen products.
   EXPECT_LT(solver.eigenvalues().maxCoeff(), 100.0 * solver.eigenvalues().minCoeff());
   EXPECT_GT(solver.eigenvalues().minCoeff(), 0.0);
 }
@@ -275,7 +275,7 @@ TEST(ElasticSolid, KnowsAStableStep) {
   }
 }
 
-// Turned inside out, flattened or crushed to a point: the forces are finite, and minus the gradient wherever there is one.
+// Inverted, flattened or crushed to a point: the forces are finite, and minus the gradient wherever there is one.
 TEST(ElasticSolid, HasForcesInWhateverStateItIs) {
   const Body body = makeBody(false);
   for (const Vec3& squeeze :
@@ -290,7 +290,7 @@ TEST(ElasticSolid, HasForcesInWhateverStateItIs) {
   checkMomentumIsKept(body.solid, stateAt(perturb(mapAll(body.rest, Vec3(-0.7, 1.1, 0.9).asDiagonal()), 0.02 * kSpacing)));
 }
 
-// A body with a chain of points that sticks out of it: those on the chain span no volume.
+// A body with a chain of points that sticks out: the points on the chain span no volume.
 TEST(ElasticSolid, GivesPointsOfAThinPartNoStrainWhereNeighboursAreMissing) {
   Points rest = makeBox(5, 5, 5, kSpacing, 0.2);
   for (int k = 1; k < 40; ++k) rest.push_back(Vec3(4.0 + k, 2.0, 2.0) * kSpacing);

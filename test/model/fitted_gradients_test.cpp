@@ -65,7 +65,7 @@ TEST(FittedGradients, LeaveOutPairsWhoseDetourCountsNothing) {
   const Points rest = makeBox(kSide, kSide, kSide, 0.1);
   const Lists neighbors = cloud::nearestNeighbors(rest, 30);
   std::vector<double> detours(neighbors.items.size(), 1.0);
-  // Nothing passes from the first point to any other, from either end.
+  // The first point and the others do not affect each other, in either direction.
   for (Index i = 0; i < neighbors.size(); ++i)
     for (Index k = neighbors.offsets[i]; k < neighbors.offsets[i + 1]; ++k)
       if (i == 0 || neighbors.items[k] == 0) detours[k] = 0.0;

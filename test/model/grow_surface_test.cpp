@@ -1,5 +1,5 @@
-// Growth until it ends: sparse samples become closed surfaces, holes fill up to the limit, edges stay, limits are reported;
-// real scans.
+// Growth until it ends: sparse samples become closed surfaces, holes are filled up to the limit, edges stay, limits are reported;
+// and real scans.
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 
 #include "deformable_surface/base/error.h"
@@ -14,7 +14,7 @@
 namespace deformable_surface::model {
 namespace {
 
-// After growth no gap of d_max is left, so that this edge spans what there is.
+// After growth no gap of d_max remains, so this edge length spans the surface.
 constexpr double kMaxEdge = 2.5;
 
 GrownSurface growFrom(const TestSurface& samples, double spacing, const GrowthParams& params,
@@ -67,10 +67,11 @@ TEST(GrowSurface, SparseSamplesOfASphereBecomeAClosedSurface) {
     EXPECT_EQ(topology.components, 1) << n;
     EXPECT_EQ(topology.isolated, 0) << n;
     EXPECT_EQ(topology.euler_characteristic, 2) << n;
-    // 4 pi at hexagonal density are 363; looser by what fits no particle, denser nowhere than the clearance.
+    // 4 pi at hexagonal density are 363 particles. Gaps too small for a particle make it looser. Nowhere is it denser than the
+    // clearance.
     EXPECT_GT(grown.positions.size(), 363u / 2);
     EXPECT_LT(grown.positions.size(), 363u / (0.7 * 0.7));
-    // The sampled radius is found between samples: a tenth of a spacing is far below the sagitta of their chords.
+    // The sampled radius is also reached between samples: a tenth of a spacing is far below the sagitta of their chords.
     for (const Vec3& p : grown.positions) EXPECT_NEAR(p.norm(), 1.0, 0.1 * 0.2) << n;
   }
 }
@@ -182,7 +183,7 @@ TEST(GrowSurface, SamplesStayFixedUntilTheyAreReleased) {
   EXPECT_EQ(std::count(num_fixed.begin(), num_fixed.end(), 0), static_cast<std::ptrdiff_t>(num_fixed.size()));
 }
 
-// Each relaxation raises samples by a tenth of what they are said to be off.
+// Each relaxation moves samples outwards by a tenth of their stated noise.
 TEST(GrowSurface, NoisySamplesAreRelaxedUntilTheyHaveMovedAsFarAsTheirNoise) {
   const TestSurface samples = cloud::makeSphere(40);
   constexpr double kSpacing = 0.2;
@@ -234,7 +235,7 @@ TEST(GrowSurface, PositionsWithoutOrientationsAreRefused) {
 
 constexpr const char* kNoData = "no real data: set DEFORMABLE_SURFACE_DATA to its folder";
 
-// Which samples these are matters: they are told apart by where in the scan the choice begins (docs/oriented_particles.md).
+// The choice of samples matters: the sets differ by the point of the scan where the choice begins (docs/oriented_particles.md).
 TEST(GrowSurface, SparseSamplesOfARealScanBecomeASurfaceOfItsGenus) {
   const TestSurface scan = readRealData("cgal_points/kitten.xyz");
   if (scan.size() == 0) GTEST_SKIP() << kNoData;
@@ -259,7 +260,8 @@ TEST(GrowSurface, SparseSamplesOfARealScanBecomeASurfaceOfItsGenus) {
     EXPECT_EQ(topology.isolated, 0) << start;
     num_closed += topology.closed && topology.genus == 1;
 
-    // Distance from the scan's tangent planes. Let go, particles lie where their neighbours are co-circular: 0.14 spacings.
+    // Distance from the tangent planes of the scan. Released particles rest where their neighbours are co-circular: 0.14
+    // spacings.
     std::vector<cloud::Neighbor> nearest;
     double sum = 0.0;
     for (const Vec3& p : grown.positions) {

@@ -88,7 +88,7 @@ TEST(StretchingRule, FillsAVacancyOfAPerfectLatticeOnce) {
 }
 
 TEST(StretchingRule, FollowsTheCurvatureOfASphereExactly) {
-  // The place between two particles alone, facing outward from a sphere, is on the great circle through them.
+  // Two particles alone, facing outward from a sphere: the place between them is on the great circle through them.
   for (double angle : {0.3, 0.8, 1.3}) {
     const TestSurface pair = makeArc(1.0, {0.0, angle});
     const std::vector<NewParticle> added = stretch(pair, (pair.positions[1] - pair.positions[0]).norm() / 2.2);
@@ -99,7 +99,7 @@ TEST(StretchingRule, FollowsTheCurvatureOfASphereExactly) {
 }
 
 TEST(StretchingRule, WiderGapsAreBridgedOnlyBetweenTheirTwoSides) {
-  // A row with a gap of six spacings: only its two ends are joined, however far the search reaches.
+  // A row with a gap of six spacings: only its two ends are joined, whatever the reach of the search.
   TestSurface row;
   for (int i = 0; i < 20; ++i) row.add(Vec3(i < 10 ? i : i + 5, 0.0, 0.0), Vec3::UnitZ());
   GrowthParams params;
@@ -181,7 +181,7 @@ TEST(GrowingRule, PublishedExampleOfAnEdgeHasFourNeighborsAndAGapOfAStraightAngl
 }
 
 TEST(GrowingRule, FollowsTheCurvatureOfTheNeighborhood) {
-  // The rim of a spherical cap grows: new particles stay near the sphere though their neighbours are on one side only. Flat
+  // The rim of a spherical cap grows. New particles stay near the sphere although their neighbours are on one side only. Flat
   // growth would leave it by r0^2 / 2R = 0.005.
   const TestSurface all = cloud::makeSphere(1600);
   const double spacing = measureSpacing(all);
@@ -231,13 +231,13 @@ TEST(GrowingRule, KeepsClearOfWhatIsThere) {
 }
 
 TEST(Growth, KeepsTheFramesOfTheNeighborhood) {
-  // All x axes along one direction: so is the new one; z turned by the surface alone.
+  // All x axes have one direction, and so has the new one. The z axis depends on the surface only.
   const TestSurface pair = makePair(2.2);
   const Eigen::Quaterniond turned(Eigen::AngleAxisd(0.7, Vec3::UnitZ()));
   const std::vector<NewParticle> added = proposeStretched(pair.positions, {turned, turned}, {kFillsGaps, kFillsGaps}, 1.0, {});
   ASSERT_EQ(added.size(), 1u);
   EXPECT_LT((added[0].orientation * Vec3::UnitX() - turned * Vec3::UnitX()).norm(), 1e-14);
-  // x axes that cancel: the first parent's counts.
+  // If the x axes cancel, that of the first parent is used.
   const Eigen::Quaterniond opposite(Eigen::AngleAxisd(0.7 + kPi, Vec3::UnitZ()));
   const std::vector<NewParticle> torn = proposeStretched(pair.positions, {turned, opposite}, {kFillsGaps, kFillsGaps}, 1.0, {});
   EXPECT_LT((torn.at(0).orientation * Vec3::UnitX() - turned * Vec3::UnitX()).norm(), 1e-14);
@@ -261,8 +261,8 @@ TEST(Growth, ChainsStayInTheirPlane) {
   for (const NewParticle& p : ends) {
     EXPECT_EQ(p.position.y(), 0.0);
     EXPECT_NEAR(normalOf(p).y(), 0.0, 1e-15);
-    // The straight continuation would miss the circle by r0^2 / 2R = 0.02. Two particles in line tell their slope but for the
-    // few per cent that the fit takes for being unique, which counts twice: in the normal and in the height.
+    // The straight continuation would miss the circle by r0^2 / 2R = 0.02. Two particles in line determine their slope, except
+    // for the few per cent by which the fit is regularised. These count twice: in the normal and in the height.
     EXPECT_NEAR(p.position.norm(), 1.0, 0.15 * 0.02);
   }
 }
@@ -294,7 +294,7 @@ TEST(Growth, DoesNotDependOnTheNumberOfThreads) {
   setNumThreads(0);
 }
 
-// A valley, its floor filled: the two rims see each other over it.
+// A valley whose floor is filled: the two rims see each other across it.
 TEST(Growth, ValleysThatAreClosedBelowAreNotBridged) {
   constexpr double kSpacing = 0.5;
   GrowthParams params;
@@ -327,7 +327,7 @@ TEST(Growth, SamplesCloseNoWiderGapsThanTheyMay) {
   EXPECT_EQ(count(2.1), 0u);
 }
 
-// One that has come off the surface would grow a sheet of its own.
+// A particle that has come off the surface would grow a separate sheet.
 TEST(Growth, NobodyIsBornBesideTheSurface) {
   const auto count = [](double height, bool witnessed) {
     TestSurface sheet;

@@ -1,4 +1,4 @@
-// Lists by point, and directions for what has none.
+// Lists by point, and directions for points without one.
 #include "deformable_surface/model/mass_spring/incidence.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The lattice that particles settle into: it has the stated spacing, Young's modulus and share of the area.
+// The lattice that particles settle into has the stated spacing, Young's modulus and area per particle.
 #include "deformable_surface/model/oriented_particles/lattice.h"
 
 #include "deformable_surface/base/error.h"

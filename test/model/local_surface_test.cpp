@@ -1,4 +1,4 @@
-// What particles see of each other, and where the surface that they suggest lies.
+// Visibility between particles, and the position and normal of a surface that they suggest.
 #include "../../src/model/oriented_particles/local_surface.h"
 
 #include "deformable_surface/base/error.h"

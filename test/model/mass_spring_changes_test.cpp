@@ -1,4 +1,4 @@
-// What cuts and other materials make of a mass-spring surface, and that taking them back gives the surface of before.
+// Cuts and other materials change a mass-spring surface. Undoing them restores the surface.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "model_checks.h"
 

@@ -1,4 +1,4 @@
-// A part of a mass-spring surface pushes its points exactly as the whole does.
+// Forces in a part of a mass-spring surface are exactly those in the whole surface.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "model_checks.h"
 
@@ -50,7 +50,7 @@ class MassSpringParts : public testing::TestWithParam<Variant> {
                                         material, params);
   }
 
-  // Some of the points are wanted, fewer than all are in the part, and their forces are the same.
+  // Some points are wanted, fewer than the part has. Their forces are the same.
   void checkPart() {
     const model::Partition::Part part = whole->makePart(wanted);
     ASSERT_TRUE(part.model);

@@ -61,7 +61,7 @@ class MassSpringVariants : public testing::TestWithParam<Variant> {
   static constexpr double kLength = 0.1;  // spacing
 
   MassSpringVariants() : surface(GetParam().sphere ? makeSphere(120, 0.3) : makeSheet(9, 8, 0.8, 0.7, 0.3)) {
-    material.thickness = 0.02;  // thick, so that bending and membrane are of one size
+    material.thickness = 0.02;  // thick, so that bending and membrane stiffness are similar
     material.spring_damping = 1e-3;
     material.poisson_ratio = GetParam().params.membrane == Membrane::kSprings ? 1.0 / 3.0 : 0.2;
     mass_spring = std::make_unique<MassSpring>(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(),
@@ -110,13 +110,13 @@ TEST(CurvatureBendingRate, IsNotBelowTheLargestEigenvalueAndNotFarAbove) {
           Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(matrix, Eigen::EigenvaluesOnly).eigenvalues().maxCoeff();
       const double bound = bending.boundRate(state, masses);
       EXPECT_GE(bound, largest);
-      // No fit alone is stiffer than all of them, and about seventeen meet in a point.
+      // No single fit is stiffer than all of them together, and about seventeen overlap at a point.
       EXPECT_LE(bound, 17.0 * largest);
     }
   }
 }
 
-// A normal of unit length would turn by any angle at no distance where the tangents vanish, and the forces with it.
+// Where the tangents vanish, a normal of unit length would turn by any angle over no distance, and so would the forces.
 TEST(CrushedCurvature, ForcesAreMinusTheGradientAndHaveABound) {
   const Surface surface = makeSheet(9, 8, 0.8, 0.7, 0.3);
   const model::CurvatureBending bending(plateOf(surface, 2.0, 0.3));
@@ -132,7 +132,7 @@ TEST(CrushedCurvature, ForcesAreMinusTheGradientAndHaveABound) {
     bending.addForces(padded, forces);
     return forces;
   };
-  // To a fifth of its size, a line and a point; each a little rough.
+  // Crushed to a fifth of its size, a line and a point; each a little rough.
   for (const Vec3& scale : {Vec3(0.2, 0.2, 0.2), Vec3(1.0, 1e-3, 1e-3), Vec3(1e-9, 1e-9, 1e-9)}) {
     Points positions = surface.points;
     for (Vec3& x : positions) x = x.cwiseProduct(scale);
@@ -155,7 +155,7 @@ TEST(CrushedCurvature, ForcesAreMinusTheGradientAndHaveABound) {
             << scale.transpose();
       }
   }
-  // However near to the point at which the tangents vanish.
+  // However close to the state in which the tangents vanish.
   double before = 0.0;
   for (const double amount : {1e-3, 1e-6, 1e-9, 0.0}) {
     Points positions = perturb(Points(surface.points.size(), Vec3::Zero()), amount);
@@ -217,7 +217,7 @@ TEST_P(MassSpringVariants, WhatACutLeavesKeepsTheRulesAndIsWholeAgainWithoutIt) 
   checkRestIsAtRest(*mass_spring, surface.points, forceScale());
   checkMomentumIsKept(*mass_spring, state, GetParam().params.damping == model::Damping::kAlongSpring);
   checkForcesAreMinusTheGradient(*mass_spring, state.positions, kLength);
-  // One side moves, the other does not feel it.
+  // One side moves. There is no force on the other.
   State moved = stateAt(surface.points);
   for (Index i = 0; i < moved.size(); ++i)
     if (isOnTheLeft(i)) moved.positions[i] += Vec3(-0.3, 0.1, 0.2) + 0.01 * surface.points[i];
@@ -233,7 +233,7 @@ TEST_P(MassSpringVariants, WhatACutLeavesKeepsTheRulesAndIsWholeAgainWithoutIt) 
   EXPECT_EQ(forcesAt(*mass_spring, state), whole);
 }
 
-// Two materials that differ by hundreds: what holds of one holds of both.
+// Two materials that differ by a factor of hundreds: the checks hold for both.
 TEST_P(MassSpringVariants, PartsOfOtherMaterialKeepEnergyAndMomentum) {
   std::vector<model::PointMaterial> parts(surface.points.size());
   for (std::size_t i = 0; i < parts.size(); ++i)
@@ -247,7 +247,7 @@ TEST_P(MassSpringVariants, PartsOfOtherMaterialKeepEnergyAndMomentum) {
   checkStiffnessIsTheDerivative(*mass_spring, surface.points, kLength);
   checkRowBoundsHold(*mass_spring, surface.points);
   checkMomentumIsKept(*mass_spring, stateAt(deformed), GetParam().params.damping == model::Damping::kAlongSpring);
-  // As it was made, to the bit.
+  // As after construction, bit for bit.
   const Points changed = forcesAt(*mass_spring, stateAt(deformed));
   mass_spring->setMaterial(std::vector<model::PointMaterial>(parts.size()));
   const MassSpring made(surface.points, surface.normals, surface.rings, surface.area, surface.isClosed(), material,
@@ -461,7 +461,7 @@ TEST(MassSpring, CurvedRestShapeHasNoBendingEnergyAtRestAndResistsFlattening) {
 }
 
 TEST(MassSpring, PublishedBendingSpringsHaveNoStiffnessAtAFlatRestState) {
-  // Their energy grows with the fourth power of the curvature: ten times less curvature, ten thousand times less energy.
+  // The energy grows with the fourth power of the curvature: a tenth of the curvature, a ten-thousandth of the energy.
   const Surface s = makeSheet(15, 10, 1.0, 0.6);
   MaterialParams material;
   const MassSpring m(s.points, s.normals, s.rings, s.area, s.isClosed(), material,

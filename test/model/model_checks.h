@@ -1,5 +1,5 @@
-// What every model must do, whatever its material: keep momentum, stay at rest at rest, not notice rigid motion, push by minus
-// the gradient of its energy, and know its stiffness.
+// Checks for every model, whatever its material: momentum is conserved, rest stays rest, rigid motion causes no force, forces are
+// minus the gradient of the energy, and the stiffness is their derivative.
 #pragma once
 
 #include "../support/dense.h"
@@ -41,7 +41,7 @@ inline void checkRestIsAtRest(const DeformableModel& model, const Points& rest, 
   EXPECT_NEAR(model.elasticEnergy(stateAt(rest)), 0.0, 1e-18 * force_scale);
 }
 
-/// angular: of angular momentum as well.
+/// angular: angular momentum is checked, too.
 inline void checkMomentumIsKept(const DeformableModel& model, State state, bool angular = true) {
   std::mt19937 generator(3);
   for (Vec3& v : state.velocities) v = randomVector(generator);
@@ -131,7 +131,7 @@ inline void checkStiffnessIsTheDerivative(const DeformableModel& model, const Po
   }
 }
 
-/// The model's damping matrix: what a step's stiffness has more than that of statics, times the step.
+/// The damping matrix of the model: the stiffness of a step minus that of statics, times the step.
 inline Eigen::MatrixXd dampingMatrix(const DeformableModel& model, const Points& positions) {
   const double step = 0.01;
   Eigen::MatrixXd matrix[2];
@@ -145,7 +145,7 @@ inline Eigen::MatrixXd dampingMatrix(const DeformableModel& model, const Points&
   return step * (matrix[1] - matrix[0]);
 }
 
-/// Viscous forces are linear in the velocities: the damping matrix gives them to rounding, for any velocities.
+/// Viscous forces are linear in the velocities: the damping matrix reproduces them up to rounding, for any velocities.
 inline void checkDampingMatrixGivesTheViscousForces(const DeformableModel& model, const Points& positions) {
   const Index n = static_cast<Index>(positions.size());
   State moving = stateAt(positions);
@@ -159,7 +159,7 @@ inline void checkDampingMatrixGivesTheViscousForces(const DeformableModel& model
   for (Index i = 0; i < n; ++i) EXPECT_LT((forces[i] - elastic[i] - expected.segment<3>(3 * i)).norm(), 1e-9 * scale) << i;
 }
 
-/// Along any direction the stiffness is not negative, also far from rest.
+/// The stiffness is not negative along any direction, also far from rest.
 inline void checkStiffnessIsPositive(const DeformableModel& model, const Points& deformed) {
   const Index n = static_cast<Index>(deformed.size());
   BlockSparse stiffness;

@@ -1,4 +1,4 @@
-// The patch test of bending: a constant moment is in balance on any points, so that they bend as stiffly as the plate.
+// The patch test of bending: a constant moment is in balance on any points, so that these bend as stiffly as the plate.
 #include "plates.h"
 
 #include <gtest/gtest.h>
@@ -12,8 +12,8 @@ constexpr double kLength = 1.0, kWidth = 0.25;
 
 class ConstantMoment : public testing::TestWithParam<Scatter> {
  protected:
-  // Those so many rings from points around which triangles do not close: on edges, and where stars disagree by a few per cent
-  // of a triangle because five points lie nearly on a circle.
+  // Points within so many rings of points around which the triangles do not close: on edges, and where stars disagree by a few
+  // per cent of a triangle because five points lie nearly on a circle.
   static std::vector<char> markInner(const Surface& s, int rings) {
     Points outward(s.points.size(), Vec3::Zero());
     for (const cloud::Triangle& t : s.rings.triangles)
@@ -30,7 +30,7 @@ class ConstantMoment : public testing::TestWithParam<Scatter> {
     return is_inner;
   }
 
-  // How much more a strip bends than a plate of its area does, between two couples at its ends.
+  // How much more a strip bends than a plate of its area, between two couples at its ends.
   static double bendFree(Index along, unsigned seed) {
     const Surface s = makeScattered(GetParam(), along, kLength, kWidth, seed);
     const SparseMatrix stiffness = stiffnessAcross(s, CurvatureBending(plateOf(s, 1.0, 0.0)));
@@ -47,7 +47,7 @@ class ConstantMoment : public testing::TestWithParam<Scatter> {
     load(0.14, 0.2, -1.0);
     load(0.8, 0.86, -1.0);
     load(0.94, 1.0, 1.0);
-    // The two couples alike, and nothing left over across.
+    // The two couples are equal, and nothing remains across.
     double couples[2] = {};
     for (Index i = 0; i < n; ++i) couples[s.points[i].x() > 0.5] += forces[i] * (s.points[i].x() - 0.5);
     for (Index i = 0; i < n; ++i)
@@ -58,7 +58,7 @@ class ConstantMoment : public testing::TestWithParam<Scatter> {
     double moment = 0.0;
     for (Index i = 0; i < n; ++i)
       if (s.points[i].x() < 0.5) moment += forces[i] * (s.points[i].x() - 0.5);
-    // Three corners, which bear nothing, keep it in its place.
+    // Three corners are held. They carry no load.
     std::vector<char> held(n, 0);
     for (const Vec3& corner : {Vec3(0.0, -0.5 * kWidth, 0.0), Vec3(kLength, -0.5 * kWidth, 0.0), Vec3(0.0, 0.5 * kWidth, 0.0)}) {
       const auto nearest = std::min_element(s.points.begin(), s.points.end(), [&](const Vec3& a, const Vec3& b) {
@@ -66,7 +66,7 @@ class ConstantMoment : public testing::TestWithParam<Scatter> {
       });
       held[nearest - s.points.begin()] = 1;
     }
-    // Where few points are left sides are ragged, and a strip is as wide as the triangles that it has.
+    // With few points the sides are ragged. The width of a strip is that of its triangles.
     const auto isInMiddle = [](const Vec3& p) { return p.x() > 0.35 && p.x() < 0.65; };
     const Eigen::VectorXd fit = fitQuadratic(s, solveHeld(stiffness, held, forces), Vec3(0.5 * kLength, 0.0, 0.0), isInMiddle);
     return std::abs(fit[3] / moment) * s.area / kLength - 1.0;
@@ -86,12 +86,12 @@ TEST_P(ConstantMoment, IsInBalanceInside) {
         motion[i] = 0.5 * bent[0] * p.x() * p.x() + bent[1] * p.x() * p.y() + 0.5 * bent[2] * p.y() * p.y();
       }
       const Eigen::VectorXd forces = stiffness * motion;
-      // Edges bear the moment. Of fits alone the forces inside are a quarter as large.
+      // The edges carry the moment. Without the balance the forces inside are a quarter as large.
       double inside = 0.0;
       for (std::size_t i = 0; i < s.points.size(); ++i)
         if (is_inner[i]) inside = std::max(inside, std::abs(forces[i]));
       EXPECT_LT(inside, 1e-7 * forces.cwiseAbs().maxCoeff());
-      // And the rows are exact.
+      // The rows are exact.
       const double exact = bent[1] != 0.0 ? 2.0 * (1.0 - 0.3) : 1.0;
       EXPECT_NEAR(motion.dot(forces), exact * s.area, 1e-9 * s.area);
     }
@@ -99,7 +99,7 @@ TEST_P(ConstantMoment, IsInBalanceInside) {
 }
 
 TEST_P(ConstantMoment, BendsAsFarAsAPlate) {
-  // Sides of simplified points are ragged, so that the middle is not as wide as the whole.
+  // Sides of simplified points are ragged, so the middle is narrower than the whole.
   const double ragged = GetParam() == Scatter::kSimplified ? 2.0 : 1.0;
   for (const unsigned seed : {1u, 2u, 3u}) {
     EXPECT_LT(std::abs(bendFree(20, seed)), 0.015);
@@ -108,7 +108,7 @@ TEST_P(ConstantMoment, BendsAsFarAsAPlate) {
   EXPECT_LT(std::abs(bendFree(80, 1)), 0.001 * ragged);
 }
 
-// Nothing but rigid motions is soft, and nothing is much stiffer: eigenvalues of the balanced rows against those of a grid.
+// Only rigid motions are soft, and no motion is much stiffer: eigenvalues of the balanced rows against those of a grid.
 TEST_P(ConstantMoment, ThereAreNoSoftModes) {
   const auto findEigenvalues = [](const Surface& s) -> Eigen::VectorXd {
     Eigen::MatrixXd matrix = stiffnessAcross(s, CurvatureBending(plateOf(s, 1.0, 0.3))).toDense();
@@ -128,7 +128,7 @@ TEST_P(ConstantMoment, ThereAreNoSoftModes) {
 INSTANTIATE_TEST_SUITE_P(Points, ConstantMoment,
                          testing::Values(Scatter::kGrid, Scatter::kJittered, Scatter::kPoisson, Scatter::kSimplified));
 
-// Rolled to a cylinder: what a constant moment leaves across the surface at inner points falls with the spacing.
+// Rolled to a cylinder: the residual of a constant moment across the surface at inner points falls with the spacing.
 TEST(MomentOnACylinder, IsNearlyInBalance) {
   const double radius = 0.5;
   double before = 0.0;

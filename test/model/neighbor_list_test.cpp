@@ -16,7 +16,7 @@ constexpr double kRadius = 0.1, kSkin = 0.02;
 
 std::vector<Index> listOf(const NeighborList& lists, Index i) { return {lists.begin(i), lists.end(i)}; }
 
-/// Every pair within the distance, by comparing all with all.
+/// Every pair within the distance, by comparison of all pairs.
 std::vector<Index> findNear(const Points& points, Index i, double distance) {
   std::vector<Index> near;
   for (Index j = 0; j < static_cast<Index>(points.size()); ++j)
@@ -59,14 +59,14 @@ TEST(NeighborList, LeavesOutThoseThatAreApartAndWhatDescendsFromThem) {
   const Points row{Vec3(0.0, 0.0, 0.0), Vec3(0.01, 0.0, 0.0), Vec3(0.02, 0.0, 0.0), Vec3(0.03, 0.0, 0.0), Vec3(0.04, 0.0, 0.0)};
   std::vector<model::ParticleTraits> traits(5);
   for (Index i = 0; i < 3; ++i) traits[i].ancestor = i;
-  traits[3].ancestor = 2;  // born
-  traits[4].ancestor = 4;  // added later: of no first one
+  traits[3].ancestor = 2;  // added
+  traits[4].ancestor = 4;  // added later, without a first parent
   ASSERT_TRUE(lists.update(row, traits));
   EXPECT_EQ(listOf(lists, 0), (std::vector<Index>{1, 4}));
   EXPECT_EQ(listOf(lists, 1), (std::vector<Index>{0, 2, 3, 4}));
   EXPECT_EQ(listOf(lists, 2), (std::vector<Index>{1, 3, 4}));
   EXPECT_EQ(listOf(lists, 3), (std::vector<Index>{1, 2, 4}));
-  // The first one is gone: nothing else has moved, but others are apart.
+  // The first one is removed. No other particle has moved, but other pairs are apart.
   traits[0].ancestor = 4;
   lists.forget();
   ASSERT_TRUE(lists.update(row, traits));
@@ -112,7 +112,7 @@ TEST(NeighborList, RefusesPlacesThatAreNoneAndHeaps) {
   const Index most = NeighborList::kMostNeighbors + 1;
   EXPECT_TRUE(lists.update(Points(most, Vec3::Zero())));
   EXPECT_FALSE(lists.update(Points(most + 1, Vec3::Zero())));
-  EXPECT_FALSE(lists.update(Points(most + 1, Vec3::Zero())));  // and does not take the unchanged heap for a list that holds
+  EXPECT_FALSE(lists.update(Points(most + 1, Vec3::Zero())));  // and does not treat the list of the unchanged heap as valid
   EXPECT_TRUE(lists.update(points));
 }
 

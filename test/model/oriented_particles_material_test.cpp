@@ -1,4 +1,4 @@
-// What the potentials add up to: the flat lattice at rest, its moduli, curved shapes, areas.
+// Sums of the potentials: the flat lattice at rest, its moduli, curved shapes, areas.
 #include "deformable_surface/base/error.h"
 #include "particle_states.h"
 
@@ -10,8 +10,8 @@
 namespace deformable_surface::test {
 namespace {
 
-/// Energy per particle of an endless sheet, J: of patches of four sizes, so that edges and corners cancel. place takes a
-/// particle of the flat lattice to where it is, with its normal.
+/// Energy per particle of an infinite sheet, J. Patches of four sizes are used, so that edges and corners cancel. place moves a
+/// particle of the flat lattice to its position and normal.
 double energyPerParticle(const OrientedParticlesParams& params, const MaterialParams& material,
                          const std::function<void(Vec3&, Quaternion&)>& place) {
   double sum = 0.0;
@@ -30,7 +30,7 @@ double energyPerParticle(const OrientedParticlesParams& params, const MaterialPa
   return sum;
 }
 
-/// Second difference of the energy per area of the endless sheet by a small number that place takes.
+/// Second difference of the energy per area of the infinite sheet by the small argument of place.
 double findModulus(const OrientedParticlesParams& params, const MaterialParams& material, double h,
                    const std::function<void(double, Vec3&, Quaternion&)>& place) {
   const auto energy = [&](double amount) {
@@ -58,12 +58,13 @@ TEST(OrientedParticlesMaterial, AFlatEndlessSheetIsAtRestAtTheSpacing) {
     const double depth = makeModel(1, p).lattice().pair.depth, strained = energyAt(1.001);
     EXPECT_NEAR(energyAt(1.0), 0.0, 1e-11 * depth);  // rounding of some hundred bonds
     EXPECT_GT(strained, 0.0);
-    // The slope at the spacing is zero: what is left is the third derivative, of the order of the strain.
+    // The slope at the spacing is zero. The third derivative remains, of the order of the strain.
     EXPECT_NEAR(energyAt(0.999), strained, 0.1 * strained);
   }
 }
 
-// A flat patch of another spacing than the model's: it names that spacing, and taking it leaves no force inside or at the edges.
+// A flat patch with another spacing than the model's. The model reports that spacing. With it no force remains inside or at the
+// edges.
 TEST(OrientedParticlesMaterial, ALatticeTakesTheSpacingWithWhichWhatThereIsHasNoTension) {
   State s = hexagonalPatch(12, 12);
   for (Vec3& p : s.positions) p *= 1.03;
@@ -81,7 +82,7 @@ TEST(OrientedParticlesMaterial, ALatticeTakesTheSpacingWithWhichWhatThereIsHasNo
   for (const Vec3& f : forces) EXPECT_LT(f.norm(), 1e-6 * m.lattice().pair.depth / kSpacing);
 }
 
-// Curvatures of one size in all of a rolled-up sheet stay; what one particle has alone is shared with those around it.
+// Equal curvatures in all of a rolled-up sheet stay. The curvature of a single particle is shared with its neighbours.
 TEST(OrientedParticlesMaterial, SmoothedCurvaturesKeepThoseOfASphereAndShareWhatOneHasAlone) {
   State s = hexagonalPatch(12, 12);
   OrientedParticles m = makeModel(s.size(), allTerms());
@@ -95,9 +96,9 @@ TEST(OrientedParticlesMaterial, SmoothedCurvaturesKeepThoseOfASphereAndShareWhat
   EXPECT_NEAR(s.traits[middle].rest_curvature[0], 3.0, 1e-12);  // the mean of seven
 }
 
-// Spacing over r0 with first neighbours alone and with those within a cutoff. `sharp` is the sum over all within it, `switched`
-// the one with the switch, which weakens the outer rings: both written out by another program. The slower the attraction falls,
-// the more that takes.
+// Spacing over r0 with first neighbours only and with those within a cutoff. `sharp` is the sum over all within it. `switched` is
+// the one with the switch, which weakens the outer rings. Both were computed by another program. The difference grows where the
+// attraction falls more slowly.
 TEST(OrientedParticlesMaterial, TheSpacingOfTheLatticeIsThatOfItsSums) {
   struct Row {
     double repulsion, attraction, cutoff, sharp, switched, apart;
@@ -141,7 +142,7 @@ TEST(OrientedParticlesMaterial, ItHasTheBendingRigidityOfTheMaterialInAllDirecti
       for (double angle : {0.0, 0.2, 0.5}) {
         const double rigidity = findModulus(p, thickSheet(), 0.01 / kSpacing,
                                             [&](double curvature, Vec3& x, Quaternion& q) { rollUp(curvature, angle, x, q); });
-        // The next order in curvature times spacing, that of the arcs which are longer than their chords included.
+        // The next order in curvature times spacing, including that arcs are longer than their chords.
         EXPECT_NEAR(rigidity, thickSheet().bendingRigidity(), 1e-3 * thickSheet().bendingRigidity()) << planarity << " " << angle;
       }
     }
@@ -160,7 +161,7 @@ TEST(OrientedParticlesMaterial, ARowInThePlaneHasTheModuliOfAStrip) {
       }
       difference += (n == 12 ? -1.0 : 1.0) * makeModel(n, p).elasticEnergy(s);
     }
-    return difference / (kSpacing * kSpacing);  // a particle stands for a square
+    return difference / (kSpacing * kSpacing);  // a particle represents a square
   };
   const double h = 1e-4, c = 0.01 / kSpacing, stiffness = thickSheet().young_modulus * thickSheet().thickness;
   EXPECT_NEAR((energyOf(h, 0.0) + energyOf(-h, 0.0) - 2.0 * energyOf(0.0, 0.0)) / (h * h), stiffness, 1e-4 * stiffness);
@@ -169,9 +170,9 @@ TEST(OrientedParticlesMaterial, ARowInThePlaneHasTheModuliOfAStrip) {
 }
 
 TEST(OrientedParticlesMaterial, TheCoNormalityEnergyOfASphereDoesNotDependOnItsRadius) {
-  // 4 pi D, that is 16 sqrt(3) pi alpha_N psi_1 of a hexagonal lattice. Points spread by the golden angle are no lattice: what
-  // the first neighbours alone see of their density differs from it, but by the same on every sphere; of some shells the mean
-  // is near.
+  // 4 pi D, that is 16 sqrt(3) pi alpha_N psi_1 of a hexagonal lattice. Points spread by the golden angle are no lattice. First
+  // neighbours see a density that differs from the lattice's, but by the same factor on every sphere. Over several shells the
+  // mean is close to it.
   OrientedParticlesParams p;
   p.lennard_jones = p.co_planarity = 0.0;
   p.co_normality = 2.0;

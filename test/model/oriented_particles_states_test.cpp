@@ -1,4 +1,4 @@
-// What oriented particles do in time, and what they make of states of all kinds.
+// Oriented particles over time, and in states of all kinds.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/solve/integrator.h"
 #include "deformable_surface/solve/time_march.h"
@@ -51,7 +51,7 @@ TEST(OrientedParticlesStates, WithoutDampingEnergyStaysAndMomentaAreKept) {
   for (Index i = 0; i < s.size(); i += 2) {
     const Vec3 speed = most * kSpacing * randomVector(generator);
     s.velocities[i] = speed;
-    s.velocities[i + 1] = -speed;  // so that the patch stays near the origin, of which angular momentum is taken
+    s.velocities[i + 1] = -speed;  // so that the patch stays near the origin, the reference of angular momentum
     s.spins[i] = most * randomVector(generator);
   }
   World world(particles);
@@ -76,7 +76,7 @@ TEST(OrientedParticlesStates, WithoutDampingEnergyStaysAndMomentaAreKept) {
     lowest = std::min(lowest, now);
     highest = std::max(highest, now);
   }
-  // The error of the second-order method stays that of the first oscillations: bounded, however many there are.
+  // The error of the second-order method stays that of the first oscillations. It is bounded, whatever their number.
   EXPECT_LT(highest - lowest, 0.01 * excess);
   EXPECT_LT(largest(s.positions), 10.0 * kSpacing);  // it held together
   Vec3 linear_after, angular_after;
@@ -107,7 +107,7 @@ TEST(OrientedParticlesStates, TimeRunsBackwardsAsWell) {
       s.spins[i] = -s.spins[i];
     }
   }
-  // Rounding of two hundred sub-steps, which vibration in so many ways multiplies.
+  // Rounding of two hundred sub-steps, which the many modes of vibration multiply.
   for (Index i = 0; i < s.size(); ++i) {
     EXPECT_LT((s.positions[i] - start.positions[i]).norm(), 1e-11 * kSpacing);
     EXPECT_LT(s.orientations[i].angularDistance(start.orientations[i]), 1e-7);  // an arc cosine's rounding
@@ -115,7 +115,7 @@ TEST(OrientedParticlesStates, TimeRunsBackwardsAsWell) {
   }
 }
 
-/// A sheet with waves, for the tests of what must not change the bits.
+/// A wavy sheet, for the tests of changes that must not affect the bits.
 State wavyPatch() {
   State s = hexagonalPatch(40, 40);
   std::mt19937 generator(6);
@@ -142,7 +142,7 @@ TEST(OrientedParticlesStates, TheBitsDoNotDependOnThreadsNorOnWhenListsWereMade)
     for (int threads : {1, 2, 3}) {
       setNumThreads(threads);
       const OrientedParticles particles = makeModel(s.size(), allTerms(weighting));
-      // Lists made at another state, of which these are not yet half a skin away.
+      // Lists made at another state. The points have moved by less than half a skin since.
       State before = s;
       before.positions = perturb(s.positions, 0.05 * kSpacing, threads);
       evaluate(particles, before, forces, torques);
@@ -275,8 +275,8 @@ TEST(OrientedParticlesStates, ItBeginsWithFramesWhoseZAxesAreTheNormals) {
   EXPECT_EQ(s.orientations[1] * Vec3::UnitX(), Vec3::UnitX());
 }
 
-// A patch of a cylinder about y, normals outwards, whose x axes point in all directions. Outside its axis a cylinder falls off:
-// the least signed curvature is across, the least absolute one along.
+// A patch of a cylinder about y with normals outwards, whose x axes point in all directions. The smallest signed curvature is
+// across the cylinder's axis, the smallest absolute one along it.
 State cylinderWithAxes(const OrientedParticlesParams& params) {
   State s = hexagonalPatch(9, 9);
   const OrientedParticles particles = makeModel(s.size(), params);
@@ -313,7 +313,7 @@ TEST(OrientedParticlesStates, XAxesSettleAlongOrAcrossTheAxisOfACylinderAndNothi
     for (Index row = 1; row < 8; ++row)
       for (Index column = 1; column < 8; ++column) {
         const double along = std::abs((s.frame(9 * row + column) * Vec3::UnitX()).y());
-        // By symmetry exactly there, but for rounding, of which the root counts where it is an arc cosine.
+        // Exactly there by symmetry, up to rounding. Its root counts where it is an arc cosine.
         EXPECT_NEAR(along, principal == model::PrincipalDirection::kAbsolute ? 1.0 : 0.0, 1e-9) << row << " " << column;
       }
   }

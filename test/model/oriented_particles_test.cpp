@@ -5,7 +5,7 @@
 namespace deformable_surface::test {
 namespace {
 
-/// The energy as the paper has it: a double sum over ordered pairs of equations 5 to 8, with nothing shared between terms.
+/// The energy as in the paper: a double sum over ordered pairs of equations 5 to 8, with nothing shared between terms.
 double sumOfPublishedEnergies(const OrientedParticles& model, const State& s) {
   const PairPotentials& p = model.lattice().pair;
   double sum = 0.0;
@@ -27,7 +27,7 @@ double sumOfPublishedEnergies(const OrientedParticles& model, const State& s) {
       const double hotter = std::max({0.0, s.traits[i].temperature, s.traits[j].temperature});
       const double strength = std::max(0.0, 1.0 - hotter / model.params().melting);
       const double smooth = s.traits[i].is_smooth && s.traits[j].is_smooth ? 1.0 : 0.0;
-      // Heat takes what binds, not what keeps apart.
+      // Heat weakens the binding terms, not the repulsion.
       const double binding = d > p.distance ? phi * on : -p.depth;
       sum += phi * on - (1.0 - strength) * binding;
       sum += strength * smooth * psi *
@@ -175,7 +175,7 @@ TEST_P(OrientedParticlesWeightings, TheStableStepIsBelowThatOfTheLargestFrequenc
     const OrientedParticles particles = makeModel(flat.size(), p, material);
     const double bound = particles.findStableStep(flat), measured = measuredStableStep(particles, flat);
     EXPECT_LT(bound, measured);
-    // A lattice's largest frequency is 1 / sqrt(2) of Gershgorin's bound, and an edge's particles have fewer neighbours.
+    // The largest frequency of a lattice is 1 / sqrt(2) of Gershgorin's bound. Particles at an edge have fewer neighbours.
     EXPECT_GT(bound, 0.6 * measured) << thickness;
   }
 }

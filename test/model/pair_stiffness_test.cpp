@@ -8,7 +8,8 @@ namespace {
 
 using Move = TwoParticles (TwoParticles::*)(int, const Vec3&) const;
 
-// The largest second difference of the energy, by places or turns of either particle; bonds that give way are not stiff.
+// The largest second difference of the energy, by positions or rotations of either particle. Bonds beyond their largest force
+// count as not stiff.
 double findLargest(const model::PairPotentials& pair, const TwoParticles& two, Move move, double h) {
   double largest = 0.0;
   for (int i = 0; i < 2; ++i)

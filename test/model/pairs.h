@@ -38,7 +38,7 @@ struct TwoParticles {
   }
 };
 
-/// Of all terms; anisotropic as well.
+/// With all terms; anisotropic as well.
 inline model::PairPotentials makePair(bool is_anisotropic) {
   model::MaterialParams material;
   material.young_modulus = 1e4;

@@ -1,4 +1,4 @@
-// What growSurface() is given in the tests: orientations of normals, and the two relaxations between passes.
+// Arguments of growSurface() in the tests: orientations of normals, and the two relaxations between passes.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/grow_surface.h"

@@ -1,4 +1,4 @@
-// States of oriented particles that the tests of that model share: at random, and flat.
+// States of oriented particles that the tests of the model share: random and flat.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
@@ -17,7 +17,7 @@ constexpr double kSpacing = 0.05;
 
 inline MaterialParams thickSheet() {
   MaterialParams m;
-  m.thickness = 0.04;  // so that bending and stretching are of one size
+  m.thickness = 0.04;  // so that bending and stretching stiffness are similar
   return m;
 }
 

@@ -1,4 +1,4 @@
-// Particle sets with known topology and spacing, and files of real ones, for the tests of triangulation and growth.
+// Particle sets with known topology and spacing, and readers of real ones, for the tests of triangulation and growth.
 #pragma once
 
 #include "cloud/test_surfaces.h"
@@ -36,7 +36,7 @@ inline double distanceBetween(const TestSurface& surface, Index i, Index j) {
   return (surface.positions[i] - surface.positions[j]).norm();
 }
 
-/// The mean distance of the particles' nearest others; O(n^2).
+/// The mean distance to the nearest other particle; O(n^2).
 inline double measureSpacing(const TestSurface& surface) {
   double sum = 0.0;
   for (Index i = 0; i < surface.size(); ++i) {
@@ -49,7 +49,8 @@ inline double measureSpacing(const TestSurface& surface) {
   return sum / surface.size();
 }
 
-/// Lines of x y z nx ny nz of a text file (.xyz, or .pcd after its header) below the folder of real data; empty without it.
+/// Lines of x y z nx ny nz of a text file (.xyz, or .pcd after its header) in the folder of real data; empty if the file is
+/// missing.
 inline TestSurface readRealData(const std::string& name) {
   const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
   std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") + "/" + name);

@@ -1,4 +1,4 @@
-// Pieces, borders and Euler's number of surfaces of which they are known.
+// Components, boundaries and Euler characteristic of surfaces where they are known.
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
 
 #include <gtest/gtest.h>

@@ -141,7 +141,7 @@ TEST(ParticleTriangles, SheetsThatFaceTheSameWayStaySeparateAtOneSpacing) {
 }
 
 TEST(ParticleTriangles, SphereOfAnObtuseTrianglePassesThroughAllCorners) {
-  // The longest edge's own sphere would contain nobody but the obtuse corner: the triangle would be accepted, and overlap others.
+  // The own sphere of the longest edge would contain only the obtuse corner: the triangle would be accepted, and overlap others.
   TestSurface four;
   for (const Vec3& p : {Vec3(-1.0, 0.0, 0.0), Vec3(1.0, 0.0, 0.0), Vec3(0.0, 0.5, 0.0), Vec3(0.0, -1.1, 0.0)}) {
     four.add(p, Vec3::UnitZ());

@@ -1,4 +1,4 @@
-// What stays of an elastic solid's deformation: where flow begins and ends, and what it keeps.
+// Permanent deformation of an elastic solid: where flow begins and ends, and what it conserves.
 #include "model_checks.h"
 #include "solids.h"
 
@@ -53,7 +53,7 @@ TEST(PlasticFlow, IsNoneBelowTheYield) {
   for (const Mat3& plastic : state.plastic) EXPECT_EQ(plastic, Mat3::Identity());
 }
 
-// Uniform strain, so that all points flow alike: to the yield, without a change of volume, and by the energy that is lost.
+// Uniform strain, so that all points flow alike: to the yield, without a change of volume, and by the dissipated energy.
 TEST(PlasticFlow, TakesWhatIsBeyondTheYieldAndTellsTheEnergy) {
   const Points rest = makeBox(5, 4, 4, 0.1, 0.2);
   ElasticSolid solid = makeSolid(rest, makePlastic());
@@ -61,7 +61,7 @@ TEST(PlasticFlow, TakesWhatIsBeyondTheYieldAndTellsTheEnergy) {
   ASSERT_GT(meanStress(solid, state), 3.0 * kYield);
   const double energy = solid.elasticEnergy(state);
   EXPECT_TRUE(solid.flow(0.01, state));
-  // The logarithm of a strain of four per cent differs from it by a fiftieth, of which two thirds flow.
+  // The logarithm of a strain of four per cent differs from the strain by a fiftieth. Two thirds of it flow.
   solid.flow(0.01, state);
   EXPECT_NEAR(meanStress(solid, state), kYield, 0.05 * kYield);
   for (const Mat3& plastic : state.plastic) EXPECT_NEAR(plastic.determinant(), 1.0, 1e-12);
@@ -98,7 +98,7 @@ TEST(PlasticFlow, DoesNotNoticeRotations) {
   for (std::size_t i = 0; i < a.plastic.size(); ++i) EXPECT_LT((a.plastic[i] - b.plastic[i]).norm(), 1e-10);
 }
 
-// What is beyond decays by exp(-creep t), whatever the steps.
+// The part beyond the yield decays by exp(-creep t), whatever the steps.
 TEST(PlasticFlow, CreepsByTimeAndNotBySteps) {
   const Points rest = makeBox(4, 4, 4, 0.1);
   SolidOptions options = makePlastic();
@@ -128,7 +128,7 @@ TEST(PlasticFlow, EndsAtTheLargestStrain) {
     EXPECT_NEAR(std::sqrt(2.0 / 3.0) * stretch.array().log().matrix().norm(), 0.02, 1e-10);
   }
   EXPECT_GT(meanStress(solid, state), 3.0 * kYield);
-  EXPECT_FALSE(solid.flow(0.01, state));  // so that it may come to rest
+  EXPECT_FALSE(solid.flow(0.01, state));  // damping, to come to rest
 }
 
 TEST(PlasticFlow, IsKnownToNormalsAndToTheStableStep) {
@@ -138,7 +138,7 @@ TEST(PlasticFlow, IsKnownToNormalsAndToTheStableStep) {
   sheared(0, 1) = 0.5;
   State state = beginAt(solid, rest, mapBy(sheared, rest));
   const double stable = solid.findStableStep(state);
-  // All of it has flowed: no stress is left.
+  // All of it has flowed: no stress remains.
   state.plastic.assign(rest.size(), sheared.inverse());
   solid.adopt(state);
   ASSERT_LT(meanStress(solid, state), 1e-6 * kYield);
@@ -161,7 +161,7 @@ TEST(PlasticFlow, OfAPlanarSolidStaysInItsPlane) {
   }
 }
 
-// Nothing of it is there when it is off.
+// Without plasticity none of this happens.
 TEST(PlasticFlow, OffTakesNoMemory) {
   const Points rest = makeBox(4, 4, 4, 0.1);
   ElasticSolid solid = makeSolid(rest);

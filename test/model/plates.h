@@ -1,5 +1,5 @@
-// Plates that bend a little: only how far points move across the plane z = 0 counts, so a problem is linear and exact answers are
-// in every textbook.
+// Plates with small bending: only the motion of points across the plane z = 0 counts. The problem is then linear, and exact
+// answers are in every textbook.
 #pragma once
 
 #include "../support/surfaces.h"
@@ -26,8 +26,8 @@ inline model::PlateRest plateOf(const Surface& surface, double rigidity, double 
 
 enum class Scatter { kGrid, kJittered, kPoisson, kSimplified };
 
-/// Points on [0, length] x [-width / 2, width / 2], about `along` spacings in the length: jittered by 0.3 of the spacing, at
-/// least 0.8 of it apart, or what simplification leaves of a jittered cloud with nine times as many.
+/// Points on [0, length] x [-width / 2, width / 2], about `along` spacings in the length: jittered by 0.3 of the spacing and at
+/// least 0.8 of it apart, or simplified from a jittered cloud with nine times as many.
 inline Surface makeScattered(Scatter scatter, Index along, double length, double width, unsigned seed = 1) {
   const double h = length / along;
   const Index across = static_cast<Index>(std::lround(width / h));
@@ -62,7 +62,7 @@ inline Surface makeScattered(Scatter scatter, Index along, double length, double
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Of motions across the plane, N/m: (n x n).
+/// The stiffness for motions across the plane, N/m: (n x n).
 inline SparseMatrix stiffnessAcross(const Surface& s, const model::CurvatureBending& bending) {
   BlockSparse stiffness;
   stiffness.begin(static_cast<Index>(s.points.size()));
@@ -80,7 +80,7 @@ inline SparseMatrix stiffnessAcross(const Surface& s, const model::CurvatureBend
   return matrix;
 }
 
-/// Where forces (n, N) across the plane move the points that are not held, m.
+/// The motion of the free points under forces across the plane (n, N), m.
 inline Eigen::VectorXd solveHeld(const SparseMatrix& stiffness, const std::vector<char>& held, const Eigen::VectorXd& forces) {
   std::vector<Index> free, place(held.size(), -1);
   for (Index i = 0; i < static_cast<Index>(held.size()); ++i) {

@@ -21,7 +21,7 @@ TEST(PointVolumes, AreAHalfOnFacesAQuarterOnEdgesAnEighthAtCorners) {
   EXPECT_NEAR(at(0, 5, 0), 0.125, 1e-9);
 }
 
-// Where neighbours end cells are cut by them: with jitter of four tenths some reach a little farther than that.
+// At the limit of the neighbours cells are cut by them. With a jitter of four tenths some cells reach a little farther.
 TEST(PointVolumes, SumToTheVolumeOfAJitteredBox) {
   for (const double jitter : {0.0, 0.2, 0.4}) {
     const Points box = makeBox(9, 8, 7, 0.1, jitter);
@@ -40,7 +40,7 @@ TEST(PointVolumes, SumToTheVolumeOfTheHullOfABall) {
   for (const Vec3& p : sphere.points) ball.push_back(p + Vec3::Constant(0.7));
   const double sum = sumOf(model::findPointCells(ball, cloud::nearestNeighbors(ball, 32), Vec3::Zero()).volume);
   const double whole = 4.0 / 3.0 * M_PI * std::pow(0.65, 3);
-  // The hull of points 4 pi R^2 / n apart lies below the sphere by a per cent or so of the radius at most.
+  // The hull of points 4 pi R^2 / n apart lies below the sphere by at most about a per cent of the radius.
   EXPECT_LT(sum, whole);
   EXPECT_GT(sum, 0.97 * whole);
 }
@@ -52,7 +52,7 @@ TEST(PointVolumes, AreAreasInAPlane) {
   EXPECT_NEAR(areas[0] / 0.01, 0.25, 0.2);
 }
 
-// The outside of a box: outward, and as large as its faces; of an edge both, of a corner all three.
+// The outside of a box: outward, as large as its faces. An edge point has both faces, a corner point all three.
 TEST(PointVolumes, HaveTheirPartOfTheOutside) {
   const Points box = makeBox(6, 6, 6, 0.1);
   const Points outside = model::findPointCells(box, cloud::nearestNeighbors(box, 32), Vec3::Zero()).outside;
@@ -67,8 +67,8 @@ TEST(PointVolumes, HaveTheirPartOfTheOutside) {
   EXPECT_LT((edge[0] - Vec3(-0.05, -0.05, 0.0)).norm(), 1e-9);
 }
 
-// A ring with eight points through its wall: the area between the polygons through its points, and outside of every point on the
-// inner circle its part of it, towards the middle. Of rough outlines the hull is kept, which reaches into the hole.
+// A ring with eight points through its wall. The volume is the area between the polygons through its points. Every point on the
+// inner circle has its part of the outside, towards the middle. Rough outlines keep the hull, which covers part of the hole.
 TEST(PointVolumes, EndAtTheCircleOfAHole) {
   for (const double jitter : {0.0, 0.3}) {
     const QuarterRing ring = makeQuarterRing(2.0, 8, jitter);
@@ -101,7 +101,7 @@ TEST(PointVolumes, SumToTheVolumeOfAHollowBall) {
   EXPECT_GT(sumOf(model::findPointCells(ball, neighbors, Vec3::Zero(), model::Outline::kRough).volume) / whole, 1.02);
 }
 
-// Beside a concave edge points have half a cell. At the edge itself three points look as the corners of a body: half a square
+// Beside a concave edge points have half a cell. At the edge itself three points look like the corners of a body: half a square
 // between two neighbours remains.
 TEST(PointVolumes, EndAtAConcaveEdge) {
   const Index n = 6;  // cells of each arm's width
@@ -123,7 +123,7 @@ TEST(PointVolumes, EndAtAConcaveEdge) {
   EXPECT_NEAR(sumOf(areas) / 0.01, 3.0 * n * n + 0.5, 1e-6);
 }
 
-// Voids between jittered points are no gaps: whatever the outline is said to be, the bits are the same.
+// Gaps between jittered points do not count as gaps: the bits are the same for any stated outline.
 TEST(PointVolumes, AreThoseOfTheHullOfAConvexBody) {
   for (const double jitter : {0.2, 0.4}) {
     for (const Points& points :

@@ -1,4 +1,4 @@
-// The relaxation between passes of growth: what is at rest, what it evens out, and that it stays on the surface.
+// The relaxation between passes of growth: states that stay at rest, unevenness that it removes, and staying on the surface.
 #include "deformable_surface/model/oriented_particles/relax_on_surface.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -29,7 +29,7 @@ TEST(RelaxOnSurface, LatticesAndSpheresStayWhereTheyAre) {
   positions = sphere.positions;
   orientations = orientTo(sphere.normals);
   relaxOnSurface(0.22, 20, std::vector<char>(sphere.size(), 0), positions, orientations);
-  // They slide along tangents, off the sphere by squares of what they lack, and come back by their normals.
+  // They slide along tangents, leave the sphere by the square of their motion, and return along their normals.
   EXPECT_LT(findRadiusError(positions), 1e-3);
 }
 

@@ -1,4 +1,4 @@
-// Rest curvatures of oriented particles: what they are, the forces that keep to them, and how they flow.
+// Rest curvatures of oriented particles: their values, the forces that preserve them, and their flow.
 #include "deformable_surface/model/oriented_particles/rest_shape.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -15,7 +15,7 @@ OrientedParticlesParams plastic(double yield) {
   return p;
 }
 
-// A patch rolled up to a cylinder about y of a curvature in radians per spacing, its middle in the middle.
+// A patch rolled up to a cylinder about y, with a curvature in radians per spacing.
 State rolledPatch(double turn_per_spacing) {
   State s = hexagonalPatch(9, 9);
   for (Index i = 0; i < s.size(); ++i) {
@@ -68,7 +68,7 @@ TEST(RestShape, TheFitIsExactOnSpheresAndCylindersAndKnowsWhenItCannotTell) {
 TEST(RestShape, WhatIsBentBeyondTheYieldKeepsWhatIsBeyond) {
   EXPECT_EQ(model::flowToYield(Vec3(0.5, 0.0, 0.0), Vec3(1.4, 0.3, 0.0), 1.0), Vec3(0.5, 0.0, 0.0));
   EXPECT_LT((model::flowToYield(Vec3::Zero(), Vec3(3.0, 0.0, 0.0), 1.0) - Vec3(2.0, 0.0, 0.0)).norm(), 1e-15);
-  // Backwards as well, and in directions that are not axes: then by the larger of the principal curvatures.
+  // Also backwards, and in directions that are no axes: then by the larger principal curvature.
   EXPECT_LT((model::flowToYield(Vec3(2.0, 0.0, 0.0), Vec3(-1.0, 0.0, 0.0), 1.0) - Vec3(0.0, 0.0, 0.0)).norm(), 1e-15);
   EXPECT_LT((model::flowToYield(Vec3::Zero(), Vec3(0.0, 0.0, 4.0), 1.0) - Vec3(0.0, 0.0, 3.0)).norm(), 1e-15);
 }
@@ -102,7 +102,7 @@ TEST(RestShape, ForcesAndTorquesAreMinusTheGradientOfTheEnergyWithRestCurvatures
           const double near = energyAt(h, turns) - energyAt(-h, turns), far = energyAt(2 * h, turns) - energyAt(-2 * h, turns);
           return (8.0 * near - far) / (12.0 * h);
         };
-        // As without rest curvatures: what is left of differences of fourth order.
+        // As without rest curvatures: the remaining error is that of differences of fourth order.
         EXPECT_NEAR(forces[i][axis], -slope(false) / move, 1e-7 * largest(forces)) << i << " " << axis;
         EXPECT_NEAR(torques[i][axis], -slope(true), 1e-7 * largest(torques)) << i << " " << axis;
       }
@@ -130,8 +130,8 @@ TEST(RestShape, ACylinderIsAtRestWhereItsCurvatureIsTheRestCurvature) {
   const OrientedParticles particles = makeModel(s.size(), plastic(1.0));
   const double bent = particles.elasticEnergy(s), edges = particles.elasticEnergy(hexagonalPatch(9, 9));
   for (auto& traits : s.traits) traits.rest_curvature = Vec3(turn / kSpacing, 0.0, 0.0);
-  // What is left has the square of the turn as its factor, in the energy its fourth power, but for chords that are shorter than
-  // arcs.
+  // The remaining force has the square of the angle as its factor, the energy its fourth power, apart from chords being shorter
+  // than arcs.
   EXPECT_LT(particles.elasticEnergy(s) - edges, turn * turn * (bent - edges));
 }
 
@@ -145,7 +145,7 @@ TEST(RestShape, FlowKeepsWhatIsBeyondTheYieldAndNothingBelow) {
   EXPECT_TRUE(soft.flow(s));
   for (const auto& traits : s.traits)
     EXPECT_LT((traits.rest_curvature - Vec3(turn / kSpacing - yield, 0.0, 0.0)).norm(), 1e-10 / kSpacing);
-  // A quarter of the curvature is left, a sixteenth of the energy, and what the square of the turn leaves.
+  // A quarter of the curvature remains, and a sixteenth of the energy, apart from terms with the square of the angle.
   const double edges = soft.elasticEnergy(hexagonalPatch(9, 9)), bent = stiff.elasticEnergy(rolledPatch(turn)) - edges;
   EXPECT_LT(soft.elasticEnergy(s) - edges, (1.0 / 16.0 + turn * turn) * bent);
   const OrientedParticles off = makeModel(s.size(), plastic(0.0));

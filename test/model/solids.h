@@ -9,8 +9,8 @@
 
 namespace deformable_surface::test {
 
-/// A box of points from the origin on; jitter, in shares of the spacing, keeps those on faces and edges on them. One layer (0 0
-/// 1): planar.
+/// A box of points with one corner at the origin. Jitter is in shares of the spacing. Points on faces and edges stay on them. One
+/// layer (0 0 1): planar.
 inline Points makeBox(Index nx, Index ny, Index nz, double spacing, double jitter = 0.0, unsigned seed = 1) {
   std::mt19937 generator(seed);
   Points points;
@@ -27,8 +27,8 @@ inline Points makeBox(Index nx, Index ny, Index nz, double spacing, double jitte
   return points;
 }
 
-/// A quarter of a ring of radii 1 and outer in the plane z = 0, beside the axes, with so many points through its wall. Jitter, in
-/// shares of the spacing, keeps those on circles and axes on them.
+/// A quarter of a ring of radii 1 and outer in the plane z = 0, between the axes, with so many points through its wall. Jitter is
+/// in shares of the spacing. Points on circles and axes stay on them.
 struct QuarterRing {
   Points points;
   std::vector<Index> inner;    // on the inner circle, from the x axis on

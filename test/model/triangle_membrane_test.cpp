@@ -43,7 +43,7 @@ TEST(TriangleMembrane, StoresTheEnergyOfPlaneStressHoweverItIsTurned) {
   EXPECT_NEAR(membrane.energy(at(stretch(1.1, 0.8, someRotation()))), expected, 1e-12);
 }
 
-// The stress along x acts over the edges, half of each edge's force on either end.
+// The stress along x acts on the edges, with half of the force of each edge at either end.
 TEST(TriangleMembrane, PullsByItsStressOverTheEdges) {
   const double along = 2.0 * kMu * 0.1 + kLambda * 0.1, across = kLambda * 0.1;  // N/m, by F = diag(1.1, 1)
   const Points forces = forcesOf(makeTriangle(), stretch(1.1, 1.0));

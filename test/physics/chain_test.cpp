@@ -10,7 +10,7 @@ namespace {
 constexpr double kGravity = 9.81;
 
 TEST(HangingColumn, ExtendsByTheSumOfTheWeightsBelow) {
-  // n springs k with masses m at their lower ends: extension m g / k * n (n + 1) / 2, spring j carries what hangs below it.
+  // n springs k with masses m at their lower ends: extension m g / k * n (n + 1) / 2. Spring j carries the weight below it.
   const int n = 20;
   const double k = 50.0, m = 0.02, a = 0.05;
   Points rest;

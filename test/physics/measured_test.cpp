@@ -1,5 +1,5 @@
-// What a linear material follows of real ones, and what it does not; where it does not, the test says by how much, so that a
-// better material has to change it.
+// Measurements on real materials that a linear material follows, and where it does not. There the test states the deviation, so
+// that a better material has to change it.
 #include "series.h"
 
 namespace deformable_surface::physics {
@@ -12,10 +12,10 @@ TEST(Knit, IsFollowedInItsFirstSlopeAndNarrowingButNotInItsStiffening) {
     const Problem slope = find(", force at the strain of 1.5 N");
     if (slope.variants.empty()) GTEST_SKIP() << "no measurements: DEFORMABLE_SURFACE_DATA names no folder that holds them";
     const Variant variant = slope.variants[0];
-    // The modulus is read off here; the clamps, which hold the ends wide, add a few per cent.
+    // The modulus is taken from this curve. The clamps keep the ends wide, which adds a few per cent.
     EXPECT_LT(ask(slope, variant, 1, 1)[0].error, 0.05) << fabric;
     EXPECT_LT(ask(find(", narrowing at the strain of 1.5 N"), variant, 1, 1)[0].error, 0.05) << fabric;
-    // At seven times the force the yarns have straightened: the knit is twice as stiff as the line, and a quarter narrower.
+    // At seven times the force the yarns are straight: the knit is twice as stiff as the linear law, and a quarter narrower.
     EXPECT_GT(ask(find(", force at the strain of 10.5 N"), variant, 1, 1)[0].error, 0.4) << fabric;
     EXPECT_GT(ask(find(", narrowing at the strain of 10.5 N"), variant, 1, 1)[0].error, 0.15) << fabric;
   }
@@ -26,7 +26,7 @@ TEST(Silicone, IsFollowedAtSmallStretchAndOvertakenByTheLineAtLarge) {
   const Problem small = findProblem(problems, "silicone at 2 % stretch");
   const Problem large = findProblem(problems, "silicone at 30 % stretch");
   EXPECT_LT(ask(small, small.variants[0], 1, 1)[0].error, 0.05);
-  // s - 1 beside (s - 1 / s^2) / 3: 27 per cent more at s = 1.3, and the clamps.
+  // s - 1 against (s - 1 / s^2) / 3: 27 per cent more at s = 1.3, and the effect of the clamps.
   EXPECT_NEAR(ask(large, large.variants[0], 1, 1)[0].error, 0.29, 0.03);
 }
 

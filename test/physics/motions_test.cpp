@@ -1,4 +1,4 @@
-// What holds for every material: how things fall, and what is conserved.
+// Checks for every material: free fall and conservation laws.
 #include "series.h"
 
 namespace deformable_surface::physics {
@@ -7,11 +7,11 @@ namespace {
 TEST(FreeFall, IsExactWithVerletAndTheImplicitMethodAndOfFirstOrderWithSymplecticEuler) {
   const std::vector<Problem> problems = listMotions();
   const Variant variant = problems[0].variants[0];
-  // Verlet integrates a constant acceleration without error; what is left is rounding, added up over the steps.
+  // Verlet integrates a constant acceleration without error. The remaining error is rounding, added up over the steps.
   for (const Answer& a : ask(findProblem(problems, "free fall, verlet"), variant, 3)) EXPECT_LT(a.error, 1e-12);
-  // So does the implicit method, to the tolerance of its equations.
+  // So does the implicit method, up to the tolerance of its equations.
   for (const Answer& a : ask(findProblem(problems, "free fall, implicit"), variant, 3)) EXPECT_LT(a.error, 1e-7);
-  // Symplectic Euler is late by half a step: g t dt / 2, a share dt / t of the way.
+  // Symplectic Euler is late by half a step: g t dt / 2, a share dt / t of the distance.
   for (const Answer& a : ask(findProblem(problems, "free fall, symplectic_euler"), variant, 3))
     EXPECT_NEAR(a.error, a.size / 0.48, 1e-6);
 }

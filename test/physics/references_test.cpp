@@ -1,4 +1,4 @@
-// The references themselves, against published digits; and the fit of the order.
+// The reference solutions against published digits, and the fit of the order.
 #include "physics/references.h"
 #include "series.h"
 
@@ -45,7 +45,7 @@ TEST(References, AStiffCableHangsAsACatenary) {
 TEST(References, ACantileverStartsAtRestAndSwingsAboutItsSag) {
   EXPECT_DOUBLE_EQ(sagCantilever(1.0, kAtRest), 1.0 / 8.0);
   for (const double s : {0.25, 0.5, 1.0}) EXPECT_NEAR(sagCantilever(s, 0.0), 0.0, 1e-6);
-  // Half a period of the first mode, which is nearly all of the end's motion.
+  // Half a period of the first mode, which is nearly all of the motion of the end.
   const double half_period = std::acos(-1.0) / (1.8751040687 * 1.8751040687);
   EXPECT_NEAR(sagCantilever(1.0, half_period), 2.0 / 8.0, 0.01);
 }

@@ -1,4 +1,4 @@
-// One scene file, many resolutions: the answer changes by less than the error that the number of points causes.
+// One scene file with many resolutions: the result changes by less than the error of the number of points.
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -42,9 +42,9 @@ Vec3 findEdge(Index simulation_points) {
 TEST(OneSceneFile, GivesOneAnswerAtEveryResolution) {
   const Vec3 fine = findEdge(700);
   const double way = (fine - Vec3(0.36, 0.0, 0.0)).norm();
-  EXPECT_GT(way, 0.05);  // it does sag
-  // Spacings of 31, 22 and 16 mm in 300 mm: the clamp is uncertain by half of one, and the droop by three or four times that
-  // share.
+  EXPECT_GT(way, 0.05);  // the flag does sag
+  // Spacings of 31, 22 and 16 mm in 300 mm. The place of the clamp is uncertain by half a spacing, and the droop by three or four
+  // times that share.
   EXPECT_LT((findEdge(50) - fine).norm(), 0.25 * way);
   EXPECT_LT((findEdge(100) - fine).norm(), 0.17 * way);
   EXPECT_LT((findEdge(200) - fine).norm(), 0.12 * way);

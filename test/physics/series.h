@@ -1,4 +1,4 @@
-// Asking a problem of the physics suite at several resolutions.
+// Runs a problem of the physics suite at several resolutions.
 #pragma once
 
 #include "physics/problem.h"
@@ -11,7 +11,7 @@ inline std::string describe(const Problem& problem, const Variant& variant) {
   return problem.name + ", " + nameMembrane(variant) + ", " + nameSampling(variant);
 }
 
-/// The answers at `count` sizes from the coarsest on; fails the test where there is none.
+/// The answers at `count` sizes from the coarsest on. The test fails if a size has none.
 inline std::vector<Answer> ask(const Problem& problem, const Variant& variant, std::size_t count, std::size_t first = 0) {
   std::vector<Answer> answers;
   for (std::size_t k = first; k < first + count; ++k) {

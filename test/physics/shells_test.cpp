@@ -4,7 +4,7 @@
 namespace deformable_surface::physics {
 namespace {
 
-// Pressed in by a fifth and by six tenths of its radius; finer points and the full load are the benchmark's.
+// Pressed in by a fifth and by six tenths of its radius. Finer points and the full load are part of the benchmark.
 TEST(Hemisphere, FollowsThePublishedTableBetterOnMorePoints) {
   const Problem tenth = findProblem(listShells(), "hemisphere, tenth of the load");
   for (const Variant& variant : tenth.variants) {

@@ -23,7 +23,7 @@ SceneParams makeScene() {
   params.cloud.wavelength = kWavelength;
   params.material.young_modulus = 1e6;
   params.material.thickness = 0.01;
-  params.material.bending_poisson_ratio = 0.0;  // how the strip curves across, seven points wide, is not what is compared
+  params.material.bending_poisson_ratio = 0.0;  // the bending across the strip, which is seven points wide, is not compared
   params.gravity.setZero();
   params.integrator.type = solve::IntegratorType::kStatic;
   for (const double end : {-0.5, 0.5}) {
@@ -42,8 +42,8 @@ SceneParams makeScene() {
   return params;
 }
 
-/// How far the middle of the crest sinks. is_whole: all rows hang together. Where they are far apart some are a part of their
-/// own, which a notice tells.
+/// How far the middle of the crest sinks. is_whole: all rows are connected. Rows that are far apart form parts of their own,
+/// which a notice reports.
 double measureSinking(const SceneParams& params, const cloud::PointCloud& cloud, bool is_whole) {
   Simulation simulation(params, cloud);
   const StepOutcome outcome = simulation.step();
@@ -58,14 +58,14 @@ double measureSinking(const SceneParams& params, const cloud::PointCloud& cloud,
   return cloud.positions[crest].z() - now[crest].z();
 }
 
-/// Rows across the wave that crowd where it is curved, about as many points as the uniform simplification keeps.
+/// Rows across the wave, dense where it is curved, about as many points as the uniform simplification keeps.
 cloud::PointCloud makeAdaptiveCloud() {
   const Index across = 7;
   const Index rows = kKept / across;
   const double k = 2.0 * M_PI / kWavelength;
   // Eleven times as many rows on the crests as on the flanks.
   const auto density = [&](double x) { return 0.1 + std::pow(std::cos(k * x), 2); };
-  // The place of each row by the sum of the density up to there.
+  // The place of each row by the integral of the density.
   constexpr int kFine = 100000;
   std::vector<double> sum{0.0};
   for (int i = 0; i < kFine; ++i) sum.push_back(sum.back() + density(kLength * ((i + 0.5) / kFine - 0.5)));
@@ -91,10 +91,10 @@ TEST(SineSheet, UniformSimplificationDeformsLikeTheFullSheetAndAnAdaptiveOneDoes
   params.simplification.target_points = kKept;
   const double uniform = measureSinking(params, cloud, true);
 
-  // An eighth of the points have two and a half times the spacing, hence six or seven times the error of second order, which is
+  // An eighth of the points have two and a half times the spacing, hence six or seven times the second-order error. That error is
   // 1.6 % for the full sheet: with four times its points it sinks 1.2 % more.
   EXPECT_NEAR(uniform / full, 1.0, 0.09);
-  // Bare flanks neither bend nor hold as they should: not a loss of accuracy but another sheet.
+  // Sparse flanks neither bend nor resist as they should: this is another sheet, not a loss of accuracy.
   EXPECT_GT(std::abs(adaptive / full - 1.0), 0.3);
 }
 

@@ -1,10 +1,10 @@
-// Elastic solids against the beam and the pressed ball, at coarse resolutions.
+// Elastic solids against Timoshenko's beam and the pressed ball, at coarse resolutions.
 #include "series.h"
 
 namespace deformable_surface::physics {
 namespace {
 
-// The clamp of the beam lets the end contract, that of the bar does not; with jitter it is stiffer by two per cent more.
+// The clamp of the beam lets the end contract, that of the bar does not. With jitter the bar is stiffer by another two per cent.
 TEST(SolidBar, SinksAsTimoshenkosBeam) {
   const Problem bar = findProblem(listSolids(), "solid bar under its weight");
   for (const Variant& variant : bar.variants)
@@ -12,8 +12,8 @@ TEST(SolidBar, SinksAsTimoshenkosBeam) {
       EXPECT_LT(answer.error, 0.05) << describe(bar, variant) << ", " << answer.size;
 }
 
-// The radius of contact is 0.06 m: 2.5, 3 and 4 spacings. Which points touch is decided by the spacing, so that the force is
-// uncertain by some of its square.
+// The radius of contact is 0.06 m: 2.5, 3 and 4 spacings. The spacing decides which points touch, so the force is uncertain by
+// some of its square.
 TEST(PressedBall, FeelsHertzsForceAndBetterWithMorePoints) {
   const Problem ball = findProblem(listSolids(), "ball pressed into a solid layer");
   for (const Variant& variant : ball.variants) {

@@ -1,4 +1,4 @@
-// The way of the static solver to an equilibrium that is far from where it starts.
+// The path of the static solver to an equilibrium far from its start.
 #include "statics.h"
 
 #include <algorithm>
@@ -6,7 +6,7 @@
 namespace deformable_surface::test {
 namespace {
 
-// A chain of stiff springs, level and held at one end: it swings down by a quarter turn, and every large step stretches it.
+// A chain of stiff springs, level and held at one end. It swings down by a quarter turn, and every large step stretches it.
 struct LevelChain {
   LevelChain() : chain(makeLevel(), 1e6, 0.01), gravity(chain.masses(), Vec3(0.0, 0.0, -9.81)), held(chain.masses().size(), 0) {
     held[0] = 1;
@@ -38,7 +38,7 @@ TEST(StaticSolver, SwingsAStiffChainDownInFewIterations) {
   const solve::SolveReport report = level.solve(1000);
   EXPECT_TRUE(report.converged);
   EXPECT_NEAR(level.state.positions.back().z(), -1.0, 1e-4);
-  // Half as many again as it takes; a solver that never lets the energy rise takes three times as many.
+  // Half as many again as it needs. A solver that never lets the energy rise needs three times as many.
   EXPECT_LT(report.iterations, 80);
 }
 

@@ -10,8 +10,8 @@ TEST(HeavyElastica, IsFollowedOverFourDecades) {
   for (const char* gamma : {"0.1", "1", "10", "100", "1000"}) {
     const Problem problem = findProblem(listStrips(), std::string("heavy elastica, gamma ") + gamma);
     for (const Variant& variant : problem.variants) {
-      // Twenty-five points along the length (forty of the heaviest), and a droop that grows with the fourth power of the length
-      // where gamma is small. Springs do not know where a clamp ends between points.
+      // Twenty-five points along the length (forty for the heaviest). For small gamma the droop grows with the fourth power of
+      // the length. Springs do not know the edge of a clamp between points.
       const std::size_t size = gamma == std::string("1000") ? 0 : 2;
       const bool springs = variant.membrane == model::Membrane::kSprings;
       EXPECT_LT(ask(problem, variant, 1, size)[0].error, springs ? 0.2 : 0.02) << describe(problem, variant);
@@ -20,8 +20,8 @@ TEST(HeavyElastica, IsFollowedOverFourDecades) {
 }
 
 TEST(HeavyElastica, OnAGridTheErrorFallsWithTheSquareOfTheSpacing) {
-  // From fifteen points along the length on. The heaviest from forty on, one and a quarter within its bend: its error is below a
-  // per cent there already and falls more slowly.
+  // From fifteen points along the length on. The heaviest from forty on, with one and a quarter within its bend: its error is
+  // already below a per cent there and falls more slowly.
   for (const auto& [gamma, first] : {std::pair("0.1", 1), {"10", 1}, {"1000", 0}}) {
     const Problem problem = findProblem(listStrips(), std::string("heavy elastica, gamma ") + gamma);
     const std::vector<Answer> answers = ask(problem, problem.variants[0], 3, first);

@@ -1,5 +1,4 @@
-// What one constant for all springs does to a length that can be measured: the sag of a hanging sheet, against closed forms of
-// the lattice.
+// One constant for all springs changes a measurable length: the sag of a hanging sheet, against closed forms of the lattice.
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "statics.h"
 
@@ -10,8 +9,8 @@ using model::MassSpringParams;
 
 constexpr double kLength = 5.0, kWidth = 0.5;
 constexpr Index kRows = 4;
-// The held edge cannot contract: for half a width the strain is less by a quarter at most (of the square lattice of one constant,
-// whose contraction is half its strain), which is this share of the sag.
+// The held edge cannot contract. Over half a width the strain is less by a quarter at most (square lattice of one constant, whose
+// contraction is half its strain). This is the resulting share of the sag.
 constexpr double kHeldEdge = 0.025;
 
 /// How far the lower edge of a long sheet sinks under its weight, which acts along x, held at x = 0. finer: width of the cells
@@ -56,7 +55,7 @@ TEST(UniformSprings, SagDependsOnThePatternOfThePointsAndHardlyWithStiffnessFrom
     EXPECT_NEAR(uniform_sag[finer - 1], exact, kHeldEdge * exact);
     EXPECT_NEAR(calibrated_sag[finer - 1], calibrated_exact, kHeldEdge * calibrated_exact);
   }
-  // Twice as many points along the sheet, and it is not the same sheet.
+  // With twice as many points along the sheet it is a different sheet.
   EXPECT_GT(uniform_sag[1], 2.4 * uniform_sag[0]);
   EXPECT_LT(calibrated_sag[1], 1.2 * calibrated_sag[0]);
 }

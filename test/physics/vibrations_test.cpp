@@ -16,7 +16,7 @@ TEST(StretchedSquare, HasTheFrequencyOfItsTension) {
   const Problem problem = findProblem(listVibrations(), "stretched square, frequency");
   for (const Variant& variant : problem.variants) {
     const std::vector<Answer> answers = ask(problem, variant, 2);
-    // Sixteen points along the side. Springs are soft on jittered points, and with them the tension.
+    // Sixteen points along the side. On jittered points springs are soft, and so is the tension.
     EXPECT_LT(answers[1].error, isTriangles(variant) ? 0.005 : 0.05) << describe(problem, variant);
     if (isTriangles(variant)) {
       EXPECT_GT(fitOrder(answers).value, 1.5) << describe(problem, variant);

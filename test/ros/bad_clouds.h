@@ -1,6 +1,5 @@
-// Clouds that break naive readers of PointCloud2, and awkward ones that are legal, each with the verdict that is due. In a file
-// of its own because tests of the decoder and of the node share it. Every cloud is small: the lies are in the numbers that
-// describe it.
+// Clouds that break naive readers of PointCloud2, and unusual clouds that are legal, each with the expected verdict. Tests of the
+// decoder and of the node share this file. Every cloud is small: the wrong values are in the numbers that describe it.
 #pragma once
 
 #include <sensor_msgs/PointCloud2.h>
@@ -122,7 +121,7 @@ class BadClouds {
     cloud.data.shrink_to_fit();  // so that a sanitizer sees a read behind the end
     add(id, verdict, what, std::move(cloud));
   }
-  /// The sheet of ten by ten points of sixteen bytes, with one thing wrong.
+  /// The sheet of ten by ten points of sixteen bytes, with one defect.
   void addSheet(const char* id, Verdict verdict, const char* what, const Change& change) {
     addChanged(id, verdict, what, makeSheet(), change);
   }
@@ -300,7 +299,7 @@ class BadClouds {
     addSheet("H09", kEither, "a frame name like a path", setFrame("../../etc/passwd"));
   }
 
-  /// Honest messages whose points are hard to make a surface of.
+  /// Correct messages whose points hardly form a surface.
   void addShapes() {
     constexpr float kNan = std::numeric_limits<float>::quiet_NaN(), kInf = std::numeric_limits<float>::infinity();
     constexpr float kHuge = std::numeric_limits<float>::max(), kTiny = std::numeric_limits<float>::denorm_min();

@@ -1,5 +1,5 @@
-// A client of the running node: talks to it as any other program would, and waits for conditions, never for a time. In a file of
-// its own because every test with a roscore uses it.
+// A client of the running node. It uses the node like any other program, and waits for conditions, never for a time. Every test
+// with a roscore uses this file.
 #pragma once
 
 #include "node_process.h"
@@ -56,14 +56,14 @@ class NodeClient {
   sensor_msgs::PointCloud2ConstPtr waitForFrame(const ros::Time& stamp) {
     return waitUntil([&] { return stamps.count(stamp) > 0; }) ? stamps[stamp] : nullptr;
   }
-  /// Publishes the cloud and waits for it to come back at rest.
+  /// Publishes the cloud and waits until it is published again at rest.
   sensor_msgs::PointCloud2ConstPtr exchange(const sensor_msgs::PointCloud2& cloud) {
     stamps.erase(cloud.header.stamp);
     publish(cloud);
     return waitForFrame(cloud.header.stamp);
   }
 
-  /// A value of the diagnostics of this node, by its name; -1 before the first.
+  /// A value of the diagnostics of this node, by its name; -1 before the first message.
   double diagnostic(const std::string& key) const {
     const auto found = values_.find(key);
     return found == values_.end() ? -1.0 : std::atof(found->second.c_str());

@@ -1,5 +1,5 @@
-// A program of the package as a process of its own, with the parameters of a scene. Apart from the client that tests talk to it
-// with, because the benchmark over ROS starts its nodes in the same way.
+// A program of the package in a process of its own, with the parameters of a scene. Separate from the client of the tests,
+// because the benchmark over ROS starts its nodes in the same way.
 #pragma once
 
 #include "deformable_surface/io/scene.h"
@@ -27,10 +27,10 @@ extern char** environ;
 
 namespace deformable_surface::node::test {
 
-// Long enough for a loaded machine; only a test that fails takes that long.
+// Long enough for a busy machine. Only a test that fails takes that long.
 constexpr double kPatience = 30.0;
 
-/// Lets messages in until the condition holds; false if it does not in time.
+/// Processes messages until the condition holds; false if it does not in time.
 inline bool waitUntil(const std::function<bool()>& condition, double seconds = kPatience) {
   const ros::WallTime end = ros::WallTime::now() + ros::WallDuration(seconds);
   while (!condition()) {
@@ -55,15 +55,15 @@ inline XmlRpc::XmlRpcValue toXmlRpc(const Value& value) {
   return result;
 }
 
-/// The node, or another program of the package, as a process of its own, started with the parameters of a scene in YAML, or with
-/// those that are set already, and ended with this object.
+/// The node, or another program of the package, in a process of its own. It starts with the parameters of a scene in YAML, or
+/// with those that are set already. It ends with this object.
 class NodeProcess {
  public:
   explicit NodeProcess(const std::string& name, const std::string& scene = "",
                        const std::string& executable = "deformable_surface_node", std::vector<std::string> options = {}) {
     if (!scene.empty()) ros::param::set(name, toXmlRpc(io::parseYaml(scene, name)));
     output_ = std::filesystem::temp_directory_path() / ("deformable_surface" + std::to_string(getpid()) + "_" + name.substr(1));
-    // The executables of a package lie side by side.
+    // The executables of a package are in one folder.
     const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / executable;
     options.insert(options.begin(), program);
     options.push_back("__name:=" + name.substr(1));

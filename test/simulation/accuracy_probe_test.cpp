@@ -1,4 +1,4 @@
-// A trial of a scene is the run that it promises: the same estimate, bit for bit, with few and with all points.
+// A trial of a scene is the later run: the same estimate, bit for bit, with few and with all points.
 #include "../../src/simulation/accuracy_probe.h"
 
 #include "../../src/simulation/error_estimator.h"
@@ -28,7 +28,7 @@ double tryOut(const SceneParams& scene, const cloud::PointCloud& cloud, Index po
   return error;
 }
 
-// The same of a run; as far as the first that is infinite, where a trial ends.
+// The same for a run, up to the first infinite estimate, where a trial ends.
 double runWith(SceneParams scene, const cloud::PointCloud& cloud, Index points) {
   scene.simplification = cloud::SimplificationParams();
   if (points < cloud.size()) {

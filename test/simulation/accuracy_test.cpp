@@ -1,4 +1,4 @@
-// What is chosen by the error estimate and by what steps cost: targets are met or refused in words.
+// Choices by the error estimate and by the time of steps: targets are met, or a message says that they are not.
 #include "../../src/simulation/accuracy.h"
 #include "sagging_strip.h"
 
@@ -34,7 +34,7 @@ TEST(AccuracyChoice, HonoursAPositionErrorWithNoMorePointsThanItNeeds) {
 }
 
 TEST(AccuracyChoice, SaysOnceWhenTheEstimateGrowsBeyondTheTargetLater) {
-  // The trial sees the first hundredth of a second only, in which the strip hardly moves.
+  // The trial covers only the first hundredth of a second, in which the strip hardly moves.
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.duration = 0.01;
   p.accuracy.position_error = 2e-3;
@@ -55,7 +55,7 @@ TEST(AccuracyChoice, SaysThatATargetCannotBeMet) {
   EXPECT_NE(s.accuracyChoice().sentence.find("cannot be met"), std::string::npos) << s.accuracyChoice().sentence;
 }
 
-// An equilibrium costs the most in its first step, in which a trial fails: the steps that it does not take cost next to nothing.
+// An equilibrium costs the most in its first step, in which a trial fails. The remaining steps cost almost nothing.
 TEST(AccuracyChoice, TriesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsAskedFor) {
   SceneParams p = hangingSheet();
   p.simplification = cloud::SimplificationParams();
@@ -98,7 +98,7 @@ TEST(AccuracyChoice, TimesNeitherTheFirstStepNorWhatOtherWorkOnTheMachineHoldsUp
 }
 
 TEST(AccuracyChoice, TimesASurfaceInMotionWhereThatFits) {
-  // Each step is dearer than the one before, as where sub-steps get finer while a surface stretches.
+  // Each step costs more than the one before, as where a stretching surface needs finer sub-steps.
   const auto growingFrom = [](double seconds) {
     int steps = 0;
     return [=]() mutable { return seconds * (1.0 + 0.1 * steps++); };
@@ -106,7 +106,7 @@ TEST(AccuracyChoice, TimesASurfaceInMotionWhereThatFits) {
   EXPECT_GT(simulation::timeSteps(growingFrom(0.001), 0.01), 0.0025);
   int steps = 0;
   simulation::timeSteps([&] { return ++steps, 1.0; }, 0.01);
-  EXPECT_LT(steps, 10);  // what does not fit is not run for long
+  EXPECT_LT(steps, 10);  // a number that does not fit is not run for long
 }
 
 TEST(AccuracyChoice, FillsATimeBudgetByWhatStepsCost) {

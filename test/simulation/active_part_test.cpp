@@ -1,4 +1,4 @@
-// A part that is stepped alone: it moves as in the whole surface, what surrounds it stays, and what it disturbs is found.
+// A part that is stepped alone: it moves as in the whole surface, its surroundings stay, and points that it disturbs are found.
 #include "../../src/simulation/active_part.h"
 
 #include "../support/surfaces.h"
@@ -54,7 +54,7 @@ TEST(ActivePart, FindsWhatItDisturbs) {
   Sheet s;
   simulation::ActivePart part(*s.model, s.moving, s.params, *s.loads, 0.0);
   std::vector<Index> hits;
-  // Next to the wall a point that moves: the wall is pushed, and the point itself is fast.
+  // A point beside the wall moves: the wall is pushed, and the point itself is fast.
   Index rim = -1;
   for (std::size_t k = 0; k < s.moving.size() && rim < 0; ++k)
     if (s.moving[k]) rim = static_cast<Index>(k);

@@ -1,4 +1,4 @@
-// What is at rest is left out of the steps: it falls asleep where it would lie without, and wakes of every cause. Parts of a
+// Points at rest are skipped. A surface falls asleep where it would rest without sleep, and wakes from every cause. Parts of a
 // surface: sleeping_parts_test.cpp.
 #include "clouds.h"
 
@@ -16,7 +16,7 @@ using simulation::Sleep;
 using solve::IntegratorType;
 
 constexpr double kQuietTime = 0.2;
-constexpr int kSoon = 2000;  // steps by which a damped sheet sleeps
+constexpr int kSoon = 2000;  // steps after which a damped sheet sleeps
 
 double largestDistance(const Points& a, const Points& b) {
   double largest = 0.0;
@@ -24,7 +24,7 @@ double largestDistance(const Points& a, const Points& b) {
   return largest;
 }
 
-// A soft sheet that its weight stretches, and that comes to rest in a few seconds.
+// A soft sheet that stretches under its weight and comes to rest in a few seconds.
 SceneParams dampedSheet() {
   SceneParams p = hangingSheet();
   p.material.damping = 5.0;
@@ -61,7 +61,7 @@ bool isSkipped(const Simulation& s, const char* what) {
 
 TEST(Activity, ASurfaceInBalanceSleepsFromTheFirstStep) {
   SceneParams p = sheetInBalance();
-  p.material.damping = 0.0;  // and were it to move, it would not come to rest
+  p.material.damping = 0.0;  // if it moved, it would not come to rest
   Simulation s(p, sheetCloud());
   EXPECT_FALSE(isAsleep(s));
   run(s, 3);
@@ -124,7 +124,7 @@ TEST(Activity, UntilItSleepsEveryBitIsAsWithoutSleeping) {
 TEST(Activity, WithoutDampingNothingThatMovesSleeps) {
   SceneParams p = dampedSheet();
   p.material.damping = 0.0;
-  p.gravity *= 1e-7;  // slower than what may be lost in any case
+  p.gravity *= 1e-7;  // slower than the motion that may be suppressed in any case
   Simulation s(p, sheetCloud());
   for (int k = 0; k < 100; ++k) {
     run(s, 1);
@@ -135,7 +135,7 @@ TEST(Activity, WithoutDampingNothingThatMovesSleeps) {
 TEST(Activity, ASwingsTurningPointIsNoRest) {
   SceneParams p = dampedSheet();
   p.material.damping = 0.02;
-  p.sleep.quiet_time = 0.02;  // shorter than a sheet lingers where it turns
+  p.sleep.quiet_time = 0.02;  // shorter than the time a sheet spends at its turning point
   Simulation s(p, sheetCloud());
   for (int k = 0; k < 300; ++k) {
     run(s, 1);
@@ -258,7 +258,7 @@ TEST(Activity, AToolWakesWhatItComesNearNotWhatItPassesFarAway) {
   run(s, 50);
   EXPECT_FALSE(isAsleep(s));
   EXPECT_GT(s.toolReactions()[0].contacts, 0);
-  // At rest on the tool it sleeps too, and wakes when that goes.
+  // At rest on the tool it sleeps, too. It wakes when the tool is removed.
   runUntilAsleep(s, 2000);
   EXPECT_GT(s.toolReactions()[0].contacts, 0);
   s.moveTool("ball", {{0.0, Vec3(0.5, 0.0, 1.0), Vec4(0.0, 0.0, 0.0, 1.0)}});

@@ -1,5 +1,5 @@
-// A step allocates nothing after the first, also while the surface changes so much that the stable step is measured again; nor
-// does the surface after it was asked for once.
+// A step allocates nothing after the first, also while the surface changes so much that the stable step is measured again. The
+// full surface allocates nothing after its first request.
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 
@@ -24,7 +24,7 @@ void operator delete(void* memory, std::size_t) noexcept { std::free(memory); }
 namespace deformable_surface::test {
 namespace {
 
-// Steps after which the loaded sheet has crumpled and dented, both of which the error estimate says in words.
+// Steps after which the loaded sheet has crumpled and dented. The error estimate reports both in words.
 constexpr int kUntilDented = 30;
 
 // Number of heap calls in the steps after the first, and of the surface with normals after each.
@@ -65,7 +65,7 @@ TEST(Allocation, NoStepWithToolsInMotionAllocatesAfterTheFirst) {
   knife.id = "knife";
   knife.mode = tool::Mode::kCut;
   knife.shape.radius = 0.01;
-  knife.path = {{0.0, Vec3(5.0, 0.0, 0.0)}, {1.0, Vec3(5.0, 1.0, 0.0)}};  // goes past
+  knife.path = {{0.0, Vec3(5.0, 0.0, 0.0)}, {1.0, Vec3(5.0, 1.0, 0.0)}};  // moves past
   p.tools = {plate, knife};
   simulation::Simulation s(p, sheetCloud());
   run(s, 60);
@@ -73,8 +73,7 @@ TEST(Allocation, NoStepWithToolsInMotionAllocatesAfterTheFirst) {
   EXPECT_EQ(countAllocations(s, 20), 0);
 }
 
-// The places where points stick are listed in the state: a step in which more points touch than ever before makes the list
-// longer.
+// The places where points stick are listed in the state. If more points touch than ever before, the list grows.
 TEST(Allocation, NoStepWithFrictionAllocatesWhileNoMorePointsTouch) {
   simulation::SceneParams p = hangingSheet();
   p.gravity.setZero();
@@ -112,7 +111,7 @@ TEST(Allocation, NoImplicitOrStaticStepAllocatesAfterTheFirst) {
       p.anchors.push_back({Vec3(1.0, 0.5, 0.0), Vec3(1.0, 0.6, 0.1), 5.0});
       simulation::Simulation s(p, sheetCloud());
       run(s, kUntilDented);
-      s.setGravity(Vec3(0.0, 2.0, -9.81));  // another equilibrium to look for
+      s.setGravity(Vec3(0.0, 2.0, -9.81));  // another equilibrium to find
       EXPECT_EQ(countAllocations(s, 5), 0) << static_cast<int>(type) << " " << static_cast<int>(membrane);
       EXPECT_GT(s.statistics().max_stretch, 0.05);
     }
@@ -139,7 +138,7 @@ TEST(Allocation, NoStepOfAClosedSurfaceWithAKeptVolumeAllocatesAfterTheFirst) {
     p.pins.push_back(pin);
     simulation::Simulation s(p, asCloud(makeSphere(1200, 0.1).points));
     run(s, 1);
-    s.setGravity(Vec3(0.1, 0.0, -1.0));  // another equilibrium to look for
+    s.setGravity(Vec3(0.1, 0.0, -1.0));  // another equilibrium to find
     EXPECT_EQ(countAllocations(s, 2), 0) << static_cast<int>(type);
   }
 }
@@ -170,7 +169,7 @@ TEST(Allocation, NoStepOfAnElasticSolidAllocatesAfterTheFirst) {
     p.pins.push_back(pin);
     simulation::Simulation s(p, io::makeShape(p.cloud));
     run(s, 1);
-    s.setGravity(Vec3(0.0, 2.0, -9.81));  // another equilibrium to look for
+    s.setGravity(Vec3(0.0, 2.0, -9.81));  // another equilibrium to find
     EXPECT_EQ(countAllocations(s, 3), 0) << static_cast<int>(type);
   }
 }
@@ -205,7 +204,7 @@ TEST(Allocation, NoStepOfOrientedParticlesAllocatesAfterTheFirst) {
       ball.path[0].position = Vec3(0.5, 0.0, -0.25);
       if (type == Type::kVerlet) p.tools = {warm, ball};
       simulation::Simulation s(p, asCloud(makeSheet(12, 12, 1.0, 1.0).points));
-      run(s, 10);  // the lists of neighbours grow where there is more to list than ever before
+      run(s, 10);  // the lists of neighbours grow when there are more neighbours than ever before
       EXPECT_EQ(countAllocations(s, 20), 0) << static_cast<int>(type) << " " << yield;
     }
 }
@@ -217,7 +216,7 @@ TEST(Allocation, NoStepOfAPartAllocatesWhileTheSameTilesMove) {
   p.material.damping = 20.0;
   p.simplification.target_points = 800;
   p.accuracy.estimate = false;
-  p.sleep.quiet_time = 0.02;  // looked at in every step
+  p.sleep.quiet_time = 0.02;  // requested in every step
   p.sleep.tolerance = 1e-4;
   p.forces.push_back({"push", Vec3(0.8, 0.3, 0.0), Vec3(0.0, 0.0, 0.02), 0.1, 0.0, 1e300});
   simulation::Simulation s(p, sheetCloud(40));

@@ -1,4 +1,4 @@
-// A tool that appears where the surface already is: it comes from the nearest free place, and the surface lives.
+// A tool that appears inside the surface: it arrives from the nearest free place, and the surface survives.
 #include "clouds.h"
 #include "deformable_surface/simulation/contact_load.h"
 #include "support/meshes.h"
@@ -14,7 +14,7 @@ using simulation::Simulation;
 
 constexpr double kRadius = 0.15;  // m, of the hollow ball
 
-/// A hollow ball of soft foam that stands on its foot, without weight.
+/// A hollow ball of soft foam on its foot, without weight.
 simulation::SceneParams foamBall() {
   simulation::SceneParams p;
   p.material.young_modulus = 2e5;
@@ -32,7 +32,7 @@ simulation::SceneParams foamBall() {
 
 cloud::PointCloud ballCloud() { return asCloud(makeSphere(2000, kRadius).points); }
 
-/// Two thirds of its radius deep in the top of the ball.
+/// In the top of the ball, as deep as two thirds of its radius.
 tool::ToolParams ball() {
   tool::ToolParams tool;
   tool.id = "ball";
@@ -54,7 +54,7 @@ std::string takeStep(Simulation& s) {
   return outcome.notice;
 }
 
-// At once the first step would throw points away at some 50 m/s, and what crumples then needs a thousand sub-steps.
+// At once, the first step would throw points away at some 50 m/s. The crumpled surface would then need a thousand sub-steps.
 TEST(AppearingTool, ArrivesWithinATenthOfASecond) {
   for (const auto type : {solve::IntegratorType::kAuto, solve::IntegratorType::kImplicit}) {
     simulation::SceneParams p = foamBall();
@@ -78,12 +78,12 @@ TEST(AppearingTool, ArrivesWithinATenthOfASecond) {
     EXPECT_LT(fastest, 5.0);
     EXPECT_LT(largest, 0.5);
     EXPECT_LT(substeps, 60u);
-    EXPECT_LT(findDeepest(s), 0.03 * depth);  // what presses back still bears on the penalty
+    EXPECT_LT(findDeepest(s), 0.03 * depth);  // the surface still presses on the penalty
     EXPECT_GT(most_contacts, 3);
     s.removeTool("ball");
     const double stored = s.statistics().elastic_energy;
     run(s, 200);
-    // A dent may stay, which shells have equilibria with.
+    // A dent may remain: shells have equilibria with dents.
     EXPECT_LT(s.statistics().elastic_energy, stored);
     EXPECT_LT(s.statistics().max_speed, 0.1);
     EXPECT_LT(s.statistics().substeps, 60u);
@@ -100,7 +100,7 @@ TEST(AppearingTool, OneThatOnlyJustTouchesIsNotToldOfAndOneThatMovesIsNotNew) {
   s.setTool(tool);
   for (int k = 0; k < 20; ++k) EXPECT_EQ(takeStep(s).find("appears"), std::string::npos);
   EXPECT_LT(findDeepest(s, 0.2), 1e-3);
-  // Another shape is another tool.
+  // A tool with another shape is another tool.
   tool.shape.radius = 0.13;
   s.setTool(tool);
   EXPECT_NE(takeStep(s).find("tool 'ball' appears where "), std::string::npos);
@@ -120,7 +120,8 @@ TEST(AppearingTool, AMeshThatCameAgainIsTheSame) {
 }
 
 TEST(AppearingTool, ComesFromTheNearestFreePlaceAndFollowsItsPathMeanwhile) {
-  // A patch of points in the plane z = 0 but for one that is held: a ball with its middle a little above comes from above.
+  // A patch of points in the plane z = 0, except for one that is constrained. A ball with its centre a little above comes from
+  // above.
   model::State state;
   for (int x = -5; x <= 5; ++x)
     for (int y = -5; y <= 5; ++y) state.positions.emplace_back(0.02 * x, 0.02 * y, 0.0);
@@ -140,7 +141,7 @@ TEST(AppearingTool, ComesFromTheNearestFreePlaceAndFollowsItsPathMeanwhile) {
   EXPECT_TRUE(placeAt(1.05).isApprox(Vec3(0.0, 0.0, 0.065), 0.01)) << placeAt(1.05).transpose();
   EXPECT_TRUE(placeAt(1.1).isApprox(Vec3(0.05, 0.0, 0.03), 1e-9)) << placeAt(1.1).transpose();
   EXPECT_TRUE(placeAt(1.15).isApprox(Vec3(0.1, 0.0, 0.03), 1e-9)) << placeAt(1.15).transpose();
-  // Another path on the way, as messages bring it.
+  // Another path during the arrival, as from messages.
   tool.path = {{1.05, Vec3(0.0, 0.1, 0.03)}};
   load.setTools({tool});
   EXPECT_TRUE(placeAt(1.05).isApprox(Vec3(0.0, 0.1, 0.065), 0.01)) << placeAt(1.05).transpose();
@@ -163,7 +164,7 @@ TEST(AppearingTool, AHalfSpaceComesAlongItsNormal) {
   EXPECT_NEAR(tool::interpolate(load.all()[0].tool.path, 0.0).position.z(), -0.1, 2e-3);
 }
 
-// Between the ears of a figure, or of what else has two sides, each point's own shortest way out tears them apart.
+// Between the ears of a figure, or of any body with two sides, the shortest way out of each point would tear them apart.
 TEST(AppearingTool, LeavesAThinSheetWhole) {
   simulation::SceneParams p = foamBall();
   p.pins[0].region.min = Vec3(-1.0, -1.0, -1.0);
@@ -197,7 +198,7 @@ TEST(AppearingTool, EquilibriaHaveAllOfItAtOnce) {
   EXPECT_GT(s.toolReactions()[0].force.z(), 0.0);
 }
 
-// Each of them would otherwise find a way of its own, and what they differ by would be no error.
+// Otherwise each copy would choose a path of its own, and their difference would be no error.
 TEST(AppearingTool, ArrivesAtCopiesAsItDoesAtWhatTheyAreCopiesOf) {
   const std::vector<double> masses(2, 0.2);
   const std::vector<char> held(2, 0);
@@ -227,7 +228,7 @@ TEST(AppearingTool, ArrivesAtCopiesAsItDoesAtWhatTheyAreCopiesOf) {
   EXPECT_FALSE(load.hasNewArrival());
 }
 
-// Whatever the method looks at within a step, and wherever in one the time lies.
+// For every integrator, whatever times it evaluates within a step.
 TEST(AppearingTool, ArrivesInTheFirstStepThatBeginsAtItsStartOrLater) {
   for (const auto type : {solve::IntegratorType::kAuto, solve::IntegratorType::kImplicit})
     for (const double start : {0.1, 0.105}) {
@@ -249,7 +250,7 @@ TEST(AppearingTool, ArrivesInTheFirstStepThatBeginsAtItsStartOrLater) {
     }
 }
 
-// It sleeps by then, and the step in which the tool begins to act is looked for at its end.
+// It sleeps by then. The step in which the tool begins to act is checked at its end.
 TEST(AppearingTool, WakesAnEquilibriumWhenItsTimeHasCome) {
   simulation::SceneParams p = foamBall();
   p.integrator.type = solve::IntegratorType::kStatic;

@@ -168,7 +168,7 @@ TEST(CameraClouds, AreBuiltTheSameByAnyNumberOfThreads) {
   setNumThreads(0);
 }
 
-// Large enough that every second pixel of every second row is looked at. As finely sampled as noisy.
+// Large enough that only every second pixel of every second row is used. As finely sampled as the noise allows.
 CameraFrame takeLarge(const CameraScene& scene) {
   DepthCamera camera;
   camera.focal_length = 1400.0;

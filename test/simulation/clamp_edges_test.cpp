@@ -1,4 +1,4 @@
-// Clamps end where their region does: cantilevers and clamped plates whose edges lie anywhere between scattered points.
+// Clamps end where their region ends: cantilevers and clamped plates whose edges lie anywhere between scattered points.
 #include "../../src/simulation/clamp_edges.h"
 
 #include "../model/plates.h"

@@ -39,7 +39,7 @@ inline simulation::SceneParams resampledSheet() {
   return p;
 }
 
-/// What is wrong with a scene or its cloud, or "accepted".
+/// The problem of a scene or its cloud, or "accepted".
 inline std::string problemOf(const simulation::SceneParams& scene, const cloud::PointCloud& cloud) {
   try {
     simulation::Simulation simulation(scene, cloud);

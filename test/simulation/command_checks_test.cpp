@@ -15,7 +15,7 @@ namespace command = simulation::command;
 
 const double kNaN = std::numeric_limits<double>::quiet_NaN();
 
-// Each with a part of the sentence that refuses it.
+// Each with a part of the message that refuses it.
 std::vector<std::pair<Command, std::string>> badCommands(const simulation::Dynamics& sheet) {
   tool::ToolParams unread;
   unread.id = "mesh";

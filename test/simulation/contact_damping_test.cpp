@@ -54,7 +54,7 @@ TEST(ContactDamping, ContactWithoutFrictionHasNone) {
   EXPECT_TRUE(in.force().isZero(0.0));
 }
 
-// The work of a tool that comes towards the point is bounded: no velocity of the point makes more power.
+// The work of a tool that approaches the point is bounded: no velocity of the point gives more power.
 TEST(ContactDamping, EstimatesAtLeastTheWorkThatAMovingToolDoes) {
   const Vec3 velocity(0.0, 0.0, 0.2);
   for (const double speed : {-1.0, 0.0, 0.05, 0.1, 0.15, 0.3}) {
@@ -64,7 +64,7 @@ TEST(ContactDamping, EstimatesAtLeastTheWorkThatAMovingToolDoes) {
   }
 }
 
-// A spring that is damped by a fifth of critical and does not pull leaves 0.57; a contact lasts only a few sub-steps.
+// A spring with a fifth of critical damping that does not pull leaves 0.57 of the speed. A contact lasts only a few sub-steps.
 TEST(ContactDamping, AboutHalfOfTheSpeedIsLeftAfterAnImpact) {
   const auto bounce = [](double friction) {
     simulation::SceneParams p = hangingSheet();

@@ -51,7 +51,7 @@ TEST(ContactLoad, PushesAlongMinusTheGradientOfItsPotential) {
   }
 }
 
-// Most points are left out by the ball around a tool: what is found is what looking at all of them finds.
+// Most points are skipped by the ball around a tool. The result is that of a check of all points.
 TEST(ContactLoad, PointsBeyondAToolsReachAreLeftOutAndNoOthers) {
   std::mt19937 random(5);
   std::uniform_real_distribution<double> u(-1.0, 1.0);
@@ -146,7 +146,7 @@ TEST(ContactLoad, ASheetThatFallsOnABallDrapesOverIt) {
 }
 
 TEST(ContactLoad, AToolThatComesUpUnderARestingSheetIsNotTakenForABlowUp) {
-  // At first contact nearly all energy stands in the contact itself.
+  // At first contact nearly all energy is in the contact itself.
   simulation::SceneParams p = hangingSheet();
   p.gravity.setZero();
   p.material.damping = 5.0;

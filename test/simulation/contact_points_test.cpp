@@ -36,7 +36,7 @@ TEST(ContactPoints, ASimulationPointIsItselfAndAPointBetweenBelongsToItsCell) {
   }
 }
 
-// The matrix of a stiffness on a point is w_i w_j K: what it does to a motion is what the point's own motion feels.
+// The stiffness matrix of a point is w_i w_j K. Its effect on a motion is that of the point's own motion.
 TEST(ContactPoints, StiffnessActsThroughTheWeightsAndItsRowBoundHolds) {
   const Sheet sheet;
   const Index n = sheet.points.numSimulated(), p = n + 40;

@@ -1,4 +1,4 @@
-// Knives and tears in a mass-spring surface: what comes apart, what stays, and that each point keeps to its own side.
+// Knives and tears in a mass-spring surface: what separates, what stays, and that each point follows its own side.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -12,7 +12,7 @@
 namespace deformable_surface::test {
 namespace {
 
-/// Goes along y through the line x = 0.513 of the sheet, within a tenth of a second.
+/// Moves along y through the line x = 0.513 of the sheet, within a tenth of a second.
 tool::ToolParams knife(double thickness = 0.002) {
   tool::ToolParams tool;
   tool.id = "knife";
@@ -50,7 +50,7 @@ TEST(Cutting, AKnifePartsTheSheetAlongItsWayAndNowhereElse) {
     const simulation::Simulation whole(stillSheet(), sheetCloud());
     for (const auto& [a, b] : stretchLinksOf(whole.model()))
       near += isLeft(whole.state().positions[a]) != isLeft(whole.state().positions[b]);
-    // Beside what crosses, only links of triangles that crossed on both sides of them go.
+    // Apart from crossed links, only links are removed whose triangles on both sides were crossed.
     EXPECT_GE(links - near, stretchLinksOf(s.model()).size());
     EXPECT_GT(stretchLinksOf(s.model()).size(), links - near - 6) << thickness;
   }
@@ -66,7 +66,7 @@ TEST(Cutting, AKnifeThatJumpsAKilometreThroughItCutsAsOneThatGoesSlowly) {
   EXPECT_EQ(stretchLinksOf(s.model()), stretchLinksOf(slow.model()));
 }
 
-// Its flat lies in the sheet: for the whole of its length it is near each link.
+// Its flat side lies in the sheet: it is near each link over its whole length.
 TEST(Cutting, AKnifeThatSlidesAlongItsFlatCutsTheSameInOneStepAsInMany) {
   simulation::SceneParams p = stillSheet();
   p.tools[0].shape.size = Vec3(0.3, 0.3, 0.001);
@@ -91,7 +91,7 @@ TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
 }
 
 TEST(Cutting, EachPointOfTheCloudGoesWithItsOwnSide) {
-  // Once it is cut the free half is carried away as a whole: every point of the cloud either stays or goes the whole way.
+  // After the cut the free half is carried away as a whole: every point of the cloud either stays or moves the full distance.
   simulation::SceneParams p = stillSheet();
   tool::ToolParams hand;
   hand.id = "hand";
@@ -130,7 +130,7 @@ TEST(Cutting, WhatHangsBelowTheCutFallsFreely) {
 }
 
 TEST(Cutting, UnderTensionTheEnergyOnlyFallsAndTheGuardKeepsQuiet) {
-  // Stretched, undamped and cut: what the cut links held is gone, and nothing is refused or taken again.
+  // Stretched, undamped and cut: the energy of the cut links is gone, and no step is refused or repeated.
   simulation::SceneParams p = stillSheet();
   p.material.damping = 0.0;
   simulation::PinParams far;
@@ -171,7 +171,7 @@ TEST(Cutting, IsTheSameForEveryNumberOfThreadsAndAfterASnapshot) {
   EXPECT_EQ(finish(three, 20), expected);
   setNumThreads(1);
 
-  // In the middle of the cut; then back to before it, and on again.
+  // In the middle of the cut; then back to the state before it, and on again.
   simulation::Simulation s(p, sheetCloud());
   run(s, 6);
   const simulation::Snapshot snapshot = s.snapshot();
@@ -215,7 +215,7 @@ TEST(Tearing, BeginsBeyondTheStrainAndNotBefore) {
     p.mass_spring.tear_strain = 0.1;
     simulation::Simulation s(p, sheetCloud());
     const std::size_t links = stretchLinksOf(s.model()).size();
-    // All of the sheet stretched along y; in one step only its free edges can have drawn in.
+    // The whole sheet is stretched along y. In one step only its free edges can have contracted.
     model::State state = s.state();
     for (Vec3& x : state.positions) x.y() *= 1.0 + strain;
     s.setState(state);
@@ -261,7 +261,7 @@ TEST(Blade, GoesBetweenTwoPointsOnOppositeSidesOnly) {
   EXPECT_FALSE(tool::isBetween(blade, Vec3(-0.1, 0.0, 0.0), Vec3(0.0, 0.1, 0.0)));      // past its corner
 }
 
-// Nothing is left that resists, and nothing to make a guess of it from.
+// No stiffness is left, and nothing to build a preconditioner from.
 TEST(Cutting, AnEquilibriumOfASurfaceThatIsCutAltogetherEndsInAnAnswer) {
   simulation::SceneParams p = hangingSheet();
   p.mass_spring.tear_strain = 1e-4;

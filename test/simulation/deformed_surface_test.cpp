@@ -1,4 +1,4 @@
-// The full surface of a state: one row for each input point in the input's order, made once a state.
+// The full surface of a state: one row for each input point in the order of the input, computed once per state.
 #include "../../src/simulation/deformed_surface.h"
 
 #include "clouds.h"
@@ -13,7 +13,7 @@ namespace {
 
 using simulation::DeformedSurface;
 
-// A sheet with a hole in its list and a point that comes twice.
+// A sheet with a hole in its list and a point that occurs twice.
 struct Sheet {
   Sheet() {
     const double nan = std::numeric_limits<double>::quiet_NaN();
@@ -65,7 +65,7 @@ TEST(DeformedSurface, IsMadeOnceAStateAndAgainAfterItWasInvalidated) {
   s.surface->make(s.at(Mat3::Identity(), Vec3::Zero()), false);
   EXPECT_TRUE(s.surface->isMade());
   EXPECT_FALSE(s.surface->hasNormals());
-  // Another state without a word of it is not looked at.
+  // A state that changed without notice is not evaluated.
   EXPECT_LT(s.surface->make(s.at(Mat3::Identity(), Vec3::UnitX()), false).displacement[0], 1e-6);
   s.surface->invalidate();
   EXPECT_NE(s.surface->revision(), before);

@@ -1,4 +1,4 @@
-// Dents between the points of a sphere whose buckling load and rate of growth are known in closed form.
+// Dents between the points of a sphere, whose buckling load and growth rate are known in closed form.
 #include "../../src/simulation/dent_watch.h"
 
 #include "../support/surfaces.h"
@@ -37,7 +37,7 @@ struct Sphere {
     watch = DentWatch(m, surface.points, findTriangles(surface), surface.area, 6000);
   }
 
-  // Shrunk so that its compression is so many times the classical buckling load, 2 sqrt(S D) / R.
+  // Shrunk so that its compression is the given multiple of the classical buckling load, 2 sqrt(S D) / R.
   Points loaded(double load) const {
     Points points = surface.points;
     for (Vec3& x : points) x *= 1.0 - load * 2.0 * kThinness * (1.0 - kPoisson);
@@ -58,7 +58,7 @@ struct Sphere {
 
 TEST(DentWatch, SeesAnEquilibriumWellBeyondTheClassicalLoad) {
   Sphere sphere;
-  // A tenth to either side for chords in place of arcs.
+  // Within a tenth, because chords replace arcs.
   for (const auto& [load, expected] : {std::pair(0.0, Buckling::kUnlikely),
                                        {0.36, Buckling::kUnlikely},
                                        {0.44, Buckling::kPossible},
@@ -102,7 +102,7 @@ TEST(DentWatch, GoesOnFromWhatItHadSeen) {
 }
 
 TEST(DentWatch, NeverHoldsDentsForLikelyThatThePointsShow) {
-  // Ten times as thick, with dents of ten spacings. Short ones begin at twelve times the load of the thin one.
+  // Ten times as thick, with dents of ten spacings. Short dents begin at twelve times the load of the thin sphere.
   Sphere thick(0.0, 10.0 * kThinness);
   EXPECT_EQ(thick.watch.judgeEquilibrium(thick.loaded(2.0)), Buckling::kUnlikely);
   EXPECT_EQ(thick.watch.judgeEquilibrium(thick.loaded(10.0)), Buckling::kPossible);

@@ -1,4 +1,4 @@
-// What a state of a dynamics counts as memory: its lists, and what these hold.
+// The memory of a dynamics state: its lists and their content.
 #include "../../src/simulation/dynamics_state.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The mechanics alone: a state is a value, commands are values, a fork and a step taken back are the run that they came from.
+// The mechanics alone. States and commands are values. A fork, and a run after a step is undone, continue the original run.
 #include "../../src/simulation/dynamics.h"
 #include "../../src/simulation/state_hash.h"
 #include "clouds.h"
@@ -42,7 +42,7 @@ geometry::Region makeEdge() {
   return edge;
 }
 
-// One of each that a sheet takes.
+// One of each command that a sheet accepts.
 std::vector<Command> makeCommands() {
   simulation::MaterialChangeParams soft;
   soft.young_modulus = 2e5;

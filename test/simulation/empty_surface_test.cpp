@@ -1,5 +1,4 @@
-// A surface of which every particle is gone is a state like others: whatever is asked of it or told to it works or is refused in
-// a sentence.
+// A surface without any particle left is a valid state: every request and command works, or is refused with a sentence.
 #include "../../src/simulation/dynamics.h"
 #include "clouds.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -158,7 +157,7 @@ TEST(EmptySurface, TakesEveryCommandOrRefusesItInASentence) {
   EXPECT_TRUE(s.step().ok);
 }
 
-// A force that waits acts on what is there when there is something.
+// A waiting force acts as soon as there are particles.
 TEST(EmptySurface, FillsAgainAndWaitingForcesBegin) {
   Simulation s = makeEmpty(makeScene());
   s.setForce({"pull", Vec3(0.2, 0.1, 0.0), Vec3(0.0, 0.0, 0.1), 0.0, 0.0, 1e300});

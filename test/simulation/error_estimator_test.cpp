@@ -1,4 +1,4 @@
-// The error estimate: it covers the truth, and a surface that buckles is not given a number.
+// The error estimate covers the true error. A surface that buckles gets no number.
 #include "../support/random_scene.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -31,7 +31,7 @@ TEST(ErrorEstimator, SaysForWhichNumbersOfPointsItIsMeantToCover) {
   EXPECT_FALSE(Simulation(p, cloud).statistics().error_calibrated);
 }
 
-// Those of three integrators, and three drawn at random; none is among the scenes that the method was tuned on.
+// Scenes of three integrators, and three drawn at random. None is among the scenes that the method was tuned on.
 TEST(ErrorEstimate, CoversTheDistanceFromTheFullSurfaceAndIsNotMuchLarger) {
   std::vector<RandomScene> scenes;
   for (IntegratorType type : {IntegratorType::kVerlet, IntegratorType::kStatic, IntegratorType::kImplicit}) {
@@ -46,7 +46,7 @@ TEST(ErrorEstimate, CoversTheDistanceFromTheFullSurfaceAndIsNotMuchLarger) {
     const double error = findLargestDistance(s.surface(false).positions, findTruth(scene.params, scene.cloud));
     EXPECT_GT(error, 0.0) << scene.name;
     EXPECT_LE(error, statistics.error_estimate) << scene.name;
-    EXPECT_LT(statistics.error_estimate, 25.0 * error) << scene.name;  // five times what is asked of the median
+    EXPECT_LT(statistics.error_estimate, 25.0 * error) << scene.name;  // five times the required median
     EXPECT_NEAR(statistics.error_estimate, statistics.error_space + statistics.error_transfer + statistics.error_time, 1e-12);
     EXPECT_EQ(statistics.error_stiffness, 0.0);
   }
@@ -61,8 +61,8 @@ TEST(ErrorEstimate, LeavesEveryBitOfTheResultAsItIs) {
   for (std::size_t i = 0; i < with.size(); ++i) ASSERT_EQ(with[i], without[i]) << i;
 }
 
-// A sheet of which a search from disturbed positions ends in other folds, where a surface of fewer points has none; and the strip
-// above, which can but sag.
+// A sheet for which a search from disturbed positions ends in other folds, where a surface of fewer points has none; and the
+// strip above, which can only sag.
 TEST(ErrorEstimate, IsNoNumberWhereASurfaceHasOtherEquilibria) {
   const RandomScene folded = makeRandomScene(11242);
   Simulation s(folded.params, folded.cloud);
@@ -75,7 +75,7 @@ TEST(ErrorEstimate, IsNoNumberWhereASurfaceHasOtherEquilibria) {
   const Points positions = s.state().positions;
   s.restore(flat);
   Simulation fork = s.fork();
-  EXPECT_EQ(s.step().notice, notice);  // with all digits of where the second search ended
+  EXPECT_EQ(s.step().notice, notice);  // all digits of where the second search ended
   s.reset();
   setNumThreads(3);
   EXPECT_EQ(s.step().notice, notice);
@@ -88,7 +88,7 @@ TEST(ErrorEstimate, IsNoNumberWhereASurfaceHasOtherEquilibria) {
   without.step();
   without.step();
   EXPECT_EQ(without.state().positions, positions);
-  // Where the first search did not come to rest there is nothing to compare, until one does.
+  // If the first search did not converge there is nothing to compare, until one does.
   SceneParams hasty = folded.params;
   hasty.integrator.max_iterations = 3;
   Simulation unbalanced(hasty, folded.cloud);
@@ -102,7 +102,7 @@ TEST(ErrorEstimate, IsNoNumberWhereASurfaceHasOtherEquilibria) {
   EXPECT_TRUE(std::isfinite(sagging.statistics().error_estimate));
 }
 
-// What clamps the cloud clamps few points, too: those of a pin that simplification keeps carry its edge.
+// Pins that clamp the cloud clamp few points, too: the points of a pin that simplification keeps contain its edge.
 TEST(ErrorEstimate, CoversAPinThatIsNarrowerThanTheSpacing) {
   SceneParams p = saggingStrip(IntegratorType::kStatic);
   p.simplification.target_points = 80;
@@ -153,13 +153,13 @@ TEST(ErrorEstimate, FollowsTheCommandsThatTheSimulationGets) {
   p.gravity.setZero();
   Simulation s(p, strip());
   run(s, 2);
-  // Nothing moves but the twin, by up to a thousandth of the spacing along each axis; where a step has but one sub-step, time's
-  // factor makes four times as much of it.
+  // Only the twin moves, by up to a thousandth of the spacing along each axis. In a step with one sub-step the factor of the time
+  // error makes this four times as large.
   EXPECT_LT(s.statistics().error_estimate, 5e-4);
   s.setGravity(Vec3(0.0, 0.0, -9.81));
   run(s, 20);
   const double sagging = s.statistics().error_estimate;
-  // Copies that had not heard of gravity would be apart by all of the motion.
+  // Copies without gravity would be apart by the whole motion.
   double motion = 0.0;
   for (float d : s.surface(false).displacement) motion = std::max(motion, static_cast<double>(d));
   EXPECT_GT(sagging, 2e-4);
@@ -188,7 +188,7 @@ TEST(ErrorEstimate, IsNoNumberWhereItIsSwitchedOff) {
 }
 
 TEST(ErrorEstimate, OfASheetThatBucklesIsInfiniteAndSaysWhy) {
-  // Pushed together in its plane, between clamps, by far more than it bears.
+  // Pushed together in its plane, between clamps, by far more than it can carry.
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.material.bending_rigidity.value = 1e-5;
   p.material.damping = 0.0;
@@ -258,7 +258,7 @@ TEST(ErrorEstimate, SaysBesideItsNumberThatASphereMayBuckle) {
   EXPECT_FALSE(s.statistics().may_buckle);
   s.restore(snapshot);
   EXPECT_TRUE(s.statistics().may_buckle);
-  // A target that this meets says so, too.
+  // A target that this estimate meets gives the same message.
   p.simplification.target_points = 0;
   p.accuracy.position_error = 0.1;
   const Simulation chosen(p, io::makeShape(p.cloud));
@@ -267,7 +267,7 @@ TEST(ErrorEstimate, SaysBesideItsNumberThatASphereMayBuckle) {
 }
 
 TEST(ErrorEstimate, IsANumberFromTheFirstStepBesideATool) {
-  // In this one the copy in finer sub-steps needs no more of them than the other.
+  // In this scene the copy in finer sub-steps needs no more of them than the other.
   SceneParams p = thinSphere();
   p.material.density = 1000.0;
   p.material.damping = 2.0;
@@ -294,7 +294,7 @@ TEST(ErrorEstimate, IsANumberFromTheFirstStepBesideATool) {
 }
 
 TEST(ErrorEstimate, LooksForBucklingAlsoWhereItsCopiesAreLost) {
-  // A knife takes away what the copies follow before the force presses.
+  // A knife removes the points that the copies follow before the force presses.
   SceneParams p = thinSphere();
   p.material.density = 1000.0;
   p.material.damping = 2.0;
@@ -344,7 +344,7 @@ TEST(ErrorEstimate, GoesOnBitForBitFromASnapshot) {
     const simulation::Statistics expected = s.statistics();
     EXPECT_GT(expected.error_estimate, 0.0);
 
-    // After it went elsewhere, with commands that the copies got too; and in one made anew.
+    // After other steps, with commands that the copies got, too; and in a new simulation.
     s.setGravity(Vec3(0.0, 30.0, 0.0));
     s.removeForce("pull");
     run(s, 3);
@@ -370,15 +370,14 @@ TEST(ErrorEstimate, OfImplicitStepsIsFromHalvedOnesWhereVerletsDoNotFitAndSaysSo
   for (int k = 0; k < 30; ++k) times_said += s.step().notice.find("steps half as long") != std::string::npos;
   EXPECT_EQ(times_said, 1);
   EXPECT_EQ(s.stateHash(), by_verlet.stateHash());
-  // Two ways to the same error; each has a factor of safety of two.
+  // Two ways to compute the same error, each with a safety factor of two.
   EXPECT_GT(s.statistics().error_time, by_verlet.statistics().error_time / 2.0);
   EXPECT_LT(s.statistics().error_time, by_verlet.statistics().error_time * 2.0);
   EXPECT_LE(findLargestDistance(s.surface(false).positions, findTruth(p, strip())), s.statistics().error_estimate);
 }
 
 TEST(ErrorEstimate, OfImplicitStepsIsInfiniteWhereVerletsAreChaotic) {
-  // A jerk, in which a disturbance of the full surface grows more than a thousandfold: implicit steps damp the waves that it does
-  // so in.
+  // A jerk amplifies a disturbance of the full surface more than a thousandfold. Implicit steps damp the waves in which it grows.
   SceneParams p = saggingStrip(IntegratorType::kImplicit);
   p.simplification.target_points = 150;
   p.forces.push_back({"jerk", Vec3(0.5, 0.0, 0.0), Vec3(150.0, 0.0, 0.0), 0.1, 0.05, 1e300});
@@ -390,8 +389,7 @@ TEST(ErrorEstimate, OfImplicitStepsIsInfiniteWhereVerletsAreChaotic) {
 }
 
 TEST(ErrorEstimate, SurvivesThatAutoLeavesVerlet) {
-  // The strip is pulled so hard that it gets too stiff for the sub-steps that are allowed, and not so hard that its motion is
-  // chaotic.
+  // The strip is pulled so hard that it becomes too stiff for the allowed sub-steps, but not so hard that its motion is chaotic.
   SceneParams p = saggingStrip(IntegratorType::kAuto);
   p.simplification.target_points = 150;
   Simulation s(p, strip());
@@ -417,7 +415,7 @@ TEST(ErrorEstimate, BeginsAnewFromAGivenState) {
   Simulation fresh(p, strip());
   const model::State rest = fresh.state();
   run(fresh, 10);
-  // At rest, but later: what follows is what followed the first time, the copies included.
+  // At rest, but later: the same steps follow as the first time, including those of the copies.
   Simulation s(p, strip());
   run(s, 5);
   s.setState(rest);

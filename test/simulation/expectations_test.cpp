@@ -1,4 +1,4 @@
-// What `expect` measures, on motions whose numbers are known beforehand.
+// The quantities of `expect`, on motions with known numbers.
 #include "deformable_surface/simulation/expectations.h"
 
 #include "deformable_surface/base/error.h"
@@ -13,7 +13,7 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kFall = 9.81 * 0.1 * 0.1 / 2.0;  // of a free body after a tenth of a second
+constexpr double kFall = 9.81 * 0.1 * 0.1 / 2.0;  // distance that a free body falls in a tenth of a second
 
 SceneParams makeFallingSheet() {
   SceneParams params;
@@ -30,7 +30,7 @@ Simulation runSteps(const SceneParams& params, int steps) {
   return simulation;
 }
 
-// Of radius 0.3 m, so high above the origin.
+// With a radius of 0.3 m, at this height above the origin.
 tool::ToolParams makeBall(double height) {
   tool::ToolParams ball;
   ball.id = "ball";
@@ -121,7 +121,7 @@ TEST(Expectations, MeasureDistancesToTheShapeAndToTheInput) {
   Simulation sheet = runSteps(params, 10);
   for (const char* name : {"distance_to_shape_max", "distance_to_shape_rms", "distance_to_input_max", "distance_to_input_rms"})
     EXPECT_NEAR(computeQuantity(name, sheet), kFall, 1e-9) << name;
-  // A sphere that has moved by d along z is at most d away from where it was, and d / sqrt(3) in the mean square.
+  // A sphere that has moved by d along z is at most d from its first place, and d / sqrt(3) in the mean square.
   params.cloud.shape = CloudParams::Shape::kSphere;
   params.cloud.points = 2000;
   params.simplification.target_points = 500;
@@ -140,7 +140,7 @@ TEST(Expectations, MeasureDistancesToTheNearestSphereAndTorus) {
   params.cloud.points = 2000;
   params.cloud.radius = 0.3;
   params.simplification.target_points = 500;
-  // It falls as a whole: away from where it was made, and as round as it was.
+  // It falls as a whole: away from its first place, and still round.
   Simulation sphere = runSteps(params, 10);
   EXPECT_NEAR(computeQuantity("sphere_radius", sphere), 0.3, 1e-9);
   EXPECT_LT(computeQuantity("distance_to_sphere_max", sphere), 1e-9);
@@ -160,7 +160,7 @@ TEST(Expectations, MeasureWhatLiesOnASolidTool) {
   EXPECT_THROW(computeQuantity("distance_to_tools_min", bare), InputError);
   EXPECT_THROW(computeQuantity("touching", bare), InputError);
   const double spacing = test::latticeOf(bare).spacing;
-  // The middle of the sheet is under the ball; a tool that only carries is none to lie on.
+  // The middle of the sheet is below the ball. A tool that only carries does not count as support.
   params.tools = {makeBall(0.3 + 0.2 * spacing), makeBall(0.0)};
   params.tools[1].id = "hand";
   params.tools[1].mode = tool::Mode::kMove;
@@ -188,11 +188,11 @@ TEST(Expectations, MeasureHowFarAxesAreFromThePrincipalDirections) {
   params.simplification.method = cloud::SimplificationMethod::kNone;
   params.model = "oriented_particles";
   params.oriented_particles.rest_shape = model::RestShape::kFlat;
-  params.oriented_particles.freeze_below = 1.0;  // nobody is warm: the surface stays as it is
+  params.oriented_particles.freeze_below = 1.0;  // no particle is warm: the surface does not change
   params.oriented_particles.axis_alignment_rate = 1e-9;
   params.oriented_particles.principal = model::PrincipalDirection::kAbsolute;
   Simulation still = runSteps(params, 1);
-  // In all directions: evenly spread angles are off by a quarter of half a turn in the mean.
+  // In all directions: evenly spread angles are off by a quarter of a half turn in the mean.
   EXPECT_NEAR(computeQuantity("principal_angle_mean", still), 3.14159265 / 4.0, 0.05);
   params.oriented_particles.axis_alignment_rate = 1e6;
   Simulation turned = runSteps(params, 10);

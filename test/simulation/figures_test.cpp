@@ -1,5 +1,5 @@
-// The figures of the paper on meshfree elasticity with point cloud geodesics: parts of a body that are close in space move on
-// their own, and stick together where neighbours are the nearest in space.
+// The figures of the paper on meshfree elasticity with point cloud geodesics. Parts of a body that are close in space move
+// separately. They stick together if neighbours are the nearest points in space.
 #include "support/figures.h"
 #include "../../src/simulation/dynamics.h"
 
@@ -30,16 +30,16 @@ const OrAuto<double> kAuto, kEuclidean(1.0), kPublished(15.0);
 
 class TwoBars : public testing::TestWithParam<const char*> {};
 
-// Figure 8. The scene's own bounds, which are those of the tests of scenes, are for auto.
+// Figure 8. The bounds in the scene, which the tests of scenes check, are for auto.
 TEST_P(TwoBars, TheLowerBarBendsDownUnlessNeighboursAreTheNearestInSpace) {
   SceneParams scene = loadScene(GetParam());
-  scene.duration = 0.6;                                      // by then it has bent most of the way
+  scene.duration = 0.6;                                      // by then it has done most of its bending
   const Vec3 low(0.9, -kFar, -kFar), high(kFar, kFar, 0.0);  // the tip of the lower bar
   Simulation by_auto = runFigure(scene, kAuto), published = runFigure(scene, kPublished),
              euclidean = runFigure(scene, kEuclidean);
   const double bent = findLargestMotion(by_auto, low, high);
   EXPECT_GT(bent, 0.2);
-  // With 15 true links lose a fifth of their weight (docs/geodesics.md), so that it is a softer bar.
+  // With 15, true links lose a fifth of their weight (docs/geodesics.md), so the bar is softer.
   EXPECT_NEAR(findLargestMotion(published, low, high), bent, 0.3 * bent);
   EXPECT_LT(findLargestMotion(euclidean, low, high), 0.05 * bent);
 }
@@ -56,7 +56,7 @@ TEST(TwoBarsSolid, BendAsFarAsThePageSays) {
 INSTANTIATE_TEST_SUITE_P(, TwoBars, testing::Values("two_bars_solid", "two_bars_block"),
                          [](const auto& info) { return std::string(info.param); });
 
-// Their forces end before the other side of the slit. Where they reach across it, they pull, though less than bonds do.
+// Their forces end before the other side of the slit. If the cutoff reaches across it, they pull, though less than bonds do.
 TEST(Figures, TheLowerBarOfParticlesBendsDownAndFeelsNothingAcrossTheSlit) {
   SceneParams scene = loadScene("two_bars_particles");
   const Vec3 low(0.9, -kFar, -kFar), high(kFar, kFar, 0.0);
@@ -93,7 +93,7 @@ TEST(Figures, AnArmOfTheOctopusWavesOnItsOwn) {
   EXPECT_GT(findLargestMotion(euclidean, low, high), 0.1 * kPull);
 }
 
-// The same with outlines that are not ours, in units of their diagonal; skips where they are not at hand.
+// The same with outlines from other sources, in units of their diagonal. Skipped where they are missing.
 cloud::PointCloud asCloud(const Points& points) {
   cloud::PointCloud cloud;
   cloud.positions = points;
@@ -151,8 +151,8 @@ Points findNormals(const Points& points, const std::vector<std::vector<Index>>& 
   return normals;
 }
 
-// In space they are cloth, with nothing inside: mass_spring. Where the legs are close, the gap is down to half as wide as the
-// spacing along them, and only the mesh's normals tell the sides apart (docs/geodesics.md).
+// In space they are cloth, with nothing inside: mass_spring. Where the legs are close, the gap is down to half of the spacing
+// along them. Only the mesh's normals separate the sides there (docs/geodesics.md).
 TEST(SharedGarments, PullingOneLegOfTrousersInSpaceLeavesTheOtherWhereItIs) {
   struct Case {
     const char* file;
@@ -180,7 +180,7 @@ simplification: {target_points: )") + c.points +
     runScene(s);
     EXPECT_NEAR(findLargestMotion(s, Vec3(0.005, -1.0, -1.0), Vec3(1.0, 0.03, 1.0)), 0.1, 0.01) << c.file << ' ' << c.points;
     EXPECT_LT(findLargestMotion(s, Vec3(-1.0, -1.0, -1.0), Vec3(-0.005, 0.6, 1.0)), 0.01 * 0.1) << c.file << ' ' << c.points;
-    // Points in line beside the gap span no triangles: they asked for fifteen times as many.
+    // Points in line beside the gap span no triangles. They would ask for fifteen times as many points.
     EXPECT_LT(s.dynamics().lastSubsteps(), 200) << c.file << ' ' << c.points;
   }
 }
@@ -211,7 +211,7 @@ std::vector<std::vector<Index>> findEdges(Index num_points, const std::vector<st
   return edges;
 }
 
-// Front and back of the shirt are half a spacing apart; its faces tell which points are near over the cloth.
+// Front and back of the shirt are half a spacing apart. Its faces determine which points are near along the cloth.
 TEST(SharedGarments, SpringsOfAShirtThatLiesFlatDoNotJoinItsFrontToItsBack) {
   const char* const kFile = "diffcloth_garments/tshirt1900-flattened.obj";
   const Points points = readSharedPoints(kFile);
@@ -234,10 +234,10 @@ TEST(SharedGarments, SpringsOfAShirtThatLiesFlatDoNotJoinItsFrontToItsBack) {
   EXPECT_LT(wrong[1], 0.25 * wrong[0]);
 }
 
-// The same shirt with neighbours over its faces, of which those count that are hardly nearer in space.
+// The same shirt with neighbours along its faces. Only those count that are hardly nearer in space.
 simulation::Dynamics makeTrueShirt(const SceneParams& scene, const cloud::PointCloud& shirt,
                                    const std::vector<std::vector<Index>>& faces) {
-  constexpr double kDirect = 1.7;  // beyond it a way over edges is one around something
+  constexpr double kDirect = 1.7;  // beyond it a path along edges is a detour
   constexpr Index kNear = 64, kListed = 16;
   const Points& x = shirt.positions;
   const Index n = shirt.size();
@@ -272,7 +272,7 @@ simulation::Dynamics makeTrueShirt(const SceneParams& scene, const cloud::PointC
   return simulation::Dynamics(scene, std::move(s));
 }
 
-// Its front is drawn away by one point, in space, while collar, hem and sleeves are held: the back, half a spacing away, stays.
+// One point pulls the front away, in space, while collar, hem and sleeves are held. The back, half a spacing away, stays.
 TEST(SharedGarments, TheFrontOfAShirtThatLiesFlatLeavesItsBackWhereItIs) {
   const char* const kFile = "diffcloth_garments/tshirt1900-flattened.obj";
   cloud::PointCloud shirt = asCloud(readSharedPoints(kFile));
@@ -308,12 +308,12 @@ forces: [{id: draw, point: [0.008, -0.151, 0.022], force: [0, 0.3, 0]}]
     back[is_auto] = 0.0;
     for (Index i = 0; i < shirt.size(); ++i) {
       sum += (now[i] - exact[i]).squaredNorm() / shirt.size();
-      // The normals of the back point away from where the front is drawn to.
+      // The normals of the back point away from the direction of the pull.
       if (shirt.normals[i].y() < -0.5) back[is_auto] = std::max(back[is_auto], (now[i] - shirt.positions[i]).norm());
     }
     error[is_auto] = std::sqrt(sum);
   }
-  // Seams lose links, so that the front is softer there; 16 and 32 neighbours over the faces differ by a tenth of that.
+  // Seams lose links, so the front is softer there. Sixteen and 32 neighbours along the faces differ by a tenth of that.
   EXPECT_LT(error[true], 0.04 * drawn);
   EXPECT_GT(error[false], 0.1 * drawn);
   EXPECT_LT(back[true], 0.01 * drawn);

@@ -1,4 +1,4 @@
-// Closed surfaces filled with points: how much body that makes, what comes out, and which surfaces are refused.
+// Closed surfaces filled with points: volume, published output, and surfaces that are refused.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -60,7 +60,7 @@ TEST(FilledSolid, PutsOutTheInputsPointsAlone) {
   }
 }
 
-// Nothing holds it: it falls as a whole, and turns nothing.
+// Nothing holds it: it falls as a whole and does not rotate.
 TEST(FilledSolid, FallsFreely) {
   const SceneParams scene = makeBallScene();
   Simulation s(scene, io::makeShape(scene.cloud));
@@ -107,7 +107,7 @@ TEST(FilledSolid, FillsTheStanfordBunny) {
   SceneParams scene = makeBallScene();
   scene.simplification.target_points = 2500;
   Simulation s(scene, asCloud(points));
-  // How much an open surface encloses is a guess, from which the spacing comes.
+  // The volume of an open surface is a guess, and so is the spacing that follows from it.
   EXPECT_NEAR(static_cast<double>(s.state().size()), 2500.0, 1000.0);
   EXPECT_EQ(s.surface(false).positions.size(), points.size());
 }

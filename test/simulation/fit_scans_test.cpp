@@ -1,5 +1,5 @@
-// Surfaces of oriented particles grown through samples of scans: samples held, then let go, and how far from what was not sampled
-// they end. Scans that are not shipped; each test skips without its own.
+// Surfaces of oriented particles grown through samples of scans, with samples held and then released, and their distance from
+// points that were not sampled. The scans are not shipped; each test skips without its own.
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/cloud/normals.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -17,7 +17,7 @@ using simulation::Simulation;
 
 constexpr const char* kNoData = "no real data: set DEFORMABLE_SURFACE_DATA to its folder";
 
-// Doubles x y z nx ny nz behind a header of text; empty without the file.
+// Doubles x y z nx ny nz after a text header; empty if the file is missing.
 TestSurface readBinaryPly(const std::string& name, std::size_t count) {
   std::ifstream stream(sharedFolder() + "/" + name, std::ios::binary);
   TestSurface surface;
@@ -28,7 +28,7 @@ TestSurface readBinaryPly(const std::string& name, std::size_t count) {
   return surface;
 }
 
-// The first ones that are as far as that from all others before them.
+// The first points that are at least this far from all points before them.
 TestSurface chooseApart(const TestSurface& scan, double apart) {
   TestSurface samples;
   for (Index i = 0; i < scan.size(); ++i) {
@@ -102,7 +102,7 @@ Off measureOff(const Points& positions, double spacing) {
   return off;
 }
 
-// How far particles stand off the mean distance of those around them (rms), in spacings: what is left of short waves of the
+// Distance of the particles from the mean distance of their neighbours (rms), in spacings: the remaining short waves of the
 // noise.
 double measureRoughness(const Points& positions, double spacing) {
   constexpr double kAround = 1.5;  // spacings
@@ -139,7 +139,7 @@ TEST(FitScans, LettingANoisySphereGoClosesItKeepsItsRadiusAndTakesPartOfTheNoise
   EXPECT_LT(held.root_mean_square, 0.8 * sampled.root_mean_square);
   EXPECT_LT(let_go.root_mean_square, held.root_mean_square);
   EXPECT_LT(measureRoughness(s.state().positions, kSpacing), 0.3 * measureRoughness(fixed.state().positions, kSpacing));
-  // At the stated spacing there would be too few particles for the sphere, which then was 0.05 smaller than its samples.
+  // With the stated spacing there would be too few particles for the sphere. It was then 0.05 smaller than its samples.
   EXPECT_LT(std::abs(let_go.mean - sampled.mean), 0.03);
   // It is at rest.
   const Points before = s.state().positions;
@@ -149,8 +149,8 @@ TEST(FitScans, LettingANoisySphereGoClosesItKeepsItsRadiusAndTakesPartOfTheNoise
   EXPECT_LT(largest, 0.01 * kSpacing);
 }
 
-// Nearest distances from 0.008 to 0.086, horns as thin as a spacing, lips as sharp; open at the neck. What is thinner than a
-// spacing keeps holes: of fixed samples about twenty, of those that were let go a few.
+// Nearest distances from 0.008 to 0.086, horns as thin as a spacing, sharp lips; open at the neck. Parts thinner than a spacing
+// keep holes: about twenty with held samples, a few with released ones.
 TEST(FitScans, AnUnevenlySampledHeadIsOnePieceNearItsScan) {
   const TestSurface scan = readBinaryPly("cgal_points/oni.ply", 1435);
   if (scan.size() == 0) GTEST_SKIP() << kNoData;
@@ -163,7 +163,7 @@ TEST(FitScans, AnUnevenlySampledHeadIsOnePieceNearItsScan) {
   EXPECT_LT(measureDistance(s, scan.positions, scan.normals, kSpacing), 0.3);
 }
 
-// A ring of legs and tail a few spacings thick, whose sides neighbours in space confuse and given normals tell.
+// A ring of legs and tail a few spacings thick. Neighbours in space confuse its sides; given normals separate them.
 TEST(FitScans, AScannedCatWithNormalsClosesWithItsGenus) {
   const TestSurface scan = model::readRealData("cgal_points/kitten.xyz");
   if (scan.size() == 0) GTEST_SKIP() << kNoData;
@@ -176,14 +176,14 @@ TEST(FitScans, AScannedCatWithNormalsClosesWithItsGenus) {
   EXPECT_LT(measureDistance(s, scan.positions, scan.normals, kSpacing), 0.22);
 }
 
-// A range view: one side, with gaps where it saw nothing. The whole bunny tells where the surface is.
+// A range view: one side, with gaps where nothing was seen. The complete bunny gives the true surface.
 TEST(FitScans, ARangeViewIsFilledUpToTheLimitAndStaysOpenBeyond) {
   const TestSurface view = model::readRealData("pcl_scans/bun0.pcd");
   const Points whole = readSharedPoints("open3d_bunny/bunnyData.pts");
   if (view.size() == 0 || whole.empty()) GTEST_SKIP() << kNoData;
   constexpr double kSpacing = 0.005;
   Simulation s = growThrough(chooseApart(view, kSpacing), kSpacing, {2.5, 0.0, 0.3, true});
-  // The far ear is apart and has a gap wider than the limit; besides the three outlines there is no hole.
+  // The far ear is separate, with a gap wider than the limit. There is no hole besides the three outlines.
   EXPECT_EQ(count("components", s), 3.0);
   EXPECT_EQ(count("boundary_loops", s), 3.0);
   EXPECT_EQ(count("euler_characteristic", s), 3.0);

@@ -19,7 +19,7 @@ tool::ToolParams ball(double radius, const Vec3& from, const Vec3& to) {
   return tool;
 }
 
-// One law: the stiffness is the secant of the force, the bound of rows is above it, and the work is done at the force's limit.
+// One force law: the stiffness is the secant of the force, the row bound is above it, and the work is done at the force's limit.
 TEST(FrictionLoad, ForceStiffnessWorkAndRowBoundsAreThoseOfOneLaw) {
   const std::vector<double> masses = {0.3, 0.5};
   tool::ToolParams tool = ball(0.5, Vec3::Zero(), Vec3(0.2, 0.0, 0.0));
@@ -82,7 +82,7 @@ TEST(FrictionLoad, AToolThatDoesNotPushRubsNowhere) {
 
 constexpr double kDamping = 20.0;  // 1/s, with which a patch that falls on a plane comes to rest in half a second
 
-// A small stiff patch on a plane with a coefficient of 0.4, which is inclined after a second.
+// A small stiff patch on a plane with a coefficient of 0.4. The plane is inclined after a second.
 struct Incline {
   double angle = 0.0;  // rad
   double friction = 0.4;
@@ -120,7 +120,7 @@ double meanPlace(const simulation::Simulation& s) {
   return sum;
 }
 
-// How far the patch gets between two times after the plane was inclined, m.
+// How far the patch moves between two times after the plane was inclined, m.
 double slide(const Incline& incline, double from, double to) {
   simulation::Simulation s = incline.make();
   const double step = s.params().integrator.time_step;
@@ -167,7 +167,7 @@ TEST(FrictionLoad, WhatSlidesHasTheKineticCoefficient) {
   Incline incline;
   incline.friction = 1.0;
   incline.kinetic = 0.2;
-  incline.angle = std::atan(0.25);  // between both: it stays where it is put
+  incline.angle = std::atan(0.25);  // between both: it stays where it is
   EXPECT_LT(slide(incline, 0.5, 1.0), 1e-6);
   incline.angle = std::atan(1.2);
   incline.damping = 0.0;
@@ -200,7 +200,7 @@ TEST(FrictionLoad, AToolCarriesWhatLiesOnItAsItMoves) {
                 {s.time() + 1.0, Vec3(0.3, 0.0, 0.0), Vec4(0.0, 0.0, 0.0, 1.0)}};
   s.moveTool(plane.id, plane.path);
   run(s, 120);
-  EXPECT_NEAR(meanPlace(s) - before, 0.3, 2e-3);  // it starts and stops at once, and slips for a moment
+  EXPECT_NEAR(meanPlace(s) - before, 0.3, 2e-3);  // it starts and stops at once, and slips for a short time
 }
 
 }  // namespace

@@ -77,7 +77,7 @@ TEST(GripClamps, ACantileverInAGripIsThatOfABeam) {
   EXPECT_LT(errors[1], 0.003);
 }
 
-// In every method, along a path that lifts and turns.
+// For every integrator, along a path that lifts and turns.
 TEST(GripClamps, AGripDoesWhatAPinOnItsPathDoes) {
   const double half = 0.25;
   const double end = 0.137;

@@ -7,7 +7,7 @@
 namespace deformable_surface::test {
 namespace {
 
-// A hand that takes hold of the free edge of the hanging sheet at time 0 and lifts it.
+// A tool that grips the free edge of the hanging sheet at time 0 and lifts it.
 tool::ToolParams hand(double strength = 0.0) {
   tool::ToolParams tool;
   tool.id = "hand";
@@ -55,7 +55,7 @@ TEST(Grips, EveryMethodCarriesAlike) {
   }
 }
 
-// How far it goes in a step, and what it meets there, is the caller's choice.
+// The caller chooses how far it moves in a step, and what it meets there.
 TEST(Grips, AnEquilibriumFollowsAHandOverAnyDistanceInAnyDirection) {
   for (const double stretching : {20.0, 2000.0})
     for (const double distance : {0.02, 0.1, 0.25})

@@ -1,5 +1,5 @@
-// An accuracy target also chooses between Verlet's sub-steps and implicit steps, where that is left to auto: the cheaper one
-// whose estimate stays below the target, until what was tried has come to an end.
+// With integrator.type auto, an accuracy target also chooses between Verlet's sub-steps and implicit steps: the cheaper one whose
+// estimate stays below the target, until the tried scene ends.
 #include "../../src/simulation/integrator_choice.h"
 #include "../../src/simulation/dynamics.h"
 #include "clouds.h"
@@ -15,8 +15,8 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using solve::IntegratorType;
 
-// A stiff plate, clamped at one end, that a ball presses down slowly at the other: no softer membrane may stand for it, its
-// sub-steps are short, and what happens is slow.
+// A stiff plate, clamped at one end. A ball slowly presses down the other. No softer membrane is accepted for it, its sub-steps
+// are short, and the motion is slow.
 SceneParams pressedPlate() {
   SceneParams p = hangingSheet();
   p.pins[0].region.max[0] = 0.3;
@@ -39,7 +39,7 @@ SceneParams pressedPlate() {
   return p;
 }
 
-// Implicit steps lose more of its swing than the target, and Verlet's are more than are said to fit.
+// Implicit steps lose more of its swing than the target allows, and Verlet needs more sub-steps than max_substeps.
 SceneParams swingingSheet() {
   SceneParams p = hangingSheet();
   p.integrator.time_step = 1.0 / 30.0;
@@ -78,7 +78,7 @@ TEST(IntegratorChoice, TakesImplicitStepsWhereTheyKeepTheTargetForLessWork) {
   p.simplification.target_points = choice.points;
   Simulation by_verlet(p, sheet());
   run(by_verlet, countSteps(p));
-  // What implicit steps lose is measured, not only estimated: the copies' points lie beside the ball.
+  // The loss of implicit steps is measured, not only estimated: the points of the copies lie beside the ball.
   EXPECT_GT(s.statistics().error_stiffness, 0.0);
   EXPECT_LE(findLargestDistance(s.state().positions, by_verlet.state().positions), s.statistics().error_stiffness);
   p.simplification.method = cloud::SimplificationMethod::kNone;
@@ -89,7 +89,7 @@ TEST(IntegratorChoice, TakesImplicitStepsWhereTheyKeepTheTargetForLessWork) {
 }
 
 TEST(IntegratorChoice, LeavesVerletWhereImplicitStepsWouldLoseMoreThanTheTarget) {
-  // Let go, it swings; steps as long as a fifth of its period damp that.
+  // Released, it swings. Steps as long as a fifth of its period damp that.
   SceneParams p = pressedPlate();
   p.gravity = Vec3(0.0, 0.0, -9.81);
   p.accuracy.position_error = 3e-4;
@@ -190,7 +190,7 @@ TEST(IntegratorChoice, GoesOnBitForBitFromASnapshotOfEither) {
   EXPECT_EQ(s.statistics().error_estimate, error);
 }
 
-// What a time per step leads to: so many points by what auto takes, and so many in implicit steps.
+// The result of a time budget per step: so many points with the method of auto, and so many with implicit steps.
 simulation::AccuracyChoice compare(const SceneParams& params, Index points, Index points_of_implicit) {
   simulation::RestSurface full = simulation::buildRestSurface(params, sheet(), 16);
   simulation::AccuracyChoice choice, with_implicit;
@@ -211,12 +211,12 @@ TEST(IntegratorChoice, OfATimePerStepIsWhatLeadsToTheSmallerEstimate) {
   swinging.simplification.method = cloud::SimplificationMethod::kNone;
   SceneParams slow = swinging;
   slow.material.damping = 1e4;
-  // It creeps down: all points in implicit steps are better than some of them in Verlet's.
+  // It creeps down: all points with implicit steps are better than some of them with Verlet.
   const simulation::AccuracyChoice all = compare(slow, 128, 144);
   EXPECT_EQ(all.integrator, IntegratorType::kImplicit);
   EXPECT_EQ(all.points, 144);
   EXPECT_NE(all.sentence.find("integrator implicit, whose estimated error"), std::string::npos) << all.sentence;
-  // Let go, it swings, and what implicit steps damp is more than what a few points are wrong by.
+  // Released, it swings. Implicit steps damp more than the error of few points.
   EXPECT_EQ(compare(swinging, 128, 144).integrator, IntegratorType::kAuto);
 }
 
@@ -228,7 +228,7 @@ TEST(IntegratorChoice, OfATimePerStepTakesImplicitStepsWhereTheyAloneFitAndNotFo
   EXPECT_EQ(compare(p, 0, 128).integrator, IntegratorType::kImplicit);
   EXPECT_EQ(compare(p, 128, 128).integrator, IntegratorType::kAuto);
   EXPECT_EQ(compare(p, 128, 0).integrator, IntegratorType::kAuto);
-  // Where tools touch, what copies may miss is not compared.
+  // Where tools touch, the error that copies may miss is not compared.
   p = pressedPlate();
   p.accuracy = simulation::AccuracyParams();
   p.accuracy.step_budget = 1.0;

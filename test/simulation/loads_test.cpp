@@ -177,10 +177,10 @@ TEST(NamedForces, TellOnceOfAForceThatActsFarAwayOrOnPinnedPointsOnly) {
   EXPECT_EQ(put(Vec3(2, 5, 0), 0.0), "");  // without a radius the nearest one is meant
   EXPECT_EQ(put(Vec3(2, 5, 0), 0.1),
             "force 'a': no simulation point lies within its radius of 0.1 m; it acts on the nearest one, 5 m from its point");
-  EXPECT_EQ(put(Vec3(2, 6, 0), 0.1), "");  // told
+  EXPECT_EQ(put(Vec3(2, 6, 0), 0.1), "");  // reported
   EXPECT_EQ(forces.update(0.0, state, pinned).notice, "");
   EXPECT_EQ(put(Vec3(2, 0, 0), 0.1), "");
-  EXPECT_NE(put(Vec3(2, 6, 0), 0.1), "");  // it was well meanwhile
+  EXPECT_NE(put(Vec3(2, 6, 0), 0.1), "");  // it was valid in between
   EXPECT_NE(putAnew(Vec3(2, 6, 0), 0.1), "");
   EXPECT_NE(putAnew(Vec3(-5, 0, 0), 0.1).find("5 m from its point, which is pinned"), std::string::npos);
   EXPECT_EQ(putAnew(Vec3(0.9, 0, 0), 0.0), "force 'a': the simulation point that it acts on is pinned; it moves nothing");
@@ -199,7 +199,7 @@ TEST(NamedForces, TellOnceOfAPartThatTheModelDrops) {
   EXPECT_EQ(put(Vec3(3, 0, 4)), "");
   EXPECT_EQ(put(Vec3(3, -4, 0)),
             "force 'a': 4 N of its 5 N are across the plane in which alone this model moves, and are dropped");
-  EXPECT_EQ(put(Vec3(3, -4, 0)), "");  // told
+  EXPECT_EQ(put(Vec3(3, -4, 0)), "");  // reported
 }
 
 TEST(NamedForces, ActInTheStepsThatBeginInTheirWindow) {

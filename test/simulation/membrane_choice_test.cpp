@@ -1,5 +1,5 @@
-// An accuracy target also chooses how stiff the membrane acts: what that changes is part of the estimate, is below the target,
-// and ends where it is no longer known to be.
+// An accuracy target also chooses the membrane stiffness. The effect is part of the estimate, is below the target, and ends where
+// it is not known any more.
 #include "../../src/simulation/dynamics.h"
 #include "clouds.h"
 
@@ -16,7 +16,7 @@ using simulation::Simulation;
 
 constexpr double kTarget = 0.02;  // m
 
-// Hangs from one edge, so stiff in its plane that its steps are those of waves that nobody sees.
+// Hangs from one edge. It is so stiff in its plane that its steps follow waves that nobody sees.
 SceneParams stiffSheet() {
   SceneParams p = hangingSheet();
   p.material.young_modulus = 1e8;
@@ -60,7 +60,7 @@ TEST(MembraneChoice, TakesASofterMembraneWhoseErrorStaysBelowTheTarget) {
   EXPECT_LE(findLargestDistance(s.surface(false).positions, truth.surface(false).positions), now.error_estimate);
   EXPECT_LE(now.error_estimate, kTarget);
   EXPECT_NEAR(now.error_estimate, now.error_space + now.error_transfer + now.error_time + now.error_stiffness, 1e-12);
-  // Sub-steps are as the root of the stiffness, where that of the membrane decides; one more each by rounding up.
+  // The number of sub-steps grows with the root of the membrane stiffness, where that decides; rounding up adds one each.
   EXPECT_LE(s.dynamics().lastSubsteps(), std::sqrt(choice.membrane_share) * stated.dynamics().lastSubsteps() + 2.0);
 }
 

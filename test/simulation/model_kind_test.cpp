@@ -1,4 +1,4 @@
-// The registry of models, and what it says of each.
+// The registry of models and its answers for each of them.
 #include "deformable_surface/simulation/model_kind.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Pins that go along a path: held points are carried rigidly, and everything that knows of pins knows of them.
+// Pins with a path: the points move rigidly, and everything that uses pins uses their motion.
 #include "clouds.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
@@ -220,7 +220,7 @@ TEST(Region, APinOutsideOfABoxHoldsTheRim) {
   for (Index i = 0; i < s.state().size(); ++i) {
     const Vec3& x = s.state().positions[i];
     const bool is_inside = x.x() >= 0.1 && x.x() <= 0.9 && x.y() >= -0.4 && x.y() <= 0.4;
-    EXPECT_EQ(s.pinned()[i] == simulation::kInPin, !is_inside);  // others ride on it
+    EXPECT_EQ(s.pinned()[i] == simulation::kInPin, !is_inside);  // others are carried by it
     held += !is_inside;
   }
   EXPECT_GT(held, 10);

@@ -1,4 +1,4 @@
-// Bands of a plane with gaps between them, as rows that a sensor left out.
+// Bands of a plane with gaps between them, like rows that a sensor left out.
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ simulation::RestSurface build(int num_bands, double gap, double rise = 0.0) {
   return simulation::buildRestSurface(scene, cloud);
 }
 
-// The sentence about gaps among others; empty if there is none.
+// The message about gaps among others; empty if there is none.
 std::string findSentence(const std::vector<std::string>& sentences) {
   const auto found = std::find_if(sentences.begin(), sentences.end(), [](const std::string& sentence) {
     return sentence.find("lie beside each other in one surface") != std::string::npos;

@@ -1,5 +1,5 @@
-// A first equilibrium that is looked for from that of fewer points is the one that is found from rest, without Newton's method
-// where a surface swings far.
+// A first equilibrium that is searched from that of fewer points equals the one found from rest, without Newton's method where a
+// surface swings far.
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
 
@@ -34,7 +34,7 @@ struct Sag {
   simulation::CloudParams shape;
 };
 
-// Not quite at rest, it starts where it is.
+// If it is not quite at rest, the search starts where it is.
 void moveALittle(Simulation& s) {
   model::State state = s.state();
   state.positions[200].z() += 1e-12;
@@ -54,7 +54,7 @@ TEST(NestedStart, LeadsToTheEquilibriumThatNewtonsMethodFindsFromRest) {
   moveALittle(direct);
   ASSERT_TRUE(nested.step().ok);
   ASSERT_TRUE(direct.step().ok);
-  // Both are in balance to a millionth of the forces, and soft by less than a metre a newton.
+  // Both are in balance to a millionth of the forces, and move by less than a metre per newton.
   EXPECT_LT(findLargestDistance(nested.state().positions, direct.state().positions), 1e-4);
   EXPECT_TRUE(nested.statistics().is_quasi_newton);
   EXPECT_FALSE(direct.statistics().is_quasi_newton);
@@ -68,7 +68,7 @@ TEST(NestedStart, IsNotNeededBetweenPins) {
   ASSERT_TRUE(s.step().ok);
   ASSERT_TRUE(direct.step().ok);
   EXPECT_TRUE(s.statistics().is_quasi_newton);
-  // From 25 points it would be 42 iterations in place of 35.
+  // From 25 points it would take 42 iterations instead of 35.
   EXPECT_NEAR(s.statistics().solver_iterations, direct.statistics().solver_iterations, 2);
   EXPECT_GT(findLargestDistance(s.state().positions, s.input().positions), 0.01);
 }

@@ -1,4 +1,4 @@
-// Clouds that are hardly a surface, made into oriented particles and grown through: refused in a sentence, or sound.
+// Clouds that are hardly a surface, as oriented particles, also grown: refused with a sentence, or sound.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -45,7 +45,7 @@ std::string refusal(const SceneParams& params, const Points& points) {
   return "";
 }
 
-// Grown through if asked, then stepped: at rest, as far as bonds let a particle fly in that time.
+// Grown if asked, then stepped. The result is at rest, or as far as bonds let a particle fly in that time.
 void expectSound(Fitting fitting, const Points& points, Index expected) {
   Simulation s = make(makeParams(fitting), points);
   if (fitting == Fitting::kLater) s.growSurface(s.params().oriented_particles.growth);
@@ -95,7 +95,7 @@ TEST(OddParticleClouds, OfThreePointsAreATriangleOrPointsOnTheirOwn) {
   EXPECT_NE(refusal(params, {a, b, 2.0 * b}).find("span no surface"), std::string::npos);
 }
 
-// Where points are not finite there are holes, which a fit closes as far as it may; what is twice is there once.
+// Points that are not finite leave holes, which growth closes as far as it may. Duplicates exist once.
 TEST(OddParticleClouds, WithHolesAndDoublesAreASheetLikeAnyOther) {
   Points sheet = makeSheet();
   sheet[27] = Vec3(0.0, 0.0, std::numeric_limits<double>::infinity());  // in the middle
@@ -123,7 +123,7 @@ TEST(OddParticleClouds, OfWhichOneParticleIsLeftGoOnAndCanBeFitted) {
   EXPECT_EQ(s.state().size(), 1);
   ASSERT_TRUE(s.step().ok);
   EXPECT_EQ(computeQuantity("isolated", s), 1.0);
-  // Into the open it grows where rows are asked for.
+  // It grows into the open where rows are requested.
   model::GrowthParams growth;
   growth.edge_rows = 2;
   s.growSurface(growth);

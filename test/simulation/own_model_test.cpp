@@ -1,4 +1,4 @@
-// A model that the package does not know, added by one line: scenes name it, and everything that a simulation does goes on.
+// A model from outside the package, added by one line: scenes name it, and all functions of a simulation work.
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/simulation/expectations.h"
 
@@ -126,7 +126,7 @@ TEST(OwnModel, IsPushedByToolsAndSleepsAtRest) {
   ball.path = {{0.0, Vec3(0.6, 0.5, 0.5), Vec4(0.0, 0.0, 0.0, 1.0)}, {0.5, Vec3(0.6, 0.5, 0.1), Vec4(0.0, 0.0, 0.0, 1.0)}};
   s.setTool(ball);
   run(s, 80);
-  // Contact gives way as the tethers do.
+  // Contact is as soft as the tethers.
   EXPECT_LT(simulation::computeQuantity("min_z", s), -0.01);
 }
 

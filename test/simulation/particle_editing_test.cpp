@@ -1,4 +1,4 @@
-// A user's edits of single particles: what each does, that the surface goes on with it, and that a wrong one changes nothing.
+// Edits of single particles by a user: their effect, that the surface continues with them, and that a wrong edit changes nothing.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/simulation/simulation.h"
 
@@ -148,7 +148,7 @@ TEST(ParticleEditing, AHoleIsGrownOverByAFit) {
   const std::string sentence = s.growSurface(growth);
   EXPECT_NE(sentence.find("1 particles were added to 63"), std::string::npos) << sentence;
   ASSERT_EQ(s.state().size(), 64);
-  // Back to a tenth of a spacing: the relaxation is no further from equilibrium, and nothing says where exactly it was.
+  // Back to within a tenth of a spacing: the relaxation is no further from equilibrium, and the exact place is not stored.
   EXPECT_NEAR((s.state().positions.back() - s.input().positions[27]).norm(), 0.0, 0.1 * kSpacing);
   run(s, 3);
   growth.min_gap = 0.0;

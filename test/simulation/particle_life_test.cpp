@@ -1,4 +1,4 @@
-// What happens to particles between steps: what knives heat.
+// Changes of particles between steps: heat from knives.
 #include "deformable_surface/simulation/simulation.h"
 
 #include "clouds.h"

@@ -1,4 +1,4 @@
-// Loads on oriented particles, whose areas are those of their discs: motions with known answers.
+// Loads on oriented particles, which act on the areas of their discs: motions with known answers.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/simulation/expectations.h"
@@ -65,13 +65,13 @@ TEST(ParticleLoads, PressureBlowsUpAClosedSurfaceOfThem) {
     for (const Vec3& x : s.state().positions) sum += x.norm() / static_cast<double>(s.state().size());
     radius[blown] = sum;
   }
-  // A thin sphere's strain is p R (1 - nu) / (2 E h), with nu a third. No sphere is a lattice: its defects change that by some
-  // per cent.
+  // The strain of a thin sphere is p R (1 - nu) / (2 E h), with nu a third. No sphere is a lattice: its defects change this by
+  // some per cent.
   const double strain = 10.0 * 0.5 * (2.0 / 3.0) / (2.0 * p.material.young_modulus * p.material.thickness);
   EXPECT_NEAR(radius[1] / radius[0] - 1.0, strain, 0.15 * strain);
 }
 
-// A strip drawn out slowly by its ends: in how many pieces it then is.
+// A strip is slowly pulled by its ends; the number of pieces at the end.
 double countPieces(double tear_strain, double strain) {
   simulation::SceneParams p = freePatch();
   p.oriented_particles.tear_strain = tear_strain;
@@ -100,7 +100,7 @@ double countPieces(double tear_strain, double strain) {
 }
 
 TEST(ParticleLoads, SheetsTearAtTheStretchThatIsAskedFor) {
-  // What is between the hands takes a tenth more than the whole, and bonds near them are drawn across.
+  // The part between the grips is stretched by a tenth more than the whole, and bonds near the grips are stretched across.
   for (const double tear_strain : {0.12, 0.25}) {
     EXPECT_EQ(countPieces(tear_strain, 0.75 * tear_strain), 1.0) << tear_strain;
     EXPECT_GE(countPieces(tear_strain, 1.5 * tear_strain), 2.0) << tear_strain;
@@ -108,7 +108,7 @@ TEST(ParticleLoads, SheetsTearAtTheStretchThatIsAskedFor) {
   EXPECT_THROW(countPieces(0.5, 0.1), InputError);  // with these exponents and this cutoff bonds carry most at 42 %
 }
 
-// Pinned while it swings about a hinge: with orientation the held edge becomes a clamp, and stops where it is.
+// Pinned while it swings about a hinge. Pinned with its orientation, the edge becomes a clamp and stops where it is.
 TEST(ParticleLoads, PinsHoldOrientationsIfTheyAreAskedTo) {
   geometry::Region edge;
   edge.min = Vec3(-1.0, -1.0, -1.0);
@@ -126,7 +126,7 @@ TEST(ParticleLoads, PinsHoldOrientationsIfTheyAreAskedTo) {
     for (Index i = 0; i < s.state().size(); ++i) {
       if (!s.pinned()[i]) continue;
       EXPECT_EQ(s.state().positions[i], before.positions[i]);
-      EXPECT_EQ(before.spins[i].isZero(0.0), orientation);  // else it would go on where it stopped as soon as it is let go
+      EXPECT_EQ(before.spins[i].isZero(0.0), orientation);  // else it would continue where it stopped, as soon as it is released
       turned = std::max(turned, (s.state().orientations[i].coeffs() - before.orientations[i].coeffs()).norm());
     }
     if (orientation) {
@@ -146,7 +146,7 @@ TEST(ParticleLoads, DragBrakesMotionAlongTheNormalsAndNoOther) {
   for (Vec3& v : state.velocities) v = 0.1 * normal + 0.2 * along;
   s.setState(state);
   run(s, 30);
-  // Second order in the sub-step, of which a time constant holds hundreds.
+  // Second order in the sub-step. A time constant has hundreds of sub-steps.
   const double left = 0.1 * std::exp(-p.viscous_drag / p.material.arealDensity() * s.time());
   for (const Vec3& v : s.state().velocities) {
     EXPECT_NEAR(v.dot(normal), left, 1e-4 * left);

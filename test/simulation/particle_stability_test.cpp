@@ -1,4 +1,5 @@
-// States and loads that no surface is made for: a step of oriented particles ends finite, or is refused with the state as it was.
+// States and loads far from any surface: a step of oriented particles ends with finite values, or is refused with the state
+// unchanged.
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -64,7 +65,7 @@ TEST(ParticleStability, CollapsedParticlesEndFiniteOrAreRefused) {
 }
 
 TEST(ParticleStability, ShuffledParticlesEndFiniteOrAreRefused) {
-  // Places among themselves, which is the same surface; then those of one coordinate only, which is none.
+  // Positions permuted among particles, which is the same surface. Then those of one coordinate only, which is none.
   runFrom([](model::State& state) {
     for (Index i = 0; i < state.size(); ++i) std::swap(state.positions[i], state.positions[(37 * i + 11) % state.size()]);
   });

@@ -1,4 +1,4 @@
-// What tests ask of the model of a simulation of oriented particles.
+// Access to the model of a simulation of oriented particles, for tests.
 #pragma once
 
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"

@@ -1,5 +1,5 @@
-// Surfaces and bodies in several parts: what nothing holds is told, left in place by equilibria, and left out where that is
-// asked.
+// Surfaces and bodies in several parts. Parts that nothing holds are reported, stay in place in equilibria, and are left out on
+// request.
 #include "clouds.h"
 
 #include <gtest/gtest.h>
@@ -108,7 +108,7 @@ TEST(Parts, ThatNothingHoldsStayWhereTheyAreWhereThatIsAsked) {
       }
       EXPECT_GT(fallen, 1e-3);
       for (const Vec3& point : s.surface(false).positions) EXPECT_TRUE(point.allFinite());
-      // Until they are unpinned, and again from a reset on.
+      // Until they are unpinned, and again after a reset.
       geometry::Region piece;
       piece.kind = geometry::Region::Kind::kSphere;
       piece.center = Vec3(2.1, 0.1, 0.5);
@@ -274,11 +274,11 @@ TEST(Parts, AToolHoldsOnlyWhatItIsInTheWayOf) {
   const simulation::StepOutcome left = beside.step();
   ASSERT_TRUE(left.ok) << left.problem;
   EXPECT_NE(left.notice.find("nothing holds 2 parts"), std::string::npos) << left.notice;
-  // What falls onto a floor finds an equilibrium there.
+  // A part that falls onto a floor has an equilibrium there.
   p.tools = {floor};
   Simulation above(p, debris());
   EXPECT_EQ(above.step().notice.find("nothing holds"), std::string::npos);
-  // In the way of the piece alone.
+  // In the path of the small piece only.
   p.tools = {ball};
   p.tools[0].shape.radius = 0.3;
   p.tools[0].path = {{0.0, Vec3(2.1, 0.1, -0.5)}};

@@ -45,7 +45,7 @@ tool::ToolParams ball(tool::Mode mode, const Vec3& at, double radius) {
 }
 
 TEST(Population, SpacingAutoIsThatOfALatticeWhateverItsEdges) {
-  // Of a long strip, where two rows of five are edges, as of a square.
+  // Of a long strip, where two rows of five are at the edge, as of a square.
   for (const Index rows : {5, 14}) {
     SceneParams p = scene();
     p.oriented_particles.spacing = {};
@@ -74,7 +74,7 @@ TEST(Population, AnEraserTakesWhatIsInsideItAndTheRowsOfTheInputBecomeHoles) {
       EXPECT_LT((surface.positions[i] - s.input().positions[i]).norm(), 0.2 * kSpacing);
     }
   }
-  // They do not come back, but after a reset.
+  // They return only after a reset.
   s.removeTool("ball");
   run(s, 5);
   EXPECT_EQ(s.state().size(), s.input().size() - gone);
@@ -122,7 +122,8 @@ TEST(Population, ThereArePinsAndForcesOnTheSameParticlesAfterOthersAreGone) {
 }
 
 TEST(Population, WhatLiesBelowTheFlatLatticesEnergyIsNotTakenForABlowUp) {
-  // A saddle on a square grid, one particle replaced by the fit: at rest, with less energy than the flat lattice of as many.
+  // A saddle on a square grid. One particle is replaced by growth: at rest, with less energy than the flat lattice of as many
+  // particles.
   cloud::PointCloud grid;
   for (int j = 0; j < 12; ++j)
     for (int i = 0; i < 12; ++i) grid.positions.emplace_back(0.01f * i, 0.01f * j, (0.01f * i) * (0.01f * j));
@@ -143,7 +144,7 @@ TEST(Population, WhatLiesBelowTheFlatLatticesEnergyIsNotTakenForABlowUp) {
 
 TEST(Population, TheSpacingThatAFitFindsGoesWithSnapshotsForksAndResets) {
   Simulation s(scene(), patch());
-  simulation::ParticleEdit edit;  // what is grown into the hole is not quite the lattice that was there
+  simulation::ParticleEdit edit;  // the particles grown into the hole are not quite the original lattice
   edit.action = simulation::ParticleAction::kDelete;
   for (Index id = 90; id < 94; ++id) edit.ids.push_back(id);
   s.editParticles(edit);
@@ -202,7 +203,7 @@ TEST(Population, OnlyWhatIsHotMovesWhereTheColdIsHeld) {
 TEST(Population, StretchingGivesBirthToParticlesThatAreRowsOfTheirOwn) {
   SceneParams p = scene();
   p.oriented_particles.stretching = true;
-  // Two halves, further apart than bonds reach and held: particles are born between their edges.
+  // Two halves, farther apart than bonds reach, and held. Particles are added between their edges.
   cloud::PointCloud cloud = patch();
   for (Vec3& x : cloud.positions)
     if (x.x() > 0.34) x.x() += 1.1 * kSpacing;
@@ -236,7 +237,7 @@ TEST(Population, OneAddedByHandTakesTheOtherFieldsOfTheNearestPoint) {
 }
 
 TEST(Population, NobodyIsBornInAnother) {
-  // A knife that melts its way into a sheet leaves particles in all attitudes, and gaps between them.
+  // A melting knife in a sheet leaves particles with all orientations, and gaps between them.
   SceneParams p = scene();
   p.material.damping = 5.0;
   p.oriented_particles.stretching = true;
@@ -256,7 +257,7 @@ TEST(Population, NobodyIsBornInAnother) {
     run(s, 1);
     fastest = std::max(fastest, s.statistics().max_speed);
   }
-  EXPECT_LT(fastest, 5.0);  // 1.8 m/s; 70 where one is born in another
+  EXPECT_LT(fastest, 5.0);  // 1.8 m/s; 70 if a particle is added inside another
   EXPECT_GT(s.state().next_id, s.input().size());
 }
 
@@ -287,7 +288,7 @@ TEST(Population, ASnapshotBringsBackWhoHasGone) {
   EXPECT_EQ(s.stateHash(), later);
 }
 
-// A jittered sphere that is flat at rest flies apart, births fill the gaps, and fly off in turn.
+// A jittered sphere that is flat at rest flies apart. New particles fill the gaps and fly off in turn.
 TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
   SceneParams p;
   p.model = "oriented_particles";

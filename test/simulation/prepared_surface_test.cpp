@@ -1,4 +1,4 @@
-// Which parameters the shared part of a rest surface depends on: every one that there is, is changed.
+// The parameters on which the shared part of a rest surface depends. Every parameter is changed.
 #include "deformable_surface/simulation/prepared_surface.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/model_kind.h"
@@ -14,7 +14,7 @@ namespace {
 using simulation::RestSurface;
 using simulation::SceneParams;
 
-// Changes the value that is the n-th to be visited, to another one that it accepts.
+// Changes the n-th visited value to another accepted one.
 class ChangeOne : public Fields {
  public:
   explicit ChangeOne(int n) : left_(n) {}
@@ -72,7 +72,7 @@ class ChangeOne : public Fields {
   std::string name_;
 };
 
-// All bits of a surface that has no model yet, or why there is none.
+// All bits of a surface without a model, or the reason why there is none.
 std::string describe(const std::function<RestSurface()>& make) {
   std::ostringstream out;
   out << std::hexfloat;
@@ -98,7 +98,7 @@ std::string describe(const std::function<RestSurface()>& make) {
     for (const cloud::Triangle& t : s.rings.triangles)
       out << t.corner[0] << ' ' << t.corner[1] << ' ' << t.corner[2] << ' ' << t.weight << ' ';
     out << s.is_thick << s.closed << ' ' << s.area << ' ' << s.across.transpose() << ' ' << s.order.num_points;
-    // What follows the simulation points, by where it goes with them.
+    // The points that follow the simulation points, by their motion.
     Points moved = s.points, dense;
     for (Vec3& p : moved) p += Vec3(0.1 * p.y() * p.y(), p.x() * p.y(), 0.2 * p.x());
     if (!s.solid_transfer.isEmpty()) {
@@ -116,7 +116,7 @@ std::string describe(const std::function<RestSurface()>& make) {
 
 std::string print(const SceneParams& scene) { return toYaml(printParams(simulation::keepWhatPrepares(scene))); }
 
-// A sheet, and a few points beside it, with one of everything that a scene may have.
+// A sheet and a few points beside it, with one of everything that a scene may contain.
 SceneParams makeScene(const std::string& model) {
   SceneParams scene;
   scene.model = model;
@@ -148,7 +148,7 @@ cloud::PointCloud makeCloud(const SceneParams& scene) {
   return cloud;
 }
 
-// Returns how many parameters there are that the surface depends on.
+// Returns the number of parameters on which the surface depends.
 int changeEach(const SceneParams& scene, bool to_choose) {
   const cloud::PointCloud cloud = makeCloud(scene);
   const simulation::ModelKind& kind = simulation::findModel(scene.model);
@@ -167,7 +167,7 @@ int changeEach(const SceneParams& scene, bool to_choose) {
     EXPECT_NE(toYaml(printParams(changed)), toYaml(printParams(scene))) << change.name();
     const std::string made = prepareOf(changed);
     depends += made != base;
-    // Of those that are kept, what is kept is enough.
+    // For these the kept part of the scene is sufficient.
     const std::string where = change.name() + ", the parameter number " + std::to_string(n);
     if (print(changed) == key)
       EXPECT_EQ(made, base) << where;
@@ -186,7 +186,7 @@ TEST(PreparedSurface, OfAMassSpringSurfaceDependsOnWhatIsKeptOfItsScene) {
   scene.material.bending_rigidity = 0.0;
   EXPECT_GE(changeEach(scene, true), 5);
   scene.material.bending_rigidity = {};
-  // So many loads that it depends on the number of points whether all of them are kept.
+  // With so many loads the number of points decides whether all of their points are kept.
   for (int i = 0; i < 12; ++i) scene.anchors.push_back({Vec3(0.4 - 0.075 * i, 0.35, 0.0), Vec3::Zero(), 1.0});
   scene.cloud.points = 200;
   scene.simplification.target_points = 150;
@@ -221,7 +221,7 @@ TEST(PreparedSurface, IsSharedByScenesThatPutOtherLoadsOnIt) {
   other.forces[0].point.x() += 0.1;
   EXPECT_NE(print(scene), print(other));
   EXPECT_TRUE(simulation::canShare(scene));
-  // Tools and gravity decide there, and the meshes of tools are not in what is printed.
+  // Tools and gravity decide there, and the meshes of tools are not in the printed scene.
   scene.input.unconstrained_parts = simulation::UnconstrainedParts::kDrop;
   EXPECT_FALSE(simulation::canShare(scene));
 }

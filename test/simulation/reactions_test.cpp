@@ -25,7 +25,7 @@ simulation::SceneParams staticSheet() {
   return p;
 }
 
-// What equilibrium leaves unbalanced beside the weight: the solver's own tolerance.
+// Imbalance of an equilibrium beside the weight: the tolerance of the solver.
 constexpr double kBalance = 1e-4;
 
 TEST(PinReactions, TwoEdgesBearTheWeightAndPullAtEachOther) {
@@ -42,7 +42,7 @@ TEST(PinReactions, TwoEdgesBearTheWeightAndPullAtEachOther) {
   EXPECT_LT((pins[0].force + pins[1].force - Vec3(0.0, 0.0, -weight)).norm(), kBalance * weight);
   EXPECT_GT(pins[0].force.x(), 0.5 * weight);
   EXPECT_LT(pins[1].force.x(), -0.5 * weight);
-  // All moments about the origin balance, too.
+  // All moments about the origin are in balance, too.
   Vec3 moment = Vec3::Zero();
   for (Index i = 0; i < s.state().size(); ++i) moment += s.state().positions[i].cross(s.model().masses()[i] * p.gravity);
   EXPECT_LT((pins[0].torque + pins[1].torque - moment).norm(), kBalance * weight);
@@ -109,7 +109,7 @@ TEST(Contacts, TheStatisticsTellThatToolsTookTimeWhereThereAreAny) {
 }
 
 TEST(Reactions, SurfaceToolsAndPinsBalanceAtRest) {
-  // Newton's third law: what pins and tools feel together is the weight.
+  // Newton's third law: the wrenches of pins and tools sum to the weight.
   simulation::SceneParams p = staticSheet();
   tool::ToolParams ball;
   ball.id = "ball";

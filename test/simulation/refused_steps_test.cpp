@@ -1,4 +1,4 @@
-// Steps that are refused, whatever refuses them: everything is as before, and goes on as if they had never been tried.
+// Refused steps, whatever the cause: the state is as before, and the run continues as if they had never been tried.
 #include "../../src/simulation/dynamics.h"
 #include "../support/random_scene.h"
 #include "clouds.h"
@@ -20,7 +20,7 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using tool::Mode;
 
-// Everything that somebody can ask for.
+// All outputs that can be requested.
 struct Sight {
   std::uint64_t hash, steps;
   double kinetic, elastic, potential, stretch, error;
@@ -79,7 +79,7 @@ struct Scene {
   cloud::PointCloud cloud;
 };
 
-// Cut, gripped, pushed by a ball that appears in it and pulled.
+// Cut, gripped, pulled, and pushed by a ball that appears inside it.
 Scene makeSheetScene(std::mt19937& draw) {
   SceneParams p = hangingSheet();
   p.simplification.target_points = 60 + static_cast<Index>(draw() % 40);
@@ -158,7 +158,7 @@ class RefusedSteps : public ::testing::TestWithParam<int> {
   void TearDown() override { setNumThreads(0); }
 };
 
-// Before every step of a scene it is tried and ended at looks at the interrupt that are drawn among all that it takes.
+// Before every step of a scene, the step is tried and interrupted at a random check among all of its checks.
 TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
   for (std::uint32_t seed = 0; seed < 3; ++seed) {
     std::mt19937 draw(seed);
@@ -180,7 +180,7 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
       ASSERT_TRUE(whole.ok) << whole.problem;
       ASSERT_GT(looks, undisturbed.dynamics().lastSubsteps());
       const Sight before = look(s);
-      bool is_taken = false;  // what an earlier try has found out, as the pattern of a matrix, spares looks in the next
+      bool is_taken = false;  // what an earlier try has found, such as the pattern of a matrix, saves checks in the next
       for (const long at : {1L, 1 + static_cast<long>(draw() % looks), 1 + static_cast<long>(draw() % looks), looks}) {
         {
           const LookCounter counter(flag, at);
@@ -191,7 +191,7 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
             break;
           }
           EXPECT_NE(outcome.problem.find("was interrupted; the state before it is kept"), std::string::npos) << outcome.problem;
-          EXPECT_LE(counter.count(), at + 2);  // it ends there, and so do the copies that estimate the error
+          EXPECT_LE(counter.count(), at + 2);  // it ends there, and so do the copies of the error estimate
         }
         flag = false;
         ASSERT_EQ(look(s), before) << at << " of " << looks;
@@ -202,7 +202,7 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
   }
 }
 
-// Forces that no step bears, points on one another and heat, in scenes that have been going on for a while.
+// Forces that no step can bear, points on top of each other, and heat, in scenes that have run for a while.
 TEST_P(RefusedSteps, WhatNoStepBearsLeavesEverythingAsItWas) {
   constexpr long kMostLooks = 3000;  // a step that would take minutes is interrupted
   int refused = 0, interrupted = 0;

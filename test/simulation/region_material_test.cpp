@@ -1,4 +1,4 @@
-// Surfaces that are not made of one thing: regions of a scene and changes while it runs.
+// Surfaces of several materials: regions of a scene, and changes while it runs.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/simulation/rest_surface.h"
@@ -26,7 +26,7 @@ RegionParams stiffer(double x, double ratio) {
   return region;
 }
 
-// A square metre in the plane, pinned at x = 0 and drawn at x = 1, in equilibrium.
+// A square metre in the plane, pinned at x = 0 and pulled at x = 1, in equilibrium.
 SceneParams drawnSheet() {
   SceneParams p = hangingSheet();
   p.material.young_modulus = kModulus;
@@ -53,8 +53,8 @@ double meanShift(const Simulation& s, double x) {
   return sum / count;
 }
 
-// In series the soft half takes all of the strain: F L / (E h w). The triangles at the border, a spacing wide, are as good as
-// stiff, wherever in them the border lies.
+// In series the soft half has all of the strain: F L / (E h w). The triangles at the border, one spacing wide, are almost rigid,
+// wherever in them the border lies.
 TEST(Regions, ASheetWithAMuchStifferHalfStretchesInTheOtherHalf) {
   constexpr Index n = 21;
   for (const double ratio : {1e6, 1e-4}) {
@@ -69,7 +69,7 @@ TEST(Regions, ASheetWithAMuchStifferHalfStretchesInTheOtherHalf) {
     run(s, 1);
     const double spacing = 1.0 / (n - 1), strain = pull * kPull / soft,
                  expected = ratio > 1.0 ? (0.5 - spacing) * strain : 0.5 * strain;
-    // Geometry is not linear, by the strain.
+    // The geometry is not linear: an error of the order of the strain.
     EXPECT_NEAR(meanShift(s, 1.0), expected, 2.0 * strain * expected) << ratio;
     const double stiff_part = ratio > 1.0 ? meanShift(s, 1.0) - meanShift(s, 0.5) : meanShift(s, 0.45);
     EXPECT_LT(std::abs(stiff_part), 1e-4 * expected) << ratio;
@@ -107,7 +107,7 @@ TEST(Regions, ARegionOfTheSceneIsAsOneThatIsChangedAtRest) {
   Simulation plain(p, sheetCloud());
   run(plain, 10);
   EXPECT_NE(plain.stateHash(), as_made.stateHash());
-  // A reset brings back what the scene says.
+  // A reset restores the material of the scene.
   changed.reset();
   run(changed, 10);
   EXPECT_EQ(changed.stateHash(), plain.stateHash());
@@ -145,7 +145,7 @@ TEST(Regions, SnapshotsAndForksKnowTheMaterial) {
   EXPECT_EQ(fork.stateHash(), s.stateHash());
 }
 
-// Nothing dissipates: what a swinging sheet of two stiffnesses has of energy it keeps.
+// Nothing dissipates: a swinging sheet with two stiffnesses keeps its energy.
 TEST(Regions, AMillionToOneWithinASheetKeepsTheEnergy) {
   SceneParams p = hangingSheet();
   p.material.damping = 0.0;
@@ -161,7 +161,7 @@ TEST(Regions, AMillionToOneWithinASheetKeepsTheEnergy) {
   for (int k = 0; k < 30; ++k) {
     run(s, 1);
     exchanged = std::max(exchanged, std::abs(s.statistics().potential_energy));
-    // What the energy guard lets Verlet's energy swing by.
+    // The limit of the energy guard for the oscillation of Verlet's energy.
     EXPECT_LT(energy() - before, 0.25 * std::max(exchanged, 1e-12)) << k;
   }
   EXPECT_GT(exchanged, 0.0);

@@ -1,4 +1,4 @@
-// What surfaces and bodies share on the way from a cloud: which points pins keep, when they clamp, and what is refused.
+// Steps from a cloud to a rest surface that surfaces and bodies share: points that pins keep, clamping pins, and refused scenes.
 #include "../../src/simulation/rest_parts.h"
 
 #include "clouds.h"

@@ -1,4 +1,4 @@
-// What is built on a cloud with a gap, by the way its neighbourhoods are chosen, and on one of rows.
+// Rest surfaces of a cloud with a gap, for each choice of neighbourhoods, and of a cloud with rows.
 #include "deformable_surface/simulation/rest_surface.h"
 #include "clouds.h"
 #include "deformable_surface/io/shapes.h"
@@ -14,7 +14,7 @@ namespace {
 using simulation::RestSurface;
 using simulation::SceneParams;
 
-// Bars of nine rows; three hundred simulation points are twice as far from each other as the points of the cloud.
+// Bars of nine rows. Three hundred simulation points are twice as far from each other as the points of the cloud.
 SceneParams makeScene(double gap, const OrAuto<double>& geodesic_exponent) {
   SceneParams scene;
   scene.cloud.shape = simulation::CloudParams::Shape::kTwoBars;

@@ -31,7 +31,7 @@ TEST(RunTimeParams, AChangeAtRestIsAsASceneThatSaysSo) {
   run(as_made, 8);
   EXPECT_EQ(s.stateHash(), as_made.stateHash());
   EXPECT_EQ(s.statistics().error_estimate, as_made.statistics().error_estimate);
-  // It holds through resets.
+  // The value stays through resets.
   s.reset();
   run(s, 8);
   EXPECT_EQ(s.stateHash(), as_made.stateHash());

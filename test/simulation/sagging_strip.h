@@ -1,4 +1,4 @@
-// A smooth scene in which coarse points are wrong by much, and its truth: what estimates and choices of an accuracy are tried on.
+// A smooth scene in which coarse points have a large error, and its true result, for tests of estimates and accuracy choices.
 #pragma once
 
 #include "clouds.h"
@@ -10,7 +10,7 @@
 
 namespace deformable_surface::test {
 
-// A stiff strip, clamped at one end and sagging under its weight: smooth, and coarse points are wrong by much.
+// A stiff strip, clamped at one end and sagging under its weight: smooth, with large errors of coarse points.
 inline simulation::SceneParams saggingStrip(solve::IntegratorType type) {
   simulation::SceneParams p;
   p.material.young_modulus = 1e6;

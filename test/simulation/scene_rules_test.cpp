@@ -1,4 +1,4 @@
-// What a scene may not say of a model that has not what it takes.
+// Scenes that use a feature which their model does not have are refused.
 #include "deformable_surface/simulation/scene_params.h"
 
 #include <gtest/gtest.h>

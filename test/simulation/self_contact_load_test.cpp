@@ -1,4 +1,4 @@
-// Contact of a surface with itself in a simulation: nothing crosses, energy is not made, and runs can be continued and copied.
+// Contact of a surface with itself in a simulation: nothing crosses, no energy is created, and runs can be continued and copied.
 #include "../../src/simulation/self_contact_load.h"
 #include "clouds.h"
 
@@ -28,7 +28,7 @@ ContactScene makeScene(const std::string& name, std::uint32_t seed, double durat
 }
 
 struct Outcome {
-  int crossed = 0;    // looks at which any triangles cross
+  int crossed = 0;    // checks in which any triangles cross
   Index touched = 0;  // most pairs in contact
 };
 Outcome simulate(const ContactScene& scene) {

@@ -1,4 +1,4 @@
-// Clouds that are no hexagonal lattice, as oriented particles: what is handed in is at rest, and stays.
+// Clouds that are no hexagonal lattice, as oriented particles: the given shape is at rest, and stays.
 #include "clouds.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/oriented_particles/particle_triangles.h"
@@ -14,7 +14,7 @@ namespace {
 
 constexpr Index kSide = 20;
 
-// Without damping and without weight, so that nothing hides a force that is left.
+// Without damping and without weight, so that a remaining force is visible.
 simulation::SceneParams unloaded(model::RestShape rest, double spacing) {
   simulation::SceneParams p;
   p.model = "oriented_particles";
@@ -52,13 +52,13 @@ TEST(SettleParticles, UnevenSheetsStayWhereTheyAre) {
     simulation::Simulation s(unloaded(model::RestShape::kAuto, spacing), unevenSheet(jitter));
     EXPECT_EQ(farthestMove(s), 0.0);
     run(s, 50);
-    // The relaxation ends at 1e-4 of the first force, and without damping what is left goes on swinging.
+    // The relaxation ends at 1e-4 of the first force. Without damping the rest of the motion does not decay.
     EXPECT_LT(farthestMove(s), 0.01 * spacing) << jitter;
     EXPECT_EQ(simulation::computeQuantity("components", s), 1.0);
     EXPECT_EQ(simulation::computeQuantity("boundary_loops", s), 1.0);
     EXPECT_EQ(simulation::computeQuantity("isolated", s), 0.0);
   }
-  // As published it does not.
+  // With the published rest shape it does not stay.
   simulation::Simulation flat(unloaded(model::RestShape::kFlat, spacing), unevenSheet(0.3));
   run(flat, 50);
   EXPECT_GT(farthestMove(flat), 5.0 * spacing);
@@ -92,7 +92,7 @@ TEST(SettleParticles, LatticesStayToTheBit) {
 }
 
 TEST(SettleParticles, SheetsThatAreBentBackReturnToTheShapeOfTheirCloud) {
-  // A half-pipe: opened by a force, let go, and as wide as it was; flat at rest it opens by itself.
+  // A half-pipe is opened by a force and released: it is as wide as before. Flat at rest it opens by itself.
   Points pipe;
   for (Index j = 0; j < 12; ++j)
     for (Index i = 0; i < 16; ++i) {

@@ -33,7 +33,7 @@ TEST(Simulation, StartsAtRestWithEveryPointInItsPlace) {
   EXPECT_EQ(s.statistics().simulation_points, 150u);
 }
 
-// Large enough for points to be sorted inside.
+// Large enough for the points to be sorted internally.
 TEST(Simulation, AShuffledCloudMovesAsTheSameCloudInRowsInItsOwnOrder) {
   constexpr int kSide = 150;
   cloud::PointCloud rows;
@@ -47,7 +47,7 @@ TEST(Simulation, AShuffledCloudMovesAsTheSameCloudInRowsInItsOwnOrder) {
   Simulation a(hangingSheet(), rows), b(hangingSheet(), shuffled);
   run(a, 20);
   run(b, 20);
-  // Other simulation points of the same sheet: they differ as two samplings do.
+  // Other simulation points of the same sheet: the results differ as those of two samplings do.
   const Points &in_rows = a.surface(false).positions, &in_disorder = b.surface(false).positions;
   double largest = 0.0, moved = 0.0;
   for (std::size_t i = 0; i < place.size(); ++i) {
@@ -223,7 +223,7 @@ TEST(Simulation, AStepThatCannotBeTakenKeepsTheStateBeforeIt) {
     outcome = s.step();
   }
   EXPECT_FALSE(outcome.ok);
-  // It is noticed long before the numbers overflow.
+  // The growth is noticed long before the numbers overflow.
   EXPECT_NE(outcome.problem.find("gained energy"), std::string::npos) << outcome.problem;
   EXPECT_LT(s.statistics().max_speed, 100.0);
   EXPECT_EQ(s.stateHash(), before);
@@ -280,8 +280,9 @@ TEST(Simulation, TransferAndNormalsAreSkippedUntilAskedFor) {
   EXPECT_TRUE(skips("transfer"));
 }
 
-// Beside terms of next to no weight, which are evaluated, and of which nothing is left but where there is an exact zero. Without
-// bending, since outer steps are not taken beside forces that dissipate, however little; and awake, since these terms wake.
+// Compared with terms of almost no weight, which are evaluated. They leave nothing except where there is an exact zero. Without
+// bending, because no outer steps are taken with forces that dissipate, however little. Awake, because these terms wake the
+// surface.
 TEST(Simulation, TermsOfNoWeightAreLeftOutAndNothingElseChangesUntilTheyHaveOne) {
   SceneParams p = hangingSheet();
   p.gravity.setZero();
@@ -293,7 +294,7 @@ TEST(Simulation, TermsOfNoWeightAreLeftOutAndNothingElseChangesUntilTheyHaveOne)
   small.gravity = Vec3(0.0, 0.0, -1e-290);
   small.pressure = 1e-290;
   small.viscous_drag = 1e-290;
-  // At a simulation point, which an anchor would else become.
+  // At a simulation point. Otherwise the anchor would make its point one.
   const Vec3 anchored = without.state().positions[without.state().size() / 2];
   small.anchors.push_back({anchored, anchored + Vec3(0.0, 0.0, 0.1), 1e-290});
   Simulation with(small, sheetCloud());
@@ -327,7 +328,7 @@ TEST(Simulation, AStepIsTheSameWhetherTheSurfaceIsLookedAtOrNot) {
     run(alone, 1);
   }
   EXPECT_EQ(looked_at.stateHash(), alone.stateHash());
-  // What was left out is what would have been made.
+  // The skipped result is the one that would have been computed.
   looked_at.surface(true);
   const simulation::Surface &first = looked_at.surface(true), &late = alone.surface(true);
   EXPECT_EQ(first.positions, late.positions);
@@ -362,7 +363,7 @@ TEST(Simulation, ResamplingAppendsPointsWhereTheSurfaceIsStretchedAndKeepsTheirI
   for (Index i : later.source) EXPECT_TRUE(i >= 0 && i < shown);
   for (std::size_t i = shown; i < later.positions.size(); ++i) EXPECT_TRUE(later.positions[i].allFinite());
   const std::size_t rows = later.positions.size();
-  // Not a matter of who looks, and of the past.
+  // The rows depend neither on requests of the surface nor on what was before the reset.
   s.reset();
   EXPECT_EQ(s.surface(true).positions.size(), static_cast<std::size_t>(shown));
   run(s, 40);
@@ -410,7 +411,7 @@ TEST(Simulation, HasNoEquilibriumWhereNothingHoldsIt) {
   EXPECT_FALSE(falling.ok);
   EXPECT_NE(falling.problem.find("nothing holds the surface"), std::string::npos) << falling.problem;
   EXPECT_EQ(s.state().positions, before);
-  // Loads that balance each other need no hold.
+  // Loads that balance each other need no support.
   s.setGravity(Vec3::Zero());
   EXPECT_TRUE(s.step().ok);
 }

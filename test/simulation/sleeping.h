@@ -1,4 +1,4 @@
-// What the tests of surfaces that sleep in parts share.
+// Helpers for the tests of surfaces that sleep in parts.
 #pragma once
 
 #include "clouds.h"
@@ -23,8 +23,8 @@ inline bool isPartlyAwake(const simulation::Simulation& s) {
   return awake > 0 && awake < 0.7 * s.state().size();
 }
 
-/// A surface that is awake in part after some steps goes on with the same bits for one, two and three threads, whether somebody
-/// reads the statistics or not, and from a snapshot, in itself and in another.
+/// A surface that is partly awake after some steps continues with the same bits for one, two and three threads, with and without
+/// reads of the statistics, and from a snapshot, in the same simulation and in another.
 inline void expectSameBitsInParts(const simulation::SceneParams& params, const cloud::PointCloud& cloud, int before, int after) {
   std::vector<std::uint64_t> first;
   for (int threads : {1, 2, 3}) {

@@ -70,7 +70,7 @@ TEST(SleepingParticles, APartIsBitIdenticalForOneTwoAndThreeThreadsAndThroughSna
   expectSameBitsInParts(pokedSheet(), hexagons(), 12, 30);
 }
 
-// A flake is pressed onto a sleeping sheet that was far beyond its reach when that fell asleep.
+// A flake is pressed onto a sleeping sheet. When the sheet fell asleep, the flake was far beyond its reach.
 TEST(SleepingParticles, WhatComesNearFromAfarIsFelt) {
   SceneParams p = pokedSheet();
   cloud::PointCloud sheet = hexagons();
@@ -100,7 +100,7 @@ TEST(SleepingParticles, WhatComesNearFromAfarIsFelt) {
   EXPECT_GT(pressed, 0.005);
 }
 
-// Births and deaths leave one tile, and so does the state that they are restored to; a reset brings the tiles back.
+// Adding and removing particles leaves one tile, and so does restoring such a state. A reset restores the tiles.
 TEST(SleepingParticles, ASurfaceWhoseParticlesChangeInNumberSleepsAsAWhole) {
   Simulation s(pokedSheet(), hexagons());
   s.editParticles({simulation::ParticleAction::kDelete, {0}});

@@ -1,5 +1,5 @@
-// Inside one sheet the region around a poke is awake and the rest is not: with what it costs in exactness, for every number of
-// threads, and through snapshots.
+// Inside one sheet the region around a poke is awake and the rest sleeps: with the loss of accuracy, for every number of threads,
+// and through snapshots.
 #include "sleeping.h"
 
 #include <gtest/gtest.h>
@@ -19,7 +19,7 @@ constexpr Index kSide = 41;
 constexpr Index kPoints = kSide * kSide;
 constexpr double kTolerance = kSleepTolerance;
 
-// A sheet in balance in which disturbances run slowly, pinned along an edge, that is poked near a corner from the sixth step on.
+// A sheet in balance in which disturbances travel slowly, pinned along an edge. It is poked near a corner from the sixth step on.
 SceneParams pokedSheet() {
   SceneParams p = hangingSheet();
   p.gravity.setZero();
@@ -89,7 +89,7 @@ TEST(SleepingParts, TheSurfaceIsMadeAnewWhereThePokeIsAloneAndIsTheSameToTheBit)
       const simulation::Surface& tiles = s.surface(true);
       has_rested = has_rested || (s.statistics().awake > 0 && restsInTiles());
       fresh.setState(s.state());
-      fresh.surface(false);  // which forgets the normals, so that all of it is made in the next line
+      fresh.surface(false);  // which discards the normals, so that all of it is computed in the next line
       const simulation::Surface& whole = fresh.surface(true);
       ASSERT_EQ(tiles.normals.size(), whole.normals.size());
       for (std::size_t i = 0; i < whole.positions.size(); ++i) {
@@ -103,7 +103,7 @@ TEST(SleepingParts, TheSurfaceIsMadeAnewWhereThePokeIsAloneAndIsTheSameToTheBit)
       }
     }
     EXPECT_TRUE(has_rested);
-    // Where everything moves, everything is made.
+    // If everything moves, everything is computed.
     s.setGravity(Vec3(0.0, 0.0, -9.81));
     run(s, 2);
     s.surface(true);
@@ -140,7 +140,7 @@ TEST(SleepingParts, WhatHasSettledSleepsAgainAndLiesWhereItWouldLie) {
 TEST(SleepingParts, AFrontThatComesFasterThanItsMarginIsNotHeldUp) {
   SceneParams p = pokedSheet();
   p.material.young_modulus = 1e5;
-  p.integrator.time_step = 0.01;  // in which waves run a tenth of a metre
+  p.integrator.time_step = 0.01;  // in which waves travel a tenth of a metre
   p.material.damping = 0.0;
   Simulation s(p, finePatch());
   p.sleep.mode = Sleep::kNever;

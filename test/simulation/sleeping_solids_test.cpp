@@ -1,4 +1,4 @@
-// Inside one body the region around a poke is awake and the rest is not.
+// Inside one body the region around a poke is awake and the rest sleeps.
 #include "deformable_surface/io/shapes.h"
 #include "sleeping.h"
 
@@ -15,7 +15,7 @@ using simulation::Sleep;
 
 constexpr double kTolerance = kSleepTolerance;
 
-// A slab of jelly that lies on a table it sticks to, poked near a corner from the sixth step on.
+// A slab of jelly that sticks to a table, poked near a corner from the sixth step on.
 SceneParams pokedSlab() {
   SceneParams p;
   p.model = "elastic_solid";

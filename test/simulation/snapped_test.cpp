@@ -1,4 +1,4 @@
-// A surface that rests in another shape than its own is told of; the demo's comes back from wherever a person draws it.
+// A surface that rests in another shape than its own is reported. The demo's surface returns from any pull by hand.
 #include "clouds.h"
 #include "deformable_surface/io/scene.h"
 #include "deformable_surface/io/shapes.h"
@@ -22,11 +22,11 @@ struct Drag {
 simulation::SceneParams readDemo() {
   simulation::SceneParams params =
       io::readScene(io::loadYamlFile(std::string(DEFORMABLE_SURFACE_SOURCE_DIR) + "/scenes/demo.yaml"));
-  params.accuracy.estimate = false;  // of no matter here, and as dear as the rest
+  params.accuracy.estimate = false;  // not needed here, and as expensive as the rest
   return params;
 }
 
-/// As launch/demo.launch tells the hand, N; 0: it says nothing.
+/// Force at which a pull slips, as in launch/demo.launch, N; 0: no message.
 double readStrength() {
   std::ifstream file(DEFORMABLE_SURFACE_SOURCE_DIR "/launch/demo.launch");
   const std::string text{std::istreambuf_iterator<char>(file), {}};
@@ -34,7 +34,7 @@ double readStrength() {
   return std::regex_search(text, found, std::regex("hand/strength\"[^>]*value=\"([0-9.]+)\"")) ? std::stod(found[1]) : 0.0;
 }
 
-/// Draws the surface as the hand does in RViz, holds it for a moment and lets go; runs until all of it sleeps.
+/// Pulls the surface as the interactive markers do, holds it for a moment and releases it. Runs until all of it sleeps.
 void drag(simulation::Simulation& s, const Drag& drag, double strength) {
   tool::ToolParams hand;
   hand.id = "hand";
@@ -55,7 +55,7 @@ double findDisplacement(const simulation::Simulation& s, const Points& rest) {
   return largest;
 }
 
-// The first and the last left a shell of a third of the demo's thickness crumpled for good.
+// The first and the last left a shell with a third of the demo's thickness crumpled permanently.
 const std::vector<Drag> kDrags = {{{-0.031, 0.017, 0.146}, {0.083, -0.012, 0.057}, 0.2},
                                   {{0.148, 0.0, 0.02}, {-0.2, 0.1, 0.05}, 0.5},
                                   {{0.0, -0.11, 0.1}, {0.15, -0.2, 0.1}, 1.0},
@@ -86,7 +86,7 @@ TEST(Snapped, AShellThatRestsCrumpledIsToldOf) {
   EXPECT_TRUE(s.hasSnapped());
   EXPECT_TRUE(s.statistics().has_snapped);
 
-  // What is loaded may be bent by the load.
+  // A loaded surface may be bent by its load.
   simulation::ForceParams force;
   force.id = "push";
   force.point = Vec3(0.15, 0.0, 0.0);

@@ -1,4 +1,4 @@
-// The error estimate of elastic solids: held against theory and against many more points, and what it must leave alone.
+// The error estimate of elastic solids, against theory and against many more points, and that it changes no result.
 #include "support/figures.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -11,7 +11,7 @@ using simulation::Simulation;
 
 constexpr double kLength = 0.5, kSide = 0.1, kYoung = 1e6, kPoisson = 0.3, kDensity = 1000.0;
 
-// A bar of rubber, clamped at one end, of about so many points, all of which are simulated.
+// A bar of rubber, clamped at one end, with about this number of points, all simulated.
 SceneParams makeBar(Index points, const std::string& more) {
   SceneParams scene = parseScene(R"(
 model: elastic_solid
@@ -59,8 +59,8 @@ TEST(SolidEstimate, CoversTheErrorAgainstTheoryWhereEveryPointIsSimulated) {
     const double estimates[2] = {pulled.statistics().error_estimate, hanging.statistics().error_estimate};
     EXPECT_LE(std::abs(findMeanMotion(pulled).x() - stretched), estimates[0]) << points;
     EXPECT_LE(std::abs(-findMeanMotion(hanging).z() - bent), estimates[1]) << points;
-    // And says something: a bent bar a few points thick is right to a good part of its motion. For one that is pulled the
-    // estimate is larger than its motion, as the copy of fewer points is lopsided and bends.
+    // The estimate is also useful: for a bent bar a few points thick it is below a good part of the motion. For a bar that is
+    // pulled it is larger than its motion, because the copy of fewer points is lopsided and bends.
     EXPECT_LT(estimates[1], 0.6 * bent) << points;
   }
 }
@@ -84,7 +84,7 @@ TEST(SolidEstimate, CoversTheErrorAgainstTheFullCloudAtRestAndInMotion) {
   }
 }
 
-// Upright, and several times as soft as it would have to be to stand: which way it falls is a matter of anything.
+// Upright, and several times too soft to stand. The direction of its fall is arbitrary.
 TEST(SolidEstimate, IsInfiniteWhereAColumnBuckles) {
   SceneParams scene = makeBar(800, "");
   scene.material.young_modulus = 1e4;

@@ -1,4 +1,4 @@
-// Elastic solids that flow, as scenes: what stays bent, what the account of the energy says, and what a snapshot holds.
+// Elastic solids that flow, as scenes: the permanent deformation, the energy account, and snapshots.
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
 #include "support/figures.h"
@@ -18,7 +18,7 @@ void run(Simulation& s, int steps) {
 
 double findTip(Simulation& s) { return findLargestMotion(s, Vec3(0.399, -1.0, -1.0), Vec3(1.0, 1.0, 1.0)); }
 
-// The bar of the scene, coarser. The ball presses its end down by 0.12 m.
+// The bar of the scene, with fewer points. The ball presses its end down by 0.12 m.
 SceneParams makeBar(double yield) {
   SceneParams scene = loadScene("solid_plastic");
   scene.cloud.points = 500;
@@ -40,7 +40,7 @@ TEST(SolidPlasticity, KeepsABarBentBeyondItsYieldAndLetsItGoBackBelow) {
   EXPECT_LT(left[1], 1e-3 * most[1]);
 }
 
-// Undamped, struck by a step of gravity: what is missing of the energy has flowed.
+// Undamped, with gravity that sets in at once: the missing energy is that of the flow.
 TEST(SolidPlasticity, KeepsTheAccountOfTheEnergy) {
   SceneParams scene = makeBar(4e3);
   scene.tools.clear();
@@ -71,7 +71,7 @@ TEST(SolidPlasticity, IsHeldByASnapshotAndByAFork) {
   s.restore(snapshot);
   run(s, 20);
   EXPECT_EQ(s.stateHash(), hash);
-  // A reset forgets what has flowed.
+  // A reset removes the plastic strain.
   Simulation fresh = makeSimulation(makeBar(2e4));
   run(fresh, 60);
   s.reset();

@@ -1,4 +1,4 @@
-// Elastic solids of hardly any points, at random ones, of extreme materials and under absurd loads: a sentence, or a sound
+// Elastic solids of very few points, random points, extreme materials and absurd loads: refused with a sentence, or a sound
 // result.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
@@ -53,7 +53,7 @@ bool areFinite(const Points& points) {
   return std::all_of(points.begin(), points.end(), [](const Vec3& p) { return p.allFinite(); });
 }
 
-// Nothing holds it and nothing but its weight acts: it falls as one, and stores nothing to speak of.
+// Nothing holds it and only its weight acts: it falls as a whole, and stores almost no energy.
 void expectFreeFall(const SceneParams& scene, const Points& points, const Vec3& way, double rounding) {
   Simulation s(scene, asCloud(points));
   run(s, 10);
@@ -76,20 +76,20 @@ TEST(SolidRobustness, RefusesFewerPointsThanMakeABody) {
     EXPECT_NE(problemOf(filled, asCloud(makeRandomPoints(n, 1.0, 1))).find("no place inside"), std::string::npos) << n;
 }
 
-// A triangle is a planar solid, and so is a cloud in a plane that no axis is along; points at random leave some with one
+// A triangle is a planar solid, and so is a cloud in a plane that is parallel to no axis. Random points leave some with one
 // neighbour.
 TEST(SolidRobustness, AHandfulOfPointsAndPointsAtRandomFallFreely) {
   SceneParams scene = makeScene();
   const Vec3 way = 0.5 * 0.01 * scene.gravity;
   for (const Index n : {6, 12}) expectFreeFall(scene, makeRandomPoints(n, 1.0, 1), way, 1e-9);
-  // Those of forty have steep gradients among them, and with them forces that rounding leaves: some micrometres were found.
+  // Among forty of them some have steep gradients. Rounding then leaves forces: some micrometres were found.
   expectFreeFall(scene, makeRandomPoints(40, 1.0, 1), way, 1e-5);
   scene.gravity = Vec3(1.0, 0.0, 0.0);
   for (const Index n : {3, 4, 5, 12, 100}) expectFreeFall(scene, makeRandomPoints(n, 0.0, 1), Vec3(0.005, 0.0, 0.0), 1e-9);
   expectFreeFall(scene, makeRandomPoints(100, 1e-9, 1), Vec3(0.005, 0.0, 0.0), 1e-9);
 }
 
-// Within a fiftieth of the spacing a cloud counts as flat. What lies off the plane is no strain.
+// Within a fiftieth of the spacing a cloud counts as flat. The offset from the plane is no strain.
 TEST(SolidRobustness, APlanarCloudThatIsNotQuiteFlatRestsInItsPlane) {
   SceneParams scene = makeScene();
   scene.gravity.setZero();
@@ -118,7 +118,7 @@ TEST(SolidRobustness, TakesTheSoftestAndTheStiffestMaterialAndRefusesWhatIsNone)
       scene.material.poisson_ratio = poisson_ratio;
       Simulation s(scene, io::makeShape(scene.cloud));
       for (int k = 0; k < 5; ++k) EXPECT_TRUE(s.step().ok) << young_modulus << " " << poisson_ratio;
-      // Next to no stiffness: it falls. Next to no weight: it stays.
+      // Almost no stiffness: it falls. Almost no weight: it stays.
       const double fallen = s.input().positions.back().z() - s.surface(false).positions.back().z();
       EXPECT_NEAR(fallen, young_modulus < 1.0 ? 0.5 * 9.81 * 0.05 * 0.05 : 0.0, 1e-5) << young_modulus << " " << poisson_ratio;
     }
@@ -129,7 +129,7 @@ TEST(SolidRobustness, TakesTheSoftestAndTheStiffestMaterialAndRefusesWhatIsNone)
         << material;
 }
 
-// However large a load is, the state stays finite: a step either takes it or is refused and leaves everything as it was.
+// However large a load is, the state stays finite. A step either carries it or is refused, with everything unchanged.
 TEST(SolidRobustness, StaysFiniteUnderAbsurdForces) {
   for (const double force : {1e3, 1e30}) {
     SceneParams scene = makeBarScene();

@@ -1,4 +1,4 @@
-// Elastic solids as scenes: what is made of a cloud, and how it moves, is cut down to fewer points, and is refused.
+// Elastic solids as scenes: building from a cloud, motion, fewer points, and refused scenes.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -45,7 +45,7 @@ TEST(SolidSimulation, WeighsWhatItsBodyDoes) {
   EXPECT_NEAR(mass, 1000.0 * 0.004, 1e-3 * 4.0);  // cells of jittered points overlap a little where neighbours end
 }
 
-// Undamped: what falls is what is stored and moves.
+// Undamped: the potential energy becomes stored and kinetic energy.
 TEST(SolidSimulation, SwingsUnderItsWeightAndKeepsItsEnergy) {
   SceneParams scene = makeBarScene();
   scene.material.young_modulus = 1e6;
@@ -59,8 +59,8 @@ TEST(SolidSimulation, SwingsUnderItsWeightAndKeepsItsEnergy) {
     largest_energy = std::max(largest_energy, now.kinetic_energy);
     EXPECT_NEAR(now.kinetic_energy + now.elastic_energy + now.potential_energy, before, 0.02 * largest_energy + 1e-9);
   }
-  // Euler and Bernoulli's deflection is rho g L^4 12 / (8 E h^2) = 0.038 m at rest, and twice that in a sudden fall; shear adds
-  // a little.
+  // Euler and Bernoulli's deflection is rho g L^4 12 / (8 E h^2) = 0.038 m at rest, and twice that in a sudden fall. Shear adds a
+  // little.
   EXPECT_LT(lowest, -0.065);
   EXPECT_GT(lowest, -0.095);
 }
@@ -78,7 +78,7 @@ TEST(SolidSimulation, GivesTheSameBitsForEveryNumberOfThreads) {
   setNumThreads(0);
 }
 
-// Neighbourhoods over the body cost nothing where there is no gap.
+// Neighbourhoods along the body change nothing where there is no gap.
 TEST(SolidSimulation, MovesAsWithEuclideanNeighboursWhereThereIsNoGap) {
   SceneParams scene = makeBarScene();
   Simulation over_body = makeSimulation(scene);
@@ -99,7 +99,7 @@ TEST(SolidSimulation, IsSimplifiedToAsManyPointsAsAskedForAndCarriesTheOthersAlo
   for (double m : s.model().masses()) mass += m;
   EXPECT_NEAR(mass, 4.0, 0.05 * 4.0);  // the hull of fewer points
   run(s, 10);
-  // No point of the cloud is far from what its neighbours do.
+  // No point of the cloud moves far from its neighbours.
   const Points& now = s.surface(false).positions;
   for (std::size_t i = 0; i < now.size(); ++i) EXPECT_LT((now[i] - s.input().positions[i]).norm(), 0.1) << i;
 }
@@ -160,7 +160,7 @@ double findDistance(const Simulation& a, const Simulation& b) {
   return largest;
 }
 
-// What is left of the motion after two seconds is exp(-16 / 2) of it, and the solution's own error is smaller.
+// After two seconds exp(-16 / 2) of the motion remains. The error of the solution itself is smaller.
 TEST(SolidSimulation, FindsTheEquilibriumThatItSettlesTo) {
   SceneParams scene = makeBarScene();
   scene.material.damping = 8.0;
@@ -175,8 +175,8 @@ TEST(SolidSimulation, FindsTheEquilibriumThatItSettlesTo) {
   EXPECT_LT(findDistance(solved, settled), 1e-4);
 }
 
-// The fall of a clamped bar with steps forty times as long as Verlet's: no energy is made, and it ends where the bar does, but
-// for exp(-8) of the way.
+// The fall of a clamped bar with steps forty times as long as Verlet's: no energy is created, and it ends where the bar ends, up
+// to exp(-8) of the distance.
 TEST(SolidSimulation, TakesLongImplicitStepsWithoutMakingEnergy) {
   SceneParams scene = makeBarScene();
   scene.material.damping = 8.0;
@@ -199,7 +199,7 @@ TEST(SolidSimulation, TakesLongImplicitStepsWithoutMakingEnergy) {
   EXPECT_LT(findDistance(s, solved), 1e-3);
 }
 
-// Second order: halved steps have a quarter of the error, against Verlet's whose error is far smaller.
+// Second order: halved steps have a quarter of the error, against Verlet with a far smaller error.
 TEST(SolidSimulation, ImplicitStepsAreOfSecondOrder) {
   SceneParams scene = makeBarScene(300);
   scene.gravity = Vec3(0.0, 0.0, -0.5);
@@ -216,7 +216,7 @@ TEST(SolidSimulation, ImplicitStepsAreOfSecondOrder) {
   EXPECT_GT(std::log2(coarse / fine), 1.5);
 }
 
-// The momentum of a fall hides what the body does: a tolerance is a share of it, too.
+// The momentum of a fall is far larger than the motion within the body. The tolerance is relative to it, too.
 TEST(SolidSimulation, ALooseToleranceLeavesNoMotionOutOfImplicitSteps) {
   SceneParams scene = makeBarScene(300);
   scene.gravity = Vec3(0.0, 0.0, -0.5);

@@ -1,4 +1,4 @@
-// What users read of a step, of each kind once.
+// The messages of a step for users, one of each kind.
 #include "../../src/simulation/step_messages.h"
 
 #include <gtest/gtest.h>
@@ -91,7 +91,7 @@ TEST(StepMessages, ForcesLeftUnbalancedComeWithAdviceForTheirKind) {
   outcome.type = IntegratorType::kImplicit;
   EXPECT_EQ(adviceOf(),
             "no iteration came nearer, as where a surface folds: a smaller time_step or a larger integrator.tolerance help");
-  outcome.ok = false;  // the failure says enough
+  outcome.ok = false;  // the failure is sufficient
   EXPECT_EQ(describeStep(outcome, params), "");
 }
 

@@ -1,5 +1,5 @@
-// What breaks simulators: stiffness and steps of every size, collapsed and scattered starts, blows, far origins. Passing means
-// finite, within the energy that was there, and said when a method had to be changed.
+// Tests that break simulators: stiffness and steps of every size, collapsed and scattered starts, impacts, far origins. Passing
+// means finite values, no more energy than there was, and a message when the method changed.
 #include "clouds.h"
 #include "deformable_surface/model/mass_spring/mass_spring.h"
 #include "deformable_surface/solve/integrator.h"
@@ -20,8 +20,7 @@ double totalEnergy(const Simulation& s) {
   return st.kinetic_energy + st.elastic_energy + st.potential_energy;
 }
 
-// Runs the scene and checks that every step is sound: finite, and no more energy than at the start but for a hundredth of what
-// gravity can give.
+// Runs the scene and checks every step: finite, and no more energy than at the start, up to a hundredth of what gravity can add.
 void checkSound(simulation::SceneParams p, int steps) {
   Simulation s(p, sheetCloud(15));
   const double start = totalEnergy(s), mass = p.material.arealDensity();
@@ -84,7 +83,7 @@ TEST(Stress, AKeptVolumeOfAnyStiffness) {
     for (int k = 0; k < 20; ++k) {
       const simulation::StepOutcome outcome = s.step();
       ASSERT_TRUE(outcome.ok) << outcome.problem;
-      // One newton on a ball of one metre cannot give more than a few joules.
+      // One newton on a ball of one metre cannot add more than a few joules.
       ASSERT_LT(totalEnergy(s), 1.0) << "step " << k;
     }
     if (volume_stiffness >= 1e5) {
@@ -140,7 +139,7 @@ TEST(Stress, AFarOriginChangesNothingButRounding) {
   }
 }
 
-// A free net let go from an impossible shape.
+// A free net released from an impossible shape.
 struct Start {
   const char* name;
   Points positions;
@@ -211,7 +210,7 @@ TEST(Stress, ImpossibleStartsStayFiniteAndKeepMomentumWithVerlet) {
     const auto verlet = solve::makeIntegrator(IntegratorType::kVerlet, {});
     solve::StableStep stable;
     for (int k = 0; k < 30; ++k) {
-      // A quarter of the stable step: the stiffness changes within the step when triangles unfold.
+      // A quarter of the stable step, because the stiffness changes within the step when triangles unfold.
       const double limit = 0.25 * stable.estimate(0.0, state, system);
       ASSERT_TRUE(verlet->advance(system, k / 60.0, 1.0 / 60.0, limit, state).finite);
       ASSERT_LE(system.potentialEnergy(0.0, state) + system.kineticEnergy(state), 1.05 * energy) << "step " << k;

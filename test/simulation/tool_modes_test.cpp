@@ -1,4 +1,4 @@
-// The table of tool modes, and that what a mode does not use is refused.
+// The table of tool modes. Fields that a mode does not use are refused.
 #include "clouds.h"
 
 #include <gtest/gtest.h>

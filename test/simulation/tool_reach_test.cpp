@@ -1,4 +1,4 @@
-// The ball that holds a tool, and what is within it.
+// The bounding ball of a tool, and the points within its reach.
 #include "../../src/simulation/tool_reach.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Tools that are other than at the last look, and where that can be felt.
+// Tools that have changed since the last check, and the points that this can affect.
 #include "../../src/simulation/tool_watch.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The pull towards an observed cloud: its law, its potential, and what counts as seen.
+// The pull towards an observed cloud: its law, its potential, and which points count as visible.
 #include "deformable_surface/simulation/track_load.h"
 
 #include "../support/dense.h"

@@ -1,4 +1,4 @@
-// Surfaces that are drawn towards clouds of what they show.
+// Surfaces that are pulled towards clouds of a camera.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 
@@ -21,14 +21,14 @@ SceneParams trackedSheet() {
   p.gravity.setZero();
   p.integrator.time_step = 1.0 / kRate / 3.0;
   p.input.policy = simulation::InputPolicy::kTrack;
-  p.accuracy.estimate = false;  // which is the same but for its time
+  p.accuracy.estimate = false;  // the same cloud at another time
   return p;
 }
 
 // A sheet that bends up from the edge that is held.
 double heightAt(double x, double amount) { return amount * x * x; }
 
-// What a camera sees of it: not the points of the simulation, in another order, and nothing within the hole.
+// The view of a camera: other points than those of the simulation, in another order, and none within the hole.
 cloud::PointCloud observe(double amount, double hole = 0.0) {
   cloud::PointCloud cloud;
   constexpr int kSide = 67;
@@ -61,14 +61,14 @@ double track(Simulation& s, int frames, double hole) {
 TEST(Track, FollowsADeformingCloudWithinTheLagOfItsGain) {
   Simulation s(trackedSheet(), sheetCloud());
   const double amount = track(s, 30, 0.0);
-  // A critically damped pull with gain g towards what moves with v lags by 2 v / sqrt(g); the edge rises by 0.15 m in a second.
-  // What the sheet's own stiffness adds is less than as much again.
+  // A critically damped pull with gain g towards a motion with v lags by 2 v / sqrt(g). The edge rises by 0.15 m in a second. The
+  // stiffness of the sheet adds less than that again.
   const double lag = 2.0 * 0.15 / std::sqrt(s.params().input.tracking_gain);
   EXPECT_GT(largestError(s, 0.0), 0.1);
   EXPECT_LT(largestError(s, amount), 2.0 * lag);
   EXPECT_LT(s.statistics().tracking_residual, lag);
   EXPECT_GT(s.statistics().tracked_points, 0.9 * s.statistics().simulation_points);
-  // Where it stands still it is reached, but for the rest of a spring against a spring.
+  // Where the cloud stands still the surface reaches it, except for the balance of two springs.
   for (int k = 0; k < 60; ++k) {
     s.observe(observe(amount));
     run(s, 3);
@@ -78,7 +78,7 @@ TEST(Track, FollowsADeformingCloudWithinTheLagOfItsGain) {
 
 TEST(Track, AHoleIsLeftToPhysicsWhichBridgesIt) {
   SceneParams p = trackedSheet();
-  // A sheet that is stiff enough to carry what is in the hole along, and to come to rest; a soft one hangs behind for seconds.
+  // A sheet that is stiff enough to carry the part in the hole along, and to come to rest. A soft one lags for seconds.
   p.material.bending_rigidity = 0.01;
   p.material.damping = 3.0;
   Simulation s(p, sheetCloud());
@@ -88,10 +88,10 @@ TEST(Track, AHoleIsLeftToPhysicsWhichBridgesIt) {
   int inside = 0;
   for (const Vec3& p : s.state().positions) inside += std::hypot(p.x() - 0.6, p.y()) < kHole - 0.05;
   ASSERT_GT(inside, 5);
-  // Pinned points count as seen; what is behind the hole does not.
+  // Pinned points count as visible, those behind the hole do not.
   EXPECT_LE(now.tracked_points + inside, now.simulation_points);
   EXPECT_GT(now.tracked_points, now.simulation_points / 2);
-  // At worst it spans the hole, and a spacing around it, as straight as a membrane does.
+  // At worst it spans the hole, and a spacing around it, as straight as a membrane.
   const double spacing = 1.0 / std::sqrt(static_cast<double>(now.simulation_points));
   EXPECT_LT(largestError(s, amount), amount * std::pow(kHole + spacing, 2));
 }
@@ -103,7 +103,7 @@ TEST(Track, WhatIsSeenOfSomethingElsePullsNothing) {
   s.observe(far);
   EXPECT_EQ(s.statistics().tracked_points, 0u);
   EXPECT_TRUE(std::isnan(s.statistics().tracking_residual));
-  // A wall that stands on the sheet.
+  // A wall on the sheet.
   cloud::PointCloud wall;
   for (int k = 0; k < 900; ++k) wall.positions.emplace_back(0.5, k % 30 / 29.0 - 0.5, k / 30 / 29.0 - 0.5);
   wall.width = 900;

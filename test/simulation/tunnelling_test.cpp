@@ -1,4 +1,4 @@
-// Solid tools that are thinner than their way in a step, or faster than contact can follow, do not go through a sheet.
+// Solid tools that are thinner than their motion in a step, or faster than contact can follow, do not pass through a sheet.
 #include "clouds.h"
 #include "deformable_surface/simulation/contact_load.h"
 #include "support/meshes.h"
@@ -12,7 +12,7 @@ namespace {
 
 using geometry::Solid;
 
-/// A sheet of a square metre, held along its edges, without gravity; stretchy enough to be pushed far, and damped.
+/// A sheet of a square metre, held along its edges, without gravity. It is stretchy enough to be pushed far, and damped.
 simulation::SceneParams heldSheet() {
   simulation::SceneParams p;
   p.material.damping = 20.0;
@@ -31,7 +31,7 @@ simulation::SceneParams heldSheet() {
   return p;
 }
 
-/// From below the middle of the sheet to above it at a speed, m/s, where it rests.
+/// From below the middle of the sheet to above it at a speed, m/s. There it rests.
 tool::ToolParams mover(const Solid& shape, double speed) {
   tool::ToolParams tool;
   tool.id = "mover";
@@ -58,7 +58,7 @@ std::vector<std::pair<std::string, Solid>> listSolids() {
   return solids;
 }
 
-/// Of the free points over the inner half of the tool: the height of the lowest over the tool's middle, m.
+/// Height of the lowest of the free points over the inner half of the tool, above the tool's middle, m.
 double findLowest(const simulation::Simulation& s, const Points& rest, double height) {
   double lowest = 1e300;
   for (std::size_t i = 0; i < rest.size(); ++i)
@@ -68,7 +68,7 @@ double findLowest(const simulation::Simulation& s, const Points& rest, double he
 }
 
 TEST(Tunnelling, NoSolidGoesThroughASheetHoweverFastOrThin) {
-  // A sub-step is about a millisecond: the plate passes in a tenth of one at a metre a second, at a hundred in a thousandth.
+  // A sub-step is about a millisecond. At one metre per second the plate passes in a tenth of one, at a hundred in a thousandth.
   for (const auto& [name, solid] : listSolids())
     for (double speed : {1.0, 100.0}) {
       simulation::SceneParams p = heldSheet();
@@ -79,8 +79,8 @@ TEST(Tunnelling, NoSolidGoesThroughASheetHoweverFastOrThin) {
       EXPECT_GT(findLowest(s, rest, 0.15), -0.01) << name << " at " << speed << " m/s";
       const simulation::ToolReaction reaction = s.toolReactions()[0];
       EXPECT_LT(reaction.force.z(), -0.1) << name << " at " << speed << " m/s";
-      // At rest the point that bears the most is in by its load over the penalty; a quarter of the spacing between points bounds
-      // it.
+      // At rest the point with the largest load is as deep as its load over the penalty. A quarter of the spacing between points
+      // bounds it.
       EXPECT_LT(reaction.penetration, 0.25 / std::sqrt(250.0)) << name << " at " << speed << " m/s";
     }
 }
@@ -102,7 +102,7 @@ TEST(Tunnelling, ASheetThatFallsOnAThinPlateStaysOnIt) {
 }
 
 TEST(Tunnelling, ASlowToolTouchesAsIfNothingWereRemembered) {
-  // What the solid pushes back by itself is left to it: nothing is passed over.
+  // Points that the solid pushes back by itself are left to it: none is recorded as crossed.
   simulation::SceneParams p = heldSheet();
   Solid ball;
   ball.radius = 0.15;

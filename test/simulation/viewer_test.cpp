@@ -1,4 +1,4 @@
-// What a viewer shows of a simulation that goes on: everything that can be seen, bit for bit, from a thread of its own.
+// A viewer of a running simulation shows everything that is published, bit for bit, from a thread of its own.
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 
@@ -52,7 +52,7 @@ tool::ToolParams makeTool(const char* id, tool::Mode mode) {
   return tool;
 }
 
-/// A sheet with all that can be done to one: a ball that presses, a knife, a force.
+/// A sheet with all kinds of interaction: a ball that presses, a knife, a force.
 SceneParams busySheet() {
   SceneParams p = hangingSheet();
   tool::ToolParams ball = makeTool("ball", tool::Mode::kSolid), knife = makeTool("knife", tool::Mode::kCut);
@@ -78,7 +78,7 @@ TEST(Viewer, ShowsASheetThatIsPressedPulledAndCut) {
   expectSameSight(s, viewer, "at rest");
   for (int k = 0; k < 30; ++k) {
     run(s, 1);
-    if (k % 3 != 0) continue;  // a viewer need not see every step
+    if (k % 3 != 0) continue;  // a viewer may skip steps
     viewer.restore(s.sight());
     expectSameSight(s, viewer, "step " + std::to_string(k));
   }

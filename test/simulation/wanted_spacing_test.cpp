@@ -1,4 +1,4 @@
-// Which points a rest surface keeps for loads, and where simplification.density: adaptive wants points to crowd.
+// Points that a rest surface keeps for loads, and where simplification.density: adaptive makes points denser.
 #include "../../src/simulation/wanted_spacing.h"
 
 #include "clouds.h"
@@ -66,7 +66,7 @@ struct Dense {
   std::vector<char> is_boundary;
 };
 
-// As much of a rest surface as the spacing is found from.
+// The part of a rest surface from which the spacing is computed.
 Dense makeDense(const SceneParams& p) {
   Dense dense;
   RestSurface& s = dense.surface;
@@ -77,7 +77,7 @@ Dense makeDense(const SceneParams& p) {
   return dense;
 }
 
-// Of the simulation points, the place.
+// The nearest of the simulation points to a place.
 bool holds(const RestSurface& s, const Vec3& place) {
   return std::any_of(s.points.begin(), s.points.end(), [&](const Vec3& p) { return p == place; });
 }
@@ -98,7 +98,7 @@ simulation::ForceParams pullAt(const Vec3& point, const std::string& id) {
   return {id, point, Vec3(0.0, 0.0, 1.0), 0.0, 0.0, 1e300};
 }
 
-// A force and an anchor at places that even spacing passes by.
+// A force and an anchor at places where even spacing has no point.
 SceneParams makeLoadedScene() {
   SceneParams p = makeScene();
   simulation::AnchorParams anchor;
@@ -191,7 +191,7 @@ TEST(WantedSpacing, MoreLoadsThanATenthOfThePointsKeepNoneAndThatIsTold) {
   const RestSurface fewer = build(p);
   EXPECT_FALSE(isTold(fewer, kTold));
   for (const simulation::ForceParams& force : p.forces) EXPECT_TRUE(holds(fewer, nearestOf(p, force.point)));
-  // Of a threshold it is the number that it leaves: here about as many.
+  // For a threshold it is the number of points that remain: here about as many.
   p.forces.push_back(pullAt(Vec3(-0.3, 0.27, 0.0), "last"));
   p.simplification.target_points = 0;
   p.simplification.threshold.is_auto = false;
@@ -235,11 +235,11 @@ TEST(WantedSpacing, StaysWithinItsBoundsAndGrowsGently) {
       needed += 1.0 / (wanted[i] * wanted[i] * static_cast<double>(x.size()));
       for (const Index* j = neighbors.begin(i); j != neighbors.begin(i) + 6; ++j) {
         if (p.pins[0].region.contains(x[i]) || p.pins[0].region.contains(x[*j])) continue;
-        // A tenth: the area that sets the mean spacing is estimated from the points.
+        // Within a tenth: the area that determines the mean spacing is estimated from the points.
         EXPECT_LE(wanted[*j] - wanted[i], 1.1 * simulation::kWantedGrowth * (x[*j] - x[i]).norm() / mean_spacing);
       }
     }
-    EXPECT_NEAR(needed, 1.0, 0.03) << target;  // of a jittered sheet points stand for unequal areas
+    EXPECT_NEAR(needed, 1.0, 0.03) << target;  // the points of a jittered sheet represent unequal areas
   }
 }
 
@@ -274,7 +274,7 @@ TEST(WantedSpacing, HasTheSameBitsForEveryNumberOfThreads) {
   EXPECT_EQ(one.order.diameter, three.order.diameter);
 }
 
-// A row of held points is a hinge, and a clamp along a whole side bends the surface as evenly as it is long.
+// A row of held points is a hinge. A clamp along a whole side bends the surface evenly along that side.
 TEST(WantedSpacing, IsEvenToTheBitWhereNoSmallPinClampsAndNoForceActsOnAPoint) {
   SceneParams p = makeScene();
   p.forces[0].radius = 0.3;

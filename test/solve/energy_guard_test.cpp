@@ -1,4 +1,4 @@
-// Blow-ups are told from what methods do by their nature: oscillation of the energy, first steps, drift, commands.
+// Blow-ups are distinguished from the normal behaviour of the methods: oscillation of the energy, first steps, drift, commands.
 #include "deformable_surface/solve/energy_guard.h"
 #include "oscillators.h"
 
@@ -16,7 +16,7 @@ using solve::IntegratorType;
 const std::vector<char> kFree(1, 0);
 const std::vector<const solve::ExternalLoad*> kNoLoads;
 
-// Steps of w h, the first of which begins at rest, one metre away; returns how many the guard lets pass.
+// Steps of w h from rest, one metre away. Returns the number of steps that the guard accepts.
 int countAccepted(IntegratorType type, double w_times_step, int steps, const EnergyGuard::Allowance& allowance) {
   const Oscillators model({1.0}, 1.0);
   const solve::System system(model, kNoLoads, kFree, 0.0);
@@ -25,7 +25,7 @@ int countAccepted(IntegratorType type, double w_times_step, int steps, const Ene
   State state{{Vec3(1.0, 0.0, 0.0)}, {Vec3::Zero()}};
   for (int k = 0; k < steps; ++k) {
     guard.beginStep(system, 0.0, state);
-    // A stable step so long that the integrator takes the step in one.
+    // A stable step so long that the integrator needs one sub-step.
     integrator->advance(system, 0.0, w_times_step, 100.0, state);
     if (!guard.accepts(system, 0.0, state, w_times_step, 0.0, allowance)) return k;
     guard.commit();
@@ -85,17 +85,17 @@ TEST(EnergyGuard, WhatACommandOrALoadPutsInIsNoGain) {
   guard.beginStep(system, 0.0, state);
   ASSERT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic));
   guard.commit();
-  // Struck between two steps: the next one begins with more.
+  // An impulse between two steps: the next step begins with more energy.
   state.velocities[0].x() = 100.0;
   guard.beginStep(system, 0.0, state);
   EXPECT_TRUE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic));
   guard.commit();
-  // The same within a step is a gain, unless a load says that it did the work.
+  // The same within a step is a gain, unless a load reports the work.
   guard.beginStep(system, 0.0, state);
   state.velocities[0].x() = 200.0;
   EXPECT_FALSE(guard.accepts(system, 0.0, state, 0.01, 0.0, EnergyGuard::kSymplectic));
   EXPECT_TRUE(guard.accepts(system, 0.0, state, 0.01, 15000.0, EnergyGuard::kSymplectic));
-  // What is not finite is never sound.
+  // Values that are not finite are never sound.
   state.velocities[0].x() = std::numeric_limits<double>::quiet_NaN();
   EXPECT_FALSE(guard.accepts(system, 0.0, state, 0.01, std::numeric_limits<double>::infinity(), EnergyGuard::kSymplectic));
 }

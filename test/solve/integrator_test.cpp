@@ -100,7 +100,7 @@ TEST(Integrators, VerletNoticesThatPointsWereMovedOrLoadsChangedBetweenSteps) {
   compareWithFresh();
 }
 
-// The end of `duration` in n steps of eight sub-steps and two outer steps each, and what it evaluated.
+// The state after `duration` in n steps of eight sub-steps and two outer steps each, and the number of evaluations.
 State runInOuterSteps(const SlowerOscillators& model, double damping, double duration, int n, State state) {
   const std::vector<char> held(model.masses().size(), 0);
   const System system(model, kNoLoads, held, damping);
@@ -112,7 +112,7 @@ State runInOuterSteps(const SlowerOscillators& model, double damping, double dur
 }
 
 TEST(Integrators, VerletKeepsItsOrderWithSlowForcesInOuterStepsAndBothKindsOfDamping) {
-  // x'' = -(9 + 1) x - (c + b) x' with c by mass and b viscous, of which 1 is slow.
+  // x'' = -(9 + 1) x - (c + b) x' with c by mass and b viscous. The term with 1 is slow.
   const double c = 0.3, b = 0.2, decay = 0.5 * (c + b), w = std::sqrt(10.0 - decay * decay);
   const SlowerOscillators model({9.0}, 1.0, 1.0, b);
   const auto error = [&](int n) {
@@ -129,7 +129,7 @@ TEST(Integrators, VerletsOuterStepsEvaluateSlowForcesOnceAndDoNotDrift) {
   const State end = runInOuterSteps(model, 0.0, 0.2 * steps, steps, startAt(Vec3::UnitX(), Vec3::Zero()));
   EXPECT_EQ(model.evaluations, 8 * steps + 1);
   EXPECT_EQ(model.slow_evaluations, 2 * steps + 1);
-  // What an outer step of 0.1 s conserves differs from the energy by about (0.1 s)^2 / 4 of the slow part.
+  // The conserved quantity of an outer step of 0.1 s differs from the energy by about (0.1 s)^2 / 4 of the slow part.
   EXPECT_NEAR(0.5 * (10.0 * end.positions[0].squaredNorm() + end.velocities[0].squaredNorm()), 5.0, 0.01);
 }
 
@@ -188,7 +188,7 @@ TEST(Integrators, ImplicitLosesTheStatedShareOfAMode) {
   params.tolerance = 1e-12;
   const double h = 0.5, gamma = 1.0 - std::sqrt(0.5);
   const std::complex<double> z(0.0, h);
-  // What one step does to exp(i t): (1 + (1 - 2 gamma) z) / (1 - gamma z)^2.
+  // The factor of one step on exp(i t): (1 + (1 - 2 gamma) z) / (1 - gamma z)^2.
   const double factor = std::abs((1.0 + (1.0 - 2.0 * gamma) * z) / std::pow(1.0 - gamma * z, 2));
   World world({1.0}, 1.0);
   const State end = world.run(IntegratorType::kImplicit, 10 * h, 10, startAt(Vec3::UnitX(), Vec3::Zero()), params);
@@ -217,7 +217,7 @@ TEST(Integrators, ALooseToleranceLeavesNoStageOfAFastMotionWithoutAnIteration) {
   tight.tolerance = 1e-12;
   const State a = world.run(IntegratorType::kImplicit, 1.0, 100, start, loose);
   const State b = world.run(IntegratorType::kImplicit, 1.0, 100, start, tight);
-  EXPECT_NEAR(a.positions[0].x(), b.positions[0].x(), 1e-6);  // linear: one iteration leaves what regularises the matrix
+  EXPECT_NEAR(a.positions[0].x(), b.positions[0].x(), 1e-6);  // linear: one iteration leaves the regularisation of the matrix
 }
 
 TEST(Integrators, ImplicitIsStableAtEveryStep) {
@@ -276,7 +276,7 @@ TEST(Integrators, OuterStepsStayUnderTheStableOneOfTheSlowForces) {
   expectCut(kNoLimit, 8, 2, 8);
   expectCut(kNoLimit, 5, 4, 4);  // as five would need 20 sub-steps
   expectCut(0.008001, 8, 4, 4);
-  expectCut(0.0039, 8, 16, 1);  // slow ones that are not slow
+  expectCut(0.0039, 8, 16, 1);  // forces marked as slow that are not slow
 }
 
 TEST(StableStep, IsTwoOverTheHighestFrequency) {

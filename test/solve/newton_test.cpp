@@ -1,4 +1,4 @@
-// Newton's descent where the way is known: one iteration on a quadratic energy, and out of a hollow that curves the wrong way.
+// Newton's descent where the path is known: one iteration on a quadratic energy, and out of a region of negative curvature.
 #include "../../src/solve/newton.h"
 
 #include <gtest/gtest.h>
@@ -48,7 +48,7 @@ TEST(NewtonDescent, EndsAQuadraticInOneWholeStep) {
 TEST(NewtonDescent, IsHeldBackByTheWeights) {
   const Oscillators model({4.0}, 0.25);
   Descent d(model, {}, {Vec3(1.0, 0.0, 0.0)});
-  d.weight[0] = 12.0;  // to where it begins: a quarter of the way is left to the spring
+  d.weight[0] = 12.0;  // to where it starts: a quarter of the distance remains for the spring
   d.evaluate();
   d.descend();
   EXPECT_NEAR(d.state.positions[0].x(), 0.75, 1e-8);
@@ -64,7 +64,7 @@ TEST(NewtonDescent, LeavesHeldPointsWhereTheyAre) {
   EXPECT_EQ(d.state.positions[1], Vec3::UnitX());
 }
 
-// E = (|x|^2 - 1)^2 / 4: least on the unit sphere, and curved downwards within.
+// E = (|x|^2 - 1)^2 / 4: smallest on the unit sphere, with negative curvature within.
 class Hollow : public Oscillators {
  public:
   Hollow() : Oscillators({1.0}, 1.0) {}

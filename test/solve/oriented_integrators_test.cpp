@@ -1,4 +1,4 @@
-// Points that turn, against a torsion pendulum, whose motion is known.
+// Points with orientation, against a torsion pendulum, whose motion is known.
 #include "../../src/solve/oriented_integrators.h"
 
 #include <gtest/gtest.h>

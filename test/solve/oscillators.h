@@ -1,4 +1,4 @@
-// The simplest model there is: points on springs to the origin, each with its own stiffness. Its motion is known exactly.
+// The simplest model: points on springs to the origin, each with its own stiffness. Its motion is known exactly.
 #pragma once
 
 #include "deformable_surface/solve/integrator.h"

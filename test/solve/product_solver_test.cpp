@@ -1,4 +1,4 @@
-// Newton's direction from products alone, against the equations that it has to satisfy.
+// Newton's direction from products alone, against the equations that it must satisfy.
 #include "../../src/solve/product_solver.h"
 
 #include <gtest/gtest.h>
@@ -8,7 +8,7 @@
 namespace deformable_surface::test {
 namespace {
 
-// A row of points with a spring between neighbours, the same in every direction; the stiffness is known by its products only.
+// A row of points with a spring between neighbours, the same in every direction. Only products with the stiffness are available.
 class Row : public Oscillators, public model::StiffnessProducts {
  public:
   Row(Index n, double stiffness) : Oscillators(std::vector<double>(n, 0.0), 1.0) {

@@ -1,4 +1,4 @@
-// Equilibria by quasi-Newton steps: those that Newton's method finds, or none and nothing moved; and the springs they begin with.
+// Equilibria by quasi-Newton steps: those of Newton's method, or none with nothing moved. And their initial springs.
 #include "../../src/solve/quasi_newton.h"
 
 #include "../physics/statics.h"
@@ -41,7 +41,7 @@ double measureLargest(const Points& a, const Points& b) {
   return largest;
 }
 
-// The same surface whose springs nobody knows: the static solver has to take Newton steps.
+// The same surface without known springs: the static solver has to take Newton steps.
 class Secretive : public model::MassSpring {
  public:
   explicit Secretive(const model::MassSpring& of) : model::MassSpring(of) {}
@@ -78,19 +78,19 @@ TEST(QuasiNewton, FindsTheEquilibriumThatNewtonFindsHoweverStiffTheSheet) {
     Points again;
     EXPECT_EQ(system.computeForcesAndLargest(0.0, state, again), system.largestForce(0.0, state));
     EXPECT_EQ(again, forces);
-    EXPECT_GT(system.largestForce(0.0, state), largest);  // what the material bears is no unbalance
+    EXPECT_GT(system.largestForce(0.0, state), largest);  // a load that the material carries is no imbalance
     EXPECT_LE(largest, kTolerance * system.largestForce(0.0, state)) << young_modulus;
     EXPECT_LT(report.iterations, 100) << young_modulus;
     const Points expected = solveStatics(Secretive(*sheet.model), sheet.loads, sheet.held, sheet.surface.points);
     EXPECT_LT(measureLargest(state.positions, expected), 1e-5 * measureLargest(expected, sheet.surface.points)) << young_modulus;
-    // From where it is it need not go.
+    // It is already in equilibrium.
     const Index iterations = report.iterations;
     EXPECT_TRUE(quasi_newton.solve(system, 0.0, kTolerance, 0.0, nullptr, state, report));
     EXPECT_EQ(report.iterations, iterations);
   }
 }
 
-// At rest it is taken for a membrane, in its equilibrium for a plate, whose springs join other pairs.
+// At rest it counts as a membrane, in its equilibrium as a plate. The springs of the two join different pairs.
 TEST(QuasiNewton, FindsThatOfAPlateToo) {
   const Sheet plate(1e9, true, 0.05);
   const solve::System system = plate.system();
@@ -170,19 +170,19 @@ TEST(Couplings, ResistAsTheStiffnessDoes) {
     along[i] = Vec3(uniform(generator), uniform(generator), 0.0);
   }
   std::vector<solve::System::Coupling> springs_along, springs_across;
-  // At rest it is taken for the membrane that it will sag like.
+  // At rest it counts as the membrane that it will become when it sags.
   ASSERT_TRUE(system.findCouplings(state, 1.0, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across) / sumSprings(springs_along, across), 1.0, 1e-5);
-  // With next to no tension it only bends, and there is all but nothing else.
+  // With almost no tension it only bends; the rest is almost nothing.
   const double flat = sumStiffness(system, state, across);
   State taut = state;
   for (Vec3& p : taut.positions) p *= 1.0 + 1e-8;
   ASSERT_TRUE(system.findCouplings(taut, 1.0, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across), flat + 1e-6 * sumSprings(springs_along, across),
               1e-7 * sumSprings(springs_along, across));
-  // What moves along it is resisted by 0.6 to 1.6 times as much, whatever the wave.
+  // The springs resist motion along it 0.6 to 1.6 times as much, for every wave.
   EXPECT_NEAR(sumSprings(springs_along, along) / sumStiffness(system, state, along), 1.0, 0.6);
-  // Stretched evenly in both directions it has tension, once as it is and once as its mean.
+  // The tension of an even stretch counts twice: once as it is and once as its mean.
   for (Vec3& p : state.positions) p *= 1.1;
   const double stretched = sumStiffness(system, state, across);
   ASSERT_TRUE(system.findCouplings(state, 1.0, springs_along, springs_across));
@@ -192,7 +192,7 @@ TEST(Couplings, ResistAsTheStiffnessDoes) {
   const double full = sumSprings(springs_across, across);
   ASSERT_TRUE(system.findCouplings(state, 0.3, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across), 0.65 * full, 1e-3 * full);
-  // Twice the material, twice the springs.
+  // Twice the stiffness of the material, twice that of the springs.
   sheet.model->setMaterial(std::vector<model::PointMaterial>(n, {2.0, 2.0, 1.0}));
   ASSERT_TRUE(system.findCouplings(state, 1.0, springs_along, springs_across));
   EXPECT_NEAR(sumSprings(springs_across, across), 2.0 * full, 1e-9 * full);

@@ -10,7 +10,7 @@
 namespace deformable_surface::test {
 namespace {
 
-// A spring to where it is on the first point.
+// A spring to its present place on the first point.
 class Spring : public solve::ExternalLoad {
  public:
   void addForces(double, const State&, Points&) const override {}
@@ -68,7 +68,7 @@ TEST(StableStep, IsShorterByDampingThatReadsPredictedVelocities) {
   EXPECT_GE(s.find(), expected * (1.0 - kBound));
 }
 
-// Chained oscillators would tell a bound from a measurement; these are diagonal, so that the bound is exact.
+// For chained oscillators a bound and a measurement would differ. These are diagonal, so the bound is exact.
 class WithoutMatrix : public Oscillators {
  public:
   using Oscillators::Oscillators;

@@ -1,4 +1,5 @@
-// What the preconditioner of surfaces must be: symmetric, positive, zero on held points, and near the inverse of the stiffness.
+// Properties of the preconditioner of surfaces: symmetric, positive, zero on constrained points, and close to the inverse of the
+// stiffness.
 #include "../../src/solve/surface_preconditioner.h"
 
 #include "../support/surfaces.h"
@@ -22,7 +23,7 @@ struct Sheet {
     for (const Vec3& p : surface.points) held.push_back(p.x() < 1e-9);
     model->setHeld(held, {});
     system = std::make_unique<solve::System>(*model, loads, held, 0.0);
-    // Tension resists what moves across the surface.
+    // Tension resists motion across the surface.
     for (Vec3& p : state.positions) p *= 1.01;
     EXPECT_TRUE(preconditioner.prepare(*system, state, 0.0));
   }
@@ -56,7 +57,7 @@ TEST(SurfacePreconditioner, IsSymmetricPositiveAndZeroOnHeldPoints) {
   for (Index i = 0; i < s.system->size(); ++i) EXPECT_TRUE(!s.held[i] || pa.segment<3>(3 * i).isZero(0.0)) << i;
 }
 
-// A stretch along x, and a sag: the two kinds of motion, whose stiffnesses differ by orders of magnitude.
+// A stretch along x and a sag: two kinds of motion whose stiffnesses differ by orders of magnitude.
 TEST(SurfacePreconditioner, UndoesTheStiffnessOfSmoothMotionsWithinASmallFactor) {
   Sheet s;
   BlockSparse stiffness;

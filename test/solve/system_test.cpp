@@ -1,4 +1,4 @@
-// What a solver sees: forces of the material and the loads together, energies, bounds.
+// The interface of solvers: forces of material and loads together, energies, bounds.
 #include "deformable_surface/solve/system.h"
 
 #include <gtest/gtest.h>
@@ -28,7 +28,7 @@ TEST(System, AddsLoadsToTheMaterialAndLeavesHeldPointsAlone) {
   EXPECT_EQ(forces, (Points{Vec3(-4.0, 0.0, -5.0), Vec3::Zero()}));
   s.system.computeForcesOnAll(0.0, s.state, forces);
   EXPECT_EQ(forces, (Points{Vec3(-4.0, 0.0, -5.0), Vec3(0.0, -18.0, -5.0)}));
-  s.system.computeFastForces(s.state, forces);  // of a model without slow ones these are all
+  s.system.computeFastForces(s.state, forces);  // a model without slow forces has no others
   EXPECT_EQ(forces, (Points{Vec3(-4.0, 0.0, 0.0), Vec3(0.0, -18.0, 0.0)}));
   EXPECT_DOUBLE_EQ(s.system.largestForce(0.0, s.state), 18.0);
 }
@@ -38,10 +38,10 @@ TEST(System, KnowsEnergiesAndTheWorkOfWhatCarriesHeldPoints) {
   EXPECT_DOUBLE_EQ(s.system.elasticEnergy(s.state), 0.5 * 4.0 + 0.5 * 9.0 * 4.0);
   EXPECT_DOUBLE_EQ(s.system.kineticEnergy(s.state), 0.5 * 0.5 * 9.0);
   State lifted = s.state;
-  lifted.positions[0].z() += 1.0;  // free: its work is no carrying
+  lifted.positions[0].z() += 1.0;  // free: it is not carried, so there is no such work
   EXPECT_EQ(s.system.carryingWork(0.0, 0.1, s.state, lifted), 0.0);
   lifted.positions[1].y() += 1.0;
-  // Against a spring, whose mean force on the way is exact by the trapezoidal rule, and across gravity.
+  // Against a spring, whose mean force along the path is exact by the trapezoidal rule, and across gravity.
   EXPECT_DOUBLE_EQ(s.system.carryingWork(0.0, 0.1, s.state, lifted), 0.5 * 9.0 * (9.0 - 4.0));
 }
 

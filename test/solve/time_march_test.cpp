@@ -1,5 +1,4 @@
-// How long the sub-steps of a step are, and in how many of them slow forces act, as the stable step and the energy account
-// change.
+// The length of sub-steps, and the number of them in which slow forces act, as the stable step and the energy account change.
 #include "deformable_surface/solve/time_march.h"
 #include "deformable_surface/base/interrupt.h"
 #include "oscillators.h"
@@ -11,7 +10,7 @@
 namespace deformable_surface::test {
 namespace {
 
-// Its stable step is what it says, and a change of its stretch makes that be asked for.
+// A model with a stated stable step. A change of its stretch causes a new request.
 class KnownStep : public SlowerOscillators, public model::Links {
  public:
   explicit KnownStep(double stiffness) : SlowerOscillators({stiffness}, 1e-3, 1.0) {}
@@ -57,7 +56,7 @@ TEST(TimeMarch, ShortensSubstepsAtOnceAndLengthensThemOnlyWhenTheyCouldLongHaveB
   for (int swing = 0; swing < 3; ++swing) {
     m.model.change(0.01);
     for (int k = 0; k < 99; ++k) ASSERT_EQ(m.countSubsteps(), 6) << k;
-    m.model.change(0.00235);  // with which five would do, but that is not worth a change
+    m.model.change(0.00235);  // with which five would suffice, but that is not worth a change
     for (int k = 0; k < 101; ++k) ASSERT_EQ(m.countSubsteps(), 6) << k;
   }
   m.model.change(0.01);
@@ -71,7 +70,7 @@ TEST(TimeMarch, ShortensSubstepsAtOnceAndLengthensThemOnlyWhenTheyCouldLongHaveB
   EXPECT_EQ(m.countSubsteps(), 2);
 }
 
-// Springs to where the points are, as contacts would have that come and go.
+// Springs to the places of the points, like contacts that begin and end.
 class Contacts : public solve::ExternalLoad {
  public:
   void addForces(double, const State&, Points&) const override {}
@@ -102,7 +101,7 @@ TEST(TimeMarch, AStableStepThatWasFoundBeforehandHoldsForAStateThatAPartBroughtO
   m.march.resume();
   EXPECT_EQ(m.countSubsteps(), 2);
   EXPECT_EQ(m.model.num_estimates, 1);
-  // It is looked for where it would have been without the part.
+  // Searched where it would have been without the part.
   m.model.change(0.002);
   m.march.resume();
   EXPECT_EQ(m.countSubsteps(), 6);
@@ -150,7 +149,7 @@ TEST(TimeMarch, SlowForcesActInEverySubstepWhereTheEnergyIsNotCalm) {
   EXPECT_EQ(m.model.slow_evaluations - before, 20);
 }
 
-// No force, but it asks for an end of the step when it has been asked so often.
+// No force, but it requests the end of the step after so many calls.
 class Interrupter : public solve::ExternalLoad {
  public:
   void addForces(double, const State&, Points&) const override {
@@ -177,7 +176,7 @@ TEST(TimeMarch, AnInterruptedStepEndsEarlyAndKeepsTheStateAndLaterStepsAreTheSam
   const solve::TimeMarch::Outcome outcome = m.march.step(0.01, m.state);
   EXPECT_FALSE(outcome.ok);
   EXPECT_EQ(outcome.failure.kind, solve::StepFailure::Kind::kInterrupted);
-  EXPECT_GT(load.left, -5000);  // as often it was asked afterwards
+  EXPECT_GT(load.left, -5000);  // the number of requests afterwards
   EXPECT_EQ(m.state.positions, before.positions);
   EXPECT_EQ(m.state.velocities, before.velocities);
 
@@ -202,7 +201,7 @@ TEST(TimeMarch, UnderAScopeNoForcesAreEvaluatedAnyMoreOnceItIsInterrupted) {
   }
 }
 
-// A spring to the origin, of which Newton's method is not told: it takes very many iterations.
+// A spring to the origin that Newton's method does not know of: it takes very many iterations.
 class HiddenSpring : public Interrupter {
  public:
   void addForces(double time, const State& state, Points& forces) const override {
@@ -225,7 +224,7 @@ TEST(TimeMarch, AnInterruptedSolutionEndsBetweenTwoIterationsAndKeepsTheState) {
     const State before = m.state;
     solve::TimeMarch::Outcome outcome = m.march.step(0.0, m.state);
     const int asked = 1000000 - load.left;
-    ASSERT_GT(asked, 100);  // as often forces were computed without an interrupt
+    ASSERT_GT(asked, 100);  // the number of force evaluations without an interrupt
     m.march.setInterrupt(&load.interrupt);
     m.march.restart();
     m.state = before;
@@ -252,12 +251,12 @@ TEST(TimeMarch, KnowsTheForcesOfTheStateThatItsStepEndedWithToTheBit) {
     EXPECT_GT(found[0].norm(), 0.0);
     EXPECT_EQ(known, found);
   }
-  // Another state's it does not know.
+  // For another state the forces are not known.
   m.state.positions[0].x() += 0.5;
   m.march.computeForcesOnAll(0.0, m.state, known);
   m.system.computeForcesOnAll(0.0, m.state, found);
   EXPECT_EQ(known, found);
-  // Nor those that read velocities.
+  // Nor are those that depend on velocities.
   SlowerOscillators viscous({1.0}, 1e-3, 1.0, 0.5);
   const solve::System system(viscous, m.loads, m.held, 0.0);
   solve::TimeMarch march(system, viscous, m.params);

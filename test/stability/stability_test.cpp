@@ -19,7 +19,7 @@ TEST_P(Stability, TheDefaultIntegratorTakesEveryStepSoundly) {
   }
 }
 
-// Explicit Euler breaks down in most of these; what it must not do is hand out a broken surface.
+// Explicit Euler fails in most of these. It must never return a broken surface.
 TEST_P(Stability, ExplicitEulerAsPublishedIsRefusedBeforeItBlowsUp) {
   for (unsigned seed = 0; seed < kSeeds; ++seed) {
     const StabilityCase scene = StabilityGenerator::make(GetParam(), seed);

@@ -25,7 +25,7 @@ bool isInside(const std::vector<Vec2>& outline, const Vec2& p) {
   return inside;
 }
 
-// Whether the way between two points within the outline stays within it; it may touch corners.
+// Whether the straight line between two points within the outline stays within it. It may touch corners.
 bool isWithin(const std::vector<Vec2>& outline, const Vec2& from, const Vec2& to) {
   for (std::size_t i = 0, j = outline.size() - 1; i < outline.size(); j = i++) {
     const Vec2 &a = outline[i], &b = outline[j];
@@ -41,7 +41,7 @@ Vec3 findNormal(const Sheet& sheet, const Vec2& at) {
   return derive(Vec2(kStep, 0.0)).cross(derive(Vec2(0.0, kStep))).normalized();
 }
 
-// A corner of a triangle on the image: px, and what is linear there.
+// A corner of a triangle on the image: px, and the quantities that are linear there.
 struct Corner {
   Vec2 pixel;
   double inverse_depth;  // 1/m
@@ -101,7 +101,7 @@ void drawSheet(Index index, CameraFrame& frame) {
   }
 }
 
-// What the projector does not see, for in its image (columns p = x - d) something to the right of it and nearer lies over it.
+// Pixels that the projector does not reach, because in its image (columns p = x - d) a nearer surface to the right covers them.
 // Edges lie half-way between pixels.
 void castShadows(CameraFrame& frame) {
   const DepthCamera& camera = frame.camera;
@@ -117,7 +117,7 @@ void castShadows(CameraFrame& frame) {
   }
 }
 
-// Same on every platform, and as many draws for every pixel.
+// The same on every platform, with the same number of random numbers for every pixel.
 class Draws {
  public:
   explicit Draws(unsigned seed) : random_(seed) {}
@@ -131,7 +131,7 @@ class Draws {
   std::mt19937 random_;
 };
 
-// Means over 2 radius + 1 values along rows (or columns), which go on at the other end; white noise keeps its deviation.
+// Means over 2 radius + 1 values along rows (or columns), which continue at the other end. White noise keeps its deviation.
 void smooth(const DepthCamera& camera, bool along_rows, Index radius, std::vector<double>& noise) {
   const Index length = along_rows ? camera.width : camera.height, lines = along_rows ? camera.height : camera.width;
   const Index step = along_rows ? 1 : camera.width, line_step = along_rows ? camera.width : 1;

@@ -1,6 +1,6 @@
-// Frames of a depth camera with the truth beside them: what each pixel sees, and which pixels are neighbours on the surface. The
-// camera is one that projects a pattern and triangulates: its noise is in the disparity, so that it grows with the square of the
-// depth, and what the projector does not see is missing.
+// Frames of a depth camera with the truth: what each pixel sees, and which pixels are neighbours on the surface. The camera
+// projects a pattern and triangulates. Its noise is in the disparity, so it grows with the square of the depth. Surfaces that the
+// projector does not reach are missing.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -26,18 +26,18 @@ struct DepthCamera {
 
   Vec2 center() const { return 0.5 * Vec2(width - 1, height - 1); }  // px
   double disparity(double depth) const { return focal_length * baseline / depth; }
-  /// m, standard deviation of the depth by the noise and the quantum.
+  /// m, standard deviation of the depth from the noise and the quantum.
   double depthNoise(double depth) const;
 };
 
-/// A piece of surface, unfolded: `place` takes its plane (m) to the camera's frame, without stretch but for gentle waves.
+/// A piece of surface, unfolded: `place` maps its plane (m) to the camera's frame, without stretch except for gentle waves.
 struct Sheet {
   std::vector<Vec2> outline;  // a simple polygon on the plane, m
   std::function<Vec3(const Vec2&)> place;
   double cell = 0.0;  // m: between two points of the plane that are so near the sheet is straight; 0 = everywhere
 };
 
-/// What a camera gives, and the truth. Arrays are by pixel, row by row.
+/// The output of a camera, and the truth. Arrays are by pixel, row by row.
 struct CameraFrame {
   cloud::PointCloud cloud;   // organised; NaN where nothing is seen
   cloud::PointCloud clean;   // the same pixels where they truly are
@@ -57,15 +57,16 @@ struct CameraFrame {
 /// Deterministic: the same draws for every noise, quantum and share.
 CameraFrame takeFrame(const DepthCamera& camera, const std::vector<Sheet>& sheets);
 
-/// m, the length of the way over the sheet between what two pixels see: the one that is straight on the unfolded sheet, or, where
-/// that leaves the outline, one by a corner of it; infinite between sheets and where a way has several corners.
+/// m, the length of the path along the sheet between the places that two pixels see: the straight line on the unfolded sheet.
+/// Where that leaves the outline, the path by one of its corners. Infinite between sheets, and where a path has several corners.
 double findTrueDistance(const CameraFrame& frame, Index pixel, Index other);
 
-/// Whether that is less than twice the straight distance and two pixels: else a gap of the true surface lies between them.
+/// Whether that length is less than twice the straight distance and two pixels. Otherwise a gap of the true surface lies between
+/// them.
 bool areTrueNeighbors(const CameraFrame& frame, Index pixel, Index other);
 
-/// The pieces of the true surface that the seen pixels show: what true neighbours at most two pixels apart connect. Number of
-/// pixels of each that has at least min_size, largest first.
+/// The pieces of the true surface that the visible pixels show: what true neighbours at most two pixels apart connect. Number of
+/// pixels of each piece that has at least min_size, largest first.
 std::vector<Index> findTruePieces(const CameraFrame& frame, Index min_size);
 
 }  // namespace deformable_surface::test

@@ -1,4 +1,4 @@
-// The camera of the tests against what it says of itself.
+// The camera of the tests against its own description.
 #include "camera_frames.h"
 
 #include "camera_scenes.h"
@@ -31,7 +31,7 @@ TEST(CameraFrames, ACameraWithoutNoiseSeesTheTruth) {
     ++count;
     ASSERT_NEAR((frame.cloud.positions[i] - frame.positions[i]).norm(), 0.0, 1e-7);  // as floats
     ASSERT_EQ(frame.clean.positions[i], frame.positions[i]);
-    // The sheet is where it says, but for the sagitta of its cells in the bend.
+    // The sheet is at its stated place, up to the sagitta of its cells in the bend.
     const Vec3 placed = frame.sheets[0].place(frame.places[i]);
     ASSERT_NEAR((placed - frame.positions[i]).norm(), 0.0, 1e-4);
     ASSERT_LT(frame.positions[i].dot(frame.normals[i]) * frame.positions[i].z(), frame.positions[i].squaredNorm());
@@ -111,7 +111,7 @@ TEST(CameraFrames, AsManyPixelsAreMissingAsSaid) {
 }
 
 TEST(CameraFrames, TheProjectorLeavesAShadowAsWideAsTheStepOfTheDisparity) {
-  // The upper half lies to the left of what it would shade: turned over, its shadow falls on the other.
+  // The upper half lies to the left of the part that it would shade. Turned over, its shadow falls on the other half.
   CameraScene scene = makeTwoSheets(1.0, 0.1);
   for (Vec2& corner : scene.sheets[1].outline) corner.x() = -corner.x();
   DepthCamera camera;

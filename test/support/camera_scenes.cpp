@@ -48,7 +48,7 @@ OnTable liftBy(double height) {
 // Gentle wrinkles about zero, a decimetre wide.
 double wave(double x, double y) { return 0.6 * std::sin(52.0 * x + 16.0 * y) + 0.4 * std::sin(60.0 * y - 15.0 * x + 1.0); }
 
-// What lies on the plane beyond the line normal . at = offset is turned over it, along a half circle as wide as the gap.
+// The part of the plane beyond the line normal . at = offset is turned over it, along a half circle as wide as the gap.
 OnTable fold(const Vec2& normal, double offset, double gap, double waves) {
   return [=](const Vec2& at) {
     const double radius = 0.5 * gap, beyond = normal.dot(at) - offset, arc = M_PI * radius;

@@ -1,5 +1,5 @@
-// What lies before the depth camera of camera_frames.h: towels, blankets and a garment, in metres, seen from a distance along the
-// camera's axis. With each comes where it is held and pulled, so that what a frame makes of it can be simulated.
+// Objects before the depth camera of camera_frames.h: towels, blankets and a garment, in metres, seen from a distance along the
+// camera's axis. Each has places where it is held and pulled, so that the surface built from a frame can be simulated.
 #pragma once
 
 #include "camera_frames.h"
@@ -34,7 +34,7 @@ CameraScene makeTwoSheets(double distance, double gap);
 /// All of them, with sheets 5, 10 and 20 mm apart.
 std::vector<CameraScene> makeCameraScenes(double distance);
 
-/// A camera that sees the scene's field and nothing more, else as given.
+/// A camera that sees the field of the scene and nothing more, otherwise as given.
 DepthCamera aimAt(const CameraScene& scene, DepthCamera camera);
 
 }  // namespace deformable_surface::test

@@ -1,5 +1,5 @@
-// Scenes in which a surface comes to lie on itself: folded, dropped, twisted, crushed. A seed draws counts, jitter, sizes, speeds
-// and stiffness.
+// Scenes in which a surface touches itself: folded, dropped, twisted, crushed. A seed draws counts, jitter, sizes, speeds and
+// stiffness.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -39,7 +39,7 @@ class ContactSceneMaker {
     jitter_ = draw(0.0, 0.3);
   }
 
-  /// An edge of a towel on a table is carried over to the other one.
+  /// An edge of a towel on a table is carried over to the opposite one.
   ContactScene fold() {
     layTowel();
     carryEdge("edge", Vec3(1.0, 0.5, 0.0), Vec3(0.08, 0.5, 0.0), 0.0, draw(0.4, 0.9));
@@ -60,7 +60,7 @@ class ContactSceneMaker {
     addTable();
     return finish();
   }
-  /// A strip between two ends of which one turns and comes nearer.
+  /// A strip between two ends. One of them turns and approaches.
   ContactScene twist() {
     addSheet(side_, 0.4 * side_, 0.0, Mat3::Identity(), Vec3::Zero());
     scene_.params.gravity.setZero();
@@ -74,7 +74,7 @@ class ContactSceneMaker {
     addPin(side_, path);
     return finish();
   }
-  /// Sheets that fall on each other, each turned otherwise.
+  /// Sheets that fall on each other, each with its own orientation.
   ContactScene heap() {
     across_ = 9 + across_ % 4;
     for (int k = 0; k < 5; ++k)
@@ -165,7 +165,7 @@ class ContactSceneMaker {
     }
     return finish();
   }
-  /// A cloth falls on a ball that turns and takes it along.
+  /// A cloth falls on a rotating ball that carries it along.
   ContactScene turningBall() {
     addSheet(side_, side_, 0.0, Mat3::Identity(), Vec3(-0.5 * side_, 0.0, 0.16));
     addTable();
@@ -207,7 +207,7 @@ class ContactSceneMaker {
     return scene_;
   }
 
-  // From x = 0 and about y = 0, arched by a share of its length, then turned and moved.
+  // From x = 0 and about y = 0, arched by a share of its length, then rotated and moved.
   void addSheet(double length, double width, double arch, const Mat3& turn, const Vec3& to) {
     const Index along = across_, beside = std::max<Index>(6, std::lround(across_ * width / length));
     for (Index i = 0; i < along; ++i)

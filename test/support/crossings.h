@@ -1,4 +1,4 @@
-// Whether triangles cut through each other, by signs that rounding does not change. It shares no code with what it tests.
+// Whether triangles cut through each other, by signs that rounding does not change. It shares no code with the tested code.
 #pragma once
 
 #include "deformable_surface/base/types.h"

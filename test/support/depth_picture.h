@@ -1,4 +1,5 @@
-// Pictures of a depth camera at the origin that looks along z, by a function for the depth; camera_frames.h sees surfaces.
+// Images of a depth camera at the origin that looks along z, from a function for the depth. camera_frames.h renders surfaces
+// instead.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"

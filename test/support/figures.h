@@ -1,5 +1,5 @@
-// Scenes of the package with their clouds, run without the readers of the room io that need PCL: what tests of whole figures
-// share.
+// Scenes of the package with their clouds, run without the readers of the room io that need PCL. The tests of whole figures share
+// them.
 #pragma once
 
 #include "deformable_surface/base/error.h"
@@ -30,16 +30,16 @@ inline Points readPoints(const std::string& file) {
   return points;
 }
 
-/// The folder of clouds and meshes that are handed to developers and not shipped.
+/// The folder of clouds and meshes that developers have and that are not shipped.
 inline std::string sharedFolder() {
   const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
   return given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data";
 }
 
-/// A file below it; empty without.
+/// A file in it; empty if the folder is not set.
 inline Points readSharedPoints(const std::string& name) { return readPoints(sharedFolder() + "/" + name); }
 
-/// The faces (lines that begin with f) of an .obj file below it.
+/// The faces (lines that begin with f) of an .obj file in it.
 inline std::vector<std::vector<Index>> readSharedFaces(const std::string& name) {
   std::ifstream stream(sharedFolder() + "/" + name);
   std::vector<std::vector<Index>> faces;

@@ -1,5 +1,5 @@
-// Point sets with parts that are close in space and far along the surface, with the part of each point: what geodesics are tested
-// and measured on.
+// Point sets with parts that are close in space and far apart along the surface, with the part of each point, for tests and
+// measurements of geodesics.
 #pragma once
 
 #include "deformable_surface/cloud/geodesics.h"
@@ -34,7 +34,7 @@ class Jitter {
 };
 
 /// Two bars of five rows and fifty columns in the x-z plane, joined over the first five columns; spacing 1, `layers` of them in
-/// y. Rows beside the gap are not moved across it, so that it is as wide as it says.
+/// y. Rows beside the gap are not moved across it, so the gap has the stated width.
 inline Gapped makeTwoBars(double gap, double share, int layers = 1, unsigned seed = 1) {
   constexpr int kColumns = 50, kRows = 5, kFarFromJoint = 18;
   Gapped bars;
@@ -124,7 +124,7 @@ inline Gapped makeLegs(double radius, double along, double gap, double share, un
   return legs;
 }
 
-/// Without a share of the points, at random: a sampling with holes, whose density changes from spot to spot.
+/// Without a share of the points, at random: a sampling with holes, whose density varies from place to place.
 inline Gapped dropPoints(const Gapped& cloud, double share, unsigned seed = 1) {
   Gapped left;
   std::mt19937 random(seed);
@@ -134,9 +134,9 @@ inline Gapped dropPoints(const Gapped& cloud, double share, unsigned seed = 1) {
   return left;
 }
 
-/// What is left of the coupling of neighbours, (sum of kernel times weight) / (sum of kernel), over pairs that are asked: within
-/// a part, and across. The kernel is Wendland's C2, as wide as the longest pair of a point: models couple near pairs more than
-/// far ones.
+/// The remaining coupling of neighbours, (sum of kernel times weight) / (sum of kernel), over the pairs in question: within a
+/// part, and across. The kernel is Wendland's C2, as wide as the longest pair of a point, because models couple near pairs more
+/// than far ones.
 struct Coupling {
   double within = 0.0, across = 0.0;
 };

@@ -1,4 +1,4 @@
-// Closed meshes that the tests of tools share.
+// Closed meshes for the tests of tools.
 #pragma once
 
 #include "deformable_surface/geometry/polyhedron.h"
@@ -23,7 +23,7 @@ inline Mesh makeBoxMesh(const Vec3& size) {
   return mesh;
 }
 
-/// An icosahedron whose triangles were quartered so many times, with its corners on a sphere.
+/// An icosahedron whose triangles were quartered this number of times, with its corners on a sphere.
 inline Mesh makeSphereMesh(double radius, int quarterings) {
   Mesh mesh;
   const double g = 0.5 * (1.0 + std::sqrt(5.0));
@@ -50,7 +50,7 @@ inline Mesh makeSphereMesh(double radius, int quarterings) {
   return mesh;
 }
 
-/// A box out of whose upper side a wedge is cut down to the middle: concave edges and corners.
+/// A box with a wedge cut out of its upper side, down to the middle: concave edges and corners.
 inline Mesh makeNotchedMesh() {
   const double profile[7][2] = {{-1, -1}, {1, -1}, {1, 1}, {0.5, 1}, {0, 0}, {-0.5, 1}, {-1, 1}};
   Mesh mesh;

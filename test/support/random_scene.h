@@ -13,7 +13,7 @@
 
 namespace deformable_surface::test {
 
-/// A scene that asks for a number of simulation points, its cloud, and what it is in a few words.
+/// A scene with a target number of simulation points, its cloud, and a short description.
 struct RandomScene {
   simulation::SceneParams params;
   cloud::PointCloud cloud;
@@ -47,7 +47,7 @@ class RandomSceneMaker {
     const double share = drawLogarithmic(1.0 / 16.0, 0.6);
     const Index n = scene_.cloud.size();
     scene_.params.simplification.target_points = std::min(n, std::max(Index{128}, static_cast<Index>(share * n)));
-    // Without simplification the error is that of the steps alone, and an equilibrium has none.
+    // Without simplification only the time steps cause an error, and an equilibrium has none.
     if (scene_.params.integrator.type != solve::IntegratorType::kStatic && happens(0.08)) {
       scene_.params.simplification.method = cloud::SimplificationMethod::kNone;
       say("all");
@@ -87,7 +87,7 @@ class RandomSceneMaker {
     if (happens(0.4)) thin();
   }
 
-  // An irregular sampling: points are left out at random, more of them at one side.
+  // An irregular sampling: points are left out at random, more of them on one side.
   void thin() {
     say("irregular");
     Points kept;
@@ -112,7 +112,7 @@ class RandomSceneMaker {
   }
 
   void setRigidity(double rigidity) {
-    // A plate thicker than a tenth of its length is none.
+    // A plate thicker than a tenth of its length does not count as one.
     rigidity_ = std::min(rigidity, stretching_ * length_ * length_ / 1200.0);
     scene_.params.material.bending_rigidity.is_auto = false;
     scene_.params.material.bending_rigidity.value = rigidity_;
@@ -204,7 +204,7 @@ class RandomSceneMaker {
       t.type = solve::IntegratorType::kImplicit;
       say("implicit");
     }
-    // A few swings, as far as they can be paid for on the full cloud.
+    // A few swings, as many as are affordable on the full cloud.
     constexpr double kWork = 1.5e7;  // points times sub-steps
     const double swing = std::sqrt(length_ / 9.81) * draw(1.0, 5.0);
     const double duration = std::min(swing, kWork * substep / scene_.cloud.size());

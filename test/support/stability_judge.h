@@ -1,5 +1,5 @@
-// Runs a generated scene with a method and says whether every step was sound. It measures the energy itself instead of asking
-// the guard inside the simulation, and keeps the account from the start of the run without ever forgiving.
+// Runs a generated scene with a method and judges every step. It measures the energy itself instead of asking the guard in the
+// simulation. Its account starts with the run and is never reset.
 #pragma once
 
 #include "stability_cases.h"
@@ -10,22 +10,23 @@
 
 namespace deformable_surface::test {
 
-/// Verlet's energy swings by up to a quarter of that of its stiffest modes at half the stable step; see docs/stability.md.
+/// The oscillation of Verlet's energy is up to a quarter of that of its stiffest modes at half the stable step; see
+/// docs/stability.md.
 constexpr double kSwingOfEnergy = 0.4;
 
 struct StabilityVerdict {
   enum Kind { kPassed, kRefused, kFailed };
   Kind kind = kPassed;
-  std::string reason;  // of what did not pass
-  double gain = 0.0;   // largest energy made out of nothing over the largest kinetic + elastic energy until then
-  int notices = 0;     // steps that the simulation had something to say about
+  std::string reason;  // of the cases that did not pass
+  double gain = 0.0;   // largest created energy over the largest kinetic + elastic energy until then
+  int notices = 0;     // steps with a notice
 };
 
 class StabilityJudge {
  public:
-  /// Passed: every step was taken, all numbers are finite, the energy never exceeds that of the start plus what was put in by
-  /// more than the swing, and the rest shape is reached where it must. Refused: a step was not taken, with a sentence, and
-  /// the state is that before it. Failed: anything else.
+  /// Passed: every step was taken, all numbers are finite, the energy never exceeds that of the start plus the work of the loads
+  /// by more than the oscillation, and the rest shape is reached where it must be. Refused: a step was refused with a sentence,
+  /// and the state is that before it. Failed: anything else.
   static StabilityVerdict judge(const StabilityCase& scene, solve::IntegratorType type) {
     StabilityJudge judge(scene, type);
     judge.run(scene);
@@ -79,7 +80,7 @@ class StabilityJudge {
     return work;
   }
 
-  // Energy of the anchors' springs: beside kinetic and elastic energy, the third that can swing.
+  // Energy of the anchors' springs: the third kind that can oscillate, beside kinetic and elastic energy.
   double anchorEnergy() const {
     double energy = 0.0;
     const std::vector<simulation::AnchorParams>& anchors = simulation_.params().anchors;
@@ -120,7 +121,7 @@ class StabilityJudge {
       }
       if (!allFinite(simulation_.state().positions) || !allFinite(simulation_.state().velocities))
         return fail("step " + std::to_string(k) + ": the state is not finite");
-      // Forces that begin or end with a step change the energy that it begins with.
+      // Forces that begin or end with a step change the energy at its start.
       const bool new_loads = simulation_.activeForces().size() != forces_before;
       if (new_loads) energy_before = measureWithForcesNow(before);
       const Energy after = measure();
@@ -153,8 +154,8 @@ class StabilityJudge {
     return energy;
   }
 
-  // What explicit Euler cannot but gain where a load sets in: in its first step nothing moves along with the velocity. Points
-  // with an anchor have no such excuse, because its energy counts.
+  // The unavoidable gain of explicit Euler where a load sets in: in its first step nothing moves with the velocity. Points with
+  // an anchor get no such allowance, because the anchor's energy counts.
   double kickOf(const model::State& before) const {
     if (simulation_.params().integrator.type != solve::IntegratorType::kExplicitEuler) return 0.0;
     double kick = 0.0;
@@ -164,7 +165,7 @@ class StabilityJudge {
     return kick;
   }
 
-  // Positions are wrong by a unit in the last place: a motion of that size against the stiffness and weight of the scene.
+  // Positions are wrong by a unit in the last place: the energy of such a motion against the stiffness and weight of the scene.
   double roundingOf(const model::State& state) const {
     double reach = 1.0, mass = 0.0;
     for (const Vec3& x : state.positions) reach = std::max(reach, x.norm());

@@ -19,7 +19,7 @@ inline Vec3 randomVector(std::mt19937& generator) {
   return Vec3(x, y, z);
 }
 
-/// A rotation that has nothing to do with the axes.
+/// A rotation that is special to no axis.
 inline Mat3 someRotation() { return Eigen::AngleAxisd(1.1, Vec3(0.3, -0.5, 0.8).normalized()).toRotationMatrix(); }
 
 struct Surface {
@@ -68,7 +68,7 @@ inline Surface makeSphere(Index n, double radius) {
   return connect(points, normals);
 }
 
-/// Of clamps that end at the last points that they hold.
+/// For clamps that end at the last points that they hold.
 inline std::vector<model::ClampEdge> edgesAtPoints(const Surface& s, const std::vector<char>& held) {
   std::vector<model::ClampEdge> edges;
   for (Index i = 0; i < s.rings.ring.size(); ++i)

@@ -1,4 +1,4 @@
-// A knife through a step: what it is found to go between is what all looks at it would find, and how many of them are taken.
+// A knife in a step: the links found between its faces are those that a check of all links finds, and the number of checks.
 #include "deformable_surface/tool/blade.h"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ ToolParams makeKnife(const Vec3& size, std::vector<WaypointParams> path) {
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
-// At every look that there is.
+// At every sampled time.
 bool wentBetweenAtAll(const ToolParams& tool, BladeSweep::Look looks, const Vec3& a, const Vec3& a_after, const Vec3& b,
                       const Vec3& b_after) {
   for (BladeSweep::Look k = 0; k <= looks; ++k) {
@@ -38,7 +38,7 @@ TEST(BladeSweep, FindsACutWithWorkThatDoesNotGrowWithTheJump) {
   const Points points = {Vec3(0.0, -0.01, 0.0), Vec3(0.0, 0.01, 0.0)};
   std::int64_t most = 0;
   for (const double jump : {1.0, 1e2, 1e4, 1e6}) {
-    // Flat across its way: it has to be looked at where it is between the two, which is nowhere for long.
+    // Flat across its path: it must be sampled while it is between the two points, which lasts only a short time.
     const ToolParams tool =
         makeKnife(Vec3(0.3, 0.001, 0.3), {{0.0, Vec3(-0.4 * jump, 0.002, 0.0)}, {kStep, Vec3(0.6 * jump, 0.002, 0.0)}});
     const BladeSweep blade(tool, 0.0, kStep, points, points, 0.02, 0.0005);
@@ -95,7 +95,7 @@ TEST(BladeSweep, FindsWhatAllLooksTogetherFind) {
       const bool found = blade.wentBetween(before[i], after[i], before[i + 1], after[i + 1], blade.all());
       EXPECT_EQ(found, expected);
       ++(expected ? went : stayed);
-      // Within what is found for a ball around both nothing is lost.
+      // The sampled times that are found for a ball around both points are sufficient.
       const BladeSweep::Looks looks = blade.findLooks(before[i], after[i], 1.05 * spacing);
       EXPECT_EQ(blade.wentBetween(before[i], after[i], before[i + 1], after[i + 1], looks), found);
     }

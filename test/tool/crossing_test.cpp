@@ -60,7 +60,7 @@ TEST(Crossing, WhatTheSolidPushesBackByItselfIsNone) {
 }
 
 TEST(Crossing, AWayThatOnlyCutsACornerIsNone) {
-  // In by the upper side, out by the one beside it: nothing of the plate lies over the point then.
+  // In by the upper side, out by the one beside it: no part of the plate is above the point then.
   EXPECT_FALSE(findCrossing(plate(0.1), Vec3(0.45, 0.0, 0.1), Vec3(0.6, 0.0, -0.1)));
 }
 

@@ -1,5 +1,4 @@
-// Holds the resampler to bounded gaps on stretched sheets, to points on the surface, and to indices that never change their
-// meaning.
+// The resampler bounds the gaps of stretched sheets, inserts points on the surface, and never changes the meaning of an index.
 #include "deformable_surface/transfer/resample.h"
 
 #include "deformable_surface/base/error.h"
@@ -91,7 +90,7 @@ TEST(Resampler, KeepsGapsBoundedOnASheetStretchedThreefold) {
     EXPECT_GT(findLargestGap(moved(sheet, map), map), 1.4 * spacing);
     // Links end at 1.5 mean links of about 1.25 spacings; the middle of a triangle is 0.58 sides from its corners.
     EXPECT_LT(findLargestGap(now, map), 1.5 * 1.25 * 0.58 * spacing);
-    // Not many more than the area asks for, and none on top of another.
+    // Not many more than the area requires, and none on top of another.
     EXPECT_LT(resampler.insertedRest().size(), 9 * sheet.size());
     const Points rest = collectRest(sheet, resampler);
     double closest = 1.0;
@@ -118,7 +117,7 @@ TEST(Resampler, NeverChangesWhatAnIndexMeans) {
   const Points before = resampler.insertedRest();
   const auto parents = resampler.parents();
   ASSERT_FALSE(before.empty());
-  // Released: nothing goes; stretched further: more comes behind.
+  // Released: no point is removed. Stretched further: more points are appended.
   EXPECT_EQ(0, resampler.update(collectRest(sheet, resampler)));
   updateUntilDone(sheet, resampler, [](const Vec3& p) { return Vec3(6.0 * p.x(), p.y(), p.z()); });
   ASSERT_GT(resampler.insertedRest().size(), before.size());

@@ -1,4 +1,4 @@
-// Holds single points to where the transfer of all of them puts them, and the forces that they pass on to the work that they do.
+// Single points are where the transfer of all points puts them, and the forces that they pass on do the same work.
 #include "deformable_surface/transfer/sampled_points.h"
 
 #include <gtest/gtest.h>

@@ -45,7 +45,7 @@ TEST(SolidTransfer, IsExactForLinearMotions) {
       EXPECT_LT((normals[i].cast<double>() - expected).norm(), 1e-6) << i;
     }
   }
-  EXPECT_EQ(normals[0], Eigen::Vector3f::Zero());  // what has no normal gets none
+  EXPECT_EQ(normals[0], Eigen::Vector3f::Zero());  // a point without a normal gets none
 }
 
 TEST(SolidTransfer, IsTheRestAtRestToTheBit) {

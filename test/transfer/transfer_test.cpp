@@ -1,5 +1,5 @@
-// Holds the transfer to what must be exact (rest, translations, linear fields, rotations), to its convergence, to the published
-// weights, and to neighbourhoods that span no plane.
+// The transfer is exact where it must be (rest, translations, linear fields, rotations). Its convergence, the published weights,
+// and neighbourhoods that span no plane.
 #include "deformable_surface/transfer/transfer.h"
 
 #include "deformable_surface/base/error.h"
@@ -218,7 +218,7 @@ TEST(Transfer, IsLinearAlongLinesAndConstantAcross) {
 }
 
 TEST(Transfer, IsTheMeanWhereNeighborsDoNotSpread) {
-  // One simulation point, and several on top of each other as seen from the dense point.
+  // One simulation point, and several that coincide as seen from the dense point.
   for (const Points& simulation : {Points{{1, 0, 0}}, Points{{0, 0, 1}, {0, 0, 2}}, Points(9, Vec3(0, 0, 0))}) {
     const Transfer transfer({{0, 0, 0}}, {{0, 0, 1}}, simulation, std::vector<char>(simulation.size(), 1), {});
     EXPECT_EQ(1, transfer.numDegenerate());
@@ -330,7 +330,7 @@ TEST(Transfer, DoesNotDependOnTheNumberOfThreadsNorOnWantedNormals) {
 }
 
 TEST(Transfer, PointsFollowWhatTheyAreToldTo) {
-  // Two layers, each followed by its own: the other one moves and changes nothing.
+  // Two layers, each followed by its own points: motion of the other layer changes nothing.
   const Surface dense = makeSheet(20, 1), coarse = makeSheet(6, 2);
   Points both = coarse.positions;
   for (const Vec3& p : coarse.positions) both.push_back(p + Vec3(0.0, 0.0, 0.01));
@@ -365,7 +365,7 @@ TEST(Transfer, PointsThatAreGivenOthersToFollowDoAndTheRestStaysToTheBit) {
   Points expected, found;
   whole.apply(moved, expected);
 
-  // What they follow already changes nothing.
+  // Points that are followed already change nothing.
   Transfer same = whole;
   Lists as_before;
   const std::vector<Index> some = {3, 4, 17, 200};
@@ -379,7 +379,7 @@ TEST(Transfer, PointsThatAreGivenOthersToFollowDoAndTheRestStaysToTheBit) {
   same.apply(moved, found);
   EXPECT_EQ(found, expected);
 
-  // A single one carries a point along with it.
+  // A single moved point carries a following point along.
   Transfer other = whole;
   Lists single;
   single.items = {7};
@@ -394,7 +394,7 @@ TEST(Transfer, PointsThatAreGivenOthersToFollowDoAndTheRestStaysToTheBit) {
     }
 }
 
-// Dense points row by row, so that a tile of dense points follows few of the simulation points.
+// Dense points row by row, so that a tile of dense points follows few simulation points.
 struct Strip {
   Surface dense = makeWave(100, 1), simulation = makeWave(25, 2);
   Transfer transfer = makeTransfer(dense, simulation);
@@ -441,7 +441,7 @@ TEST(TransferTiles, EverythingIsMadeWhenEverythingMovesOrSomethingElseIsWanted) 
   strip.expectWhole(positions);
   strip.frame.forget();
   EXPECT_EQ(strip.update(positions), all);
-  // As it was left, a frame without normals knows none.
+  // In its last state, a frame without normals has none.
   EXPECT_EQ(strip.update(positions, false), 0);
   EXPECT_EQ(strip.update(positions), all);
 }

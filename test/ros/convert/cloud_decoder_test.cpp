@@ -1,4 +1,4 @@
-// The decoder of PointCloud2: what it reads from good clouds, and that bad ones are refused with a sentence, as messages and as
+// The decoder of PointCloud2: what it reads from good clouds, and that it refuses bad ones with a sentence, as messages and as
 // bytes. Also built with the address and undefined-behaviour sanitizers.
 #include "deformable_surface/ros/convert/cloud_decoder.h"
 
@@ -38,7 +38,7 @@ bool haveEqualBits(const Points& a, const Points& b) {
   return a.size() == b.size() && (a.empty() || std::memcmp(a.data(), b.data(), a.size() * sizeof(Vec3)) == 0);
 }
 
-/// A readable sentence without control characters, whatever the message brought.
+/// A readable sentence without control characters, whatever the message contains.
 bool isSentence(const std::string& text) {
   return text.size() > 20 && text.size() < 400 &&
          std::all_of(text.begin(), text.end(), [](char c) { return c >= 0x20 && c < 0x7f; });
@@ -94,7 +94,7 @@ TEST(CloudDecoder, RefusesBytesBehindTheMessage) {
 }
 
 TEST(CloudDecoder, RefusesLengthsThatTheBytesDoNotHold) {
-  // The frame's length, the number of fields and the length of the data, each as large as can be.
+  // The length of the frame, the number of fields and the length of the data, each as large as possible.
   const std::vector<std::uint8_t> bytes = serialize(makeSheet());
   const std::size_t frame_length = 12, num_fields = frame_length + 4 + 3 + 8, data_length = num_fields + 4 + 3 * 14 + 9;
   for (std::size_t at : {frame_length, num_fields, data_length}) {

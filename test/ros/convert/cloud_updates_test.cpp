@@ -17,7 +17,7 @@ constexpr int kColumns = 200, kRows = 150;
 
 PointCloud2 makeCloud() { return makeSheet(kColumns, kRows); }
 
-// As a listener does.
+// As a subscriber does.
 void follow(const DeformedUpdate& update, PointCloud2& cloud) {
   if (update.is_full) {
     cloud = update.points;
@@ -70,7 +70,7 @@ TEST_F(CloudUpdatesTest, ThenOnlyRowsThatDifferInABitAreSentAndGiveTheCloud) {
   }
 }
 
-// What is gone is not a number and stays so.
+// Removed points are NaN and stay NaN.
 TEST_F(CloudUpdatesTest, NothingIsSentOfACloudThatIsTheSame) {
   PointCloud2 cloud = makeCloud();
   write(cloud, 0, std::numeric_limits<float>::quiet_NaN());
@@ -79,7 +79,7 @@ TEST_F(CloudUpdatesTest, NothingIsSentOfACloudThatIsTheSame) {
   EXPECT_FALSE(make(cloud));
   cloud.data[0] ^= 1;
   ASSERT_TRUE(make(cloud));
-  EXPECT_EQ(message_.sequence, 1u);  // what was not sent leaves no gap
+  EXPECT_EQ(message_.sequence, 1u);  // an update that was not sent leaves no gap
 }
 
 TEST_F(CloudUpdatesTest, ACloudOfAnotherLayoutIsWholeAndSoIsOneThatIsAskedFor) {

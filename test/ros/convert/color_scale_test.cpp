@@ -1,4 +1,5 @@
-// The colours of strain are calm at rest and even to the eye, by the formulas of CIE 15 (CIELAB 1976) and IEC 61966-2-1 (sRGB).
+// The colours of strain are neutral at rest and in even steps for the eye, by the formulas of CIE 15 (CIELAB 1976) and IEC
+// 61966-2-1 (sRGB).
 #include "deformable_surface/ros/convert/color_scale.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// The clouds that go out: layout, shape, values, and that what came in besides the positions comes out untouched.
+// The published clouds: layout, shape and values. Fields of the input other than the positions are unchanged.
 #include "deformable_surface/ros/convert/encode.h"
 #include "deformable_surface/ros/convert/cloud_decoder.h"
 
@@ -54,7 +54,7 @@ std::vector<std::string> fieldNames(const sensor_msgs::PointCloud2& message) {
   return names;
 }
 
-/// Fields behind one another, points and rows without gaps, as much data as points.
+/// Fields without gaps, points and rows without gaps, as much data as points.
 void expectPacked(const sensor_msgs::PointCloud2& message) {
   std::uint32_t end = 0;
   for (const auto& field : message.fields) {

@@ -1,4 +1,4 @@
-// Markers keep the rules by which RViz accepts them, and show what they should.
+// Markers follow the rules by which RViz accepts them, and show the right content.
 #include "deformable_surface/ros/convert/markers.h"
 
 #include <gtest/gtest.h>
@@ -21,7 +21,7 @@ bool isColor(const std_msgs::ColorRGBA& color) {
   return true;
 }
 
-/// The first of RViz's rules that a marker breaks, or nothing.
+/// The first rule of RViz that a marker breaks, or nothing.
 std::string checkMarker(const Marker& marker) {
   if (marker.action == Marker::DELETE) return "";
   if (marker.action != Marker::ADD) return "unknown action";
@@ -174,12 +174,12 @@ TEST(Markers, DrawEveryToolThatActsWhereItIs) {
   }
   EXPECT_EQ(array.markers[0].scale.x, 0.6);
   EXPECT_EQ(array.markers[0].pose.position.x, 1.0);
-  // The plate's upper side is the plane: from where the tool is, its offset along x.
+  // The upper side of the plate is the plane: its offset along x from the origin of the tool.
   const Marker& plate = array.markers[4];
   EXPECT_NEAR(plate.pose.position.x + 0.5 * plate.scale.z, 1.5, 1e-12);
   EXPECT_NEAR(std::abs(plate.pose.orientation.y), std::sqrt(0.5), 1e-12);
 
-  // One has ended, one is gone.
+  // One force has ended, one is removed.
   tools[1].end = 0.5;
   tools.pop_back();
   array.markers.clear();
@@ -326,7 +326,7 @@ TEST(SimulationMarkers, FollowParticlesThatAreBornAndGo) {
   ASSERT_TRUE(simulation.step().ok);
   EXPECT_LT(simulation.state().size(), before);
   EXPECT_EQ(countDiscs(), simulation.state().size());
-  // Whoever is left is where it was: nobody is measured from another's place.
+  // The remaining points are at their places: none is measured from the place of another.
   for (const Marker& marker : array.markers) {
     if (marker.ns != "surface") continue;
     EXPECT_FALSE(marker.colors.empty());

@@ -1,4 +1,4 @@
-// Links of a robot as tools: what a URDF becomes, and how the tools follow its frames.
+// Links of a robot as tools: conversion of a URDF, and how the tools follow the frames.
 #include "deformable_surface/ros/convert/robot_tools.h"
 
 #include "deformable_surface/base/error.h"
@@ -19,7 +19,7 @@ class RobotToolsTest : public testing::Test {
   RobotToolsTest() {
     std::string name = (std::filesystem::temp_directory_path() / "robot_XXXXXX").string();
     folder_ = mkdtemp(name.data());
-    // A tetrahedron with edges of a metre along the axes, as STL has it: corners given again for every triangle.
+    // A tetrahedron with edges of a metre along the axes, as in STL files: corners repeated for every triangle.
     std::ofstream stl(folder_ / "tip.stl");
     const int corners[4][3] = {{0, 2, 1}, {0, 1, 3}, {0, 3, 2}, {1, 2, 3}};
     const char* const places[4] = {"0 0 0", "1 0 0", "0 1 0", "0 0 1"};
@@ -96,7 +96,7 @@ TEST_F(RobotToolsTest, WaitForTheirFrameAndThenGoWithIt) {
   simulation.step();
   EXPECT_NEAR(tool::interpolate(simulation.tools()[1].path, simulation.time()).position.x(), 4.0, 1e-12);
 
-  // What is taken away stays away, until everything begins anew.
+  // A deleted tool stays deleted until everything is reset.
   for (const char* id : {"hand_1", "hand_1_1"}) {
     Tool gone;
     gone.id = id;

@@ -1,4 +1,4 @@
-// Where steps lie on the clock, and what counts as a jump of it.
+// The times of steps on the clock, and what counts as a jump of the clock.
 #include "deformable_surface/ros/convert/step_schedule.h"
 
 #include <gtest/gtest.h>
@@ -45,7 +45,7 @@ TEST(ClockWatch, OfASimulatedClockTakesEveryStepBackAsAJump) {
 TEST(ClockWatch, OfTheComputerComparesWithAClockThatNeverJumps) {
   ClockWatch clock(false);
   clock.observe(kStart, 7);
-  // Nobody looked for a minute: no jump.
+  // A minute without a call is not a jump.
   EXPECT_FALSE(clock.observe(kStart + 60 * kSecond, 7 + 60 * kSecond));
   // A small correction back: no jump.
   EXPECT_FALSE(clock.observe(kStart + 60 * kSecond - kSecond / 10, 8 + 60 * kSecond));

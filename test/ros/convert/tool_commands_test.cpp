@@ -1,4 +1,4 @@
-// Tools over ROS: what a message becomes, how a tool gets from one message to the next, and what is refused without a change.
+// Tools over ROS: conversion of messages, motion of a tool between two messages, and refused messages that change nothing.
 #include "deformable_surface/ros/convert/tool_commands.h"
 
 #include "deformable_surface/base/error.h"
@@ -277,7 +277,7 @@ TEST_F(ToolCommandsTest, MoveToTheNewPoseInTheTimeSinceTheMessageBefore) {
   step(5);
   EXPECT_NEAR(pose().position.x(), 0.4, 1e-12);
 
-  // A long silence is no slow motion, and two messages in one step are no jump.
+  // A long silence does not become a slow motion, and two messages in one step are no jump.
   step(50);
   apply(makeBall("ball", Vec3(1.4, 0.0, 0.0)));
   step(5);
@@ -301,7 +301,7 @@ TEST_F(ToolCommandsTest, GoOnWithTheirTwist) {
   EXPECT_NEAR(tool::findMotion(only().path, simulation_.time()).velocity.x(), 2.0, 1e-9);
   EXPECT_NEAR(tool::findMotion(only().path, simulation_.time()).angular_velocity.z(), 3.0, 1e-9);
 
-  // Given anew, it is where the new motion has it after the time between two messages.
+  // A tool that is added again is where the new motion has it after the time between two messages.
   tool.pose.position.x = 3.5;
   tool.twist.linear.x = 1.0;
   apply(tool);
@@ -329,7 +329,7 @@ TEST_F(ToolCommandsTest, StopWhenNoMessageComesForTheirTwist) {
   EXPECT_NEAR(pose().position.x(), 0.09, 1e-12);
   EXPECT_TRUE(commands.silent().empty());
   go(6);
-  // Where it was at the timeout, between two steps.
+  // Its place at the timeout, between two steps.
   EXPECT_NEAR(pose().position.x(), 0.095, 1e-12);
   EXPECT_NEAR(Eigen::AngleAxisd(pose().orientation).angle(), 0.095, 1e-9);
   EXPECT_EQ(commands.silent(), std::set<std::string>{"ball"});
@@ -383,7 +383,7 @@ class FollowingTool : public ToolCommandsTest {
   Tool ball_;
 };
 
-// A pin follows a frame as a tool does: its points are where tf has the frame at the end of each step.
+// A pin follows a frame as a tool does: its points are at the frame's pose in tf at the end of each step.
 TEST_F(FollowingTool, PinsThatFollowAFrameCarryTheirPointsUntilTheyAreFreed) {
   place(1.0, 0.0);
   place(1.1, 0.1);
@@ -403,12 +403,12 @@ TEST_F(FollowingTool, PinsThatFollowAFrameCarryTheirPointsUntilTheyAreFreed) {
       if (edge.contains(rest[i]))
         EXPECT_LT((simulation_.state().positions[i] - rest[i] - Vec3(0.01 * k, 0.0, 0.0)).norm(), 1e-7) << k;
   }
-  // Tools come and go beside it.
+  // Tools are added and removed beside it.
   Tool all;
   all.action = Tool::DELETEALL;
   apply(all);
   EXPECT_TRUE(commands_->isMoving());
-  // What a snapshot holds goes on.
+  // A snapshot contains it, and it continues.
   const simulation::Snapshot saved = simulation_.snapshot();
   const ToolCommands::Memory memory = commands_->memory();
   place(1.2, 0.2);
@@ -445,7 +445,7 @@ TEST_F(FollowingTool, IsWhereTfHasItsFrameAtTheEndOfEachStep) {
   EXPECT_TRUE(problems_.empty());
 }
 
-// Transforms that come after their time and at every third step only: no jumps, and no standing between them.
+// Transforms that come late, and only at every third step: no jumps, and no stops between them.
 TEST_F(FollowingTool, MovesEvenlyTowardsWhereItsFrameWasLastSeen) {
   place(0.0, -0.03);
   apply(ball_);
@@ -458,7 +458,7 @@ TEST_F(FollowingTool, MovesEvenlyTowardsWhereItsFrameWasLastSeen) {
   for (std::size_t k = 4; k < x.size(); ++k) EXPECT_NEAR(x[k] - x[k - 1], 0.01, 1e-9) << k;
   EXPECT_NEAR(x.back(), 0.30, 1e-9);
   stepOnTheClock();
-  EXPECT_NEAR(pose().position.x(), x.back(), 1e-12);  // nothing new: it is there
+  EXPECT_NEAR(pose().position.x(), x.back(), 1e-12);  // no further notice: the frame exists
 }
 
 TEST_F(FollowingTool, IsSilentWhileNoTransformComes) {

@@ -1,4 +1,4 @@
-// What strangers may send on ~tools: whole messages are read as roscpp reads them, broken ones are refused and get no memory.
+// Messages on ~tools from any sender: complete ones are read as roscpp reads them, broken ones are refused and get no memory.
 #include "deformable_surface/ros/convert/tool_decoder.h"
 
 #include "deformable_surface/ToolArray.h"
@@ -20,7 +20,7 @@ std::vector<std::uint8_t> serialize(const ToolArray& message) {
 
 DecodedTools decode(const std::vector<std::uint8_t>& bytes) { return decodeTools(bytes.data(), bytes.size()); }
 
-/// Two tools, every field of the second another than its default.
+/// Two tools. Every field of the second one differs from its default.
 ToolArray makeTools() {
   ToolArray message;
   message.tools.resize(2);
@@ -73,7 +73,7 @@ TEST(ToolDecoder, SurvivesAnyLengthAnywhere) {
       std::vector<std::uint8_t> bytes = whole;
       std::memcpy(bytes.data() + at, &claim, sizeof claim);
       const DecodedTools decoded = decode(bytes);
-      // Numbers may be any; lengths may not, and no tool has more than it was sent.
+      // Numbers may have any value; lengths may not. No tool has more data than were sent.
       for (const Tool& tool : decoded.tools) EXPECT_LE(tool.primitive.dimensions.size(), 16u) << at;
       for (const Tool& tool : decoded.tools)
         EXPECT_LE(tool.mesh.triangles.size() + tool.mesh.vertices.size(), whole.size()) << at;

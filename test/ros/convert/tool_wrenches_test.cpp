@@ -1,4 +1,4 @@
-// What the surface does to tools and pins, as messages.
+// Wrenches of the surface on tools and pins, as messages.
 #include "deformable_surface/ros/convert/tool_wrenches.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Clouds that break naive nodes, sent to the running node over the wire, each followed by a good one that must come back.
+// Clouds that break naive nodes, sent to the running node, each followed by a good one that must be published again.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -6,7 +6,7 @@ namespace deformable_surface::node::test {
 namespace {
 
 TEST(BadClouds, ThroughTheRunningNodeLeaveItAnsweringGoodOnes) {
-  // With the stamp of its cloud a surface shows which it is made of.
+  // The stamp of the cloud identifies the surface.
   NodeProcess process("/surface", "{model: mass_spring, gravity: [0, 0, 0], output: {stamp: simulation}}");
   NodeClient client("/surface");
   ASSERT_TRUE(client.waitForNode()) << process.output();
@@ -24,7 +24,7 @@ TEST(BadClouds, ThroughTheRunningNodeLeaveItAnsweringGoodOnes) {
                                                                               << process.output();
     const bool was_accepted = client.diagnostic("clouds accepted") > accepted;
     if (bad.verdict == Verdict::kAccept) {
-      // Some are well-formed messages of points in a line, of which there is no surface to make.
+      // Some are well-formed messages of points in a line, which give no surface.
       const std::string warning = client.diagnosticText("last warning");
       EXPECT_TRUE(was_accepted || warning.find("span no surface") != std::string::npos)
           << bad.id << " " << bad.what << ": " << warning;

@@ -1,4 +1,4 @@
-// Clouds that come while a surface runs: the steps go on while they are decoded, built and made ready, and what came too late is
+// Clouds that arrive while a surface runs. Steps continue while the clouds are decoded, built and prepared. Late clouds are
 // counted.
 #include "../bad_clouds.h"
 #include "../node_client.h"
@@ -45,7 +45,7 @@ TEST(Clouds, StepsGoOnWhileALargeOneIsBuiltWhichThenTakesTheCommandsSinceItsStam
     return points == std::uint32_t{kManyColumns} * kManyRows;
   };
   ASSERT_TRUE(waitUntil(isReplaced, 120.0)) << process.output();
-  // To build takes seconds, and what was in work of one that stops is a step or two.
+  // Building takes seconds. The work in progress of a build that is stopped is a step or two.
   EXPECT_GT(last, begin + 20);
   EXPECT_EQ(client.diagnosticText("last warning").find("refused"), std::string::npos) << process.output();
   List list;
@@ -61,7 +61,7 @@ TEST(Clouds, OfManyThatComeWhileOneIsBuiltTheNewestIsBuiltAndTheOthersAreCounted
   client.publish(makeStamped(kManyColumns, kManyRows, ros::Time::now()));
   for (int k = 2; k <= 8; ++k) {
     ASSERT_TRUE(client.waitForDiagnostic("clouds received", k)) << process.output();
-    // One after the other, so that none is dropped on its way.
+    // One after the other, so that none is dropped.
     client.publish(makeStamped(20, 10 + k, ros::Time::now()));
   }
   ASSERT_TRUE(client.waitForDiagnostic("clouds received", 9.0)) << process.output();
@@ -71,7 +71,7 @@ TEST(Clouds, OfManyThatComeWhileOneIsBuiltTheNewestIsBuiltAndTheOthersAreCounted
   ASSERT_TRUE(waitUntil([&] {
     return client.diagnostic("clouds accepted") + client.diagnostic("clouds replaced before they were built") == 9.0;
   })) << process.output();
-  // How many depends on how fast the large one is built.
+  // The number depends on how fast the large one is built.
   EXPECT_GE(client.diagnostic("clouds replaced before they were built"), 1.0);
 }
 
@@ -90,7 +90,7 @@ TEST(Clouds, OneThatComesAgainBeginsItsSurfaceAnewWithoutBuildingIt) {
   const auto isAtRest = [&](const sensor_msgs::PointCloud2ConstPtr& frame) { return frame->data == at_rest.data; };
   EXPECT_TRUE(waitUntil([&] { return std::any_of(client.frames.begin(), client.frames.end(), isAtRest); })) << process.output();
 
-  // One bit, and it is another.
+  // A cloud that differs in one bit is another cloud.
   PointCloud2 other = makeStamped(20, 10, ros::Time::now());
   other.data[0] ^= 1;
   client.publish(other);
@@ -121,7 +121,7 @@ TEST(Clouds, FiltersTakePartsOfThemAwayAndTheSameCloudIsStillKnown) {
 
   client.publish(makeStamped(20, 10, ros::Time::now()));
   EXPECT_TRUE(client.waitForDiagnostic("clouds that came again", 1.0)) << process.output();
-  // Another one, of which nothing is left, is refused.
+  // Another cloud, with no usable point, is refused.
   PointCloud2 elsewhere = makeStamped(20, 10, ros::Time::now());
   for (sensor_msgs::PointCloud2Iterator<float> x(elsewhere, "x"); x != x.end(); ++x) *x += 100.0f;
   client.publish(elsewhere);

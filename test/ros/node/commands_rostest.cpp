@@ -1,4 +1,4 @@
-// What a client commands, in whichever frame: forces, wrenches, tools, pins; what is refused, and what is said of it.
+// Commands of a client in any frame: forces, wrenches, tools, pins; refused commands, and their messages.
 #include "surface_node_fixture.h"
 
 #include "deformable_surface/ContactArray.h"
@@ -115,7 +115,7 @@ TEST_F(CommandsTest, TakesForcesAndGravityFromTheirFrames) {
   EXPECT_NEAR(fallen.x(), 0.5 * 1.0 * 0.1 * 0.1, 1e-3);
   EXPECT_NEAR(fallen.z(), 0.0, 1e-6);
 
-  // A force up in the world, on everything, of more than the weight.
+  // A force upwards in the world on all points, larger than the weight.
   ASSERT_TRUE(client.reset().success);
   PointForce lift = makeForce("lift", Vec3::Zero(), Vec3(0.0, 0.0, 1.0), 10.0);
   lift.header.frame_id = "world";
@@ -164,7 +164,7 @@ TEST_F(CommandsTest, RefusesToolsThatMeanNothingAndLosesNothing) {
   EXPECT_TRUE(client_->waitForDiagnostic("commands refused", 3));
   EXPECT_NE(client_->diagnosticText("last warning").find("tool 'sieve' mesh: found 0 triangles"), std::string::npos)
       << client_->diagnosticText("last warning");
-  // No other surface is being built, which the command could be meant for.
+  // No other surface is under construction that the command could be for.
   EXPECT_EQ(client_->diagnosticText("last warning").find("being built"), std::string::npos)
       << client_->diagnosticText("last warning");
   ASSERT_TRUE(client_->reset().success);
@@ -217,7 +217,7 @@ TEST_F(CommandsTest, ATableCarriesTheWeightAndSaysSoInBothFrames) {
   EXPECT_NEAR(wrenches.wrenches[0].wrench.force.y, -weight, 1e-5 * weight);
   EXPECT_GT(wrenches.wrenches[0].contacts, 0u);
   EXPECT_GT(wrenches.wrenches[0].penetration, 0.0);
-  // At most 30 times a second of the surface's time: not after every step of 10 ms.
+  // At most 30 times per second of the surface's time: not after every step of 10 ms.
   ASSERT_TRUE(waitUntil([&] { return client.step(1).success && !contacts.contacts.empty(); }));
   double borne = 0.0;
   for (const Contact& contact : contacts.contacts) {
@@ -286,13 +286,13 @@ TEST_F(CommandsTest, TellsWhichCloudItShowsAndWhatBecameOfEachTool) {
   tools.publish(array);
   EXPECT_TRUE(isTold("", ToolStatus::REFUSED, 0));
 
-  // Latched, for who comes late.
+  // Latched, for late subscribers.
   ToolStatusArray late;
   const ros::Subscriber other = ros::NodeHandle().subscribe<ToolStatusArray>(
       "/surface/tool_status", 10, [&](const ToolStatusArray::ConstPtr& m) { late = *m; });
   EXPECT_TRUE(waitUntil([&] { return late.tools.size() == 2; }));
 
-  // The next cloud is another surface, to which no tool belongs.
+  // The next cloud is another surface, which has no tools.
   PointCloud2 next = makeSurface(ros::Time::now());
   ASSERT_TRUE(client_->exchange(next)) << process_->output();
   ASSERT_TRUE(waitUntil([&] { return statistics.cloud == 2; }));
@@ -340,7 +340,7 @@ TEST_F(CommandsTest, TheWrenchOfAToolWhoseFrameIsSilentIsStaleAndKeepsItsStamp) 
     return stamps.size() > 20 && !wrenches.wrenches.empty() && !wrenches.wrenches[0].silent;
   })) << process.output();
 
-  // Nobody tells where the palm is any more.
+  // Nobody publishes the transform of the palm any more.
   ASSERT_TRUE(waitUntil([&] { return !wrenches.wrenches.empty() && wrenches.wrenches[0].silent; })) << process.output();
   const ros::Time then = wrenches.header.stamp;
   ASSERT_TRUE(waitUntil([&] { return wrenches.header.stamp > then + ros::Duration(0.2); }));

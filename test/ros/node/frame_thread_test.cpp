@@ -1,5 +1,5 @@
-// Moments are handed over without waiting for those that are shown: the newest is shown, those to be kept all are, and those that
-// gave way are counted.
+// States are handed to the publishing thread without waiting for it. The newest state is shown, states that must be kept are all
+// shown, and the others are counted as dropped.
 #include "../../../src/ros/node/frame_thread.h"
 
 #include <gtest/gtest.h>
@@ -11,7 +11,7 @@
 namespace deformable_surface::node {
 namespace {
 
-/// Shows a moment, by its stamp, when it is let.
+/// Shows a state, identified by its stamp, when it is allowed to.
 class Screen {
  public:
   void show(Moment& moment) {
@@ -63,7 +63,7 @@ TEST(FrameThread, ShowsTheNewestAndNeverHoldsUpWhoHandsOver) {
   FrameThread frames([&](Moment& moment) { screen.show(moment); }, 1);
   frames.show(makeMoment(1));
   screen.waitUntilBegun(1);
-  // The screen stands: whoever waited for it would wait for ever.
+  // The publishing thread is blocked: whoever waited for it would wait for ever.
   for (std::int64_t stamp = 2; stamp <= 100; ++stamp) frames.show(makeMoment(stamp));
   EXPECT_EQ(frames.numDropped(), 98);
   screen.let(2);

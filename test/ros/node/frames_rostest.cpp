@@ -1,4 +1,4 @@
-// Transforms that come later than what needs them, or never: commands and clouds wait for them, for a while, and it is said.
+// Transforms that arrive late or never. Commands and clouds wait for them for a limited time, with a message.
 #include "surface_node_fixture.h"
 
 #include <geometry_msgs/TransformStamped.h>
@@ -14,7 +14,7 @@ class FramesTest : public SurfaceNodeTest {
     transforms_ = ros::NodeHandle().advertise<tf2_msgs::TFMessage>("/tf", 100);
     ASSERT_TRUE(waitUntil([&] { return transforms_.getNumSubscribers() > 0; }));
   }
-  /// The frame stands over the camera's origin.
+  /// The frame is above the origin of the camera.
   void tell(const std::string& frame, const ros::Time& stamp) {
     tf2_msgs::TFMessage message;
     message.transforms.resize(1);

@@ -1,4 +1,4 @@
-// The page of topics and services is the one that the program prints, and says of every entry what it is.
+// The page of topics and services is the one that the program prints, and describes every entry.
 #include "../../../src/ros/node/interface_page.h"
 
 #include <gtest/gtest.h>
@@ -29,7 +29,7 @@ TEST(InterfacePage, SaysOfEveryEntryWhatItIs) {
 TEST(InterfacePage, HasTheFieldsOfMessagesWithTheirComments) {
   const std::string page = interfacePage();
   EXPECT_NE(page.find("geometry_msgs/Vector3 force # N, the total; zero removes the force of that id"), std::string::npos);
-  // Those of a message in a message too.
+  // Fields of a message inside a message, too.
   EXPECT_NE(page.find("uint32 contacts             # number of simulation points"), std::string::npos);
   EXPECT_EQ(page.find("MSG: "), std::string::npos);
 }

@@ -1,5 +1,5 @@
-// The node that runs offers what the table of topics and services says, of these types, and nothing else; nothing that it offers
-// is outside its private name; and two of them run side by side.
+// The running node offers the topics and services of the table, with their types, and nothing else. All names are private. Two
+// nodes run side by side.
 #include "../../../src/ros/node/interface_page.h"
 #include "../bad_clouds.h"
 #include "../node_client.h"
@@ -27,7 +27,7 @@ Names listNames(const std::string& node, int part) {
   return names;
 }
 
-/// Those that every program with roscpp, tf2 or dynamic loading of loggers has are left out.
+/// Names that every program with roscpp, tf2 or dynamic loading of loggers has are left out.
 Names leaveOutCommon(Names names, const std::string& node) {
   for (const std::string common : {std::string("/rosout"), std::string("/tf"), std::string("/tf_static"), std::string("/clock"),
                                    node + "/get_loggers", node + "/set_logger_level"})
@@ -76,7 +76,7 @@ TEST(Interface, LetsSeveralSurfacesRunSideBySide) {
   ASSERT_TRUE(left.waitForDiagnostic("commands waiting", 1));
   const StepResponse pulled = left.step(5), still = right.step(5);
   EXPECT_TRUE(pulled.success && still.success) << pulled.message << still.message;
-  // A pull of 0.01 N by some millimetres, and rounding.
+  // A pull of 0.01 N over some millimetres, and rounding.
   EXPECT_GT(std::abs(pulled.energy), 1e-6);
   EXPECT_LT(std::abs(still.energy), 1e-15);
 }

@@ -1,5 +1,5 @@
-// Steps that wait for commands instead of the clock (input.lockstep): the same run, however fast its messages come and whatever
-// else the machine does.
+// Steps that wait for commands instead of the clock (input.lockstep): the same run for any speed of the messages and any load of
+// the machine.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -40,7 +40,7 @@ class LockstepTest : public ::testing::Test {
     cloud_.header.stamp = ros::Time::now();
     ASSERT_TRUE(client_->exchange(cloud_)) << process_->output();
   }
-  /// The stamp that lies in the middle of a step.
+  /// A stamp in the middle of a step.
   ros::Time stampIn(int step) const { return cloud_.header.stamp + ros::Duration().fromNSec(kStep * step + kStep / 2); }
   void push(int step) {
     PointForce force = makeForce("push", Vec3(0.19, 0.05, 0.0), Vec3(0.0, 0.0005 * (step % 5), 0.002), 0.03, 0.05);
@@ -85,7 +85,7 @@ TEST_F(LockstepTest, TwoRunsUnderDifferentLoadEndInTheSameState) {
   const std::uint64_t calm = hash();
   EXPECT_EQ(client_->diagnostic("commands late"), 0);
 
-  // Every core is busy, messages come in bursts and pauses, and the two topics one behind the other.
+  // All cores are busy, messages come in bursts and pauses, and one topic lags behind the other.
   ASSERT_TRUE(client_->reset().success);
   ASSERT_TRUE(hasTaken(0));
   std::atomic<bool> is_over{false};
@@ -117,7 +117,7 @@ TEST_F(LockstepTest, AStepWaitsForEveryTopicThatIsNamed) {
   EXPECT_EQ(client_->diagnostic("step"), 0);
   moveBall(9);
   ASSERT_TRUE(hasTaken(10)) << process_->output();
-  // Others go on by the clock of the sender alone: what has no stamp cannot be placed.
+  // The sender's clock alone drives the steps: a command without a stamp has no place in it.
   client_->publish(makeForce("now", Vec3::Zero(), Vec3::UnitZ()));
   ASSERT_TRUE(client_->waitForDiagnostic("commands refused", 1)) << process_->output();
   EXPECT_NE(process_->output().find("found no stamp; accepted with input.lockstep"), std::string::npos) << process_->output();

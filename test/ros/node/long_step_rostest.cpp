@@ -1,4 +1,4 @@
-// A step that takes long: the node says so meanwhile, and a reset does not wait for it.
+// A step that takes long: the node reports it meanwhile, and a reset does not wait for it.
 #include "surface_node_fixture.h"
 
 #include <thread>
@@ -43,16 +43,16 @@ TEST_F(LongStepTest, IsToldOfWhileItGoesOnAndEndedByAReset) {
     EXPECT_TRUE(waitUntil([&] { return is_told_; })) << process_->output();
     EXPECT_TRUE(client_->reset().success);
   }
-  // Nor by a call that waits for the step itself.
+  // The same for a call that waits for the step itself.
   is_told_ = false;
   EXPECT_TRUE(waitUntil([&] { return is_told_; })) << process_->output();
   std::thread waiting([&] { EXPECT_TRUE(client_->pause(true).success); });
   EXPECT_TRUE(client_->reset().success);
   waiting.join();
-  // The step was not waited for: no frame shows anything but rest.
+  // The reset did not wait for the step: no frame shows anything but rest.
   for (const sensor_msgs::PointCloud2ConstPtr& frame : client_->frames)
     for (std::size_t i = 0; i < frame->width * frame->height; ++i) EXPECT_EQ(readField(*frame, i, "displacement"), 0.0);
-  // Nor is it a step that failed.
+  // It is not reported as a failed step.
   EXPECT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused"; })) << client_->diagnosticText("state");
   EXPECT_EQ(process_->output().find("was interrupted"), std::string::npos) << process_->output();
 }

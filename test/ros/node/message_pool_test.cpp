@@ -1,4 +1,4 @@
-// Messages are used again, but never while somebody holds them.
+// Messages are reused, but never while somebody holds them.
 #include "deformable_surface/ros/node/message_pool.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,4 @@
-// Parameters that are wrong end the node before it begins, with a text that names each of them.
+// Wrong parameters end the node at its start, with a message that names each of them.
 #include "../node_client.h"
 
 namespace deformable_surface::node::test {

@@ -1,4 +1,4 @@
-// Oriented particles over services: single ones are edited, and surfaces grow through them while the node goes on answering.
+// Oriented particles over services: single particles are edited, and surfaces grow through them while the node answers.
 #include "surface_node_fixture.h"
 
 #include "deformable_surface/FitSurface.h"
@@ -61,14 +61,14 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
   wrong.max_gap = -1.0;
   EXPECT_FALSE(client.growSurface(wrong).success);
 
-  // Springs have none.
+  // Springs have no such action.
   ASSERT_TRUE(startPaused());
   const GrowSurfaceResponse refused = client_->growSurface(GrowSurfaceRequest());
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("accepted: oriented_particles"), std::string::npos) << refused.message;
 }
 
-// Of a surface without points every command is taken or refused in a sentence, and the node goes on.
+// With a surface without points every command is accepted or refused with a sentence, and the node continues.
 TEST_F(ParticlesTest, AnEmptySurfaceAnswersEverything) {
   NodeProcess process("/emptied",
                       "{model: oriented_particles, gravity: [0, 0, -9.81], simplification: {method: none}, "
@@ -128,7 +128,7 @@ TEST_F(ParticlesTest, AnEmptySurfaceAnswersEverything) {
   const auto handle = rollouts.sendGoal(goal);
   EXPECT_TRUE(waitUntil([&] { return handle.getCommState() == actionlib::CommState::DONE; })) << process.output();
 
-  // A particle that is put there moves, and a reset brings the others back.
+  // An added particle moves. A reset restores the others.
   edit = EditParticlesRequest();
   edit.poses.resize(1);
   EXPECT_TRUE(client.edit(edit).success);
@@ -147,7 +147,7 @@ class GrowingTest : public ::testing::Test {
     cloud_ = makeSheet(20, 20);
     cloud_.header.stamp = ros::Time::now();
     client_.publish(cloud_);
-    // Any frame: where the machine is busy the first may be skipped for a later one.
+    // Any frame: on a busy machine the first may be skipped.
     ASSERT_TRUE(waitUntil([&] { return !client_.frames.empty(); })) << process_.output();
     caller_ = std::thread([this] {
       GrowSurface exchange;

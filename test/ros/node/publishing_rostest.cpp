@@ -1,4 +1,5 @@
-// What nobody listens to is not made, which the statistics count; and who listens in the same process gets the message itself.
+// Messages without subscribers are not computed, which the statistics show. A subscriber in the same process gets the message
+// itself.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -35,7 +36,7 @@ TEST(Publishing, MakesOnlyWhatSomebodyListensTo) {
   ASSERT_TRUE(waitUntil([&] { return cloud.getNumSubscribers() > 0 && statistics.getNumPublishers() > 0; })) << process.output();
   cloud.publish(makeStampedSheet());
   ASSERT_TRUE(waitUntil([&] { return with + without > 20; })) << process.output();
-  // The first is made for those who come later, as it is latched.
+  // The first message is computed for later subscribers, because it is latched.
   EXPECT_LE(with, 1);
 
   std::size_t frames = 0;
@@ -63,7 +64,7 @@ TEST(Publishing, SendsEveryMessageOfMarkersWholeAndLatched) {
   int count = 0;
   using Event = ros::MessageEvent<visualization_msgs::MarkerArray const>;
   const boost::function<void(const Event&)> take = [&](const Event& event) {
-    // A player of bags gives who comes late the last message of what was latched, and nothing else.
+    // A bag player sends late subscribers the last message of a latched topic, and nothing else.
     EXPECT_EQ(event.getConnectionHeader().at("latching"), "1");
     std::set<std::string> names;
     for (const auto& marker : event.getConstMessage()->markers) names.insert(marker.ns);
@@ -82,14 +83,14 @@ TEST(Publishing, SendsACloudThatHasNotChangedToWhoIsNewOnly) {
   const ros::Subscriber statistics =
       client.handle().subscribe<Statistics>("statistics", 100, [&](const StatisticsConstPtr& m) { step = m->step; });
   ASSERT_TRUE(client.exchange(makeStampedSheet())) << process.output();
-  // Whatever connections have asked for has come by then.
+  // All requests of connections have arrived by then.
   ASSERT_TRUE(waitUntil([&] { return step > 20; }));
   const std::size_t before = client.frames.size();
   const std::uint64_t begin = step;
   ASSERT_TRUE(waitUntil([&] { return step > begin + 100; })) << process.output();
   EXPECT_EQ(client.frames.size(), before);
 
-  // The latched one, and the surface of now.
+  // The latched message, and the present surface.
   NodeClient late("/resting");
   ASSERT_TRUE(waitUntil([&] {
     return !late.frames.empty() && late.frames.back()->header.stamp > client.frames.front()->header.stamp;
@@ -118,7 +119,7 @@ TEST(Publishing, UpdatesPutTogetherAreTheSurface) {
                       surface.data.begin() + std::size_t{m->indices[k]} * surface.point_step);
         surfaces[m->header.stamp] = surface.data;
       });
-  ASSERT_TRUE(waitUntil([&] { return !surfaces.empty(); })) << process.output();  // whole, though nothing moves
+  ASSERT_TRUE(waitUntil([&] { return !surfaces.empty(); })) << process.output();  // complete, though nothing moves
   ASSERT_TRUE(client.pause(false).success);
   ASSERT_TRUE(waitUntil([&] { return surfaces.size() > 20; })) << process.output();
   ASSERT_TRUE(client.pause(true).success);

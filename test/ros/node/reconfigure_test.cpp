@@ -1,4 +1,4 @@
-// What clients of dynamic_reconfigure are told of the parameters, and what becomes of what they send.
+// dynamic_reconfigure: the description of the parameters for clients, and the effect of their requests.
 #include "../../../src/ros/node/reconfigure.h"
 
 #include "deformable_surface/base/error.h"

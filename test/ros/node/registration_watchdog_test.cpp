@@ -1,5 +1,5 @@
-// The watchdog ends with its process whatever the master does meanwhile. The master is one of this test's own, which keeps an
-// answer back, so that the shutdown always meets a question in flight.
+// The watchdog ends with its process, whatever the master does. The test has its own master. It holds back an answer, so that a
+// question is always in flight at shutdown.
 #include "../../../src/ros/node/registration_watchdog.h"
 
 #include <gtest/gtest.h>
@@ -19,12 +19,12 @@
 namespace deformable_surface::node {
 namespace {
 
-/// Knows no node and no parameter, as after a restart, and accepts every registration. Never destroyed: its threads wait in
+/// A master without nodes and parameters, as after a restart. It accepts every registration. Never destroyed: its threads wait in
 /// calls.
 class KeptMaster {
  public:
-  /// kept: of the questions "lookupNode", the one whose answer is kept back, from 1.
-  /// knows_node: it does know that one.
+  /// kept: the number of the "lookupNode" question whose answer is held back, from 1. knows_node: the master has the node
+  /// registered.
   explicit KeptMaster(int kept, bool knows_node = false)
       : kept_(kept), knows_node_(knows_node), listener_(socket(AF_INET, SOCK_STREAM, 0)) {
     sockaddr_in address{};
@@ -102,7 +102,7 @@ class KeptMaster {
 
 enum class Answer { kBeforeTheWatchdogEnds, kNever };
 
-/// In a process of its own, since roscpp shuts down once only. Ends it with status 0.
+/// In a process of its own, because roscpp shuts down only once. Ends it with status 0.
 [[noreturn]] void shutDownInAQuestion(int kept, Answer when) {
   // A watchdog that waits for ever is a failure, too.
   alarm(20);

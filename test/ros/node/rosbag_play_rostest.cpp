@@ -1,5 +1,5 @@
-// A recording through `rosbag play` and the node, in real time, against the same through `simulate`, offline: hash for hash. What
-// is played comes by several connections at once, and the node keeps it in order by stamps alone.
+// A recording through `rosbag play` and the node in real time, against the same recording through `simulate`: equal hashes. The
+// messages come over several connections. The node orders them by stamps alone.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -20,7 +20,7 @@ namespace deformable_surface::node::test {
 namespace {
 
 constexpr double kStart = 100.0, kEnd = 106.0;  // s
-// Steps stay behind the clock by more than messages take on a machine that does other things, too.
+// Steps lag the clock by more than messages take on a busy machine.
 constexpr char kScene[] = R"({model: mass_spring, gravity: [0, 0, -1], pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}],
                               material: {damping: 1}, output: {publish_rate: 100.0}, input: {delay: 3.0}})";
 
@@ -40,7 +40,7 @@ void writeBag(const std::string& file) {
     transforms.transforms[0].transform.translation.x = 0.05 + 0.001 * k;
     transforms.transforms[0].transform.rotation.w = 1.0;
     bag.write("/tf", stamp, transforms);
-    // Recorded a tenth of a second later than they are stamped, as what sensors and networks bring.
+    // Recorded a tenth of a second after their stamps, as with delays of sensors and networks.
     PointForce force = makeForce("pull", Vec3(0.05, 0.05, 0.0), Vec3(0.0, 0.001 * (k % 5), 0.002), 0.03, 0.03);
     force.header.frame_id = "hand";
     force.header.stamp = stamp + ros::Duration(0.004);
@@ -74,7 +74,7 @@ void writeBag(const std::string& file) {
     tools.tools[0].pose.position.z = -0.02 + 1e-4 * k;
     bag.write("/played/tools", stamp + ros::Duration(0.05), tools);
   }
-  // The clock goes on to here.
+  // The clock continues up to this time.
   bag.write("/last", ros::Time(kEnd), tf2_msgs::TFMessage());
 }
 
@@ -129,13 +129,13 @@ TEST(RosbagPlay, GivesTheHashesOfSimulateStepByStepIfNothingWasLost) {
   const ros::Subscriber statistics = client.handle().subscribe<Statistics>(
       "statistics", 10000, [&](const StatisticsConstPtr& m) { found[m->step] = m->state_hash; });
   ASSERT_TRUE(waitUntil([&] { return statistics.getNumPublishers() > 0; }));
-  // The player waits for those who listen, and then plays at the pace of the recording.
+  // The player waits for subscribers, and then plays at the pace of the recording.
   ASSERT_EQ(std::system(("rosbag play --clock --quiet -d 3 " + file + " > /dev/null").c_str()), 0);
   std::filesystem::remove(file);
   ASSERT_TRUE(waitUntil([&] { return client.diagnostic("step") > 200; })) << process.output();
   ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 0));
 
-  // What was lost is counted: nothing.
+  // Lost messages are counted: there are none.
   expectNoLoss(client, process);
   EXPECT_EQ(client.diagnostic("commands applied"), 49 + 7);
   EXPECT_GT(compare(expected, found), 20u);
@@ -178,7 +178,7 @@ PointForce makeHandForce(int k) {
   return force;
 }
 
-// A grip that takes hold where the hand is, and is moved by what comes later.
+// A grip that closes at the place of the hand and is moved by later commands.
 ToolArray makeGrip() {
   ToolArray array;
   array.tools.resize(1);
@@ -227,7 +227,7 @@ TEST(RosbagPlay, GivesTheHashesOfSimulateForCommandsWithoutAStampOnAFrameThatMov
   EXPECT_GT(compare(expected, found), 100u);
 }
 
-// The same live, recorded as it is sent: what a replay of that recording gives. The clock stands while something is on its way.
+// The same live, recorded as it is sent, and the replay of that recording. The clock stops while a message is on its way.
 TEST(RosbagPlay, ASimulatedRecordingGivesTheHashesOfTheLiveRun) {
   const std::string file = std::filesystem::temp_directory_path() / ("live" + std::to_string(getpid()) + ".bag");
   NodeProcess process("/live", makeLongScene("frame_id: table"));
@@ -252,7 +252,7 @@ TEST(RosbagPlay, ASimulatedRecordingGivesTheHashesOfTheLiveRun) {
       clock.publish(message);
       return message.clock;
     };
-    // tf has no answer of its own, but a service that looks at it does.
+    // tf does not acknowledge, but a service that uses the transform does.
     const auto hasArrived = [&](const tf2_msgs::TFMessage& message) {
       SelectRegionRequest far;
       far.header.frame_id = "hand";

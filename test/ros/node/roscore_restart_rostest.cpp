@@ -1,5 +1,4 @@
-// The node outlives its roscore: with a new one it registers all that it has again. The master that dies is one of this test's
-// own.
+// The node survives its roscore: it registers everything again with a new one. The master that ends belongs to this test.
 #include "../node_client.h"
 
 #include <xmlrpcpp/XmlRpcClient.h>

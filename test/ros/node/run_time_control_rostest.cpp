@@ -1,4 +1,4 @@
-// What a planner meets: states that are kept by name and come back, and rollouts that leave the surface alone.
+// The functions for planners: named snapshots that can be restored, and rollouts that do not affect the surface.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -115,7 +115,7 @@ TEST_F(RunTimeControlTest, ARestoredSurfaceGoesOnBitForBitWithItsForcesAndToolsI
   std::vector<std::uint64_t> expected;
   for (int k = 0; k < 10; ++k) expected.push_back(client_->step(1).state_hash);
 
-  // Elsewhere in the meantime, once later and once, after a reset, earlier.
+  // The state in between differs: once later and once, after a reset, earlier.
   setTool(Tool::DELETE, Vec3::Zero());
   ASSERT_TRUE(client_->step(5).success);
   for (const bool resets : {false, true}) {
@@ -129,7 +129,7 @@ TEST_F(RunTimeControlTest, ARestoredSurfaceGoesOnBitForBitWithItsForcesAndToolsI
     EXPECT_EQ(list.forces, std::vector<std::string>{"pull"});
     for (int k = 0; k < 10; ++k) EXPECT_EQ(client_->step(1).state_hash, expected[k]) << k;
   }
-  // It runs on from there, too, in real time.
+  // The run also continues from there in real time.
   ASSERT_TRUE(restore("before.1").success);
   const double steps = client_->diagnostic("step");
   ASSERT_TRUE(client_->pause(false).success);
@@ -156,12 +156,12 @@ TEST_F(RunTimeControlTest, ListsWhatThereIsAndRefusesNamesThatAreNot) {
   EXPECT_FALSE(restore("a").success);
   EXPECT_TRUE(restore("b").success);
 
-  // Paused: it waits for its step.
+  // Paused: the command waits for its step.
   client_->publish(makeForce("late", Vec3(0.14, 0.07, 0.01), Vec3(0.0, 0.0, 0.02), 0.05));
   ASSERT_TRUE(client_->waitForDiagnostic("commands waiting", 1)) << process_->output();
   EXPECT_EQ(call<List>("list", ListRequest()).forces, std::vector<std::string>{"late"});
 
-  // They are of this surface, and go with it.
+  // Snapshots belong to this surface, and are deleted with it.
   PointCloud2 other = makeSheet(kSide, kSide);
   other.header.stamp = ros::Time::now();
   ASSERT_TRUE(client_->exchange(other)) << process_->output();
@@ -186,7 +186,7 @@ TEST_F(RunTimeControlTest, ARolloutShowsWhatTheSurfaceThenDoesAndDoesNotDisturbI
   plain.tools[0].poses[1].position.z += 0.04;
   plain.times = {0.05, 0.1};  // at the end the sheet may have been flung off the ball
   const Client::GoalHandle touched = rollouts_->sendGoal(plain), still = rollouts_->sendGoal(makeGoal(0.1));
-  // The surface steps while they run, once their copies are made.
+  // The surface steps while the rollouts run, once their copies are made.
   const auto has_begun = [](const Client::GoalHandle& goal) {
     return goal.getCommState() != actionlib::CommState::WAITING_FOR_GOAL_ACK &&
            goal.getCommState() != actionlib::CommState::PENDING;
@@ -208,7 +208,7 @@ TEST_F(RunTimeControlTest, ARolloutShowsWhatTheSurfaceThenDoesAndDoesNotDisturbI
   EXPECT_NE(result.state_hash, hashes.back());
   EXPECT_EQ((result.clouds[2].header.stamp - result.clouds[0].header.stamp).toNSec(), 100'000'000);
 
-  // Without a command of its own it is what the surface did, and that as if nobody had looked.
+  // Without commands a rollout gives what the surface did, with the same hash as without a rollout.
   ASSERT_EQ(still.getTerminalState(), actionlib::TerminalState::SUCCEEDED);
   EXPECT_EQ(still.getResult()->state_hash, hashes.back());
   ASSERT_TRUE(restore("start").success);
@@ -239,7 +239,7 @@ TEST_F(RunTimeControlTest, RolloutsAreCancelledRefusedAndTellTheirProgress) {
     EXPECT_LT(message->progress, 1.0);
     ++feedbacks;
   };
-  // More than any test waits for; several, so that some wait.
+  // More than any test waits for. Several, so that some wait.
   for (int k = 0; k < 6; ++k)
     goals.push_back(rollouts_->sendGoal(
         makeGoal(9000.0), [](Client::GoalHandle) {}, feedback));
@@ -290,7 +290,7 @@ TEST_F(RunTimeControlTest, EveryOneOfManyRolloutsSentAtOnceIsAnswered) {
     return ends;
   };
   EXPECT_EQ(send(100), (std::map<std::string, int>{{"SUCCEEDED", 100}}));
-  // More than may wait: those are refused, and told so.
+  // More goals than may wait: the rest are rejected with a message.
   std::map<std::string, int> ends = send(400);
   EXPECT_EQ(ends["SUCCEEDED"] + ends["REJECTED"], 400);
   EXPECT_GE(ends["SUCCEEDED"], 256);
@@ -324,7 +324,7 @@ TEST_F(RunTimeControlTest, ParametersChangeWhileItRunsOrStayWithAWarning) {
   EXPECT_NE(process_->output().find("the old ones stay: material.young_modulus: found -1"), std::string::npos)
       << process_->output();
 
-  // A snapshot brings back what held when it was made, and says so.
+  // A snapshot restores the values of its time, with a message.
   dynamic_reconfigure::Config now;
   const ros::Subscriber updates = client_->handle().subscribe<dynamic_reconfigure::Config>(
       "parameter_updates", 10, [&](const dynamic_reconfigure::ConfigConstPtr& m) { now = *m; });
@@ -336,7 +336,7 @@ TEST_F(RunTimeControlTest, ParametersChangeWhileItRunsOrStayWithAWarning) {
   ASSERT_TRUE(restore("start").success);
   EXPECT_TRUE(waitUntil([&] { return has_gravity(-1.0); }));
   EXPECT_EQ(client_->step(5).state_hash, before);
-  // A node that is started again begins with that, too.
+  // A restarted node begins with the value, too.
   EXPECT_TRUE(client_->handle().getParam("gravity", gravity));
   EXPECT_EQ(gravity, (std::vector<double>{0.0, 0.0, -1.0}));
 }
@@ -476,7 +476,7 @@ input: {policy: track}
   const ros::Subscriber listener = client.handle().subscribe<Statistics>(
       "statistics", 100, [&](const boost::shared_ptr<const Statistics>& m) { statistics = *m; });
   ASSERT_TRUE(waitUntil([&] { return listener.getNumPublishers() > 0; }));
-  // Moved up by a spacing; in a frame that nobody knows it is refused.
+  // Moved up by a spacing. In an unknown frame the request is refused.
   constexpr float kRise = 0.01f;
   for (int i = 0; i < kSide * kSide; ++i) {
     float z;

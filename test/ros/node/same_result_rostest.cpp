@@ -1,5 +1,4 @@
-// One scene through `simulate` and through the node gives the same bits; and a real scan goes through the node as a client would
-// send it.
+// A scene through `simulate` and through the node gives the same bits. A real scan goes through the node as from a client.
 #include "../node_client.h"
 
 #include "deformable_surface/ToolArray.h"
@@ -44,7 +43,7 @@ sensor_msgs::PointCloud2 toMessage(const cloud::PointCloud& cloud) {
   return message;
 }
 
-// What `simulate` prints as the hash of its last state.
+// The hash of the last state, as printed by `simulate`.
 std::string hashOfSimulate(const std::filesystem::path& scene, const std::string& options = "") {
   const std::string program = std::filesystem::read_symlink("/proc/self/exe").parent_path() / "simulate";
   FILE* output = popen((program + " " + scene.string() + options + " 2>&1").c_str(), "r");
@@ -97,7 +96,7 @@ TEST(SameResult, OfToolsThroughABagAndThroughTheNode) {
   ASSERT_TRUE(waitUntil([&] { return publisher.getNumSubscribers() > 0; }));
   ASSERT_TRUE(client.pause(true).success);
   sensor_msgs::PointCloud2 cloud = toMessage(io::makeShape(io::readScene(io::parseYaml(kScene, "scene")).cloud));
-  cloud.header.stamp += ros::Duration(1000.0);  // ahead of the clock: ~step takes up no time that has gone by
+  cloud.header.stamp += ros::Duration(1000.0);  // ahead of the clock: ~step takes up no time that has passed
   ASSERT_TRUE(client.exchange(cloud));
 
   // A ball comes, is pushed on with a twist between two steps, and goes; a hand grips and turns.
@@ -152,7 +151,7 @@ TEST(RealScan, KeepsItsOrderItsHolesAndItsColoursAndMovesWhereItIsPulled) {
   const cloud::PointCloud scan = io::readPointFile(file, 1.0, 10000000);
   ASSERT_GT(scan.size(), 1000);
 
-  // As a camera's driver would send it: float32, with whatever other fields the file has.
+  // As from a camera driver: float32, with the other fields of the file.
   simulation::Surface surface;
   surface.num_input = scan.size();
   surface.positions = scan.positions;

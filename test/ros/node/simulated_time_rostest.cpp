@@ -1,5 +1,5 @@
-// The node on /clock: it stands when the clock stands, starts over when it jumps back, and comes to the same state whenever it
-// gets the same messages, in each of two instances.
+// The node on /clock: it waits while the clock stands, starts again when the clock jumps back, and reaches the same state with
+// the same messages, in each of two instances.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -45,9 +45,9 @@ class SimulatedTimeTest : public ::testing::Test {
     for (std::int64_t time = from; time <= to; time += kStep) tick(time);
   }
 
-  /// The messages of a run from kStart on, and the state that it comes to after half a second.
+  /// The messages of a run from kStart on, and the state after half a second.
   std::string run(NodeClient& client) {
-    // Until the node has seen the clock, the cloud waits.
+    // The cloud waits until the node has a clock.
     tick(kStart);
     EXPECT_TRUE(client.exchange(cloud_));
     const double applied = client.diagnostic("commands applied");
@@ -79,7 +79,7 @@ TEST_F(SimulatedTimeTest, StandsWhileTheClockStands) {
   ASSERT_TRUE(client_.waitForFrame(cloud_.header.stamp)) << process_.output();
   tick(kStart + 5 * kStep);
   ASSERT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));
-  // A diagnosis later it has not moved.
+  // One period of the diagnostics later it has not moved.
   const double step = 5;
   ASSERT_TRUE(client_.waitForDiagnostic("step", step));
   ASSERT_TRUE(waitUntil([&] { return client_.diagnostic("steps per second") == 0.0; }));
@@ -101,7 +101,7 @@ TEST_F(SimulatedTimeTest, RepeatsItselfWhenTheClockJumpsBackAndInAnotherInstance
   const std::string first = run(client_);
   ASSERT_FALSE(first.empty()) << process_.output();
   EXPECT_EQ(client_.diagnostic("clock jumps back"), 0);
-  // As a bag that loops; the cloud comes again.
+  // A looping bag: the cloud comes again.
   EXPECT_EQ(run(client_), first);
   ASSERT_TRUE(client_.waitForDiagnostic("clock jumps back", 1));
 
@@ -161,7 +161,7 @@ TEST_F(SimulatedTimeTest, BehindTheClockByItsDelayItTakesInTimeWhatWouldElseBeLa
   EXPECT_EQ(client.diagnostic("commands late"), 0);
 }
 
-// As tf2 and RViz with another fixed frame need them: by the clock, whatever a pause or a reset did to simulation time.
+// Stamps as tf2 and RViz with another fixed frame need them: by the clock, whatever a pause or a reset did to simulation time.
 TEST_F(SimulatedTimeTest, OutputsAreStampedWithTheTimeOfTheClockThroughPausesAndResets) {
   Statistics statistics;
   ToolWrenchArray wrenches;
@@ -193,12 +193,12 @@ TEST_F(SimulatedTimeTest, OutputsAreStampedWithTheTimeOfTheClockThroughPausesAnd
   ASSERT_TRUE(client_.exchange(cloud_)) << process_.output();
   goTo(kStart, 5);
 
-  // A pause of a second; who comes in it sees the surface as it is now.
+  // A pause of a second. A subscriber that connects during the pause gets the present surface.
   ASSERT_TRUE(client_.pause(true).success);
   const std::int64_t paused = kStart + 105 * kStep;
   tick(kStart + 50 * kStep);
   tick(paused);
-  // The node has seen the clock when it says so.
+  // The diagnostics show when the node has received the clock.
   std::vector<ros::Time> diagnosed;
   const ros::Subscriber diagnostics = node.subscribe<diagnostic_msgs::DiagnosticArray>(
       "/diagnostics", 100, [&](const diagnostic_msgs::DiagnosticArrayConstPtr& m) { diagnosed.push_back(m->header.stamp); });
@@ -237,7 +237,7 @@ TEST_F(SimulatedTimeTest, SaysWhatItWaitsForAfterAJumpFarBackAndResetBeginsAtOnc
   tick(kStart / 2);
   EXPECT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "waiting for the clock to reach 100.0 s"; }))
       << client_.diagnosticText("state");
-  // A jump ahead that ends before the surface's time, which it does not put off.
+  // A jump ahead that ends before the time of the surface does not delay the surface.
   tick(kStart / 2 + 10'000'000'000);
   client_.stamps.clear();
   ASSERT_TRUE(client_.reset().success);
@@ -249,7 +249,7 @@ TEST_F(SimulatedTimeTest, SaysWhatItWaitsForAfterAJumpFarBackAndResetBeginsAtOnc
   tick(kStart / 2);
   tick(kStart / 2 + 10'000'000'000);
   tick(kStart);
-  // What comes behind a jump in one go with it would be jumped over.
+  // Messages that arrive together with the jump would be skipped.
   ASSERT_TRUE(waitUntil([&] { return client_.diagnosticText("state") == "running" && client_.diagnostic("step") == 0; }));
   tick(kStart + kStep, kStart + 5 * kStep);
   EXPECT_TRUE(client_.waitForFrame(toTime(kStart + 5 * kStep)));

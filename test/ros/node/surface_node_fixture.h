@@ -1,4 +1,4 @@
-// A node with a sheet that its first columns hold, as a camera would send it: what the tests of the node's parts begin with.
+// A node with a sheet that is pinned at its first columns, as from a depth camera: the start of the tests of the node's parts.
 #pragma once
 
 #include "../bad_clouds.h"
@@ -15,8 +15,8 @@ constexpr int kColumns = 21, kRows = 15;
 constexpr int kHole = 7;  // every such point is one; since the columns are a multiple, whole columns are
 constexpr double kSpacing = 0.02;
 
-/// A sheet as a depth camera would send it: organised, float64, padded, with an extra field and holes. It lies in z = 0 from the
-/// origin on; its first columns are to be pinned.
+/// A sheet as from a depth camera: organised, float64, padded, with an extra field and holes. It lies in z = 0 from the origin
+/// on. Its first columns are to be pinned.
 inline sensor_msgs::PointCloud2 makeSurface(const ros::Time& stamp) {
   PointCloud2 cloud = makeSheet(kColumns, kRows, 32);
   cloud.header.stamp = stamp;
@@ -59,7 +59,7 @@ save_directory: )" + directory_.string());
 
   void SetUp() override { ASSERT_TRUE(client_->waitForNode()) << process_->output(); }
 
-  // Stamps are simulation time, so that a frame tells its step.
+  // Stamps are simulation time, so that a frame identifies its step.
   /// Paused, so that only ~step moves the surface.
   sensor_msgs::PointCloud2ConstPtr startPaused() {
     EXPECT_TRUE(client_->pause(true).success);

@@ -1,5 +1,4 @@
-// What a client meets: the cloud that comes back, steps, files, failures and the end, with the node running in a process of its
-// own.
+// The node from a client's view, in a process of its own: the published cloud, steps, files, failures and the end.
 #include "surface_node_fixture.h"
 
 #include <algorithm>
@@ -93,7 +92,7 @@ TEST_F(SurfaceNodeTest, SavesUnderBareNamesOnly) {
     EXPECT_FALSE(client_->save(name).success) << name.substr(0, 20);
   }
   EXPECT_EQ(std::distance(std::filesystem::directory_iterator(directory_), std::filesystem::directory_iterator()), 2);
-  // Nor does a link lead out of the directory.
+  // A link cannot leave the directory either.
   const std::filesystem::path outside = directory_.string() + "_outside.ply";
   std::filesystem::create_symlink(outside, directory_ / "link.ply");
   EXPECT_FALSE(client_->save("link.ply").success);
@@ -101,7 +100,7 @@ TEST_F(SurfaceNodeTest, SavesUnderBareNamesOnly) {
 }
 
 TEST_F(SurfaceNodeTest, SaysOnWhichTopicItWaits) {
-  // The node still runs, and its output is a file: nothing may be held back.
+  // The node still runs, and its output is a file: no output may be buffered.
   EXPECT_TRUE(waitUntil([&] { return countOf("waiting for a cloud on /surface/cloud_in", process_->output()) == 1; }))
       << process_->output();
 }
@@ -113,13 +112,13 @@ TEST(SurfaceNode, GoesOnAfterAFailedStepWhenItIsReset) {
   const PointCloud2 cloud = makeSurface(ros::Time::now());
   ASSERT_TRUE(client.exchange(cloud)) << process.output();
   for (int run = 1; run <= 2; ++run) {
-    // So strong that a single step would carry its point out of all bounds.
+    // So strong that a single step would move its point out of all limits.
     client.publish(makeForce("pull", Vec3(0.2, 0.1, 0.0), Vec3(0.0, 0.0, 1e12)));
     ASSERT_TRUE(waitUntil([&] { return client.diagnosticText("state") == "stopped by a failed step"; })) << process.output();
-    EXPECT_FALSE(client.step(1).success);  // the state before it is kept, and fails again
+    EXPECT_FALSE(client.step(1).success);  // the state before the step is kept, and the step fails again
     client.frames.clear();
     ASSERT_TRUE(client.reset().success);
-    // At rest, and then it steps, though nobody said ~pause false.
+    // At rest, and then it steps, without a call of ~pause false.
     const auto isAtRest = [](const sensor_msgs::PointCloud2& frame) {
       double largest = 0.0;
       for (int i = 0; i < kColumns * kRows; ++i) {
@@ -131,7 +130,7 @@ TEST(SurfaceNode, GoesOnAfterAFailedStepWhenItIsReset) {
     ASSERT_TRUE(waitUntil([&] { return client.diagnosticText("state") == "running" && client.diagnostic("step") > 10; }))
         << process.output();
   }
-  // Who paused before the failure finds it paused after the reset.
+  // If the surface was paused before the failure, it is paused after the reset.
   ASSERT_TRUE(client.pause(true).success);
   ASSERT_TRUE(client.reset().success);
   EXPECT_TRUE(client.step(1).success);

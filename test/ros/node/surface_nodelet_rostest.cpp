@@ -1,4 +1,4 @@
-// The nodelet is the node: in a manager it comes to the same state.
+// The nodelet is the node: in a manager it reaches the same state.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 

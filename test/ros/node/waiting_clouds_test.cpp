@@ -1,4 +1,4 @@
-// Which cloud is taken when transforms come later than clouds, and that no more than a few wait.
+// Which cloud is used when transforms come later than clouds, and that the number of waiting clouds is limited.
 #include "../../../src/ros/node/waiting_clouds.h"
 
 #include <gtest/gtest.h>

@@ -1,4 +1,5 @@
-// `simulate --serve` as a program sees it: answers in order, files in the run's folder, nothing that outlives whoever asks.
+// `simulate --serve` from a program's view: answers in order, files in the folder of the run, and no process that outlives the
+// program.
 #include "../../../src/ros/simulate/serve.h"
 
 #include "simulate_fixture.h"
@@ -116,7 +117,7 @@ TEST_F(Serve, EndsItsRunWithWhoeverAsked) {
   ask({"--duration", "1000", "--frames", "frames"});
   while (!fs::exists(path("frames/frame_000001.ply"))) std::this_thread::sleep_for(std::chrono::milliseconds(5));
   EXPECT_NE(hangUp(), 0);
-  // What it wrote last is the last: nobody writes any more.
+  // Its last output is final: nobody writes any more.
   const int frames = countFiles(".ply");
   std::this_thread::sleep_for(std::chrono::milliseconds(200));
   EXPECT_EQ(countFiles(".ply"), frames);

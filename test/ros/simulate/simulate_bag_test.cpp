@@ -1,4 +1,4 @@
-// What `simulate` takes from a bag: clouds, forces, wrenches and tools at their stamps, and which bags it refuses.
+// Input of `simulate` from a bag: clouds, forces, wrenches and tools at their stamps, and bags that it refuses.
 #include "simulate_fixture.h"
 
 #include "deformable_surface/ToolArray.h"
@@ -17,7 +17,7 @@ namespace {
 using SimulateBag = Simulate;
 
 TEST_F(SimulateBag, TakesCloudsAndForcesFromABagInTheOrderOfTheirStamps) {
-  // Recorded first, but stamped after the cloud: from the first step at or after 0.045 s on, so 5 steps long.
+  // Recorded first, but stamped after the cloud: it acts from the first step at or after 0.045 s on, so for 5 steps.
   writeBag("in.bag", [](rosbag::Bag& bag) { bag.write("/pushes", ros::Time(kStart - 1.0), makeForce(kStart + 0.045, 1.0)); });
   EXPECT_EQ(
       run({"--bag_in", path("in.bag"), "--topic", "force=/pushes", "--bag_out", path("out.bag"), "--final", path("out.ply")}), 0)
@@ -38,7 +38,7 @@ TEST_F(SimulateBag, TakesCloudsAndForcesFromABagInTheOrderOfTheirStamps) {
 }
 
 TEST_F(SimulateBag, TakesAForceWithoutAStampFromTheStepInWhichItWasRecorded) {
-  // That which begins at 0.04 s, so it is 6 steps long.
+  // It begins at 0.04 s, so it is 6 steps long.
   writeBag("in.bag", [](rosbag::Bag& bag) { bag.write("/pushes", ros::Time(kStart + 0.045), makeForce(0.0, 1.0)); });
   EXPECT_EQ(run({"--bag_in", path("in.bag"), "--topic", "force=/pushes", "--final", path("out.ply")}), 0) << err_;
   EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), 0.5 / 0.81 * 0.06 * 0.06, 1e-6);
@@ -91,12 +91,12 @@ TEST_F(SimulateBag, EndsAForceAfterItsDuration) {
            [](rosbag::Bag& bag) { bag.write("/deformable_surface/force", ros::Time(kStart), makeForce(kStart, 1.0, 0.02)); });
   EXPECT_EQ(run({"--bag_in", path("in.bag"), "--final", path("out.ply")}), 0) << err_;
   const double fall = io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z();
-  // Two steps under the force, then eight at the speed that it gave.
+  // Two steps under the force, then eight at the speed that it caused.
   EXPECT_NEAR(fall, 1.0 / 0.81 * (0.5 * 0.02 * 0.02 + 0.02 * 0.08), 1e-6);
 }
 
 TEST_F(SimulateBag, BringsTheCloudIntoTheFrameOfTheScene) {
-  // Upside down, a metre up.
+  // Upside down, one metre up.
   writeBag("in.bag", [](rosbag::Bag& bag) {
     geometry_msgs::TransformStamped sheet;
     sheet.header.frame_id = "room";
@@ -170,7 +170,7 @@ PointForce makePush(double stamp) {
   return push;
 }
 
-// Recorded between two steps, without a stamp, or with that of the step and of the newest transform: the same.
+// Recorded between two steps, without a stamp, or with the stamp of the step and of the newest transform: the same result.
 TEST_F(SimulateBag, ACommandWithoutAStampMeansItsFrameAsItWasWhenItWasRecorded) {
   const auto hashOf = [&](const std::string& topic, double stamp) {
     writeBag("in.bag", [&](rosbag::Bag& bag) {
@@ -212,7 +212,7 @@ TEST_F(SimulateBag, ACommandWithoutAStampWaitsForItsFrameAsTheNodeDoes) {
     EXPECT_EQ(run({"--bag_in", path("in.bag")}), 0) << err_;
     return out_.substr(out_.find("state hash"));
   };
-  // From the step in which the first transform came, which is the one that begins before it.
+  // From the step at the time of the first transform, which begins before it.
   EXPECT_EQ(hashOf(0.06, 0.0, 0.025), hashOf(0.0, kStart + 0.06, 0.06));
   EXPECT_EQ(err_, "");
   // Longer than the node waits.
@@ -223,7 +223,7 @@ TEST_F(SimulateBag, ACommandWithoutAStampWaitsForItsFrameAsTheNodeDoes) {
 
 TEST_F(SimulateBag, TakesToolsFromABagAtTheirStampsAndWritesTheirWrenches) {
   writeBag("in.bag", [](rosbag::Bag& bag) {
-    // A hand takes hold of the whole sheet, and lifts it from 0.03 s on: the second of the array is stamped before the first.
+    // A tool grips the whole sheet, and lifts it from 0.03 s on. The second tool of the array is stamped before the first.
     ToolArray array;
     array.tools.resize(2);
     Tool& lift = array.tools[0];
@@ -245,7 +245,7 @@ TEST_F(SimulateBag, TakesToolsFromABagAtTheirStampsAndWritesTheirWrenches) {
       run({"--bag_in", path("in.bag"), "--set", "gravity=[0, 0, -2]", "--final", path("out.ply"), "--bag_out", path("out.bag")}),
       0)
       << err_;
-  // The three hundredths of a second since the message before were enough.
+  // The three hundredths of a second since the previous message were enough.
   EXPECT_NEAR(io::readPointFile(path("out.ply"), 1.0, 1000).positions[55].z(), 0.3, 1e-6);
   EXPECT_EQ(countLines(err_), 1u) << err_;
   EXPECT_NE(err_.find("nowhere"), std::string::npos) << err_;

@@ -1,4 +1,4 @@
-// `simulate` as a function on files of a folder of its own: what its tests begin with.
+// `simulate` as a function on files in a folder of its own: the start of its tests.
 #pragma once
 
 #include "../../../src/ros/simulate/simulate.h"
@@ -66,7 +66,7 @@ class Simulate : public testing::Test {
     return status;
   }
 
-  /// How many files there are that end like this.
+  /// The number of files whose names end like this.
   int countFiles(const std::string& ending) const {
     int count = 0;
     for (const auto& entry : fs::recursive_directory_iterator(folder_)) {
@@ -105,7 +105,7 @@ class Simulate : public testing::Test {
     force.point.x = 0.45;
     force.point.y = 0.45;
     force.force.z = z;
-    force.radius = 2.0;  // all points, so that the sheet moves like one body
+    force.radius = 2.0;  // all points, so that the sheet moves like a rigid body
     force.duration = duration;
     return force;
   }

@@ -1,4 +1,4 @@
-// The program `simulate` from its command line to its files: exit status, one line per problem, no half files.
+// The program `simulate` from its command line to its files: exit status, one line per problem, no incomplete files.
 #include "simulate_fixture.h"
 
 #include "deformable_surface/Statistics.h"
@@ -206,7 +206,7 @@ TEST_F(Simulate, RefusesToOverwriteWhatItReads) {
   EXPECT_EQ(readFile(path("late.bag.partial")), bag);
   EXPECT_EQ(readFile(path("frame_000000.ply")), cloud);
   EXPECT_EQ(readFile(path("scene.yaml")), kScene);
-  // Beside each other they are welcome.
+  // Side by side they are accepted.
   EXPECT_EQ(run({"--set", from_file, "--final", path("other.ply"), "--frames", path("frames")}), 0) << err_;
 }
 
@@ -220,7 +220,7 @@ TEST_F(Simulate, RefusesAFolderThatHoldsFramesAlready) {
   EXPECT_EQ(countLines(err_), 1u) << err_;
   EXPECT_NE(err_.find("frames of an earlier run in " + quote(path("frames"))), std::string::npos) << err_;
   EXPECT_EQ(countFiles(".ply"), num_frames);
-  // What is no frame may be there.
+  // A file that is no frame may be there.
   for (int i = 0; i < num_frames; ++i) fs::remove(path("frames/frame_00000" + std::to_string(i) + ".ply"));
   std::ofstream(path("frames/frame_of_the_film.ply"));
   EXPECT_EQ(run(arguments), 0) << err_;
@@ -251,7 +251,7 @@ TEST_F(Simulate, WritesThroughSymbolicLinks) {
   EXPECT_EQ(io::readPointFile(path("shelf/new.ply"), 1.0, 1000).size(), 100);
   EXPECT_EQ(countFiles(".partial"), 0);
 
-  // Two links to one file that is not there yet, and links that lead nowhere.
+  // Two links to one file that does not exist yet, and links to nowhere.
   fs::remove(path("shelf/new.bag"));
   fs::create_symlink("shelf/new.bag", path("rows.csv"));
   EXPECT_EQ(run({"--bag_out", path("out.bag"), "--statistics", path("rows.csv")}), 2);
@@ -269,7 +269,7 @@ TEST_F(Simulate, EndsInOneLineWhenTheDiskIsFull) {
   ASSERT_EQ(run(arguments), 0);
   const auto size = static_cast<rlim_t>(fs::file_size(path("out.bag")));
   fs::remove(path("out.bag"));
-  // A limit on the size of files stands for the disk: at the start of the bag, within it and at its end.
+  // A limit on the size of files takes the place of a full disk: at the start of the bag, within it and at its end.
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto on_limit = std::signal(SIGXFSZ, SIG_IGN);
@@ -313,7 +313,7 @@ TEST_F(Simulate, LooksAtExpectationsAfterTheDurationOfTheSceneOnly) {
   // The same, stated twice.
   EXPECT_EQ(run({"--set", expect, "--duration", "0.1"}), 0) << err_;
   EXPECT_NE(out_.find("not as expected"), std::string::npos) << out_;
-  // A scene that states no duration has that of the parameters.
+  // A scene without a duration has that of the parameters.
   std::ofstream(path("scene.yaml")) << "{model: mass_spring, cloud: {shape: sheet, points: 100}, gravity: [0, 0, 0], "
                                        "simplification: {target_points: 40}, integrator: {time_step: 0.05}}";
   EXPECT_EQ(run({"--set", expect}), 0) << err_;
@@ -379,7 +379,7 @@ TEST_F(Simulate, SaysByWhichFilterAllPointsWentAndShowsIt) {
 
 TEST_F(Simulate, FiltersTheCloudsOfABagAlsoThoseToBeTracked) {
   writeBag("in.bag", [](rosbag::Bag& bag) {
-    // One that is elsewhere, so that nothing of it is left.
+    // One in another place, so that none of it is left.
     sensor_msgs::PointCloud2 other = makeCloud(ros::Time(kStart + 0.05));
     for (sensor_msgs::PointCloud2Iterator<float> x(other, "x"); x != x.end(); ++x) x[0] += 5.0f;
     bag.write("/deformable_surface/cloud_in", ros::Time(kStart + 0.05), other);

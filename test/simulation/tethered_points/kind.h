@@ -1,4 +1,4 @@
-// What the tethered points bring to a simulation: every point of the cloud is one of them, and goes where it goes.
+// The model kind of the tethered points: every point of the cloud is a simulation point, and follows it.
 #pragma once
 
 #include "deformable_surface/simulation/evolution.h"

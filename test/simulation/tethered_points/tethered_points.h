@@ -1,4 +1,4 @@
-// A model of a program's own, as small as one can be: points on springs to where they were at rest. The mechanics.
+// The smallest model of a user's program: each point is on a spring to its rest position. The mechanics.
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
@@ -8,7 +8,7 @@
 
 namespace deformable_surface::test {
 
-/// Force on point i: -stiffness (x_i - X_i). Points do not feel each other.
+/// Force on point i: -stiffness (x_i - X_i). Points do not affect each other.
 class TetheredPoints : public model::DeformableModel, public model::StiffnessMatrix, public model::Partition {
  public:
   /// rest: (n x 3) m; mass: kg of each point; stiffness: N/m.
