@@ -27,7 +27,7 @@ ROOMS = {
     "ros/convert": [r"(?!ros/).*"],
     "ros/node": [r"(?!ros/).*", r"ros/convert/.*"],
     "ros/simulate": [r"(?!ros/).*", r"ros/convert/.*"],
-    "ros/hand": [r"(?!ros/).*", r"ros/convert/.*"],
+    "ros/interactive_markers": [r"(?!ros/).*", r"ros/convert/.*"],
 }
 
 REGISTRY = "simulation/models/registry.cpp"
@@ -166,8 +166,8 @@ def test_self():
         ("src/ros/convert/a.cpp", ours % "ros/node/surface_node.h", refused),
         ("src/ros/simulate/a.cpp", ours % "ros/node/surface_node.h", refused),
         ("src/ros/simulate/b.cpp", ours % "ros/convert/frames.h", allowed),
-        ("src/ros/hand/a.cpp", ours % "ros/convert/text_place.h", allowed),
-        ("src/ros/hand/b.cpp", ours % "ros/node/message_pool.h", refused),
+        ("src/ros/interactive_markers/a.cpp", ours % "ros/convert/text_place.h", allowed),
+        ("src/ros/interactive_markers/b.cpp", ours % "ros/node/message_pool.h", refused),
         ("src/ros/a.cpp", "<rosbag/bag.h>", refused),
         ("src/simulate.cpp", "<rosbag/bag.h>", refused),
         ("src/tool/a.cpp", "<tf2/LinearMath/Vector3.h>", refused),

@@ -131,6 +131,8 @@ def make_transform(parent, child, origin=np.zeros(3), turn=np.eye(3)):
 class Window:
     def __init__(self):
         self.name = rospy.get_name().strip("/")
+        if rospy.get_param("~view", "") == "hand":
+            rospy.logwarn("the view hand is now called interactive_markers; the old name goes with version 0.3")
         self.configuration = rospy.get_param("~configuration")
         self.rviz = rospy.get_param("~rviz")
         self.view = None

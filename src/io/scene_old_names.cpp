@@ -65,7 +65,7 @@ bool isDefault(const Path& path, const Value& value) {
 
 }  // namespace
 
-std::string tellNewName(const std::string& old_name, const std::string& name) {
+std::string describeNewName(const std::string& old_name, const std::string& name) {
   return old_name + " is now called " + name + "; the old name goes with version " + kLastVersion;
 }
 
@@ -85,7 +85,7 @@ std::vector<std::string> renameOldKeys(Value& scene) {
     erase(before, scene);
     if (!scene.find(now.section)) scene.set(now.section, Value::Map{});
     scene.find(now.section)->set(now.key, std::move(moved));
-    notices.push_back(tellNewName(old_name, name));
+    notices.push_back(describeNewName(old_name, name));
   };
   for (const Renamed& key : kKeys) rename(key.old_name, key.name);
   for (const Renamed& quantity : kQuantities)

@@ -94,7 +94,7 @@ bool wentThrough(const Vec3& from, const Vec3& to, const Vec3 (&before)[3], cons
 bool ContactLoad::beginStep(double time, double step, const model::State& state, const std::vector<char>& held) {
   before_ = state.positions;
   forgetTouches();
-  news_.clear();
+  notice_.clear();
   has_new_arrival_ = has_new_detour_ = false;
   bool any = false;
   for (Body& body : bodies_) {
@@ -160,7 +160,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
     body.passed.swap(scratch_);
 
     // A tool that passes between the points: its origin goes through a triangle.
-    if (std::find(told_.begin(), told_.end(), body.tool.id) != told_.end()) continue;
+    if (std::find(reported_.begin(), reported_.end(), body.tool.id) != reported_.end()) continue;
     const auto isPassed = [&](Index i) {
       return std::binary_search(body.passed.begin(), body.passed.end(), Passed{i, {}},
                                 [](const Passed& a, const Passed& b) { return a.point < b.point; });
@@ -171,7 +171,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
       if (!wentThrough(moments.all[0].pose.position, moments.all[moments.count - 1].pose.position, before, after)) continue;
       if (isPassed(t.corner[0]) || isPassed(t.corner[1]) || isPassed(t.corner[2])) continue;
       appendNotice(notice, "tool " + quote(body.tool.id) + " has gone through the surface between the points that touch tools");
-      told_.push_back(body.tool.id);
+      reported_.push_back(body.tool.id);
       break;
     }
   }
@@ -181,7 +181,7 @@ std::string ContactLoad::endStep(double time, double step, const model::State& s
 void ContactLoad::reset() {
   for (Body& body : bodies_) body.passed.clear();
   forgetTouches();
-  told_.clear();
+  reported_.clear();
 }
 
 void ContactLoad::takePart(const ContactLoad& whole, const std::vector<Index>& new_index) {

@@ -97,8 +97,8 @@ void Dynamics::reset() {
   setTools(params_.tools);
   if (chosen_.integrator != solve::IntegratorType::kAuto) params_.integrator.type = chosen_.integrator;
   tool_watch_.reset();
-  loose_said_ = 0;
-  has_said_stopped_ = false;
+  reported_loose_ = 0;
+  has_reported_stopped_ = false;
   Changes all;
   all.loads = all.parts = all.motion = all.everywhere = true;
   follow(all);

@@ -266,13 +266,13 @@ class Dynamics {
   std::uint64_t revision_ = 0;
   std::string growth_notice_;
   Index last_substeps_ = 0;
-  LooseParts loose_;               // of static steps
-  bool has_said_stopped_ = false;  // since the last reset
-  Index loose_said_ = 0;           // points of loose parts, as said last since the last reset
-  DynamicsState before_;           // the step that is taken, or was taken last; without settings, and if it slept, without motion
-  bool has_slept_ = false;         // through that step
-  NamedForces::Update woken_;      // by the step that is taken
-  bool has_woken_ = false;         // in its first half
+  LooseParts loose_;                   // of static steps
+  bool has_reported_stopped_ = false;  // since the last reset
+  Index reported_loose_ = 0;           // points of loose parts, as said last since the last reset
+  DynamicsState before_;       // the step that is taken, or was taken last; without settings, and if it slept, without motion
+  bool has_slept_ = false;     // through that step
+  NamedForces::Update woken_;  // by the step that is taken
+  bool has_woken_ = false;     // in its first half
   // Scratch.
   std::vector<char> patches_;  // (n) see model::Clamping
   std::vector<model::ClampEdge> patch_edges_;

@@ -50,9 +50,9 @@ Dynamics::Outcome Dynamics::takeStep(const Request& request) {
   try {
     std::optional<InterruptScope> scope;
     if (interrupt_) scope.emplace(*interrupt_);
-    const std::string news = live(now, dt);
+    const std::string notice_of_life = live(now, dt);
     if (!has_woken_) woken_ = wakeForStep(now, dt);
-    for (const std::string& notice : {woken_.notice, news}) appendNotice(outcome.notice, notice);
+    for (const std::string& notice : {woken_.notice, notice_of_life}) appendNotice(outcome.notice, notice);
     carryOut(request, scope, outcome);
   } catch (const Interrupted& interrupted) {
     refuse(interrupted.what(), outcome);
@@ -151,7 +151,7 @@ void Dynamics::beginSelfContact(double dt, std::string& notice) {
 
 // Reported once until the next reset.
 std::string Dynamics::describeStopped() {
-  if (!loads_.self_contact || loads_.self_contact->numStopped() == 0 || std::exchange(has_said_stopped_, true)) return "";
+  if (!loads_.self_contact || loads_.self_contact->numStopped() == 0 || std::exchange(has_reported_stopped_, true)) return "";
   return "parts of the surface met faster than the springs between them could stop; " +
          std::to_string(loads_.self_contact->numStopped()) +
          " points were stopped short in this step, which takes energy (statistics: stopped_points)";
@@ -162,7 +162,7 @@ void Dynamics::beginToolContact(double now, double dt, Outcome& outcome) {
   if (contact.isEmpty()) return;
   const Timer contact_timer;
   const bool has_changed = contact.beginStep(now, dt, now_.points, held_);
-  appendNotice(outcome.notice, contact.news());
+  appendNotice(outcome.notice, contact.notice());
   outcome.has_new_arrival = contact.hasNewArrival();
   if (contact.hasNewDetour()) wakeAll();  // sleeping points on the detour were not looked for
   if (has_changed) followLoads();
@@ -240,9 +240,9 @@ std::string Dynamics::holdLoose() {
       held_[i] = 1;
       now_.points.velocities[i].setZero();
     }
-  const bool is_news = loose_.numPoints() > 0 && loose_.numPoints() != loose_said_;
-  loose_said_ = loose_.numPoints();
-  return is_news ? loose_.describe() : "";
+  const bool has_changed = loose_.numPoints() > 0 && loose_.numPoints() != reported_loose_;
+  reported_loose_ = loose_.numPoints();
+  return has_changed ? loose_.describe() : "";
 }
 
 // Repeats the step from disturbed positions, on a copy: distance of its end from the equilibrium, m, infinity if it finds none.

@@ -11,7 +11,7 @@ namespace deformable_surface::simulation {
 namespace {
 
 // Far more forces than scenes have. Ids that keep changing must not fill the memory.
-constexpr std::size_t kMaxTold = 1000;
+constexpr std::size_t kMaxReported = 1000;
 constexpr double kRounding = 1e-9;  // of a force: a smaller dropped part is rounding
 
 DEFORMABLE_SURFACE_WIDE void addWeights(Index size, const double* mass, double x, double y, double z, double* force) {
@@ -158,7 +158,7 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
   for (Named& f : forces_) {
     if (f.started || time < f.params.start) continue;
     if (state.size() == 0) {
-      tell(f.params.id, "there is no simulation point that it could act on; it begins when there is one", update.notice);
+      report(f.params.id, "there is no simulation point that it could act on; it begins when there is one", update.notice);
       continue;
     }
     f.started = update.changed = true;
@@ -177,17 +177,17 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
 
     const std::string problem = findProblem(f, state, pinned);
     if (problem.empty()) {
-      told_.erase(f.params.id);
+      reported_.erase(f.params.id);
     } else {
-      tell(f.params.id, problem, update.notice);
+      report(f.params.id, problem, update.notice);
     }
   }
   return update;
 }
 
-void NamedForces::tell(const std::string& id, const std::string& problem, std::string& notice) {
-  if (told_.size() >= kMaxTold) told_.clear();
-  if (told_.insert(id).second) notice += (notice.empty() ? "force " : "; force ") + quote(id) + ": " + problem;
+void NamedForces::report(const std::string& id, const std::string& problem, std::string& notice) {
+  if (reported_.size() >= kMaxReported) reported_.clear();
+  if (reported_.insert(id).second) notice += (notice.empty() ? "force " : "; force ") + quote(id) + ": " + problem;
 }
 
 std::string NamedForces::findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const {

@@ -12,9 +12,9 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr double kTold = 1e-3;   // fraction of the surface's extent: a tool that appears deeper inside is reported
-constexpr double kFree = 0.01;   // fraction of the initial depth that may be left at the start of the arrival
-constexpr int kMostLooks = 200;  // on one path: a place that is not free by then counts as never free
+constexpr double kReportedDepth = 1e-3;  // fraction of the surface's extent: a tool that appears deeper inside is reported
+constexpr double kFree = 0.01;           // fraction of the initial depth that may be left at the start of the arrival
+constexpr int kMostLooks = 200;          // on one path: a place that is not free by then counts as never free
 
 constexpr Index kLook = 1024;  // points between two checks for an interrupt
 
@@ -99,9 +99,9 @@ void ContactLoad::findArrival(double time, double step, const model::State& stat
   body.tool.path = findArrivingPath(body.tool.path, body.arrival);
   Eigen::AlignedBox3d extent;
   for (const Vec3& x : state.positions) extent.extend(x);
-  if (!(deepest > kTold * extent.diagonal().norm())) return;
+  if (!(deepest > kReportedDepth * extent.diagonal().norm())) return;
   appendNotice(
-      news_,
+      notice_,
       "tool " + quote(body.tool.id) + " appears where " + std::to_string(count) + " of " + std::to_string(points_.size()) +
           (points_.between() ? " points are, up to " : " simulation points are, up to ") + formatShort(deepest) + " m deep; " +
           (std::isfinite(shortest)

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Opens the window of a launch file without a screen and looks at its picture: check_windows.py CASE [FOLDER for the pictures], or
-all. The surfaces are made here, in frames and of sizes that no configuration knows. Where RViz or a display without a screen is
-missing a case is skipped (status 77)."""
+"""Opens the window of a launch file without a screen and checks its picture: check_windows.py CASE [FOLDER for the pictures], or
+all. The surfaces have frames and sizes that no RViz configuration states. A case is skipped (status 77) if RViz or a virtual display is
+missing."""
 import os
 import shutil
 import subprocess
@@ -47,7 +47,7 @@ class Display:
 
 
 class Picture:
-    """What the window shows now; counts are of pixels of the part of it that shows the scene."""
+    """The present content of the window. Counts are pixels of the part that shows the scene."""
 
     def __init__(self, path):
         subprocess.run(["import", "-window", "root", path], check=True)
@@ -68,7 +68,7 @@ class Picture:
         return np.count_nonzero((self.scene[row + 15:row + 60, column - 100:column + 100] >= 200).all(axis=2))
 
     def surface(self):
-        """Where the scene shows something broad: no letter and no line."""
+        """Pixels of broad objects in the scene, without letters and lines."""
         mask = self.scene.max(axis=2) >= SEEN
         for axis in (0, 1):
             mask = np.logical_and.reduce([np.roll(mask, shift, axis) for shift in range(-3, 4)])
@@ -81,7 +81,7 @@ class Picture:
         return (self.left + int(np.median(columns)), self.top + int(np.median(rows))) if len(rows) > 50 else None
 
     def describe_surface(self):
-        """The first reason why this is no picture of a surface, or nothing."""
+        """The first reason why the picture shows no surface, or nothing."""
         if not self.has_scene:
             return "there is no window"
         rows, columns = np.nonzero(self.surface())
@@ -96,7 +96,7 @@ class Picture:
 
 
 def await_picture(folder, name, judge, launch):
-    """A picture that judge finds nothing wrong with, twice, so that nothing is on its way."""
+    """Waits for a picture that judge accepts twice in a row, so that no message is on its way."""
     path = os.path.join(folder, name + ".png")
     end, good = time.time() + PATIENCE, 0
     while good < 2:
@@ -116,10 +116,10 @@ def await_surface(folder, name, launch):
     return await_picture(folder, name, Picture.describe_surface, launch)
 
 
-# ---- What is shown ----
+# ---- Clouds ----
 
 def make_sphere(radius=0.15, count=4000):
-    """Evenly spread, hollow."""
+    """A hollow sphere with even points."""
     k = np.arange(count) + 0.5
     z, angle = 1 - 2 * k / count, np.pi * (1 + np.sqrt(5)) * k
     return radius * np.stack([np.sqrt(1 - z * z) * np.cos(angle), np.sqrt(1 - z * z) * np.sin(angle), z], axis=1)
@@ -162,7 +162,7 @@ def publish(topic, points, frame):
 # ---- Cases ----
 
 def check_surface(folder):
-    """The window waits, then shows a cloud of metres in a frame far away, then one of decimetres in another."""
+    """The window waits, then shows a cloud of metres in a distant frame, then one of decimetres in another frame."""
     with Launch("deformable_surface.launch", "rviz:=true", "cloud:=/camera/points", "scene:=" + scene("tracked")) as launch:
         await_picture(folder, "waiting", lambda p: "" if p.letters() > 300 else "there is no text", launch)
         keep = [publish("/camera/points", make_grid(30, 20, 0.1) + [40.0, -25.0, 3.0], "far_table")]
@@ -190,9 +190,9 @@ def check_poke(folder):
 
 
 def check_hand(folder):
-    """A person at the mouse pauses the surface, reads the answer, goes on, and draws the surface aside."""
+    """The mouse pauses the surface, the answer appears, the mouse continues the run and pulls the surface aside."""
     from deformable_surface.msg import ToolWrenchArray
-    with poke(folder, 0.2, "hand:=true") as launch:
+    with poke(folder, 0.2, "interactive_markers:=true") as launch:
         picture = await_surface(folder, "hand", launch)
         button = picture.find_button()
         assert button, "there is no blue button in hand.png"
@@ -201,7 +201,7 @@ def check_hand(folder):
         choose_first(button, entry=2)
         rows, columns = np.nonzero(picture.surface())
         keep = launch.listen("tool_wrenches", ToolWrenchArray)  # noqa: F841
-        # So little that it does not slip.
+        # So little that the pull does not slip.
         drag(picture.left + int(np.median(columns)), picture.top + int(np.median(rows)), -8, -6)
         launch.wait("a pull by hand", lambda last: any(w.id == "hand" for w in getattr(last.get("tool_wrenches"), "wrenches", [])))
         Picture(os.path.join(folder, "pull.png"))
@@ -213,7 +213,7 @@ def xdotool(*arguments):
 
 
 def choose_first(place, entry=1):
-    """The entry of the menu that the right button opens there."""
+    """Chooses an entry of the menu that the right button opens at the place."""
     xdotool("mousemove", *place)
     xdotool("mousemove_relative", 2, 2)
     xdotool("click", 3)
@@ -232,7 +232,7 @@ def drag(x, y, right, down):
 
 
 def check_camera_bag(folder):
-    """In a frame of a camera, where y points down and stray points lie far away, of which no configuration knows."""
+    """A camera frame, where y points down, with stray points far away. No RViz configuration states either."""
     grid = make_grid(60, 60, 0.015)
     cloth = np.stack([grid[:, 0] - 0.45, grid[:, 1] - 0.45, 2.0 + 0.05 * np.sin(8 * grid[:, 0])], axis=1)
     stray = make_grid(5, 4, 0.01) + [3.0, 0.0, 6.0]
@@ -290,7 +290,7 @@ def main():
             folder = os.path.abspath(sys.argv[2])
             os.makedirs(folder, exist_ok=True)
         if sys.argv[1] == "all":
-            # A process knows one master only.
+            # A process has only one master.
             failed = [case for case in cases if subprocess.run([sys.executable, __file__, case, folder]).returncode != 0]
             sys.exit("failed: %s" % ", ".join(failed) if failed else 0)
         with Display():

@@ -10,7 +10,7 @@
 namespace deformable_surface::io {
 
 /// "OLD is now called NEW; the old name goes with version ...".
-std::string tellNewName(const std::string& old_name, const std::string& name);
+std::string describeNewName(const std::string& old_name, const std::string& name);
 
 /// Renames old keys of a scene. Returns a notice for each. Throws InputError if a value is given
 /// under both names; a default beside the old name does not count: scenes that state every value are loaded below others.

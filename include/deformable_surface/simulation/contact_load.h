@@ -78,7 +78,7 @@ class ContactLoad : public solve::ExternalLoad {
   /// this has changed anything.
   bool beginStep(double time, double step, const model::State& state, const std::vector<char>& held);
   /// Notice of the last beginStep() for the user.
-  const std::string& news() const { return news_; }
+  const std::string& notice() const { return notice_; }
   /// Whether the last beginStep() has determined an arrival.
   bool hasNewArrival() const { return has_new_arrival_; }
   /// Whether one of these arrivals begins beside the tool's place.
@@ -163,7 +163,7 @@ class ContactLoad : public solve::ExternalLoad {
   std::vector<Body> bodies_;  // solid, cut and attract
   double rate_ = 0.0;
   bool arrives_ = true, has_new_arrival_ = false, has_new_detour_ = false;
-  std::string news_;
+  std::string notice_;
   mutable double seconds_ = 0.0;
   Points before_;  // m, of the last beginStep()
   // Scratch of listTouches().
@@ -181,7 +181,7 @@ class ContactLoad : public solve::ExternalLoad {
   mutable Points touched_at_;             // m, positions of the touches
   mutable std::vector<Touches> touches_;  // by body; empty: none yet
   std::vector<Passed> scratch_;
-  std::vector<std::string> told_;  // ids of tools whose passing between points was reported
+  std::vector<std::string> reported_;  // ids of tools whose passing between points was reported
 };
 
 }  // namespace deformable_surface::simulation

@@ -109,7 +109,7 @@ class NamedForces : public solve::ExternalLoad {
   void remove(const std::string& id);
   void clear() {
     forces_.clear();
-    told_.clear();
+    reported_.clear();
   }
 
   /// To be called at the beginning of a step: forces that begin take their points, forces that end are removed. The notice
@@ -137,13 +137,13 @@ class NamedForces : public solve::ExternalLoad {
 
  private:
   const std::vector<double>& masses_;
-  void tell(const std::string& id, const std::string& problem, std::string& notice);
+  void report(const std::string& id, const std::string& problem, std::string& notice);
   static std::string findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned);
   std::string findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const;
 
   Vec3 dropped_ = Vec3::Zero();
   std::vector<Named> forces_;  // ascending id
-  std::set<std::string> told_;
+  std::set<std::string> reported_;
 };
 
 }  // namespace deformable_surface::simulation

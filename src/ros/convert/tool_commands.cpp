@@ -348,15 +348,15 @@ std::vector<std::string> ToolCommands::move(const ros::Time& stamp, simulation::
   const double now = simulation.time(), step = simulation.params().integrator.time_step;
   for (auto& [id, course] : courses_) {
     if (!course.isMoving()) continue;
-    const auto tell = [&](const std::string& problem) {
+    const auto append = [&](const std::string& problem) {
       if (!problem.empty()) problems.push_back("tool " + quote(id) + ": " + problem);
     };
-    tell(endVelocity(now, step, course));
+    append(endVelocity(now, step, course));
     if (!course.follows_frame && now < course.arrives - kRounding * step) continue;
     try {
       if (course.follows_frame) {
         lookAtFrame("tool " + quote(id), stamp, now, step, surface_frame, course);
-        tell(noticeSilence(stamp, course));
+        append(noticeSilence(stamp, course));
       }
       const ToolParams& tool = *findTool(simulation, id);
       // A velocity lasts beyond the step, so that friction at its end still counts it.

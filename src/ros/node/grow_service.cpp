@@ -43,7 +43,7 @@ GrowService::GrowService(ros::NodeHandle node, Inbox& inbox, Stepper& stepper, W
     : inbox_(inbox), stepper_(stepper), warnings_(warnings), first_thread_(queue_), second_thread_(queue_) {
   node.setCallbackQueue(&queue_);
   server_ = advertise<GrowSurfaceRequest, GrowSurfaceResponse>(node, "grow_surface", "");
-  old_server_ = advertise<FitSurfaceRequest, FitSurfaceResponse>(node, "fit", io::tellNewName("~fit", "~grow_surface"));
+  old_server_ = advertise<FitSurfaceRequest, FitSurfaceResponse>(node, "fit", io::describeNewName("~fit", "~grow_surface"));
   first_thread_.start();
   second_thread_.start();
 }

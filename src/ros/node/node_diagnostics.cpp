@@ -17,7 +17,7 @@ using std::chrono::steady_clock;
 constexpr std::chrono::milliseconds kPeriod(1000), kShortest(50);
 constexpr double kWatchPeriod = 1.0;           // s
 constexpr double kLongStep = 1.0;              // s of wall time: a longer step is reported while it runs
-constexpr std::chrono::seconds kToldEvery(5);  // in the log
+constexpr std::chrono::seconds kLogPeriod(5);  // in the log
 
 }  // namespace
 
@@ -51,7 +51,7 @@ void NodeDiagnostics::watchStep() {
   topic_.publish(message);
   // Not a warning, which would outlast the step. By wall time, since /clock may stand still.
   const auto now = steady_clock::now();
-  if (now - last_warning_ < kToldEvery) return;
+  if (now - last_warning_ < kLogPeriod) return;
   last_warning_ = now;
   ROS_WARN_STREAM(warnings_.name() << ": " << message.status[0].message << "; ~reset ends it");
 }

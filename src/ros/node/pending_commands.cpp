@@ -61,24 +61,24 @@ void PendingCommands::append(std::vector<Command>&& commands) {
     }
     see(command);
     hear(command);
-    tellWaiting(command);
+    reportWaiting(command);
     commands_.push_back(std::move(command));
   }
   for (; commands_.size() > kMaxWaiting; commands_.pop_front()) {
     ++num_dropped_;
     if (commands_.front().tool)
-      tool_statuses_.tellRefused(*commands_.front().tool, "dropped: " + std::to_string(kMaxWaiting) + " newer commands wait");
+      tool_statuses_.reportRefused(*commands_.front().tool, "dropped: " + std::to_string(kMaxWaiting) + " newer commands wait");
   }
 }
 
 void PendingCommands::refuse(const Command& command, const std::string& reason) {
   warnings_.report(Warning::kCommandRefused, reason);
-  if (command.tool) tool_statuses_.tellRefused(*command.tool, reason);
+  if (command.tool) tool_statuses_.reportRefused(*command.tool, reason);
 }
 
-void PendingCommands::tellWaiting(const Command& command) {
+void PendingCommands::reportWaiting(const Command& command) {
   if (!command.tool) return;
-  tool_statuses_.tellWaiting(*command.tool, surface_frame_.empty() ? "there is no surface yet" : "its step has not come yet");
+  tool_statuses_.reportWaiting(*command.tool, surface_frame_.empty() ? "there is no surface yet" : "its step has not come yet");
 }
 
 void PendingCommands::hear(const Command& command) {
@@ -174,7 +174,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
   try {
     apply(command, simulation, frame);
     ++num_applied_;
-    if (command.tool) tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
+    if (command.tool) tool_statuses_.reportAccepted(*command.tool, simulation.stepCount());
     if (is_kept) kept_.push_back(command);
     num_late_ += command.stamp <= last_begin_ || hasGuessedFrame(command);
   } catch (const FrameError& error) {
@@ -182,7 +182,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     if (older != without_frame_.end()) give_up = older->second.give_up;
     if (SteadyClock::now() < give_up && (older != without_frame_.end() || without_frame_.size() < kMaxForces)) {
       warnings_.report(Warning::kWaiting, std::string(error.what()) + "; the command waits for it");
-      if (command.tool) tool_statuses_.tellWaiting(*command.tool, error.what());
+      if (command.tool) tool_statuses_.reportWaiting(*command.tool, error.what());
       num_dropped_ += older != without_frame_.end();
       without_frame_[key] = {command, give_up};
       return;
@@ -194,7 +194,7 @@ void PendingCommands::carryOut(const Command& command, SteadyClock::time_point g
     if (!cancels) {
       refuse(command, error.what() + rest);
     } else {
-      tool_statuses_.tellAccepted(*command.tool, simulation.stepCount());
+      tool_statuses_.reportAccepted(*command.tool, simulation.stepCount());
     }
     return;  // the waiting command stays valid
   }
@@ -214,7 +214,7 @@ void PendingCommands::forget() {
   tool_statuses_.clear();
   const auto keep = [&](const Command& command) {
     hear(command);
-    tellWaiting(command);
+    reportWaiting(command);
   };
   for (const auto& [key, waiting] : without_frame_) keep(waiting.command);
   for (const Command& command : commands_) keep(command);

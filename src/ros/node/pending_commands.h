@@ -103,7 +103,7 @@ class PendingCommands {
   void apply(const Command& command, simulation::Simulation& simulation, const std::string& frame);
   void see(Command& command) const;
   void hear(const Command& command);
-  void tellWaiting(const Command& command);
+  void reportWaiting(const Command& command);
   void refuse(const Command& command, const std::string& reason);
   bool hasGuessedFrame(const Command& command) const;
 

@@ -60,8 +60,8 @@ std_msgs::Header Publishers::makeHeader(std::int64_t stamp) const {
 
 // Markers are sent from time to time in any case.
 bool Publishers::isWanted(bool has_changed, bool has_moved) const {
-  const bool is_surface_heard = deformed_.getNumSubscribers() > 0 || updates_.getNumSubscribers() > 0;
-  return isStatisticsHeard() || markers_.getNumSubscribers() > 0 || (has_moved && is_surface_heard) ||
+  const bool has_surface_subscribers = deformed_.getNumSubscribers() > 0 || updates_.getNumSubscribers() > 0;
+  return hasStatisticsSubscribers() || markers_.getNumSubscribers() > 0 || (has_moved && has_surface_subscribers) ||
          (has_changed && simulation_points_.getNumSubscribers() > 0);
 }
 
@@ -101,7 +101,7 @@ void Publishers::publish(Moment& moment) {
   const bool has_changed = isNew(moment.revision, markers_revision_);
   const bool is_due = has_changed || std::chrono::steady_clock::now() >= next_markers_;
   if (markers_.getNumSubscribers() > 0 && is_due) publishMarkers(header);
-  if (isStatisticsHeard()) {
+  if (hasStatisticsSubscribers()) {
     const auto message = boost::make_shared<Statistics>();
     message->header = header;
     encodeStatistics(viewer_->statistics(), moment.cloud, *message);

@@ -29,7 +29,7 @@ class Publishers {
   // From any thread.
   /// Whether any subscriber would get a message of a moment.
   bool isWanted(bool has_changed, bool has_moved) const;
-  bool isStatisticsHeard() const { return statistics_.getNumSubscribers() > 0; }
+  bool hasStatisticsSubscribers() const { return statistics_.getNumSubscribers() > 0; }
 
   // From one.
   void publish(Moment& moment);

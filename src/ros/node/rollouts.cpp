@@ -151,11 +151,11 @@ void Rollouts::work() {
 }
 
 void Rollouts::run(Job& job) {
-  auto told = steady_clock::now();
+  auto last_feedback = steady_clock::now();
   const auto goes_on = [&](double progress) {
     if (is_ended_ || job.is_cancelled) return false;
-    if (steady_clock::now() - told < kFeedbackPeriod) return true;
-    told = steady_clock::now();
+    if (steady_clock::now() - last_feedback < kFeedbackPeriod) return true;
+    last_feedback = steady_clock::now();
     RolloutFeedback feedback;
     feedback.progress = progress;
     feedback.simulation_time = job.copy->time();

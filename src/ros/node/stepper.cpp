@@ -24,7 +24,7 @@ using std::chrono::steady_clock;
 constexpr milliseconds kPollPeriod(20), kTransformPatience(2000);
 // How often a sleeping surface is updated: its steps then pass at once, and any event wakes the thread at once.
 // Less than the lag that is dropped, so that a step that wakes can be caught up.
-constexpr milliseconds kRestPeriod(100), kUnheardRestPeriod(200), kLeftAlonePeriod(1000);
+constexpr milliseconds kRestPeriod(100), kUnsubscribedRestPeriod(200), kLeftAlonePeriod(1000);
 
 }  // namespace
 
@@ -48,11 +48,11 @@ bool Stepper::turn(Inbox::SteadyTime until) {
   if (content.closed) return false;
   last_turn_ = steady_clock::now();
   handleClock(content.clock);
-  tellOfBuilding();
+  reportBuilding();
   for (Command& command : content.commands)
     if (!command.is_stamped) command.stamp = stampOfArrival(command.stamp, timeStep());
   commands_.append(std::move(content.commands));
-  if (!content.tools_refused.empty()) commands_.toolStatuses().tellRefused(Tool(), content.tools_refused);
+  if (!content.tools_refused.empty()) commands_.toolStatuses().reportRefused(Tool(), content.tools_refused);
   if (content.cloud) clouds_.put(std::move(*content.cloud));
   if (now_ != 0) handleClouds();
   if (simulation_ && !is_gravity_known_) updateGravity();
@@ -81,8 +81,8 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
     return missing_since_ ? std::min<Inbox::SteadyTime>(until, now + kPollPeriod) : Inbox::SteadyTime(now);
   }
   if (canRest()) {
-    const milliseconds unheard = simulation_->isLeftAlone() ? kLeftAlonePeriod : kUnheardRestPeriod;
-    const milliseconds period = publishers_.isStatisticsHeard() ? kRestPeriod : unheard;
+    const milliseconds unsubscribed = simulation_->isLeftAlone() ? kLeftAlonePeriod : kUnsubscribedRestPeriod;
+    const milliseconds period = publishers_.hasStatisticsSubscribers() ? kRestPeriod : unsubscribed;
     return std::min<Inbox::SteadyTime>(until, std::max<Inbox::SteadyTime>(now, last_turn_ + period));
   }
   if (isDue()) return now;
@@ -96,7 +96,7 @@ Inbox::SteadyTime Stepper::nextDeadline(Inbox::SteadyTime until) const {
 
 // Only time passes in the next steps, and no subscriber needs each of them.
 bool Stepper::canRest() const {
-  return simulation_->isAsleep() && !commands_.isMoving() && ready_.empty() && !wrenches_.isHeard() &&
+  return simulation_->isAsleep() && !commands_.isMoving() && ready_.empty() && !wrenches_.hasSubscribers() &&
          (params_.gravity_frame.empty() || withoutSlash(params_.gravity_frame) == frame_);
 }
 
@@ -112,11 +112,11 @@ std::string Stepper::obstacle() {
 
 bool Stepper::isDue() const {
   if (!simulation_ || isPaused() || is_held_ || !is_gravity_known_) return false;
-  if (isLockstep()) return isHeard();
+  if (isLockstep()) return hasAllCommands();
   return now_ != 0 && now_ >= schedule_.begin(simulation_->stepCount() + 1);
 }
 
-bool Stepper::isHeard() const { return commands_.areCompleteAt(schedule_.begin(simulation_->stepCount())); }
+bool Stepper::hasAllCommands() const { return commands_.areCompleteAt(schedule_.begin(simulation_->stepCount())); }
 
 // Waits for a missing frame as long as for a command.
 bool Stepper::hasFrames() {

@@ -121,7 +121,7 @@ class Stepper {
   void observeReady();
   void begin(CloudResult&& result);
   void setSurfaceFrame(const std::string& frame);
-  void tellOfBuilding();
+  void reportBuilding();
   std::int64_t arrivalOf(const IncomingCloud& incoming) const;
   std::int64_t stampOf(const IncomingCloud& incoming) const;
   bool isAgain(const CloudWork& work) const;
@@ -136,7 +136,7 @@ class Stepper {
 
   bool isLockstep() const { return !params_.input.lockstep.empty(); }
   /// In lockstep: whether everything that the step waits for has come.
-  bool isHeard() const;
+  bool hasAllCommands() const;
   bool hasFrames();
   // In lockstep time only passes with the commands.
   void skipTo(std::int64_t now, std::uint64_t step);
@@ -185,7 +185,7 @@ class Stepper {
   struct Building {
     Inbox::SteadyTime begin;
     Index points = 0;
-    bool is_told = false;
+    bool is_reported = false;
   };
   std::optional<Building> building_;
   std::uint64_t params_revision_ = 0, built_revision_ = 0;  // of params_, and of those that the last build began with

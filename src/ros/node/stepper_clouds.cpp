@@ -25,7 +25,7 @@ constexpr std::int64_t kLongestBuild = 5'000'000'000;
 constexpr std::size_t kMostReady = 64;
 constexpr std::int64_t kMostReadyPoints = 4'000'000;  // of all together, unless it is one
 constexpr double kLongBuild = 2.0;                    // s: a longer wait needs a message
-constexpr double kToldLag = 0.25;                     // s: a shorter lag is caught up and needs no message
+constexpr double kReportedLag = 0.25;                 // s: a shorter lag is caught up and needs no message
 
 double secondsSince(Inbox::SteadyTime then) {
   return std::chrono::duration<double>(std::chrono::steady_clock::now() - then).count();
@@ -122,9 +122,9 @@ void Stepper::setSurfaceFrame(const std::string& frame) {
 }
 
 // Once, so that the node does not seem dead.
-void Stepper::tellOfBuilding() {
-  if (!building_ || building_->is_told || !(secondsSince(building_->begin) > kLongBuild)) return;
-  building_->is_told = true;
+void Stepper::reportBuilding() {
+  if (!building_ || building_->is_reported || !(secondsSince(building_->begin) > kLongBuild)) return;
+  building_->is_reported = true;
   ROS_INFO_STREAM(warnings_.name() << ": a surface of " << building_->points << " points has been under construction for "
                                    << formatShort(secondsSince(building_->begin)) << " s"
                                    << (simulation_ ? "; the one before goes on meanwhile" : ""));
@@ -197,7 +197,7 @@ void Stepper::begin(CloudResult&& result) {
     notice = ": surface built in " + formatShort(secondsSince(building_->begin)) + " s: " + notices;
   }
   const double behind = is_clock_simulated_ || isLockstep() ? 0.0 : toSeconds(delayed(inbox_.now()) - schedule_.begin(0));
-  if (behind > kToldLag)
+  if (behind > kReportedLag)
     notice += "; it begins " + formatShort(behind) + " s after the stamp of its cloud, a time that is left out";
   ROS_INFO_STREAM(warnings_.name() << notice);
   for (const std::string& warning : simulation_->buildWarnings()) warnings_.report(Warning::kNotice, warning);

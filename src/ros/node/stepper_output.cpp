@@ -97,7 +97,7 @@ StepperStatus Stepper::status() const {
     status.state = "waiting for the clock";
   } else if (simulation_ && !is_gravity_known_) {
     status.state = "waiting for the transform of gravity_frame";
-  } else if (simulation_ && isLockstep() && !isHeard()) {
+  } else if (simulation_ && isLockstep() && !hasAllCommands()) {
     const double begin = std::round(1e3 * toSeconds(schedule_.begin(status.step))) / 1e3;
     status.state = "waiting for commands after " + formatReal(begin) + " s (input.lockstep)";
   } else if (simulation_ && !isLockstep() && waitsUntilLater(now_)) {

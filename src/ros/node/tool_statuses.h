@@ -13,20 +13,20 @@ namespace deformable_surface::node {
 
 class ToolStatuses {
  public:
-  void tellWaiting(const Tool& command, const std::string& reason);
+  void reportWaiting(const Tool& command, const std::string& reason);
   /// step: the first step that it counts for.
-  void tellAccepted(const Tool& command, std::uint64_t step);
-  void tellRefused(const Tool& command, const std::string& reason);
+  void reportAccepted(const Tool& command, std::uint64_t step);
+  void reportRefused(const Tool& command, const std::string& reason);
   void clear();
   /// Fills the list if it has changed since the last call, and the first time; else returns false.
   bool takeChanged(ToolStatusArray& message);
 
  private:
-  void tell(const Tool& command, std::uint8_t status, const std::string& reason, std::uint64_t step);
+  void report(const Tool& command, std::uint8_t status, const std::string& reason, std::uint64_t step);
 
   struct Entry {
     ToolStatus status;
-    std::uint64_t told = 0;  // counts
+    std::uint64_t order = 0;  // rises with every change
   };
   std::map<std::string, Entry> entries_;  // by id
   std::uint64_t count_ = 0;

@@ -34,7 +34,7 @@ void WarningLog::report(Warning warning, const std::string& sentence) {
   last_time_ = Clock::now();
   ++counts_[static_cast<int>(warning)];
   Cause& cause = findCause(warning, last_);
-  if (cause.was_told && last_time_ - cause.last_line < kSilence) {
+  if (cause.was_logged && last_time_ - cause.last_line < kSilence) {
     ++cause.left_out;
     return;
   }

@@ -43,7 +43,7 @@ class WarningLog {
  private:
   using Clock = std::chrono::steady_clock;
   struct Cause {
-    bool was_told = false;
+    bool was_logged = false;
     int left_out = 0;  // since the last line
     Clock::time_point last_line;
   };

@@ -30,10 +30,10 @@ WrenchPublishers::WrenchPublishers(ros::NodeHandle& node, const std::function<vo
                                              [on_subscriber](const ros::SingleSubscriberPublisher&) { on_subscriber(); })),
       statuses_(node.advertise<ToolStatusArray>("tool_status", 1, true)) {}
 
-bool WrenchPublishers::isHeard() const {
-  const auto isOneHeard = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };
+bool WrenchPublishers::hasSubscribers() const {
+  const auto hasOne = [](const auto& entry) { return entry.second.getNumSubscribers() > 0; };
   return all_.getNumSubscribers() > 0 || contacts_.getNumSubscribers() > 0 ||
-         std::any_of(of_tool_.begin(), of_tool_.end(), isOneHeard);
+         std::any_of(of_tool_.begin(), of_tool_.end(), hasOne);
 }
 
 void WrenchPublishers::publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame,
@@ -44,8 +44,8 @@ void WrenchPublishers::publish(const simulation::Simulation& simulation, std::in
   header.stamp.fromNSec(static_cast<std::uint64_t>(stamp));
   header.frame_id = frame;
   for (const tool::ToolParams& tool : tools)
-    if (silent.count(tool.id) == 0) last_heard_of_[tool.id] = header.stamp;
-  if (!isHeard()) return;
+    if (silent.count(tool.id) == 0) last_stamps_[tool.id] = header.stamp;
+  if (!hasSubscribers()) return;
   if (contacts_.getNumSubscribers() > 0 && isContactsDue(simulation.params().output.contacts_rate, stamp))
     contacts_.publish(
         boost::make_shared<ContactArray>(makeContacts(header, tools, simulation.contacts(), simulation.selfTouches())));
@@ -57,7 +57,7 @@ void WrenchPublishers::publish(const simulation::Simulation& simulation, std::in
     if (found == of_tool_.end() || found->second.getNumSubscribers() == 0) continue;
     const tool::Pose pose = tool::interpolate(tools[t].path, simulation.time());
     std_msgs::Header own = header;
-    own.stamp = last_heard_of_[tools[t].id];
+    own.stamp = last_stamps_[tools[t].id];
     found->second.publish(boost::make_shared<geometry_msgs::WrenchStamped>(makeToolWrench(own, reactions[t], pose)));
   }
 }
@@ -76,8 +76,8 @@ void WrenchPublishers::advertise(const std::vector<tool::ToolParams>& tools) {
   };
   for (auto entry = of_tool_.begin(); entry != of_tool_.end();)
     entry = isGone(entry->first) ? of_tool_.erase(entry) : std::next(entry);
-  for (auto entry = last_heard_of_.begin(); entry != last_heard_of_.end();)
-    entry = isGone(entry->first) ? last_heard_of_.erase(entry) : std::next(entry);
+  for (auto entry = last_stamps_.begin(); entry != last_stamps_.end();)
+    entry = isGone(entry->first) ? last_stamps_.erase(entry) : std::next(entry);
   for (const tool::ToolParams& tool : tools) {
     if (of_tool_.count(tool.id) > 0 || !isToolId(tool.id)) continue;
     // roscpp would wait for an absent master, and no step could be taken.

@@ -29,7 +29,7 @@ class WrenchPublishers {
   void publish(const simulation::Simulation& simulation, std::int64_t stamp, const std::string& frame,
                const std::set<std::string>& silent);
   void publish(const ToolStatusArray& statuses) { statuses_.publish(statuses); }
-  bool isHeard() const;
+  bool hasSubscribers() const;
 
  private:
   void advertise(const std::vector<tool::ToolParams>& tools);
@@ -37,7 +37,7 @@ class WrenchPublishers {
 
   ros::NodeHandle& node_;
   ros::Publisher all_, contacts_, statuses_;
-  std::map<std::string, ros::Time> last_heard_of_;  // of tools that are not silent: the stamp of the last state, by id
+  std::map<std::string, ros::Time> last_stamps_;    // of tools that are not silent: the stamp of the last state, by id
   std::map<std::string, ros::Publisher> of_tool_;   // by id
   std::chrono::steady_clock::time_point next_try_;  // to advertise
   std::int64_t contacts_turn_ = -1;                 // of output.contacts_rate, in which contacts were published last

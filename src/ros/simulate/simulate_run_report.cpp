@@ -45,7 +45,7 @@ void Run::finish() {
 void Run::measure() {
   for (const std::string& name : options_.measured) {
     const std::string quantity = io::findNewQuantity(name);
-    if (quantity != name) note(io::tellNewName("the quantity " + name, quantity));
+    if (quantity != name) note(io::describeNewName("the quantity " + name, quantity));
     char text[32];
     try {
       std::snprintf(text, sizeof text, "%.17g", simulation::computeQuantity(quantity, *simulation_));

@@ -1,4 +1,4 @@
-// What senders of tools are told of their last command.
+// The status of the last command to each tool, as published for its sender.
 #include "../../../src/ros/node/tool_statuses.h"
 
 #include "deformable_surface/ros/convert/tool_decoder.h"
@@ -19,13 +19,13 @@ Tool makeCommand(const std::string& id, std::uint8_t action = Tool::ADD, std::ui
 TEST(ToolStatuses, AreNewsOnceAndTellTheLastCommandOfEachTool) {
   ToolStatuses statuses;
   ToolStatusArray told;
-  EXPECT_TRUE(statuses.takeChanged(told));  // there are none
+  EXPECT_TRUE(statuses.takeChanged(told));  // the first message, without tools
   EXPECT_TRUE(told.tools.empty());
   EXPECT_FALSE(statuses.takeChanged(told));
 
-  statuses.tellWaiting(makeCommand("ball", Tool::ADD, 6), "its step has not come yet");
-  statuses.tellAccepted(makeCommand("ball", Tool::ADD, 7), 12);
-  statuses.tellRefused(makeCommand("anvil", Tool::DELETE), "there is no such tool");
+  statuses.reportWaiting(makeCommand("ball", Tool::ADD, 6), "its step has not come yet");
+  statuses.reportAccepted(makeCommand("ball", Tool::ADD, 7), 12);
+  statuses.reportRefused(makeCommand("anvil", Tool::DELETE), "there is no such tool");
   ASSERT_TRUE(statuses.takeChanged(told));
   ASSERT_EQ(told.tools.size(), 2u);
   EXPECT_EQ(told.tools[0].id, "anvil");
@@ -43,8 +43,8 @@ TEST(ToolStatuses, AreNewsOnceAndTellTheLastCommandOfEachTool) {
 TEST(ToolStatuses, AreGoneWithTheTools) {
   ToolStatuses statuses;
   ToolStatusArray told;
-  statuses.tellAccepted(makeCommand("ball"), 0);
-  statuses.tellAccepted(makeCommand("", Tool::DELETEALL), 3);
+  statuses.reportAccepted(makeCommand("ball"), 0);
+  statuses.reportAccepted(makeCommand("", Tool::DELETEALL), 3);
   ASSERT_TRUE(statuses.takeChanged(told));
   ASSERT_EQ(told.tools.size(), 1u);
   EXPECT_EQ(told.tools[0].id, "");
@@ -59,12 +59,12 @@ TEST(ToolStatuses, AreGoneWithTheTools) {
 TEST(ToolStatuses, AreNoMoreThanToolsCanBeWhateverIsSent) {
   ToolStatuses statuses;
   ToolStatusArray told;
-  for (int k = 0; k < 1000; ++k) statuses.tellRefused(makeCommand("tool " + std::string(k, 'x')), "no name");
-  statuses.tellAccepted(makeCommand("ball"), 0);
+  for (int k = 0; k < 1000; ++k) statuses.reportRefused(makeCommand("tool " + std::string(k, 'x')), "no name");
+  statuses.reportAccepted(makeCommand("ball"), 0);
   ASSERT_TRUE(statuses.takeChanged(told));
   EXPECT_LE(told.tools.size(), kMaxTools);
   for (const ToolStatus& status : told.tools) EXPECT_LE(status.id.size(), 64u);
-  EXPECT_EQ(told.tools[0].id, "ball");  // the newest stays
+  EXPECT_EQ(told.tools[0].id, "ball");  // the newest is kept
 }
 
 }  // namespace

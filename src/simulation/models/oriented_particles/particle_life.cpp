@@ -157,7 +157,7 @@ Index ParticleLife::countDebris(const State& state) const {
 }
 
 Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
-  has_told_debris_ = false;
+  has_reported_debris_ = false;
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
@@ -199,7 +199,7 @@ void ParticleLife::grow(State& state, Population& changes) const {
   }
   if (newborn.empty()) return;
   if (const Index debris = countDebris(state); debris > kMostDebris) {
-    if (!std::exchange(has_told_debris_, true))
+    if (!std::exchange(has_reported_debris_, true))
       changes.notice = "growth has run away and rests: found " + std::to_string(debris) +
                        " pieces of newborn particles alone, which have come loose from the surface; accepted: up to " +
                        std::to_string(kMostDebris);

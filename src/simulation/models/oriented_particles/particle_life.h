@@ -56,7 +56,7 @@ class ParticleLife : public Evolution {
   const SceneParams& scene_;
   bool is_hot_ = false;  // some particles are above the ambient temperature, or have flowed, before the last step
   mutable std::shared_ptr<const Spacing> spacing_;  // that was given out last
-  mutable bool has_told_debris_ = false;
+  mutable bool has_reported_debris_ = false;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 

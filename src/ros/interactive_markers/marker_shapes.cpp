@@ -1,4 +1,4 @@
-#include "hand_markers.h"
+#include "marker_shapes.h"
 
 #include "deformable_surface/ros/convert/color_scale.h"
 #include "deformable_surface/tool/tool_modes.h"
@@ -147,7 +147,7 @@ InteractiveMarker makeSpotHandle(const std_msgs::Header& header, const Vec3& poi
   return marker;
 }
 
-InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool& tool) {
+InteractiveMarker makeToolHandle(const std_msgs::Header& header, const MarkedTool& tool) {
   InteractiveMarker marker = makeInteractive(header, tool.id, tool.pose, kHandleShare * findExtent(tool.primitive));
   marker.description = tool.id;
   // Slightly larger than the tool as ~markers draws it, so that the two do not flicker.

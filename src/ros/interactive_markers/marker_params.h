@@ -7,7 +7,7 @@
 
 namespace deformable_surface::node {
 
-struct HandParams {
+struct MarkerParams {
   std::string surface = "deformable_surface";
   double rate = 10.0;        // Hz, > 0
   OrAuto<double> radius;     // m, > 0
@@ -16,7 +16,7 @@ struct HandParams {
   double attraction = 10.0;  // N/m, > 0
 };
 
-inline void visit(Fields& fields, HandParams& p) {
+inline void visit(Fields& fields, MarkerParams& p) {
   fields.text("surface", p.surface, "name of the node of the surface");
   fields.number("rate", p.rate, "Hz", between(0.1, 60.0), "largest rate at which the markers follow the surface");
   fields.number("radius", p.radius, "m", between(1e-6, kMaxLength),

@@ -1,5 +1,5 @@
 // The interactive markers for work on a surface in RViz: their looks, and which parts can be
-// dragged. hand.h answers them.
+// dragged. marker_server.h answers them.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -18,7 +18,7 @@
 namespace deformable_surface::node {
 
 /// A tool kept by this program: the message for ~tools, and its marker.
-struct HandTool {
+struct MarkedTool {
   std::string id;
   std::uint8_t mode = 0;  // as in Tool.msg
   shape_msgs::SolidPrimitive primitive;
@@ -39,7 +39,7 @@ visualization_msgs::InteractiveMarker makeSurfaceHandle(const std_msgs::Header& 
 visualization_msgs::InteractiveMarker makeSpotHandle(const std_msgs::Header& header, const Vec3& point, double size);
 
 /// A tool: its shape in the colour of its mode, which can be dragged, and rings and arrows to turn and move it.
-visualization_msgs::InteractiveMarker makeToolHandle(const std_msgs::Header& header, const HandTool& tool);
+visualization_msgs::InteractiveMarker makeToolHandle(const std_msgs::Header& header, const MarkedTool& tool);
 
 /// A button of the size (m, > 0) with a sentence below it, empty for none.
 visualization_msgs::InteractiveMarker makePanelHandle(const std_msgs::Header& header, const TextPlace& place, double size,

@@ -1,5 +1,5 @@
 // The menus of the handles and their actions: calls of the surface's services, and adding and deleting tools.
-#include "hand.h"
+#include "marker_server.h"
 
 #include "deformable_surface/EditParticles.h"
 #include "deformable_surface/GrowSurface.h"
@@ -36,13 +36,13 @@ constexpr double kSprayHeight = 1.5;                    // in that reach
 
 /// Calls a service of the surface and shows the result.
 template <class Service>
-void Hand::call(const char* name, Service& service) {
+void MarkerServer::call(const char* name, Service& service) {
   const std::string full = surface_ + "/" + name;
-  if (!ros::service::call(full, service)) return tell("no answer from " + full, false);
-  tell(service.response.message, service.response.success);
+  if (!ros::service::call(full, service)) return showAnswer("no answer from " + full, false);
+  showAnswer(service.response.message, service.response.success);
 }
 
-void Hand::makeMenus() {
+void MarkerServer::makeMenus() {
   has_menus_ = true;
   const auto add = [](interactive_markers::MenuHandler& menu, const char* title, auto work) {
     menu.insert(title, [work](const Feedback&) { work(); });
@@ -66,13 +66,13 @@ void Hand::makeMenus() {
     std::string title = info.name;
     title[0] = static_cast<char>(std::toupper(static_cast<unsigned char>(title[0])));
     tool_menu_.insert(mode_menu, title, [this, mode = info.code](const Feedback& feedback) {
-      HandTool& tool = held_.at(feedback->marker_name).tool;
+      MarkedTool& tool = held_.at(feedback->marker_name).tool;
       tool.mode = mode;
       showTool(tool);
     });
   }
   const auto scale = [this](const Feedback& feedback, double factor) {
-    HandTool& tool = held_.at(feedback->marker_name).tool;
+    MarkedTool& tool = held_.at(feedback->marker_name).tool;
     for (double& size : tool.primitive.dimensions) size *= factor;
     showTool(tool);
   };
@@ -116,9 +116,9 @@ void Hand::makeMenus() {
 }
 
 /// Beside the spot, not in it: a solid tool there would throw the surface off.
-void Hand::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
+void MarkerServer::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
   const std::size_t spot = findSpot();
-  HandTool tool;
+  MarkedTool tool;
   tool.id = std::string(kGripId) + "_" + std::to_string(++num_made_);
   tool.mode = mode;
   tool.primitive = primitive;
@@ -127,14 +127,14 @@ void Hand::addTool(std::uint8_t mode, const SolidPrimitive& primitive) {
   showTool(tool);
 }
 
-void Hand::removeTool(const std::string& id) {
+void MarkerServer::removeTool(const std::string& id) {
   const auto found = held_.find(id);
   send(found->second.tool, Tool::DELETE);
   held_.erase(found);
   server_.erase(id);
 }
 
-void Hand::pin(const char* service) {
+void MarkerServer::pin(const char* service) {
   SelectRegion select;
   select.request.header.frame_id = header_.frame_id;
   select.request.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
@@ -143,7 +143,7 @@ void Hand::pin(const char* service) {
 }
 
 /// At random in a ball above the spot, none too near to another.
-void Hand::spray() {
+void MarkerServer::spray() {
   const std::size_t spot = findSpot();
   const Vec3 normal = normalAt(spot);
   const double reach = kSprayShare * spacing_;
@@ -172,7 +172,7 @@ void Hand::spray() {
 }
 
 /// Edits everything within reach (m) of the spot.
-void Hand::edit(std::uint8_t action, double reach) {
+void MarkerServer::edit(std::uint8_t action, double reach) {
   const Vec3 center = points_[findSpot()];
   EditParticles service;
   service.request.action = action;
@@ -181,13 +181,13 @@ void Hand::edit(std::uint8_t action, double reach) {
   call("edit", service);
 }
 
-void Hand::pause(bool paused) {
+void MarkerServer::pause(bool paused) {
   std_srvs::SetBool service;
   service.request.data = paused;
   call("pause", service);
 }
 
-void Hand::takeSteps(std::uint32_t count) {
+void MarkerServer::takeSteps(std::uint32_t count) {
   Step service;
   service.request.count = count;
   call("step", service);

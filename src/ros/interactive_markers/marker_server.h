@@ -1,9 +1,9 @@
-// Interactive markers in RViz to pull, pin and move tools on a surface. It uses the public topics and services of a running
-// node. It is a program of its own: the node does not know it.
+// Interactive markers in RViz to pull, pin and move tools on a surface. The program uses the public topics and services of a
+// running node. The node does not depend on it.
 #pragma once
 
-#include "hand_markers.h"
-#include "hand_params.h"
+#include "marker_params.h"
+#include "marker_shapes.h"
 
 #include "deformable_surface/ToolWrenchArray.h"
 
@@ -19,10 +19,10 @@
 
 namespace deformable_surface::node {
 
-class Hand {
+class MarkerServer {
  public:
   /// The markers come below the private name of the node: ~update and ~feedback.
-  explicit Hand(const HandParams& params);
+  explicit MarkerServer(const MarkerParams& params);
 
  private:
   using Feedback = visualization_msgs::InteractiveMarkerFeedbackConstPtr;
@@ -31,11 +31,11 @@ class Hand {
     std::string handle;    // the marker that is dragged
     Vec3 from, start;      // m: the place that was gripped, and where the handle was then
     bool is_sent = false;  // a mere click grips nothing
-    ros::WallTime heard;   // RViz speaks up several times a second while the button is down
-    bool holds = false;    // as the surface says
+    ros::WallTime heard;   // last feedback; RViz sends it several times a second while the button is down
+    bool holds = false;    // according to the tool wrenches
   };
   struct HeldTool {
-    HandTool tool;
+    MarkedTool tool;
     ros::WallTime sent;
     int repeats = 0;  // sent again because the surface did not have it
   };
@@ -67,12 +67,12 @@ class Hand {
   void pause(bool paused);
   void takeSteps(std::uint32_t count);
 
-  void showTool(const HandTool& tool);
+  void showTool(const MarkedTool& tool);
   void showPanel();
-  void send(const HandTool& tool, std::uint8_t action);
+  void send(const MarkedTool& tool, std::uint8_t action);
   template <class Service>
   void call(const char* name, Service& service);
-  void tell(const std::string& sentence, bool is_good);
+  void showAnswer(const std::string& sentence, bool is_good);
 
   bool isOfParticles() const { return !ids_.empty(); }
   double radius() const { return params_.radius.valueOr(kRadiusShare * spacing_); }
@@ -82,7 +82,7 @@ class Hand {
   // Holds the nearest points and not only one.
   static constexpr double kRadiusShare = 1.5;
 
-  const HandParams params_;
+  const MarkerParams params_;
   const std::string surface_;
   ros::NodeHandle node_;
   ros::Publisher tools_;

@@ -1,5 +1,5 @@
-// The test plays RViz: it answers the markers of the hand as RViz does when a person drags them or chooses from a menu, and looks
-// at what the surface does.
+// The test takes the part of RViz: it sends the feedback that RViz sends when a person drags a marker or chooses from a menu, and
+// checks the surface.
 #include "../bad_clouds.h"
 #include "../node_client.h"
 
@@ -37,7 +37,7 @@ sensor_msgs::PointCloud2 makeFlatSheet() {
   return cloud;
 }
 
-/// What RViz knows of the markers of the hand, and what a person at it can do.
+/// The markers as RViz has them, and the actions of a person in RViz.
 class FakeRviz {
  public:
   FakeRviz()
@@ -106,11 +106,12 @@ class FakeRviz {
   ros::Publisher feedback_;
 };
 
-class HandTest : public ::testing::Test {
+class InteractiveMarkersTest : public ::testing::Test {
  protected:
   void start(const std::string& scene, const std::string& more = "") {
     process_ = std::make_unique<NodeProcess>("/surface", scene);
-    hand_ = std::make_unique<NodeProcess>("/hand", "{surface: /surface, rate: 20.0" + more + "}", "deformable_surface_hand");
+    markers_ = std::make_unique<NodeProcess>("/hand", "{surface: /surface, rate: 20.0" + more + "}",
+                                             "deformable_surface_interactive_markers");
     client_ = std::make_unique<NodeClient>("/surface");
     points_subscriber_ = client_->handle().subscribe<PointCloud2>(
         "simulation_points", 1, [this](const sensor_msgs::PointCloud2ConstPtr& m) { points_ = *m; });
@@ -121,7 +122,7 @@ class HandTest : public ::testing::Test {
         });
     ASSERT_TRUE(client_->waitForNode()) << process_->output();
     ASSERT_TRUE(client_->exchange(makeFlatSheet())) << process_->output();
-    for (const char* name : {"surface", "spot", "panel"}) ASSERT_TRUE(rviz_.waitForMarker(name)) << name << hand_->output();
+    for (const char* name : {"surface", "spot", "panel"}) ASSERT_TRUE(rviz_.waitForMarker(name)) << name << markers_->output();
   }
 
   /// The sentence beside the panel as RViz shows it.
@@ -143,17 +144,17 @@ class HandTest : public ::testing::Test {
   }
 
   FakeRviz rviz_;
-  std::unique_ptr<NodeProcess> process_, hand_;
+  std::unique_ptr<NodeProcess> process_, markers_;
   std::unique_ptr<NodeClient> client_;
   PointCloud2 points_;
   std::map<std::string, std::uint32_t> contacts_;
   ros::Subscriber points_subscriber_, wrenches_subscriber_;
 };
 
-TEST_F(HandTest, TakesTheSurfaceAlongWhileTheButtonIsDownAndLetsGo) {
+TEST_F(InteractiveMarkersTest, TakesTheSurfaceAlongWhileTheButtonIsDownAndLetsGo) {
   start(kScene);
   const Vec3 corner(kSpacing * (kColumns - 1), 0.05, 0.0);
-  // A click alone moves nothing, but the spot goes there.
+  // A click alone moves nothing, but the spot moves there.
   rviz_.press("surface", Vec3::Zero(), corner);
   rviz_.release("surface", Vec3::Zero());
   EXPECT_TRUE(waitUntil([&] { return std::abs(rviz_.markers["spot"].pose.position.x - corner.x()) < 1e-6; }));
@@ -161,7 +162,7 @@ TEST_F(HandTest, TakesTheSurfaceAlongWhileTheButtonIsDownAndLetsGo) {
 
   rviz_.press("surface", Vec3::Zero(), corner);
   for (int i = 1; i <= 10; ++i) rviz_.drag("surface", Vec3(0.0, 0.0, 0.002 * i));
-  EXPECT_TRUE(waitUntil([&] { return std::abs(lastPosition(kColumns - 1, 5).z() - 0.02) < 1e-4; })) << hand_->output();
+  EXPECT_TRUE(waitUntil([&] { return std::abs(lastPosition(kColumns - 1, 5).z() - 0.02) < 1e-4; })) << markers_->output();
   EXPECT_LT(lastPosition(0, 5).norm() - 0.05, 1e-6);
   EXPECT_TRUE(waitUntil([&] { return contacts_["hand"] > 0; }));
   rviz_.release("surface", Vec3(0.0, 0.0, 0.02));
@@ -169,7 +170,7 @@ TEST_F(HandTest, TakesTheSurfaceAlongWhileTheButtonIsDownAndLetsGo) {
   EXPECT_TRUE(waitUntil([&] { return std::abs(lastPosition(kColumns - 1, 5).z()) < 0.01; }));
 }
 
-TEST_F(HandTest, LetsGoWhenRvizIsGone) {
+TEST_F(InteractiveMarkersTest, LetsGoWhenRvizIsGone) {
   start(kScene);
   rviz_.press("surface", Vec3::Zero(), Vec3(0.2, 0.05, 0.0));
   rviz_.drag("surface", Vec3(0.0, 0.0, 0.005));
@@ -177,7 +178,7 @@ TEST_F(HandTest, LetsGoWhenRvizIsGone) {
   EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand") == 0; }));
 }
 
-TEST_F(HandTest, SlipsWhereThePullTakesMoreThanItsStrength) {
+TEST_F(InteractiveMarkersTest, SlipsWhereThePullTakesMoreThanItsStrength) {
   start(kScene, ", strength: 1.0");
   const Vec3 corner(kSpacing * (kColumns - 1), 0.05, 0.0);
   rviz_.press("surface", Vec3::Zero(), corner);
@@ -186,47 +187,47 @@ TEST_F(HandTest, SlipsWhereThePullTakesMoreThanItsStrength) {
     rviz_.drag("surface", Vec3(way += 0.0002, 0.0, 0.0));
     return waitUntil([] { return false; }, 0.02);
   };
-  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_["hand"] > 0; })) << hand_->output();
-  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_.count("hand") == 0; })) << hand_->output();
-  EXPECT_TRUE(waitUntil([&] { return findAnswer().text.find("at most 1 N") != std::string::npos; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_["hand"] > 0; })) << markers_->output();
+  ASSERT_TRUE(waitUntil([&] { return pull() || contacts_.count("hand") == 0; })) << markers_->output();
+  EXPECT_TRUE(waitUntil([&] { return findAnswer().text.find("at most 1 N") != std::string::npos; })) << markers_->output();
   // The button is still down.
   EXPECT_TRUE(waitUntil([&] { return pull() || std::abs(lastPosition(kColumns - 1, 5).x() - corner.x()) < 1e-4; }));
   EXPECT_EQ(contacts_.count("hand"), 0u);
 }
 
-TEST_F(HandTest, PinsAndFreesWhatIsAtTheSpot) {
+TEST_F(InteractiveMarkersTest, PinsAndFreesWhatIsAtTheSpot) {
   start(kScene);
   ASSERT_TRUE(waitUntil([&] { return points_.width > 0; }));
   const int before = countPinned();
   rviz_.press("surface", Vec3::Zero(), Vec3(0.2, 0.05, 0.0));
   rviz_.release("surface", Vec3::Zero());
   rviz_.choose("spot", "Pin here");
-  ASSERT_TRUE(waitUntil([&] { return countPinned() > before; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return countPinned() > before; })) << markers_->output();
   rviz_.choose("spot", "Unpin here");
-  ASSERT_TRUE(waitUntil([&] { return countPinned() == before; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return countPinned() == before; })) << markers_->output();
   EXPECT_FALSE(rviz_.offers("spot", "Take away here"));  // springs cannot
   EXPECT_FALSE(rviz_.offers("spot", "Knife"));
 }
 
-TEST_F(HandTest, MovesAToolThatOutlastsAReset) {
+TEST_F(InteractiveMarkersTest, MovesAToolThatOutlastsAReset) {
   start(kScene);
   rviz_.press("surface", Vec3::Zero(), Vec3(0.1, 0.05, 0.0));
   rviz_.release("surface", Vec3::Zero());
   rviz_.choose("spot", "Ball");
-  ASSERT_TRUE(rviz_.waitForMarker("hand_1")) << hand_->output();
+  ASSERT_TRUE(rviz_.waitForMarker("hand_1")) << markers_->output();
   ASSERT_TRUE(waitUntil([&] { return contacts_.count("hand_1") > 0; }));
   EXPECT_EQ(contacts_["hand_1"], 0u);  // beside the surface
   const double z = rviz_.markers["hand_1"].pose.position.z;
   EXPECT_GT(std::abs(z), 0.01);
   for (int i = 1; i <= 10; ++i) {
     rviz_.drag("hand_1", Vec3(0.1, 0.05, z * (1.0 - 0.06 * i)));
-    waitUntil([] { return false; }, 0.03);  // as RViz would
+    waitUntil([] { return false; }, 0.03);  // at the rate of RViz
   }
-  ASSERT_TRUE(waitUntil([&] { return contacts_["hand_1"] > 0; })) << hand_->output() << process_->output();
+  ASSERT_TRUE(waitUntil([&] { return contacts_["hand_1"] > 0; })) << markers_->output() << process_->output();
 
   ASSERT_TRUE(client_->reset().success);
   ASSERT_TRUE(waitUntil([&] { return contacts_.count("hand_1") == 0; }));
-  EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand_1") > 0; })) << hand_->output();
+  EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand_1") > 0; })) << markers_->output();
 
   rviz_.choose("hand_1", "Attract");
   rviz_.choose("hand_1", "Larger");
@@ -234,11 +235,11 @@ TEST_F(HandTest, MovesAToolThatOutlastsAReset) {
   EXPECT_TRUE(waitUntil([&] { return contacts_.count("hand_1") == 0 && rviz_.markers.count("hand_1") == 0; }));
 }
 
-TEST_F(HandTest, PausesStepsAndResets) {
+TEST_F(InteractiveMarkersTest, PausesStepsAndResets) {
   start(kScene);
   rviz_.choose("panel", "Pause");
-  ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused"; })) << hand_->output();
-  // Letters that can be read where the whole surface is seen.
+  ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "paused"; })) << markers_->output();
+  // Letters large enough to be read while the whole surface is in view.
   ASSERT_TRUE(waitUntil([&] { return findAnswer().text.find("paused") != std::string::npos; }));
   EXPECT_GT(findAnswer().scale.z, 0.03 * Vec3(kSpacing * kColumns, kSpacing * kRows, 0.0).norm());
   EXPECT_TRUE(rviz_.markers["panel"].description.empty());
@@ -252,7 +253,7 @@ TEST_F(HandTest, PausesStepsAndResets) {
   ASSERT_TRUE(waitUntil([&] { return client_->diagnosticText("state") == "running"; }));
 }
 
-TEST_F(HandTest, SaysNothingWhileNothingMoves) {
+TEST_F(InteractiveMarkersTest, SaysNothingWhileNothingMoves) {
   start(kScene);
   waitUntil([] { return false; }, 0.3);
   const int before = rviz_.num_updates;
@@ -261,33 +262,34 @@ TEST_F(HandTest, SaysNothingWhileNothingMoves) {
   EXPECT_EQ(rviz_.num_updates, before);
 }
 
-TEST_F(HandTest, SpraysTakesAwayAndFreezesParticles) {
+TEST_F(InteractiveMarkersTest, SpraysTakesAwayAndFreezesParticles) {
   start("{model: oriented_particles, gravity: [0, 0, 0], simplification: {method: none}, material: {damping: 20.0}}");
   ASSERT_TRUE(waitUntil([&] { return points_.width == kColumns * kRows; }));
   rviz_.press("surface", Vec3::Zero(), Vec3(0.1, 0.05, 0.0));
   rviz_.release("surface", Vec3::Zero());
   rviz_.choose("spot", "Take away here");
-  ASSERT_TRUE(waitUntil([&] { return points_.width < kColumns * kRows; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return points_.width < kColumns * kRows; })) << markers_->output();
   const std::uint32_t left = points_.width;
   rviz_.choose("spot", "Spray points here");
-  ASSERT_TRUE(waitUntil([&] { return points_.width > left; })) << hand_->output();
-  // What the hand has seen: the newest points may reach it later than this test.
+  ASSERT_TRUE(waitUntil([&] { return points_.width > left; })) << markers_->output();
+  // Only points that the program has received: the newest may reach it later than this test.
   const auto is_frozen = [&] { return countPinned() == static_cast<int>(points_.width); };
   bool all_frozen = false;
   for (int k = 0; k < 5 && !all_frozen; ++k) {
     rviz_.choose("panel", "Freeze");
     all_frozen = waitUntil(is_frozen, 3.0);
   }
-  ASSERT_TRUE(all_frozen) << hand_->output();
+  ASSERT_TRUE(all_frozen) << markers_->output();
   rviz_.choose("panel", "Melt");
-  ASSERT_TRUE(waitUntil([&] { return countPinned() == 0; })) << hand_->output();
+  ASSERT_TRUE(waitUntil([&] { return countPinned() == 0; })) << markers_->output();
 }
 
-TEST(Hand, RefusesWhatItDoesNotKnow) {
-  NodeProcess hand("/hand", "{surface: /surface, rate: -1.0, raduis: 0.1}", "deformable_surface_hand");
-  EXPECT_EQ(hand.waitForExit(), std::optional<int>(2));
-  EXPECT_NE(hand.output().find("raduis"), std::string::npos) << hand.output();
-  EXPECT_NE(hand.output().find("rate"), std::string::npos) << hand.output();
+TEST(InteractiveMarkers, RefuseUnknownParametersAlsoUnderTheirOldName) {
+  NodeProcess markers("/markers", "{surface: /surface, rate: -1.0, raduis: 0.1}", "deformable_surface_hand");
+  EXPECT_EQ(markers.waitForExit(), std::optional<int>(2));
+  EXPECT_NE(markers.output().find("raduis"), std::string::npos) << markers.output();
+  EXPECT_NE(markers.output().find("rate"), std::string::npos) << markers.output();
+  EXPECT_NE(markers.output().find("deformable_surface_interactive_markers"), std::string::npos) << markers.output();
 }
 
 }  // namespace
@@ -295,7 +297,7 @@ TEST(Hand, RefusesWhatItDoesNotKnow) {
 
 int main(int argc, char** argv) {
   testing::InitGoogleTest(&argc, argv);
-  ros::init(argc, argv, "hand_rostest");
+  ros::init(argc, argv, "interactive_markers_rostest");
   ros::NodeHandle keep_alive;
   return RUN_ALL_TESTS();
 }

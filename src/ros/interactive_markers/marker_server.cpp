@@ -1,4 +1,4 @@
-#include "hand.h"
+#include "marker_server.h"
 
 #include "deformable_surface/ToolArray.h"
 #include "deformable_surface/base/error.h"
@@ -49,7 +49,7 @@ Points readVectors(const sensor_msgs::PointCloud2& message, const char* first) {
 
 }  // namespace
 
-Hand::Hand(const HandParams& params)
+MarkerServer::MarkerServer(const MarkerParams& params)
     : params_(params),
       surface_(ros::names::resolve(params.surface)),
       node_(surface_),
@@ -65,7 +65,7 @@ Hand::Hand(const HandParams& params)
 
 // ---- From the surface ----
 
-void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
+void MarkerServer::takePoints(const sensor_msgs::PointCloud2& message) {
   if (message.width == 0) return;
   // Particles may be added and removed in every frame.
   const double growth = static_cast<double>(message.width) / static_cast<double>(std::max<std::size_t>(num_measured_, 1));
@@ -80,7 +80,7 @@ void Hand::takePoints(const sensor_msgs::PointCloud2& message) {
 }
 
 /// Sizes of handles and tools follow those of the surface.
-void Hand::measure() {
+void MarkerServer::measure() {
   num_measured_ = points_.size();
   const Box box = findMainBox(points_);
   extent_ = box.extent();
@@ -102,7 +102,7 @@ void Hand::measure() {
   showPanel();
 }
 
-void Hand::takeWrenches(const ToolWrenchArray& message) {
+void MarkerServer::takeWrenches(const ToolWrenchArray& message) {
   const ros::WallTime now = ros::WallTime::now();
   noticeSlip(message);
   std::string refused;
@@ -118,11 +118,11 @@ void Hand::takeWrenches(const ToolWrenchArray& message) {
   }
   if (refused.empty()) return;
   removeTool(refused);
-  tell("the surface does not take " + refused + "; its log says why", false);
+  showAnswer("the surface does not take " + refused + "; its log says why", false);
 }
 
 /// A grip that released its points does not take hold again; a handle that moves alone would not show why.
-void Hand::noticeSlip(const ToolWrenchArray& message) {
+void MarkerServer::noticeSlip(const ToolWrenchArray& message) {
   if (!grip_) return;
   const auto is_grip = [](const ToolWrench& wrench) { return wrench.id == kGripId; };
   const auto found = std::find_if(message.wrenches.begin(), message.wrenches.end(), is_grip);
@@ -131,22 +131,22 @@ void Hand::noticeSlip(const ToolWrenchArray& message) {
   grip_->holds = found->contacts > 0;
   if (!has_slipped) return;
   endGrip();
-  tell("the surface slipped out of the hand, which pulls with at most " + formatShort(params_.strength) + " N", false);
+  showAnswer("the surface slipped off: a pull is limited to at most " + formatShort(params_.strength) + " N", false);
 }
 
 /// At the rate of the parameters, and only what has changed. Only this applies changes: a menu must not vanish in its call.
-void Hand::refresh() {
+void MarkerServer::refresh() {
   // Without a subscriber nothing is shown.
   if (points_.empty() || tools_.getNumSubscribers() == 0) return;
   followSurface();
   server_.applyChanges();
 }
 
-void Hand::followSurface() {
+void MarkerServer::followSurface() {
   if (grip_) {
     if ((ros::WallTime::now() - grip_->heard).toSec() > kGripPatience) {
       endGrip();
-      tell("nothing was heard of the pull for a while; let go", false);
+      showAnswer("nothing was heard of the pull for a while; let go", false);
     }
     return;  // RViz moves a dragged marker itself
   }
@@ -170,7 +170,7 @@ void Hand::followSurface() {
 
 // ---- From the user ----
 
-void Hand::onPull(const Feedback& feedback) {
+void MarkerServer::onPull(const Feedback& feedback) {
   const Vec3 handle = toVec3(feedback->pose.position);
   if (!handle.allFinite()) return;
   switch (feedback->event_type) {
@@ -193,11 +193,11 @@ void Hand::onPull(const Feedback& feedback) {
   }
 }
 
-void Hand::moveGrip(const Vec3& handle) {
+void MarkerServer::moveGrip(const Vec3& handle) {
   grip_->heard = ros::WallTime::now();
   const Vec3 way = handle - grip_->start;
   if (!grip_->is_sent && way.isZero()) return;
-  HandTool tool;
+  MarkedTool tool;
   tool.id = kGripId;
   tool.mode = Tool::MOVE;
   tool.primitive = makePrimitive(SolidPrimitive::SPHERE, {radius()});
@@ -212,9 +212,9 @@ void Hand::moveGrip(const Vec3& handle) {
   send(tool, Tool::ADD);
 }
 
-void Hand::endGrip() {
+void MarkerServer::endGrip() {
   if (!grip_) return;
-  HandTool tool;
+  MarkedTool tool;
   tool.id = kGripId;
   if (grip_->is_sent) send(tool, Tool::DELETE);
   grip_.reset();
@@ -222,7 +222,7 @@ void Hand::endGrip() {
   shown_.assign(points_.size(), Vec3::Constant(std::numeric_limits<double>::quiet_NaN()));
 }
 
-void Hand::chooseSpot(const Vec3& point) {
+void MarkerServer::chooseSpot(const Vec3& point) {
   std::size_t nearest = 0;
   for (std::size_t i = 0; i < points_.size(); ++i)
     if ((points_[i] - point).squaredNorm() < (points_[nearest] - point).squaredNorm()) nearest = i;
@@ -230,22 +230,22 @@ void Hand::chooseSpot(const Vec3& point) {
 }
 
 /// The row of the spot; the first if its particle is gone.
-std::size_t Hand::findSpot() const {
+std::size_t MarkerServer::findSpot() const {
   if (!isOfParticles()) return spot_ < points_.size() ? spot_ : 0;
   const auto found = std::find(ids_.begin(), ids_.end(), spot_);
   return found == ids_.end() ? 0 : static_cast<std::size_t>(found - ids_.begin());
 }
 
 /// A point without neighbours has no normal; up is as good as any other direction then.
-Vec3 Hand::normalAt(std::size_t row) const { return normals_[row].allFinite() ? normals_[row] : Vec3(Vec3::UnitZ()); }
+Vec3 MarkerServer::normalAt(std::size_t row) const { return normals_[row].allFinite() ? normals_[row] : Vec3(Vec3::UnitZ()); }
 
-void Hand::onTool(const Feedback& feedback) {
+void MarkerServer::onTool(const Feedback& feedback) {
   const auto found = held_.find(feedback->marker_name);
   if (found == held_.end() || feedback->event_type != InteractiveMarkerFeedback::POSE_UPDATE) return;
   try {
     readPose(feedback->pose);
   } catch (const InputError& error) {
-    return tell(toOneLine(error.what()), false);
+    return showAnswer(toOneLine(error.what()), false);
   }
   found->second.tool.pose = feedback->pose;
   found->second.sent = ros::WallTime::now();
@@ -254,7 +254,7 @@ void Hand::onTool(const Feedback& feedback) {
 
 // ---- Showing and sending ----
 
-void Hand::showTool(const HandTool& tool) {
+void MarkerServer::showTool(const MarkedTool& tool) {
   server_.insert(makeToolHandle(header_, tool), [this](const Feedback& feedback) { onTool(feedback); });
   tool_menu_.apply(server_, tool.id);
   HeldTool& held = held_.at(tool.id);
@@ -263,12 +263,12 @@ void Hand::showTool(const HandTool& tool) {
   send(tool, Tool::ADD);
 }
 
-void Hand::showPanel() {
+void MarkerServer::showPanel() {
   server_.insert(makePanelHandle(header_, text_place_, kPanelShare * extent_, sentence_));
   panel_menu_.apply(server_, kPanelHandle);
 }
 
-void Hand::send(const HandTool& tool, std::uint8_t action) {
+void MarkerServer::send(const MarkedTool& tool, std::uint8_t action) {
   ToolArray array;
   array.tools.resize(1);
   Tool& message = array.tools[0];
@@ -284,7 +284,7 @@ void Hand::send(const HandTool& tool, std::uint8_t action) {
   tools_.publish(array);
 }
 
-void Hand::tell(const std::string& sentence, bool is_good) {
+void MarkerServer::showAnswer(const std::string& sentence, bool is_good) {
   if (is_good) {
     ROS_INFO_STREAM(sentence);
   } else {
