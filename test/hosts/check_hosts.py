@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Three hosts, made of network namespaces: the master on one, the simulation on another, the commands on a third. Each one's link
-is cut for a while and restored: the surface goes on meanwhile, a wrench that no longer comes ends, and afterwards all is as
-before. Needs root and network namespaces that can be made and used; skipped (status 77) without."""
+"""Three hosts, made of network namespaces: the master on one, the simulation on another, the commands on a third. The link of
+each host is cut for a while and restored. Meanwhile the surface continues and a wrench without messages ends. Afterwards everything
+works as before. Needs root and network namespaces that can be made and used; skipped (status 77) without."""
 import json
 import os
 import subprocess
@@ -28,20 +28,20 @@ def run(*command):
 
 
 def describe(error):
-    """In one line: the command that failed and what it said, or the program that is missing."""
+    """One line: the command that failed with its output, or the missing program."""
     if isinstance(error, subprocess.CalledProcessError):
         return "%s: %s" % (" ".join(error.cmd), " ".join(error.stderr.split()) or "status %d" % error.returncode)
     return str(error)
 
 
 class Network:
-    """The hosts and a switch, each a namespace of its own, so that nothing of this machine is touched."""
+    """The hosts and a switch, each in a namespace of its own, so that this machine is not changed."""
 
     def __enter__(self):
         try:
             self.build()
         except (OSError, subprocess.CalledProcessError) as error:
-            # Nothing of this package has run yet: the machine cannot do it.
+            # No program of this package has run yet: the machine does not support it.
             self.__exit__()
             print("skipped: network namespaces cannot be made and used here (%s)" % describe(error))
             sys.exit(SKIPPED)
@@ -77,7 +77,7 @@ class Network:
 
 
 class Program:
-    """A program on a host; the lines that it prints are JSON, the last one is kept."""
+    """A program on a host. It prints lines of JSON; the last line is kept."""
 
     def __init__(self, host, *command, reads=False):
         environment = dict(os.environ, ROS_MASTER_URI="http://%s:11311" % HOSTS["master"], ROS_IP=HOSTS[host])
@@ -132,7 +132,7 @@ def check():
                 print("without the link of %s: %.0f steps per second" % (host, taken), flush=True)
                 assert taken > 50, "the surface hardly moved on: %g steps per second of 100" % taken
                 if host != "master":
-                    # Half a second after the last wrench there is none any more.
+                    # Half a second after the last wrench the force has ended.
                     assert watch.last["energy"] < 0.01 * bent, (watch.last, bent)
                     assert commands.last["frames"] <= frames + 5
                 network.link(host, "up")
@@ -197,7 +197,7 @@ def command():
     def call():
         while not rospy.is_shutdown():
             try:
-                # Without a shape it changes nothing and is answered with a refusal.
+                # Without a shape it is refused and changes nothing.
                 rospy.ServiceProxy("/deformable_surface/unpin", SelectRegion)()
                 counts["calls"] += 1
             except (rospy.ServiceException, rospy.ROSException, OSError):

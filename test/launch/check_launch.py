@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Starts a launch file for a real use with a real recording or scan, and looks at what comes of it: check_launch.py CASE. Each
+"""Starts a launch file with a real recording or scan, and checks the result: check_launch.py CASE. Each
 case has a master of its own. A case that needs the folder of scans that DEFORMABLE_SURFACE_DATA names is skipped without it
 (status 77). Files are in folders with a space and an apostrophe in their names."""
 import glob
@@ -32,7 +32,7 @@ def find_data(path):
 
 
 def find_port():
-    """A free one below those that connections get (32768 and above), one of which might take it before the master does."""
+    """A free port below those of connections (32768 and above), because a connection could take one of those before the master does."""
     while True:
         port = random.randrange(20000, 32768)
         with socket.socket() as probe:
@@ -41,7 +41,7 @@ def find_port():
 
 
 class Launch:
-    """A launch file that runs with a master of its own, and what its surface publishes."""
+    """A running launch file with a master of its own, and the messages of its surface."""
 
     def __init__(self, name, *arguments):
         port = find_port()
@@ -71,7 +71,7 @@ class Launch:
             self.lines.append(line)
 
     def __exit__(self, kind, *error):
-        """Ends it as Ctrl-C does. roslaunch loses its patience with a node after 15 s."""
+        """Ends it as Ctrl-C does. roslaunch kills a node after 15 s."""
         self.process.send_signal(signal.SIGINT)
         self.process.wait(30)
         self.reader.join()
@@ -129,7 +129,7 @@ def check_poke():
             wrench.id == "tip" and wrench.contacts > 0 and abs(wrench.wrench.force.x) > 0.1
             for wrench in getattr(last.get("tool_wrenches"), "wrenches", [])))
         launch.wait("a dent of more than 10 mm", lambda last: largest_displacement(last) > 0.01)
-        # The tool is back after a reset, maybe sooner than anybody looks.
+        # The tool is back after a reset, maybe before the check.
         import rospy
         from std_srvs.srv import Trigger
         numbers = []
@@ -163,7 +163,7 @@ def check_camera_bag():
 
 
 def check_towel_on_table():
-    """The cloud shows no table; the plane that most of its points lie on goes, and what is alone."""
+    """The cloud shows no table. The plane with most of its points is removed, and so are isolated points."""
     bag = find_data("ros_bags/watercan.bag")
     from scan_clouds import read_positions
     from sensor_msgs.msg import PointCloud2
@@ -219,7 +219,7 @@ def check_tracked():
         # float32 on the wire, half a metre from the origin.
         launch.wait("simulation points at the last tracked points within 1e-6 m; these have moved by %.2g m" % moved,
                     lambda last: find_distance("simulation_points") < 1e-6)
-        # Its points are smoothed over the simulation points around them, of which single ones are held.
+        # Its points are smoothed over the surrounding simulation points, some of which are constrained.
         print("the published surface is within %.2g m of them" % find_distance("deformed"))
         assert find_distance("deformed") < moved
 
@@ -234,7 +234,7 @@ def check_track():
     with rosbag.Bag(find_data("ros_bags/cloth_placemat_val_setup.bag")) as bag:
         recorded = [(stamp, np.array(read_points(message)).reshape(3, 3, 3))
                     for _, message, stamp in bag.read_messages(["/object_estimate"])]
-    # Between the nine tracked points the cloth is taken as bilinear.
+    # Between the nine tracked points the cloth is interpolated bilinearly.
     at = np.linspace(0.0, 2.0, 41)
     cell, share = np.minimum(at.astype(int), 1), at - np.minimum(at.astype(int), 1)
 
@@ -293,7 +293,7 @@ def check_record():
 def expect_clean_end(launch):
     launch.reader.join()
     assert launch.process.returncode == 0, launch.process.returncode
-    # Of roslaunch in red: what it calls an error. Of the surface in yellow and red: but for how fast the machine is.
+    # Errors of roslaunch (red). Warnings and errors of the surface (yellow and red), except for the speed of the machine.
     loud = [line for line in launch.lines if re.search(r"\033\[3[13]m", line) and "slower than real time" not in line]
     assert not loud, loud
 
@@ -369,7 +369,7 @@ def check_demo_interrupted():
         with Launch("demo.launch", "scan:=" + scan, "output:=" + folder, "duration:=100") as launch:
             keep = launch.listen("force", PointForce)  # noqa: F841
             launch.wait("a pull", lambda last: "force" in last)
-        # That no node had to be killed is looked at on the way out.
+        # The exit checks that no node had to be killed.
         assert not os.path.exists(os.path.join(folder, "summary.txt"))
 
 
@@ -377,14 +377,14 @@ PATHS = {"bag", "output", "scan", "scene"}  # the arguments of launch files that
 
 
 def find_split_paths(args):
-    """The paths among a node's args that would be several words if they had blanks in them."""
+    """The paths in the args of a node that blanks would split into several words."""
     return [match for match in re.findall(r"\$\((?:find|arg) [^)]*\)", args)
             if (match.startswith("$(find") or match[6:-1] in PATHS)
             and len(shlex.split(args.replace(match, "a b"))) != len(shlex.split(args.replace(match, "a")))]
 
 
 def check_spaces():
-    """What roslaunch gives to a program as words: every path in it is one, whatever its folders are called."""
+    """The words that roslaunch passes to a program: every path is one word, whatever the names of its folders."""
     assert find_split_paths("-O $(arg output)/demo.bag") == ["$(arg output)"]
     assert find_split_paths('-O "$(arg output)/demo.bag" $(arg topic)') == []
     folder = os.path.join(os.path.dirname(os.path.realpath(__file__)), "..", "..", "launch")
@@ -402,7 +402,7 @@ def run_modelling(*arguments):
     with make_folder() as folder:
         output = os.path.join(folder, "steps.txt")
         with Launch("modelling.launch", "unattended:=true", "output:=" + output, *arguments) as launch:
-            # The launch ends with the script, which says itself what is not as it should be.
+            # The launch ends with the script, which reports wrong results itself.
             launch.process.wait(4 * PATIENCE)
             expect_clean_end(launch)
         with open(output) as stream:

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the demo makes of a scan before anything is built or started on it: scripts/look_at_scan.py and what demo_client.py reckons."""
+"""Checks of a scan before the demo builds or starts anything: scripts/look_at_scan.py, and computations of demo_client.py."""
 import os
 import subprocess
 import sys
@@ -100,7 +100,7 @@ class Scans(unittest.TestCase):
         message = make_cloud(scan.scale * scan.rows, None, "camera", scan.width)
         self.assertEqual((message.width, message.height, message.is_dense), (40, 30, False))
         np.testing.assert_allclose(read_positions(message), scan.scale * rows, rtol=1e-6)
-        # Its top row is at the top, and it is before the camera.
+        # Its top row is at the top, and it is in front of the camera.
         placed = scan.place()
         self.assertAlmostEqual(placed[0, 2], 0.3)
         np.testing.assert_allclose(placed - scan.offset, scan.scale * rows[:, [0, 2, 1]] * [1, 1, -1], atol=1e-9)

@@ -1,5 +1,5 @@
-"""A cluster of Slurm on one machine, for tests: a controller and nodes in network namespaces, each slurmd in mount, process and name
-namespaces of its own, since two of Debian's do not run side by side otherwise. Nothing of the machine itself is touched."""
+"""A Slurm cluster on one machine, for tests: a controller and nodes in network namespaces. Each slurmd has its own mount, process and
+name namespaces, because two of Debian's do not run side by side otherwise. The machine itself is not changed."""
 import os
 import shutil
 import subprocess
@@ -34,7 +34,7 @@ PartitionName=all Nodes=ALL Default=YES MaxTime=INFINITE State=UP
 
 
 class Missing(Exception):
-    """This machine cannot make such a cluster: a sentence."""
+    """Says why this machine cannot make such a cluster."""
 
 
 def run(*command):
@@ -97,8 +97,8 @@ class SlurmMachines:
         self.await_that("idle nodes", lambda: self.command("sinfo", "-h", "-t", "idle", "-o", "%D").strip() == str(len(self.nodes)))
 
     def on(self, host):
-        """A command's beginning that puts it on a host: with a name, files of hosts and control groups of its own."""
-        # The shell stays as the first process, which is the one to bury what jobs leave behind.
+        """The words before a command that run it on a host, with its own name, hosts file and control groups."""
+        # The shell stays as the first process, which reaps orphaned processes of jobs.
         inner = "hostname %s; mount --bind %s /etc/hosts; mount -t tmpfs none /sys/fs/cgroup; \"$@\"; exit $?" % (host, self.path("hosts"))
         return ["ip", "netns", "exec", PREFIX + host, "unshare", "--mount", "--uts", "--pid", "--fork", "--kill-child", "--mount-proc",
                 "sh", "-c", inner, "sh"]

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""The calibration by the engine of sweeps, with a stand-in for `benchmark_core`: each seed is run once, whoever runs it."""
+"""The calibration by the engine of sweeps, with a stand-in for `benchmark_core`: each seed runs once, on any worker."""
 import os
 import subprocess
 import sys
@@ -33,7 +33,7 @@ class Calibrations(SweepCase):
         self.assertIn("seed13: scene 13: pins[0]: holds no point", said)
         rows = ["%d,sheet,%d\n" % (seed, look) for seed in (10, 11, 12, 14) for look in (1, 2)]
         self.assertEqual(self.text_of("calibration_scenes.csv"), "".join(["seed,scene,look\n"] + rows))
-        # It goes on where it was stopped.
+        # It continues where it was stopped.
         self.write("calibration_scenes.csv", "".join(["seed,scene,look\n"] + rows[:4]))
         self.calibrate(10, 3)
         self.assertEqual(sorted(self.text_of("asked").split()), ["10", "11", "12", "12", "13", "14"])

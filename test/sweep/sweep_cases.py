@@ -1,4 +1,4 @@
-"""What the tests of sweeps share: a folder with a plan and a scene, the command, and a stand-in for `simulate` whose duration is known."""
+"""Shared by the tests of sweeps: a folder with a plan and a scene, and a stand-in for `simulate` of known duration."""
 import csv
 import os
 import subprocess
@@ -30,7 +30,7 @@ keep: {measure: [min_z]}
 
 
 def require_dask():
-    """Ends a test without it."""
+    """Skips a test if it is missing."""
     try:
         import distributed  # noqa: F401
     except ImportError as error:
@@ -61,7 +61,7 @@ class SweepCase(unittest.TestCase):
         return self.path(name)
 
     def start(self, plan, *options, out="out", before=(), environment=None):
-        """The command under way; plan: text; before: words before the command, as of another host; environment: instead of this one's."""
+        """Starts the command. plan: text; before: words before the command, for another host; environment: replaces the present one."""
         command = list(before) + [sys.executable, os.path.join(ROOT, "scripts", "sweep"), self.write("plan.yaml", plan), "--out", self.path(out)]
         process = subprocess.Popen(command + list(options), stdout=subprocess.PIPE, stderr=subprocess.STDOUT, universal_newlines=True,
                                    env=make_environment(environment), cwd=self.folder)
@@ -69,7 +69,7 @@ class SweepCase(unittest.TestCase):
         return process
 
     def sweep(self, plan, *options, status=0, **how):
-        """What the command said; how: as of start()."""
+        """Runs the command and returns its output; how: arguments of start()."""
         process = self.start(plan, *options, **how)
         said, _ = process.communicate(timeout=PATIENCE)
         self.assertEqual(process.returncode, status, said)
@@ -84,7 +84,7 @@ class SweepCase(unittest.TestCase):
             return stream.read()
 
     def await_runs(self, number, out="out"):
-        """Until so many runs are kept."""
+        """Waits until this number of runs is kept."""
         begin = time.monotonic()
         while self.count_runs(out) < number:
             self.assertLess(time.monotonic() - begin, PATIENCE)

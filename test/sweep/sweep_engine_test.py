@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What the engine hands to a cluster, with a client that only notes it."""
+"""The tasks that the engine sends to a cluster, with a client that only records them."""
 import unittest
 
 from sweep_cases import SweepCase
@@ -23,12 +23,12 @@ class Engines(SweepCase):
         client = Client()
         engine = Engine(client, {"program": "", "version": ""}, inputs, False, print)
         for name in names:
-            # The scene is of every run.
+            # Every run has the scene.
             engine.send("scene.yaml")
             self.assertEqual(engine.send(name), name.encode())
         self.assertEqual(len(engine.sent), MOST_SENT)
         self.assertEqual(len(client.keys), 1 + len(names))
-        # What was let go is sent anew.
+        # Released inputs are sent again.
         engine.send(names[0])
         self.assertEqual(len(client.keys), 2 + len(names))
 

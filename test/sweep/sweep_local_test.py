@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Sweeps on processes of this machine, with the real program: the table, what is run again, and the same bits everywhere."""
+"""Sweeps on processes of this machine, with `simulate`: the table, runs that are repeated, and equal bits everywhere."""
 import os
 import signal
 import unittest
@@ -27,12 +27,12 @@ class LocalSweeps(SweepCase):
         self.assertEqual(len({row["hash"] for row in rows[:4]}), 4)
         self.sweep(PLAN % "", "--workers", "1", "--quiet", out="other", status=1)
         self.assertEqual(self.text("out"), self.text("other"))
-        # A widened plan runs what is new.
+        # A plan with more values runs only the new ones.
         said = self.sweep(PLAN % ", 3", status=1)
         self.assertIn("6 of 9 runs are there from before", said)
         self.assertEqual(self.count_runs(), 9)
         self.assertEqual([row for row in self.table() if row["material.damping"] != "3"], rows)
-        # And a narrower one shows what it names.
+        # A plan with fewer values shows only its own runs.
         self.assertIn("6 of 6 runs are there from before", self.sweep(PLAN % "", status=1))
         self.assertEqual(self.count_runs(), 9)
         self.assertEqual(self.table(), rows)
@@ -58,7 +58,7 @@ class LocalSweeps(SweepCase):
         kept = self.count_runs()
         self.assertEqual(len(self.table()), kept)
         self.assertLess(kept, 60)
-        # And one that is killed.
+        # A killed sweep, too.
         process = self.start(plan, "--workers", "2", "--simulate", STUB)
         self.await_runs(kept + 10)
         process.kill()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Plans: which runs they make, what is refused, and the names of runs."""
+"""Plans: their runs, refused plans, and the names of runs."""
 import json
 import math
 import os
@@ -130,7 +130,7 @@ random: {samples: 3, keys: {cloud.seed: {integers: [1, 9]}}}
         keep, args = plan.keep.describe(), ("", {}, {}, "version")
         first, second = (hash_run(merge(plan.scene, run), *args) for run in plan.runs)
         self.assertNotEqual(first, second)
-        # Where a value comes from does not matter.
+        # The origin of a value does not matter.
         fixed = self.plan("set: {material.thickness: 0.001}")
         self.assertEqual(first, hash_run(merge(fixed.scene, fixed.runs[0]), *args))
         self.assertEqual(first, hash_run(dict(merge(plan.scene, plan.runs[0]), threads=3), *args))

@@ -1,6 +1,5 @@
 #!/usr/bin/env python3
-"""Sweeps on a scheduler that runs, with workers of its own on loopback: what becomes of runs when these die, lack the package or have
-another simulate."""
+"""Sweeps on a running scheduler with workers on loopback: runs whose worker dies, lacks the package or has another simulate."""
 import os
 import shutil
 import signal
@@ -51,7 +50,7 @@ class SchedulerSweeps(SweepCase):
             ran = stream.read().split()
         self.assertEqual(len(set(ran)), 100)
         self.assertLess(len(ran), 100 + 60)  # what the dead one had and had not handed on
-        # The same bits as on this machine alone.
+        # The same bits as without workers.
         self.sweep(plan, "--simulate", STUB, "--workers", "1", out="other")
         self.assertEqual(self.text("out"), self.text("other"))
 

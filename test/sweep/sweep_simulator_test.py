@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Runs of the real program, one after another in one process."""
+"""Runs of `simulate`, one after another in one process."""
 import os
 import unittest
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Results on the disk and the numbers made of a run: nothing half, nothing twice."""
+"""Results on the disk and the numbers of a run: no incomplete results, no duplicates."""
 import importlib.util
 import math
 import os
@@ -99,7 +99,7 @@ class Stores(SweepCase):
 
 
     def test_what_is_handed_to_pyarrow_is_the_table(self):
-        """With a stand-in, for Debian has no pyarrow: what it shows is what is handed over, and not that a file can be read."""
+        """With a stand-in, because Debian has no pyarrow. It checks the data passed to pyarrow, not that a file can be read."""
         plan = Plan(self.write("plan.yaml", "scene: scene.yaml\ngrid: {duration: [0.1, 0.2], model: [mass_spring]}\nkeep: {measure: [min_z]}\n"))
         store = Store(self.path("out"))
         records = {"a": store.add("a", make_result(0.1 + 0.2)), "b": store.add("b", Result("refused", "found 1, 2", {}, {}, "", 0.0))}
