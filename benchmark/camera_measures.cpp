@@ -61,29 +61,48 @@ SetUp setUp(const cloud::PointCloud& cloud, const Neighborhoods& how) {
   return made;
 }
 
-PairCounts countPairs(const test::CameraFrame& frame, const SetUp& made, const Lists& candidates) {
+PairCounts countPairs(const test::CameraFrame& frame, const SetUp& made) {
   constexpr Index kNearest = 8;
+  const Index listed_each = 2 * cloud::NeighborsParams().k;
   const Lists& kept = made.rest.dense_neighbors;
+  const std::vector<Index>& leader = made.rest.leader;
   const std::vector<Index> pixel = findPixels(frame, made.rest.dense);
-  Points true_positions;
-  for (Index i = 0; i < kept.size(); ++i)
+  // In a large frame lists are among every second pixel of every second row. Each other pixel follows one of these.
+  const auto isListed = [&](Index i) { return leader.empty() || leader[i] == i; };
+  Points positions, true_positions;
+  std::vector<Index> listed;
+  for (Index i = 0; i < kept.size(); ++i) {
+    if (!isListed(i)) continue;
+    listed.push_back(i);
+    positions.push_back(made.rest.dense.positions[i]);
     true_positions.push_back(pixel[i] < 0 ? made.rest.dense.positions[i] : frame.positions[pixel[i]]);
+  }
+  const Lists candidates = cloud::nearestNeighbors(positions, listed_each);
   const Lists nearest = cloud::nearestNeighbors(true_positions, kNearest);
   PairCounts counts;
   const auto areTrue = [&](Index i, Index j) { return test::areTrueNeighbors(frame, pixel[i], pixel[j]); };
+  const auto count = [&](const Lists& pairs, Index k, Index& all, Index& missing) {
+    for (const Index* c = pairs.begin(k); c != pairs.end(k); ++c) {
+      const Index i = listed[k], j = listed[*c];
+      if (pixel[j] < 0 || !areTrue(i, j)) continue;
+      ++all;
+      missing += !lists(kept, i, j);
+    }
+  };
+  for (Index k = 0; k < static_cast<Index>(listed.size()); ++k) {
+    if (pixel[listed[k]] < 0) continue;
+    count(candidates, k, counts.candidates, counts.refused);
+    count(nearest, k, counts.nearest, counts.missed);
+  }
   for (Index i = 0; i < kept.size(); ++i) {
     if (pixel[i] < 0) continue;
     for (const Index* j = kept.begin(i); j != kept.end(i); ++j) counts.across += pixel[*j] >= 0 && !areTrue(i, *j);
-    for (const Index* j = candidates.begin(i); j != candidates.end(i); ++j) {
-      if (pixel[*j] < 0 || !areTrue(i, *j)) continue;
-      ++counts.candidates;
-      counts.refused += !lists(kept, i, *j);
-    }
-    for (const Index* j = nearest.begin(i); j != nearest.end(i); ++j) {
-      if (pixel[*j] < 0 || !areTrue(i, *j)) continue;
-      ++counts.nearest;
-      counts.missed += !lists(kept, i, *j);
-    }
+    if (isListed(i)) continue;
+    // One pair: the pixel that it follows. Without one it is lost.
+    ++counts.candidates;
+    ++counts.nearest;
+    counts.refused += leader[i] < 0;
+    counts.missed += leader[i] < 0;
   }
   return counts;
 }

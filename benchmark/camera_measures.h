@@ -37,8 +37,10 @@ struct PairCounts {
   Index missed = 0;      // true neighbours among the eight pixels that are truly nearest that are not in the lists
   Index nearest = 0;     // true neighbours among those eight
 };
-/// candidates: lists from which those of `made` were chosen.
-PairCounts countPairs(const test::CameraFrame& frame, const SetUp& made, const Lists& candidates);
+/// Candidates are the nearest where the rule looks for them, as many as it lists. In a large frame (RestSurface::leader) those of
+/// every second pixel of every second row; each other pixel counts as one pair, with the pixel that it follows, refused if there
+/// is none.
+PairCounts countPairs(const test::CameraFrame& frame, const SetUp& made);
 
 /// Degrees, root mean square of the angle to the true normal, whichever side it points to; of pixels that fly none.
 double findNormalError(const test::CameraFrame& frame, const SetUp& made);

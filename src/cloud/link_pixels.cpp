@@ -26,7 +26,7 @@ bool agree(const DepthImage& image, const FittedDepths& fitted, std::size_t p, s
 
 PixelLinks linkPixels(const DepthImage& image, const FittedDepths& fitted) {
   const Index width = image.width, height = image.height;
-  PixelLinks result{width, height, std::vector<std::uint8_t>(image.inverse_depth.size())};
+  PixelLinks result{width, height, std::vector<std::uint8_t>(image.inverse_depth.size()), {}};
   parallelFor(height, kRowsPerTask, [&](Index begin, Index end) {
     for (Index v = begin; v < end; ++v) {
       for (Index u = 0; u < width; ++u) {

@@ -46,7 +46,7 @@ PixelLattice takeEverySecond(const PixelLinks& image, const std::vector<Index>& 
   const Index n = static_cast<Index>(positions.size()), num_pixels = static_cast<Index>(image.links.size());
   const Index width = (image.width + 1) / 2, height = (image.height + 1) / 2;
   PixelLattice lattice;
-  lattice.links = {width, height, std::vector<std::uint8_t>(std::size_t(width) * height)};
+  lattice.links = {width, height, std::vector<std::uint8_t>(std::size_t(width) * height), {}};
   lattice.place.assign(lattice.links.links.size(), -1);
   const auto isOnLattice = [&](Index p) { return p % image.width % 2 == 0 && p / image.width % 2 == 0; };
 

@@ -78,6 +78,14 @@ class PixelSearch {
 
 }  // namespace
 
+std::vector<Index> PixelLinks::findPoints(const std::vector<Index>& point_of_input) const {
+  if (input.empty()) return point_of_input;
+  std::vector<Index> points;
+  points.reserve(input.size());
+  for (const Index i : input) points.push_back(i < 0 ? -1 : point_of_input[i]);
+  return points;
+}
+
 Lists findNeighbors(const PixelLinks& image, const std::vector<Index>& point, const Points& positions, Index k, double min_gap) {
   const Index n = static_cast<Index>(positions.size()), num_pixels = image.width * image.height;
   if (static_cast<Index>(image.links.size()) != num_pixels || point.size() != image.links.size())

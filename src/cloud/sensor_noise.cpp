@@ -54,6 +54,9 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
   NoiseProfile profile = measureNoise(image);
   if (profile.isEmpty()) return false;
   noise.is_image = noise.is_seen = true;
+  noise.eye = image.eye;
+  noise.is_eye_found = image.is_eye_found;
+  noise.is_grid_found = image.is_grid_found;
   std::vector<double> deviations, spacings;
   for (const double w : image.inverse_depth) {
     if (!(w > 0.0)) continue;
@@ -86,12 +89,15 @@ bool fitImage(const DepthImage& image, const CleanCloud& cloud, const OrAuto<dou
   noise.window = 2 * radius + 1;
   noise.least_gap = findLeastGap(fitted.factor * noise.deviation, noise.window * noise.window);
   settlePixels(image, profile, fitted);
-  if (isDense(image)) noise.links = linkPixels(image, fitted);
+  if (isDense(image)) {
+    noise.links = linkPixels(image, fitted);
+    if (image.is_grid_found) noise.links.input = image.input;
+  }
   noise.surface = cloud.positions;
   for (Index v = 0; v < image.height; ++v) {
     for (Index u = 0; u < image.width; ++u) {
       const std::size_t pixel = std::size_t(v) * image.width + u;
-      const Index i = cloud.point_of_input[pixel];
+      const Index i = image.input[pixel] < 0 ? -1 : cloud.point_of_input[image.input[pixel]];
       const double before = image.inverse_depth[pixel], after = fitted.inverse_depth[pixel];
       // A point that several pixels repeat moves only once.
       if (i >= 0 && before > 0.0 && noise.surface[i] == cloud.positions[i])
@@ -119,6 +125,7 @@ void fitScattered(const PointCloud& input, const CleanCloud& cloud, const OrAuto
   if (deviation.is_auto && fitted.unexplained > kMostShape * static_cast<double>(cloud.positions.size())) return;
   noise.unexplained = fitted.unexplained;
   noise.is_seen = fitted.is_seen;
+  noise.eye = input.eye();
   noise.window = std::sqrt(static_cast<double>(count));
   noise.least_gap = findLeastGap(noise.deviation, count);
   noise.surface = std::move(fitted.positions);

@@ -4,6 +4,8 @@
 #include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/sensor_noise.h"
 
+#include <Eigen/Geometry>
+
 #include <cmath>
 #include <utility>
 
@@ -20,19 +22,30 @@ constexpr double kSureGap = 3.0;
 // Fraction of the spacing, for the noise left by the windows: above it, areas and masses are too large by a tenth or more.
 constexpr double kMostLeft = 0.5;
 
+std::string formatPlace(const Vec3& p) {
+  return "(" + formatShort(p.x()) + ", " + formatShort(p.y()) + ", " + formatShort(p.z()) + ")";
+}
+
 std::string formatLength(double length) {
   return length < 1.0 ? formatShort(1000.0 * length) + " mm" : formatShort(length) + " m";
 }
 
-// No depth camera sees so far. In millimetres, a metre is a thousand.
-void warnOfUnits(const cloud::PointCloud& input, RestSurface& s) {
-  constexpr double kFarthest = 50.0;  // m
-  std::vector<double> distances;
-  for (const Vec3& p : s.dense.positions) distances.push_back((p - input.eye()).norm());
-  const double middle = findMedian(std::move(distances));
-  if (middle > kFarthest)
-    s.warnings.push_back("half of the image's points are more than " + formatLength(middle) +
-                         " from the eye: lengths are in metres, and these look like millimetres (of a file: cloud.scale 0.001)");
+// No depth camera sees so far, and few surfaces are as large. In millimetres, a metre is a thousand.
+void warnOfUnits(const cloud::SensorNoise& noise, RestSurface& s) {
+  constexpr double kFarthest = 50.0, kLargest = 100.0;  // m
+  const char* const kAdvice = ": lengths are in metres, and these look like millimetres (of a file: cloud.scale 0.001)";
+  if (noise.is_image) {
+    std::vector<double> distances;
+    for (const Vec3& p : s.dense.positions) distances.push_back((p - noise.eye).norm());
+    const double middle = findMedian(std::move(distances));
+    if (middle > kFarthest)
+      s.warnings.push_back("half of the image's points are more than " + formatLength(middle) + " from the eye" + kAdvice);
+  } else {
+    Eigen::AlignedBox3d box;
+    for (const Vec3& p : s.dense.positions) box.extend(p);
+    if (!box.isEmpty() && box.sizes().maxCoeff() > kLargest)
+      s.warnings.push_back("the cloud is " + formatLength(box.sizes().maxCoeff()) + " long" + kAdvice);
+  }
 }
 
 }  // namespace
@@ -44,7 +57,7 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
     s.warnings.push_back(
         "the cloud's points scatter as far off any surface as along it: neighbours are the nearest in space, "
         "and no gap is told (input.noise 0: the points are exact)");
-  if (noise.is_image) warnOfUnits(input, s);
+  warnOfUnits(noise, s);
   if (noise.num_levels > 0)
     s.warnings.push_back("the cloud's depths take only " + std::to_string(noise.num_levels) + " values, " +
                          formatLength(noise.level_step) +
@@ -74,7 +87,11 @@ std::optional<Vec3> moveOntoSurface(const InputParams& params, const cloud::Poin
     s.warnings.push_back(count(noise.unexplained, "of ") + std::to_string(s.dense.positions.size()) +
                          " points fit no window that this noise explains, and are moved to the nearest one: there the "
                          "surface is a guess (input.noise)");
-  return noise.is_seen ? input.eye() : input.viewpoint;
+  if (noise.is_grid_found)
+    s.notes.push_back(
+        "the points came without rows and columns, but lie on the lines of sight of a camera's pixels: these are used");
+  if (noise.is_eye_found) s.notes.push_back("rows and columns show that the points were seen from " + formatPlace(noise.eye));
+  return noise.is_seen ? std::optional<Vec3>(noise.eye) : input.viewpoint;
 }
 
 void warnOfNoisyBody(const InputParams& params, const cloud::PointCloud& input, RestSurface& s) {

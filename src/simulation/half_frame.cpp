@@ -66,7 +66,7 @@ Lists spreadNeighbors(const HalfFrame& half) {
 std::optional<HalfFrame> halveFrame(const SceneParams& params, const RestSurface& s) {
   if (!isWanted(params, s)) return std::nullopt;
   HalfFrame half;
-  half.lattice = cloud::takeEverySecond(s.pixel_links, s.dense.point_of_input, s.dense.positions);
+  half.lattice = cloud::takeEverySecond(s.pixel_links, s.pixel_links.findPoints(s.dense.point_of_input), s.dense.positions);
   Points& positions = half.surface.dense.positions;
   for (const Index i : half.lattice.points) positions.push_back(s.dense.positions[i]);
   if (!arePinsSeen(params, positions)) return std::nullopt;

@@ -93,8 +93,8 @@ std::vector<double> wantSpacing(const SceneParams& params, const std::vector<cha
 Points findNeighbors(const SceneParams& scene, RestSurface& s) {
   const cloud::NeighborsParams& params = scene.neighbors;
   if (!s.pixel_links.isEmpty() && params.geodesic_exponent.is_auto) {
-    s.dense_neighbors =
-        cloud::findNeighbors(s.pixel_links, s.dense.point_of_input, s.dense.positions, 2 * params.k, scene.input.min_gap);
+    s.dense_neighbors = cloud::findNeighbors(s.pixel_links, s.pixel_links.findPoints(s.dense.point_of_input), s.dense.positions,
+                                             2 * params.k, scene.input.min_gap);
     return {};
   }
   s.dense_neighbors = cloud::nearestNeighbors(s.dense.positions, 2 * params.k);

@@ -10,6 +10,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -233,16 +234,55 @@ TEST(SensorNoise, MovesPointsAlongTheirLinesOfSight) {
   for (std::size_t i = 0; i < cloud.positions.size(); ++i)
     EXPECT_LT(found.surface[i].normalized().cross(cloud.positions[i].normalized()).norm(), 1e-6);
 
-  // The same without rows and columns.
+  // The same without rows and columns, and turned about the eye so that x / z and y / z do not show them.
+  const Mat3 turn = Eigen::AngleAxisd(1.0, Vec3(1, 2, -1).normalized()).toRotationMatrix();
   PointCloud scattered = frame.cloud;
   scattered.width = static_cast<std::uint32_t>(scattered.size());
   scattered.height = 1;
+  for (Vec3& p : scattered.positions) p = turn * p;
+  cloud = clean(scattered);
   const SensorNoise again = findSensorNoise(scattered, cloud);
   EXPECT_FALSE(again.is_image);
   ASSERT_TRUE(again.is_seen);
   for (std::size_t i = 0; i < cloud.positions.size(); ++i)
     EXPECT_LT(again.surface[i].normalized().cross(cloud.positions[i].normalized()).norm(), 1e-9);
-  EXPECT_LT(measureError(frame, cloud, again.surface), 0.5 * measureError(frame, cloud, cloud.positions));
+  Points back = again.surface, seen = cloud.positions;
+  for (Vec3& p : back) p = turn.transpose() * p;
+  for (Vec3& p : seen) p = turn.transpose() * p;
+  EXPECT_LT(measureError(frame, cloud, back), 0.5 * measureError(frame, cloud, seen));
+}
+
+// Drivers and filters that drop missing pixels, and programs that shuffle points, leave a list.
+TEST(SensorNoise, FindsTheRowsAndColumnsOfAList) {
+  const CameraFrame frame = take(test::makeFoldedTowel(1.0, 0.02), 0.1, 0.125, 0.2);
+  const SensorNoise found = findSensorNoise(frame.cloud, clean(frame.cloud));
+  std::vector<Index> order;
+  for (Index p = 0; p < frame.size(); ++p)
+    if (frame.isSeen(p)) order.push_back(p);
+  std::shuffle(order.begin(), order.end(), std::mt19937(3));
+  order.push_back(order.front());  // a point that is there twice
+  PointCloud list;
+  for (const Index p : order) list.positions.push_back(frame.cloud.positions[p].cast<float>().cast<double>());
+  list.width = static_cast<std::uint32_t>(list.size());
+  const CleanCloud cloud = clean(list), organised = clean(frame.cloud);
+  const SensorNoise again = findSensorNoise(list, cloud);
+  EXPECT_FALSE(found.is_grid_found);
+  ASSERT_TRUE(again.is_image && again.is_grid_found);
+  EXPECT_NEAR(again.deviation, found.deviation, 0.001 * found.deviation);
+  ASSERT_FALSE(again.links.isEmpty());
+  const std::vector<Index> points = again.links.findPoints(cloud.point_of_input);
+  std::size_t far = 0;  // rounding may select another window
+  for (std::size_t k = 0; k < order.size(); ++k) {
+    const Index i = cloud.point_of_input[k];
+    EXPECT_EQ(std::count(points.begin(), points.end(), i), 1);
+    far += (again.surface[i] - found.surface[organised.point_of_input[order[k]]]).norm() > 0.02 * found.deviation;
+  }
+  EXPECT_LT(far, order.size() / 100);
+
+  // Two depths in one pixel are no image.
+  list.positions.push_back(1.1 * list.positions.front());
+  list.width = static_cast<std::uint32_t>(list.size());
+  EXPECT_FALSE(findSensorNoise(list, clean(list)).is_image);
 }
 
 TEST(SensorNoise, IsSeenByACameraThatStandsAnywhere) {
@@ -256,6 +296,55 @@ TEST(SensorNoise, IsSeenByACameraThatStandsAnywhere) {
   EXPECT_NEAR(here.deviation, there.deviation, 1e-6 * there.deviation);
   for (std::size_t i = 0; i < here.surface.size(); ++i)
     EXPECT_LT((here.surface[i] - turned * there.surface[i]).norm(), 1e-6) << i;
+}
+
+TEST(SensorNoise, IsSeenByACameraThatTheCloudDoesNotName) {
+  const Eigen::Isometry3d turned = Eigen::Translation3d(3.0, -1.0, 0.5) * Eigen::AngleAxisd(2.0, Vec3(1, 2, -1).normalized());
+  for (const double distance : {0.6, 1.0, 2.0}) {
+    for (const double tilt : {0.0, 30.0, 60.0}) {
+      CameraFrame frame = take(test::makeTowel(distance, tilt), 0.1, 0.125);
+      const SensorNoise there = findSensorNoise(frame.cloud, clean(frame.cloud));
+      EXPECT_FALSE(there.is_eye_found);
+      // As a driver gives it, in single precision.
+      for (Vec3& p : frame.cloud.positions) p = (turned * p).cast<float>().cast<double>();
+      const SensorNoise here = findSensorNoise(frame.cloud, clean(frame.cloud));
+      ASSERT_TRUE(here.is_image && here.is_eye_found) << distance << ' ' << tilt;
+      EXPECT_LT((here.eye - turned * Vec3::Zero()).norm(), 1e-3 * distance);
+      EXPECT_NEAR(here.deviation, there.deviation, 1e-2 * there.deviation);
+      EXPECT_EQ(here.links.links.size(), there.links.links.size());
+      ASSERT_EQ(here.surface.size(), there.surface.size());
+      std::size_t far = 0;
+      for (std::size_t i = 0; i < here.surface.size(); ++i)
+        far += (here.surface[i] - turned * there.surface[i]).norm() > 0.02 * there.deviation;
+      EXPECT_LT(far, here.surface.size() / 100);
+    }
+  }
+}
+
+// Rows and columns alone are no image: those of a scanner that turns, of a height map, and of a plane without noise.
+TEST(SensorNoise, FindsNoCameraWhereNoneStood) {
+  std::mt19937 random(5);
+  std::normal_distribution<double> off(0.0, 1.0);
+  for (const char* kind : {"turning", "map", "plane"}) {
+    PointCloud cloud;
+    cloud.width = 120;
+    cloud.height = 80;
+    for (int v = 0; v < 80; ++v)
+      for (int u = 0; u < 120; ++u) {
+        const double a = 0.02 * u, b = 0.01 * v - 0.4, noise = off(random);
+        if (*kind == 't') {
+          cloud.positions.push_back(
+              (2.0 + 0.01 * noise) * Vec3(std::cos(a) * std::cos(b), std::sin(a) * std::cos(b), std::sin(b)) + Vec3(5, 3, 1));
+        } else if (*kind == 'm') {
+          cloud.positions.emplace_back(5.0 + 0.01 * u, 0.01 * v, 1.0 + 0.01 * noise);
+        } else {
+          cloud.positions.push_back(Vec3(5, 3, 1) + Vec3(a, b, 1.0) / (1.0 + 0.1 * a));
+        }
+      }
+    const SensorNoise found = findSensorNoise(cloud, clean(cloud));
+    EXPECT_FALSE(found.is_eye_found || found.is_grid_found) << kind;
+    EXPECT_EQ(found.is_image, *kind == 'p') << kind;  // a plane is what a camera anywhere sees, also one at the origin
+  }
 }
 
 TEST(SensorNoise, LeavesCleanCloudsAsTheyAre) {

@@ -16,7 +16,11 @@ struct PixelLinks {
   Index width = 0, height = 0;
   std::vector<std::uint8_t> links;  // (height x width) bit d: the surface continues to the pixel in direction d; symmetric
 
+  std::vector<Index> input;  // (height x width) point of the input cloud at each pixel, -1: none; empty: the same index
+
   bool isEmpty() const { return links.empty(); }
+  /// (height x width) The point of each pixel, -1: none. point_of_input: of each point of the input cloud, -1: none.
+  std::vector<Index> findPoints(const std::vector<Index>& point_of_input) const;
 };
 
 /// For each point, the k nearest in space of the points that can be reached over links, along points that are nearer than the

@@ -84,7 +84,10 @@ Run::Run(const SimulateOptions& options, const Terminal& terminal, KeptSurfaces*
 int Run::run() {
   noteIdleForces();
   if (options_.bag_in.empty()) {
-    begin(buildOfScene(), {}, 0);
+    const Timer timer;
+    std::unique_ptr<Simulation> simulation = buildOfScene();
+    set_up_seconds_ += timer.seconds();
+    begin(std::move(simulation), {}, 0);
   } else {
     bag_.emplace(
         options_.bag_in, options_.topics, options_.given_topics, DecodeLimits{params_.input.max_points},

@@ -105,6 +105,7 @@ class Run {
   std::int64_t first_not_taken_ = 0;                                                   // ns
   int status_ = kDone;
   std::string last_note_;
+  double set_up_seconds_ = 0.0;  // wall time of reading, filtering and building surfaces
   Timer timer_;
 };
 

@@ -45,7 +45,9 @@ void Run::takeCloud(DecodedCloud decoded, std::int64_t stamp) {
   try {
     if (!decoded.ok()) throw InputError(decoded.problem);
     bringInto(findFrame(cloud_frame), stamp, decoded);
+    const Timer timer;
     simulation = build(std::move(decoded.cloud), cloud_frame, stamp);
+    set_up_seconds_ += timer.seconds();
   } catch (const InputError& error) {
     return reportRefusal("cloud", stamp, error);
   }

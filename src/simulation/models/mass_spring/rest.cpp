@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <iterator>
 #include <numeric>
 #include <utility>
@@ -22,8 +23,8 @@
 namespace deformable_surface::simulation {
 namespace {
 
-constexpr Index kCountTolerance = 20, kMaxRefills = 3;  // of the wanted number: one in kCountTolerance may be missing
-constexpr Index kOneByOneOfHalf = 6000;                 // points of half a frame: a third of its time with three times as many
+constexpr Index kCountTolerance = 100, kMaxRefills = 3;  // of the wanted number: one in kCountTolerance may be missing
+constexpr Index kOneByOneOfHalf = 6000;                  // points of half a frame: a third of its time with three times as many
 constexpr int kMaxPrunings = 5;        // passes that drop points which belong to no surface; each can uncover a few more
 constexpr double kBandOfOneRow = 0.5;  // spacings of the points up to which a pinned band is of one row
 
@@ -132,17 +133,17 @@ void requireRegions(const SceneParams& params, const RestSurface& s) {
 // Simulation points of a full surface, their surroundings and its area. area: finds that of the dense points, m^2.
 void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, const std::function<double()>& area,
                           RestSurface& s) {
-  // As many as wanted, up to a twentieth, also if some belong to no surface.
+  // As many as wanted, up to a hundredth, also if some belong to no surface.
   const bool is_by_threshold = params.simplification.target_points == 0 && !params.simplification.threshold.is_auto;
   const Index asked = static_cast<Index>(kept.size());
   Index dropped = connect(params, s, std::move(kept), s);
   for (Index more = 0, refills = 0; !is_by_threshold && refills < kMaxRefills; ++refills) {
     const Index missing = asked - static_cast<Index>(s.points.size());
-    if (missing * kCountTolerance <= asked || asked + more >= s.order.num_points) break;
+    if (std::int64_t{missing} * kCountTolerance <= asked || asked + more >= s.order.num_points) break;
     more += missing;
     dropped = connect(params, s, s.order.keepCount(asked + more), s);
   }
-  if ((asked - static_cast<Index>(s.points.size())) * kCountTolerance > asked)
+  if (std::int64_t{asked - static_cast<Index>(s.points.size())} * kCountTolerance > asked)
     s.notes.push_back(count(asked, "simulation points were chosen, of which ") +
                       count(static_cast<Index>(s.points.size()),
                             "are left: the others belong to no surface, or to no part "
