@@ -13,7 +13,7 @@ using simulation::SceneParams;
 using simulation::Simulation;
 using solve::IntegratorType;
 
-constexpr double kTooLong = 60.0;  // s of processor time: a run is cut, and says so
+constexpr double kTooLong = 60.0;  // s of processor time: a longer run is cut, with a message
 constexpr double kTight = 1e-10;   // tolerance of the reference of statics
 
 }  // namespace
@@ -74,7 +74,7 @@ Reference findReference(const AccuracyScene& scene, Index level) {
     const Run looser = run(scene, level, {"static", IntegratorType::kStatic, 0.01, 1e2 * kTight, 1000});
     return {tight.simulated, tight.dense, rmsDistance(tight.dense, looser.dense), 0.0};
   }
-  // One step of the whole duration tells into how many stability cuts it.
+  // The number of sub-steps of one step over the whole duration gives the stable step.
   const Run probe = run(scene, level, {"verlet", IntegratorType::kVerlet, scene.duration});
   reference.substep = scene.duration / probe.substeps;
   Run runs[3];

@@ -1,4 +1,4 @@
-// Runs of the scenes on which run time is held against error: where they end, what they take, and what they are compared with.
+// Runs of the scenes for run time against error: final state, time, and reference.
 #pragma once
 
 #include "accuracy_scenes.h"
@@ -33,7 +33,7 @@ Error measureError(const Points& a, const Points& b);
 /// level: how many simulation points.
 Run run(const AccuracyScene& scene, Index level, const Setting& setting);
 
-/// What one number of simulation points converges to as the time step goes to zero.
+/// The limit for a number of simulation points as the time step goes to zero.
 struct Reference {
   Points simulated, dense;
   double uncertainty = 0.0;  // m, rms
@@ -42,7 +42,7 @@ struct Reference {
 
 Reference findReference(const AccuracyScene& scene, Index level);
 
-/// Where all points of the cloud should end: by the closed form, or by the reference of the first level.
+/// The reference positions of all points: from the closed form, or from the reference of the first level.
 Points findTruth(const AccuracyScene& scene, const Reference& first);
 
 }  // namespace deformable_surface::benchmark

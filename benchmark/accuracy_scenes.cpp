@@ -52,7 +52,7 @@ AccuracyScene makeSag(Index points) {
   return scene;
 }
 
-// The points of the scan that simplification keeps: real sampling, at a size that can be simulated without simplification.
+// The points of the scan that simplification keeps: real sampling, with few enough points to be simulated without simplification.
 cloud::PointCloud readScan(Index points) {
   const char* given = std::getenv("DEFORMABLE_SURFACE_DATA");
   std::ifstream file(std::string(given ? given : DEFORMABLE_SURFACE_SOURCE_DIR "/../shared/data") +
@@ -111,7 +111,8 @@ AccuracyScene makeDrape(Index points) {
   return scene;
 }
 
-// A plate of scattered points that bends so little that theories of small deflections hold. Poisson's ratio 0: a beam is one.
+// A plate of scattered points with small bending, so that theories of small deflections are valid. Poisson's ratio 0, as for a
+// beam.
 constexpr double kWeak = 0.01;  // m/s^2, of gravity
 
 AccuracyScene makePlate(const std::string& name, simulation::CloudParams::Shape shape, const Vec2& size, double duration) {
@@ -131,8 +132,8 @@ AccuracyScene makePlate(const std::string& name, simulation::CloudParams::Shape 
   return scene;
 }
 
-// A beam of 1 m, clamped at a place that has nothing to do with its points, under a thousandth of its weight: at rest, or let go
-// at time zero.
+// A beam of 1 m under a thousandth of its weight, clamped at a place that does not depend on its points: at rest, or released at
+// time zero.
 AccuracyScene makeCantilever(const std::string& name, double duration) {
   const double clamp = 0.2037, length = 1.0;
   AccuracyScene scene = makePlate(name, simulation::CloudParams::Shape::kStrip, Vec2(clamp + length, 0.25), duration);
@@ -181,7 +182,7 @@ AccuracyScene makeSolid(const std::string& name, const Vec3& size, Index points)
   return scene;
 }
 
-// Clamped at one end: it falls under its weight until it hangs, or is stretched by its weight along it.
+// Clamped at one end: it falls under its weight and swings, or is stretched by its weight.
 AccuracyScene makeSolidBar(const std::string& name, const Vec3& gravity, Index points) {
   AccuracyScene scene = makeSolid(name, Vec3(1.0, 0.1, 0.1), points);
   scene.params.gravity = gravity;
@@ -189,7 +190,7 @@ AccuracyScene makeSolidBar(const std::string& name, const Vec3& gravity, Index p
   return scene;
 }
 
-// A block that is held from below, into which a ball is pressed.
+// A block that is held from below. A ball is pressed into it.
 AccuracyScene makeSolidIndentation(Index points) {
   AccuracyScene scene = makeSolid("solid_indentation", Vec3(0.3, 0.3, 0.1), points);
   scene.params.gravity.setZero();

@@ -1,4 +1,4 @@
-// The scenes on which run time is held against error: what moves, how long, and at which numbers of simulation points.
+// The scenes for run time against error: bodies, durations, and numbers of simulation points.
 #pragma once
 
 #include "deformable_surface/simulation/simulation.h"
@@ -11,15 +11,15 @@ namespace deformable_surface::benchmark {
 
 struct AccuracyScene {
   std::string name;
-  simulation::SceneParams params;  // the default choices of the product but for what the scene needs
+  simulation::SceneParams params;  // the default settings, except for what the scene needs
   cloud::PointCloud cloud;
   double duration;            // s; 0 = the equilibrium
   std::vector<Index> levels;  // numbers of simulation points, falling; without a closed form the full cloud first
-  /// The closed form: where a point goes from its place at rest, m. Empty: the full cloud in fine steps is the truth.
+  /// The closed form: the place of a point by its place at rest, m. Empty: the reference is the full cloud in fine steps.
   std::function<Vec3(const Vec3& rest)> exact;
 };
 
-/// large: the sizes of docs/benchmark.md; else about a third of them. The scan is left out where its file is not there.
+/// large: the sizes of docs/benchmark.md; otherwise about a third of them. The scan is skipped if its file is missing.
 std::vector<AccuracyScene> makeAccuracyScenes(bool large);
 
 /// Sheets of rubber at rest under their weight: between two held edges and hanging from one, soft to stiff. large: 1254 points,

@@ -1,5 +1,5 @@
-// Part "accuracy": run time against error. Every method with every setting on every scene; the errors of time, of simplification
-// and of the transfer are measured apart from each other, and together.
+// Part "accuracy": run time against error, for every method with every setting on every scene. The errors of time steps, of
+// simplification and of the transfer are measured separately and together.
 #include "accuracy_runs.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -28,7 +28,7 @@ std::vector<Setting> chooseSettings(const AccuracyScene& scene, double substep) 
   settings.push_back({"default", IntegratorType::kAuto, 0.01});
   if (scene.params.model == "elastic_solid") {
     for (double part : {1.0, 0.5, 0.25}) settings.push_back({"verlet", IntegratorType::kVerlet, part * substep});
-    // Of a body of thousands of points a solution to six digits is most of the work.
+    // For a body of thousands of points a solution to six digits is most of the work.
     for (double step : {1.0 / 30.0, 1.0 / 60.0, 1.0 / 120.0})
       for (double tolerance : {1e-2, 1e-3, 1e-6}) settings.push_back({"implicit", IntegratorType::kImplicit, step, tolerance});
     for (Setting& setting : settings)
@@ -90,7 +90,7 @@ void runAccuracySection(const Options& options, Report& report) {
                           " points simulated, is uncertain by " + show(truth.uncertainty) + " m rms");
         }
       }
-      // The truth at the simulation points, and what the transfer makes of it.
+      // The reference at the simulation points, and its transfer to all points.
       Points there(rest.points.size()), carried;
       for (std::size_t i = 0; i < there.size(); ++i) there[i] = truth.dense[rest.dense_index[i]];
       if (scene.params.model != "elastic_solid") {

@@ -1,5 +1,5 @@
-// Part 10: a step of a sheet of which a share moves and the rest sleeps, over a step of all of it, with what sleeping changes
-// beside it. A part of its own because it compares a simulation with itself.
+// Part 10: time of a step in which a share of a sheet moves and the rest sleeps, over that of a step of the whole sheet, and the
+// error of sleeping. A part of its own because it compares a simulation with itself.
 #include "deformable_surface/base/parallel.h"
 #include "sections.h"
 #include "swinging_sheet.h"
@@ -14,14 +14,14 @@ using simulation::Simulation;
 
 constexpr Index kPoints = 100000;
 constexpr double kTimeStep = 0.01;  // s
-constexpr int kWarmUp = 3;          // steps after which the front has left where it began
+constexpr int kWarmUp = 3;          // steps after which the front has left its origin
 constexpr int kTimed = 3;           // steps, whose sum counts: in each of them more moves
 constexpr double kPush = 0.5;       // m/s^2, normal to the sheet
 constexpr double kHoop = 0.1;       // m, inner side of a square of pins that no wave leaves: a hundredth of the sheet moves in it
 constexpr double kHoopWidth = 0.013;  // m, four spacings: wider than elements
 constexpr int kHoopWarmUp = 15;       // steps, after which all of it moves and nothing is made anew
 
-// A square metre without weight, so soft that a disturbance comes about three spacings far in a step, in several sub-steps.
+// A square metre without weight, so soft that a disturbance travels about three spacings in a step, in several sub-steps.
 simulation::SceneParams makeScene() {
   simulation::SceneParams scene = makeSwingingScene(solve::IntegratorType::kVerlet, kTimeStep);
   scene.gravity.setZero();
@@ -67,7 +67,7 @@ double timeStep(Simulation& simulation) {
   return processorSeconds() - before;
 }
 
-// Points that move faster than what may sleep, as a share.
+// Share of the points that move faster than points that may sleep.
 double findMoving(const Simulation& simulation, double speed) {
   const Points& velocities = simulation.state().velocities;
   const auto moving = std::count_if(velocities.begin(), velocities.end(), [&](const Vec3& v) { return v.norm() > speed; });

@@ -1,4 +1,4 @@
-// Part 5: what a step asks of the heap once everything has its size. The aim is nothing.
+// Part 5: heap calls of a step after the first. The target is none.
 #include "deformable_surface/base/parallel.h"
 #include "heap_counter.h"
 #include "sections.h"
@@ -18,7 +18,7 @@ constexpr int kSteps = 20;
 struct Named {
   const char* name;
   IntegratorType type;
-  double time_step;  // s: long enough that the sheet swings, but for the scheme that is unstable
+  double time_step;  // s: long enough for the sheet to swing, except for the unstable scheme
 };
 constexpr Named kIntegrators[] = {{"auto", IntegratorType::kAuto, 0.01},
                                   {"verlet", IntegratorType::kVerlet, 0.01},

@@ -1,4 +1,4 @@
-// The benchmark: says where it runs, then every part with its table. The options are those of scripts/benchmark.
+// The benchmark: describes the machine, then runs every part with its table. The options are those of scripts/benchmark.
 #include "sections.h"
 
 #include "deformable_surface/base/parallel.h"

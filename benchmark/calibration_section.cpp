@@ -1,7 +1,7 @@
-// Part 7: is the error estimate what it says? On scenes drawn at random, the published cloud is compared with that of the full
-// surface in the steps that its stability asks for; where a twin of that truth, disturbed by a thousandth of the spacing, goes
-// its own way, there is no one truth and the scene is counted apart. Steps as large as stability allows can do that by
-// themselves, so that such a truth and its twin are run once more in finer ones, which are then what counts.
+// Part 7: coverage of the error estimate. On random scenes the published cloud is compared with that of the full surface in
+// stable steps (the truth). A scene is chaotic, and counted separately, if a twin of the truth, disturbed by a thousandth of the
+// spacing, departs from it. Steps as large as stability allows can cause that by themselves. Such a truth and its twin run again
+// in finer steps, and these runs count.
 #include "../src/simulation/dynamics.h"
 #include "../test/support/random_scene.h"
 #include "deformable_surface/base/parallel.h"
@@ -27,9 +27,9 @@ using solve::IntegratorType;
 constexpr int kLooks = 8;              // at the errors of a dynamic run, at equal times
 constexpr double kDisturbance = 1e-3;  // of the truth's twin, over the spacing
 constexpr double kGrowth = 50.0;       // of the disturbance from which on a scene counts as chaotic
-constexpr Index kFineness = 4;         // of the truth, where the error is that of the steps alone or its twin goes its own way
-constexpr Index kSample = 8;           // of so many scenes one has its truth run again in finer steps
-constexpr double kIsTruth = 0.1;       // of the error: what the truth may move by in twice as many sub-steps
+constexpr Index kFineness = 4;         // of the truth, if only the steps cause the error or if its twin departs
+constexpr Index kSample = 8;           // one of this many scenes has its truth run again in finer steps
+constexpr double kIsTruth = 0.1;       // of the error: limit of the truth's motion in twice as many sub-steps
 
 const char* const kColumns[] = {"seed",     "scene", "points",       "simulated",   "look",  "true_error",  "estimate",  "space",
                                 "transfer", "time",  "displacement", "twin_growth", "sound", "truth_moved", "may_buckle"};
@@ -87,7 +87,7 @@ std::string runScene(Index seed) {
     fineness *= kFineness;
     is_sound = runTruths();
   }
-  // How far the truth itself is from small enough steps, on a sample.
+  // The error of the truth itself, on a sample.
   std::vector<Points> finer;
   const bool is_sampled = is_sound && seed % kSample == 0 && scene.params.integrator.type != IntegratorType::kStatic;
   if (is_sampled) is_sound = runTruth(scene.params, scene.cloud, steps, looks, 0.0, 2 * fineness, finer);
@@ -136,7 +136,7 @@ double findQuantile(std::vector<double> values, double share) {
   return values[std::min(values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
 }
 
-// What is asked of a group of scenes.
+// Results of a group of scenes.
 struct Tally {
   int scenes = 0, covered_at_end = 0, covered_always = 0, looks = 0, looks_covered = 0;
   std::vector<double> ratio_at_end, ratios;  // estimate over true error
@@ -180,7 +180,7 @@ bool hasWord(const std::string& text, const std::string& word) {
 
 void runCalibrationSection(const Options& options, Report& report) {
   setNumThreads(1);
-  // Scenes that are in the file already are not run again, so that the run can be cut in parts.
+  // Scenes that the file contains are not run again, so that the run can be split.
   const std::string path = options.folder + "/calibration_scenes.csv";
   std::map<Index, std::vector<Row>> scenes = readScenes(path);
   {

@@ -21,7 +21,7 @@ simulation::SceneParams makeParams(const Neighborhoods& how) {
   return params;
 }
 
-// Of the pieces that lists connect, largest first.
+// Pieces that the lists connect, largest first.
 std::vector<Index> findSizes(const Lists& neighbors) {
   Index count = 0;
   const std::vector<Index> label = cloud::labelComponents(neighbors, count);

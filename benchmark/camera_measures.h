@@ -1,5 +1,5 @@
-// What is measured of a frame of a depth camera against its truth: neighbours, pieces, normals, and how a surface made from it
-// moves beside one made from the same pixels without noise.
+// Measurements on a frame of a depth camera against its truth: neighbours, pieces, normals, and the motion of a surface made from
+// it compared with one made from the same pixels without noise.
 #pragma once
 
 #include "../test/support/camera_scenes.h"
@@ -15,7 +15,7 @@ struct Neighborhoods {
   OrAuto<double> geodesic_exponent, noise;
 };
 
-/// A cloud that was set up, and what that took.
+/// A cloud after set-up, with the time of the set-up.
 struct SetUp {
   simulation::RestSurface rest;
   double cpu = 0.0;           // s
@@ -45,12 +45,13 @@ PairCounts countPairs(const test::CameraFrame& frame, const SetUp& made);
 /// Degrees, root mean square of the angle to the true normal, whichever side it points to; of pixels that fly none.
 double findNormalError(const test::CameraFrame& frame, const SetUp& made);
 
-/// How far the seen pixels move where the scene is held and pulled, by the static solver.
+/// Motion of the visible pixels where the scene is held and pulled, by the static solver.
 class PullTest {
  public:
   /// Finds the force that moves the noise-free surface by a centimetre.
   PullTest(const test::CameraScene& scene, const test::CameraFrame& frame);
-  /// Root mean square of the difference in motion to the noise-free surface, over its largest motion; or why there is none.
+  /// Root mean square of the difference to the motion of the noise-free surface, over its largest motion; or the reason why there
+  /// is none.
   std::string compare(const Neighborhoods& how) const;
 
  private:

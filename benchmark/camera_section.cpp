@@ -1,6 +1,5 @@
-// Part "camera": frames of a depth camera whose truth is known, at several distances and noises: which links go across true gaps,
-// which true ones are lost, and what that does to pieces, normals, simulation points, set-up and motion. And real frames, without
-// truth.
+// Part "camera": frames of a depth camera with known truth, at several distances and noises: links across true gaps, lost true
+// links, and the effect on pieces, normals, simulation points, set-up and motion. And real frames, without truth.
 #include "camera_measures.h"
 
 #include "deformable_surface/base/error.h"
@@ -17,7 +16,7 @@ struct Rule {
   const char* name;
   Neighborhoods how;
 };
-// Neighbours in space and over the surface where the points are seen, and over the surface behind the noise.
+// Neighbours in space and along the surface at the measured points, and along the surface behind the noise.
 const Rule kInSpace{"1", {1.0, 0.0}}, kWhereSeen{"auto, noise 0", {{}, 0.0}}, kBehindNoise{"auto", {{}, {}}};
 
 std::vector<Rule> chooseRules(bool are_many_frames) {
@@ -33,7 +32,7 @@ std::string showSizes(const std::vector<Index>& sizes) {
   return text + (sizes.size() > kMost ? " ..." : "");
 }
 
-// What the build says, one line each, for a table of its own.
+// The notes of the build, one per line, for a table of their own.
 using Sayings = std::vector<std::vector<std::string>>;
 
 void collect(const std::vector<std::string>& name, const SetUp& made, Sayings& sayings) {

@@ -1,6 +1,5 @@
-// Part 4b: the explicit path on the sheet for which a comparison of methods was printed elsewhere: equilateral, soft and stiff,
-// by springs and by triangles, with and without bending. A part of its own because here the discretisation changes, not the
-// integrator.
+// Part 4b: explicit methods on the sheet of a published comparison of methods: equilateral, soft and stiff, with springs and
+// triangles, with and without bending. A part of its own because here the discretisation changes, not the integrator.
 #include "deformable_surface/base/parallel.h"
 #include "sections.h"
 #include "swinging_sheet.h"
@@ -18,11 +17,11 @@ constexpr double kTimeStep = 0.01;  // s
 struct Sheet {
   Index across, along;  // points of a row along the pinned edge, rows
   double membrane_stiffness;
-  const char* printed;  // the fastest that was printed with an error of a millimetre or less, and its method
+  const char* printed;  // the fastest published one with an error of a millimetre or less, and its method
   bool large;
 };
 
-// Figures of one core of an AMD EPYC; theirs is a membrane of springs without bending.
+// Published values for one core of an AMD EPYC, with a membrane of springs without bending.
 constexpr Sheet kSheets[] = {{17, 19, 1e3, "0.016 to 0.05 (Verlet, 4e-6 m)", false},
                              {33, 38, 1e3, "0.06 to 0.15 (Verlet, 1e-6 m)", false},
                              {17, 19, 1e5, "-", false},

@@ -1,5 +1,5 @@
-// Part 7: the linear systems of implicit and static steps. The package's own factorisation beside Eigen's, on the same matrices
-// in the same run, with the residual of each.
+// Part 7: the linear systems of implicit and static steps. The package's own factorisation and Eigen's, on the same matrices in
+// the same run, with the residual of each.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/linear/block_cholesky.h"

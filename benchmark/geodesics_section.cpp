@@ -1,5 +1,5 @@
-// Geodesic neighbourhoods: how well they tell parts apart, against the width of the gap, for the published exponent and without a
-// parameter; and what they cost in a set-up.
+// Geodesic neighbourhoods: how well they separate parts, against the width of the gap, for the published exponent and without a
+// parameter; and their cost in a set-up.
 #include "../test/support/gaps.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/geodesics.h"

@@ -1,5 +1,5 @@
-// Part 4: integrators by cost against error on a swinging sheet. All share one discretisation in space, so the error is that of
-// time alone; the truth is velocity Verlet at a thirty-second of the stable step with Richardson's extrapolation.
+// Part 4: cost against error of the integrators on a swinging sheet. All share one discretisation in space, so only the time
+// steps cause the error. The reference is velocity Verlet at a thirty-second of the stable step with Richardson's extrapolation.
 #include "deformable_surface/base/parallel.h"
 #include "sections.h"
 #include "swinging_sheet.h"
@@ -55,7 +55,7 @@ void runIntegratorsSection(const Options& options, Report& report) {
                 "rms_error_m", "energy_error_%", "state", "runs", "hash"});
   setNumThreads(1);
 
-  // One step of the whole duration tells into how many stability cuts it.
+  // The number of sub-steps of one step over the whole duration gives the stable step.
   Simulation probe = makeSheet(IntegratorType::kVerlet, 1);
   probe.step();
   const int stable = static_cast<int>(probe.statistics().substeps);

@@ -1,5 +1,5 @@
-// What the machine gives a program, measured in the same run as what it is held against: bytes per second by a triad, operations
-// per second by sums and products in registers.
+// Limits of the machine, measured in the same run: bytes per second of a triad, operations per second of sums and products in
+// registers.
 #pragma once
 
 #include "sections.h"

@@ -37,7 +37,7 @@ Timing measure(const std::function<void()>& body, double budget, int min_repetit
     cpus.push_back((processorSeconds() - cpu_before) / batch);
   };
 
-  // The first run fills caches and buffers and is forgotten, unless the body is so long that this does not matter.
+  // The first run fills caches and buffers and does not count, unless the body is so long that this does not matter.
   repeat(1);
   if (walls[0] < kLongRuns * budget) {
     walls.clear();

@@ -1,5 +1,5 @@
-// How a time is taken: warm-up, repetitions, median and spread of wall time, least processor time; and the hash that shows
-// whether a change of speed changed a result.
+// Measurement of times: warm-up, repetitions, median and spread of wall time, least processor time. And a hash that shows whether
+// a faster version changed the result.
 #pragma once
 
 #include "deformable_surface/base/hash.h"
@@ -21,8 +21,8 @@ struct Timing {
 /// Processor time of this process so far, s.
 double processorSeconds();
 
-/// Runs body once to warm up and then again and again, for about budget seconds and at least min_repetitions times. Short bodies
-/// are run in batches that the clocks can resolve; bodies far longer than the budget run once.
+/// Runs body once as a warm-up and then repeatedly, for about budget seconds and at least min_repetitions times. Short bodies run
+/// in batches that the clocks can resolve. Bodies far longer than the budget run once.
 Timing measure(const std::function<void()>& body, double budget, int min_repetitions = 3);
 
 /// The values in the middle and at the two quarters.

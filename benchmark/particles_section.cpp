@@ -1,5 +1,5 @@
-// Part 9: what a force pass of the oriented particles costs, pair by pair, and how it grows with their number, beside the sum
-// over all pairs of the paper's section 4.2, which is also the truth that the forces are compared with.
+// Part 9: time of a force pass of the oriented particles per pair, and its growth with their number. The sum over all pairs of
+// the paper's section 4.2 is measured, too; it is also the reference of the forces.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/model/oriented_particles/oriented_particles.h"
 #include "sections.h"
@@ -20,7 +20,7 @@ constexpr Index kCompared = 200;   // particles whose force is compared with the
 
 double randomNumber(std::mt19937& generator) { return static_cast<double>(generator()) / 2147483648.0 - 1.0; }
 
-// A square patch of the hexagonal lattice, row by row or in random order, waved and shaken.
+// A square patch of the hexagonal lattice, row by row or in random order, wavy and jittered.
 State makeWavyPatch(Index n, bool is_shuffled) {
   std::mt19937 generator(3);
   const Index across = static_cast<Index>(std::lround(std::sqrt(n * std::sqrt(0.75))));
@@ -59,7 +59,7 @@ Points findNormals(const State& s) {
   return normals;
 }
 
-// What particle i gets from all others in turn: plain sums of minus the gradients, both orders of a pair, nothing shared.
+// The force on particle i from all others in turn: plain sums of minus the gradients, both orders of a pair, nothing shared.
 Vec3 sumOverAll(const PairPotentials& p, const Points& positions, const Points& normals, Index i) {
   Vec3 force = Vec3::Zero();
   const double most = p.cutoff * p.cutoff;
@@ -143,7 +143,7 @@ void runParticlesSection(const Options& options, Report& report) {
       counts.push_back(row.n);
       passes.push_back(pass.cpu);
     }
-    // Everything there and back again, farther than half the skin each time.
+    // All particles there and back again, farther than half the skin each time.
     const double skin = 0.3 * particles.lattice().pair.distance;
     Points moved = s.positions;
     for (Vec3& p : moved) p.x() += skin;

@@ -1,5 +1,5 @@
 // Part 7: errors against closed forms and published tables, and the order with which they fall. Every problem is a file in
-// physics/; the tests in test/physics ask the same problems at coarse resolutions.
+// physics/. The tests in test/physics use the same problems at coarse resolutions.
 #include "physics/problem.h"
 #include "physics/samplings.h"
 #include "sections.h"

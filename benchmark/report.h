@@ -18,7 +18,7 @@ class Report {
   void add(std::vector<std::string> cells);
   /// Prints the table and writes its file. Throws std::runtime_error if it cannot be written.
   void end();
-  /// A line below a table: what is to be read from it.
+  /// A line below a table: how to read it.
   void note(const std::string& line);
 
  private:

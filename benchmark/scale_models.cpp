@@ -16,7 +16,7 @@ using simulation::SceneParams;
 using simulation::Simulation;
 
 constexpr double kTimeStep = 1e-3;  // s: from one sub-step of few points to some dozens of many
-constexpr int kSteps = 3;           // the first makes what later ones keep
+constexpr int kSteps = 3;           // the first step allocates what later ones reuse
 
 struct Model {
   const char* name;
@@ -48,15 +48,15 @@ SceneParams makeScene(const Model& model, Index n) {
   scene.integrator.time_step = kTimeStep;
   if (model.kind == "elastic_solid") scene.cloud.jitter = 0.1;
   if (model.kind == "oriented_particles") {
-    // Stiff enough against bending that they stay a surface at every spacing.
+    // Stiff enough in bending to stay a surface at every spacing.
     const double spacing = std::sqrt(2.0 / std::sqrt(3.0) / n);
     scene.material.bending_rigidity = 0.1 * scene.material.young_modulus * scene.material.thickness * spacing * spacing;
   }
   return scene;
 }
 
-// What the loops of src/model/mass_spring do of a spring, a triangle and a curvature fit, and what they read and write of it,
-// each array once: springs.cpp, triangle_membrane.cpp, curvature_bending.cpp with 17 places in a fit.
+// Operations of the loops of src/model/mass_spring on a spring, a triangle and a curvature fit, and the bytes that they read and
+// write, each array once: springs.cpp, triangle_membrane.cpp, curvature_bending.cpp with 17 places in a fit.
 struct Counts {
   double operations, bytes;
 };
@@ -72,7 +72,7 @@ double countOf(const Model& kind, const model::DeformableModel& model, double Co
   return sum;
 }
 
-// Stretched along x by a hundredth and bent across, so that every force does something.
+// Stretched along x by a hundredth and bent across, so that every force is non-zero.
 model::State deform(model::State state) {
   constexpr double kStretch = 1.01, kHeight = 0.01, kWaveNumber = 6.0;  // m, 1/m
   for (Vec3& p : state.positions) p = Vec3(kStretch * p.x(), p.y(), p.z() + kHeight * std::sin(kWaveNumber * p.x()));

@@ -1,4 +1,5 @@
-// How the models' force passes and steps grow with the simulation points, and what share of the machine each stage reaches.
+// Growth of the models' force passes and steps with the number of simulation points, and the share of the machine's limits that
+// each stage reaches.
 #pragma once
 
 #include "machine_limits.h"
@@ -19,7 +20,7 @@ struct CountedStage {
 /// what is counted.
 void measureModels(const Options& options, Report& report, std::vector<CountedStage>& counted);
 
-/// A table of operations and bytes per second beside what the machine gives: scripts/draw_roofline.py makes a picture of it.
+/// A table of operations and bytes per second and the limits of the machine. scripts/draw_roofline.py draws it.
 void reportRoofline(const std::vector<CountedStage>& counted, const MachineLimits& limits, Report& report);
 
 }  // namespace deformable_surface::benchmark

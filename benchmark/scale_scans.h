@@ -1,4 +1,4 @@
-// Set-up of real scans. Apart from scale_section.cpp, because scans are read from files that are no part of the repository.
+// Set-up of real scans. Separate from scale_section.cpp, because the scans are files outside the repository.
 #pragma once
 
 #include "deformable_surface/cloud/point_cloud.h"
@@ -9,7 +9,7 @@
 
 namespace deformable_surface::benchmark {
 
-/// A scan in the folder that DEFORMABLE_SURFACE_DATA names; nothing where the file or what reads it is absent.
+/// A scan in the folder DEFORMABLE_SURFACE_DATA; nothing if the file or its reader is missing.
 std::optional<cloud::PointCloud> readScan(const std::string& name);
 constexpr const char* kScansAreRead = "scans: DEFORMABLE_SURFACE_DATA names their folder, and libpcl-dev reads them";
 

@@ -1,6 +1,5 @@
-// Part 13: how set-up and a frame grow with the points of the cloud, up to ten millions, each beside what the machine gave in the
-// same run. A part of its own, because here sizes change and nothing else; how models grow with the simulation points is
-// scale_models.cpp.
+// Part 13: growth of set-up and a frame with the points of the cloud, up to ten millions, with the limits of the machine in the
+// same run. A part of its own, because here only sizes change. Growth of models with the simulation points: scale_models.cpp.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -90,7 +89,7 @@ class Scaling {
     timing.wall = timer.seconds();
     timing.cpu = processorSeconds() - cpu_before;
     timing.repetitions = 1;
-    // What takes long is not repeated: what it found in the caches does not matter then.
+    // Long stages are not repeated: the content of the caches at their start does not matter.
     if (timing.wall < options_.budget) timing = measure(body, options_.budget, 2);
     report_.add({name, std::to_string(points), std::to_string(numThreads()), showMilliseconds(timing.wall),
                  showMilliseconds(timing.cpu), show(timing.cpu / timing.wall), show(1e9 * timing.cpu / points),

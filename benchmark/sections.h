@@ -1,4 +1,5 @@
-// The parts of the benchmark, one table each; every part is a file of its own that says what it measures and against which truth.
+// The parts of the benchmark, one table each. Every part is a file of its own that states what it measures and against which
+// reference.
 #pragma once
 
 #include "report.h"

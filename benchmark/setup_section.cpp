@@ -1,4 +1,4 @@
-// Part 1: what it costs to turn a cloud into a simulation, stage by stage, against a surface whose normals and area are known.
+// Part 1: time from a cloud to a simulation, stage by stage, on a surface whose normals and area are known.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/simulation/simulation.h"
 #include "sections.h"
@@ -25,7 +25,7 @@ void measureStages(Index n, PointOrder order, int threads, const Options& option
     addRow(stage.name, timing, stage.error(p), stage.error_name, stage.hash(p));
   }
 
-  // All of it, as a node that gets a cloud does it.
+  // The whole set-up, as in a node that receives a cloud.
   simulation::SceneParams scene;
   scene.simplification.target_points = p.target;
   std::unique_ptr<simulation::Simulation> built;

@@ -1,5 +1,5 @@
-// Part "simplification": what fewer simulation points cost and how wrong they are, on the scenes of run time against error with
-// the product's own choices. It is short, so that two versions can be run in turn.
+// Part "simplification": cost and error of fewer simulation points, on the scenes of run time against error with the default
+// settings. It is short, so that two versions can alternate.
 #include "accuracy_runs.h"
 #include "deformable_surface/base/parallel.h"
 #include "sections.h"

@@ -1,5 +1,5 @@
-// Part "solids": how fast an elastic solid moves, with the error beside it: the bar of 5,000 points explicitly and implicitly, by
-// one thread and by two; and what a force pass costs as neighbours become more.
+// Part "solids": speed of an elastic solid with its error: the bar of 5,000 points with explicit and implicit steps, with one and
+// two threads. And the time of a force pass against the number of neighbours.
 #include "accuracy_scenes.h"
 
 #include "deformable_surface/base/parallel.h"
@@ -112,7 +112,7 @@ Points makeCube(Index side, double jitter) {
   return points;
 }
 
-// Lattices of four points a cell, of which each has twelve nearest ones: denser neighbourhoods than a cube's.
+// Lattices of four points per cell, in which each point has twelve nearest ones: denser neighbourhoods than a cubic lattice.
 Points makeDensePacking(Index side, double jitter) {
   Points points;
   for (const Vec3& p : makeCube(2 * side, jitter)) {

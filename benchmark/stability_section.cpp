@@ -1,4 +1,4 @@
-// How many of a thousand scenes that break simulators each method takes soundly: --stability. Not part of a plain benchmark,
+// The number of a thousand difficult scenes that each method completes soundly: --stability. Not part of a plain benchmark,
 // because it takes minutes and measures no speed.
 #include "sections.h"
 
@@ -35,7 +35,7 @@ StabilityVerdict judge(const std::string& family, unsigned seed, IntegratorType 
   }
 }
 
-// A sheet without damping swings for a million steps: the energy's mean over the last tenth against the first, and its range.
+// A sheet swings without damping for a million steps: the mean energy over the last tenth against the first, and its range.
 void runLongSwing(Report& report) {
   test::StabilityCase scene = test::StabilityGenerator::make("time_step", 0);
   simulation::SceneParams& p = scene.params;

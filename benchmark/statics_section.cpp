@@ -1,4 +1,4 @@
-// Part "statics": equilibria by the static solver, beside damped stepping to the same unbalanced force with the best of several
+// Part "statics": equilibria by the static solver, and damped stepping to the same unbalanced force with the best of several
 // dampings.
 #include "accuracy_scenes.h"
 
@@ -17,7 +17,7 @@ using simulation::Simulation;
 using solve::IntegratorType;
 
 constexpr double kTolerance = 1e-6;  // unbalanced force over the largest load and internal force, as of the static solver
-constexpr double kPatience = 12.0;   // times what the static solver takes: for one damping, more than is asked of the best
+constexpr double kPatience = 12.0;   // times the static solver's time: for one damping, more than the best needs
 
 constexpr int kRuns = 3;  // of the static solver, of which the fastest counts
 constexpr double kDampings[] = {1, 2, 4, 8, 12, 16, 20, 24, 28, 32, 36, 40, 44, 48, 64, 128};  // 1/s

@@ -8,7 +8,7 @@ namespace deformable_surface::benchmark {
 
 simulation::SceneParams makeSwingingScene(solve::IntegratorType type, double time_step) {
   simulation::SceneParams scene;
-  scene.accuracy.estimate = false;  // the integrators are compared, not what watches them
+  scene.accuracy.estimate = false;  // the integrators are compared, not the error estimate
   scene.material.young_modulus = 1e6;
   scene.material.thickness = 0.001;
   scene.material.density = 200.0;

@@ -1,5 +1,5 @@
 // Part 2: the case of Table 1 of [Su 2007], a sphere of 3203 points pulled and pushed, with 85, 273 and 327 simulation points.
-// Beside the times stands how far the simplified surface comes to rest from the unsimplified one.
+// The table has the times and the distance of the simplified surface at rest from the unsimplified one.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/simulation.h"
@@ -20,7 +20,7 @@ constexpr Index kPoints = 3203;
 constexpr double kRadius = 0.5;   // m
 constexpr double kFrame = 0.01;   // s, the default step
 constexpr double kDamping = 2.5;  // 1/s: critical for the slowest mode of this scene, so that it comes to rest soonest
-constexpr double kSettled = 8.0;  // s: what is then left of any motion shows in the last speed
+constexpr double kSettled = 8.0;  // s: after this time the remaining motion shows in the last speed
 constexpr int kTransferSamples = 300;
 
 struct PublishedRow {
@@ -62,7 +62,7 @@ cloud::PointCloud makeSphere() {
   return io::makeShape(params);
 }
 
-// The surface come to rest under its loads, by damped motion, which takes less time here than Newton steps on all points.
+// The surface at rest under its loads, by damped motion, which takes less time here than Newton steps on all points.
 Points findStaticShape(SceneParams scene, const cloud::PointCloud& cloud, model::State& state, double& last_speed) {
   scene.integrator.type = IntegratorType::kVerlet;
   scene.integrator.time_step = kFrame;

@@ -1,6 +1,6 @@
-// Part 15: cost and error of an accuracy target. The sheets are those for which times at a millimetre were printed elsewhere.
-// They run with what accuracy.position_error chooses for them, and without a target. A part of its own because here the scene
-// states what it wants, not how.
+// Part 15: cost and error of an accuracy target. The sheets are those with published times at a millimetre. They run with the
+// choices of accuracy.position_error, and without a target. A part of its own because here the scene states a target, not a
+// method.
 #include "../src/simulation/dynamics.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/base/timer.h"

@@ -1,4 +1,4 @@
-// Part 3: transfer with normals as a share of what the memory allows, both measured here and now, with the error of a rigid
+// Part 3: transfer with normals as a share of the memory bandwidth, both measured in this run, with the error of a rigid
 // rotation, which must be reproduced exactly.
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/transfer/transfer.h"

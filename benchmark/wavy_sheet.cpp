@@ -17,11 +17,11 @@ namespace {
 
 constexpr double kAmplitude = 0.05;  // m: slopes up to about a third, as on scans of folded cloth
 const double kWaveNumber = 2.0 * kPi;
-constexpr double kJitter = 0.3;   // irregular, and yet no two points coincide
+constexpr double kJitter = 0.3;   // irregular, but no two points coincide
 constexpr Index kNeighbors = 16;  // the default of scenes
 constexpr Index kKeptShare = 50;
 constexpr Index kSamples = 100;  // of neighbour lists checked against all pairs
-constexpr double kBend = 0.05;   // m, amplitude of the displacement that the transfer is asked to reproduce
+constexpr double kBend = 0.05;   // m, amplitude of the displacement that the transfer must reproduce
 
 double wavyHeight(double x, double y) { return kAmplitude * std::sin(kWaveNumber * x) * std::cos(kWaveNumber * y); }
 
@@ -31,7 +31,7 @@ double sumOf(const std::vector<double>& values) { return std::accumulate(values.
 
 double areaError(const cloud::Rings& rings) { return std::abs(sumOf(rings.area) / findWavyArea() - 1.0); }
 
-// Share of sampled points whose list of neighbours differs from that found by looking at all pairs.
+// Share of sampled points whose list of neighbours differs from that of a comparison of all pairs.
 double neighborError(const Preparation& p) {
   const Points& points = p.cloud.positions;
   const Index n = p.cloud.size();
@@ -96,7 +96,7 @@ double transferError(const Preparation& p) {
   return rmsDistance(found, expected) / kBend;
 }
 
-// Also the normals that tell the sides apart, as the simulation estimates them first.
+// Also the normals that separate the sides, as the simulation estimates them first.
 void keepOverSurface(Preparation& p) {
   const Points& positions = p.cleaned.positions;
   Lists lists = p.neighbors;

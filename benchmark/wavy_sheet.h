@@ -1,5 +1,5 @@
-// A curved sheet whose normals and area are known exactly, and the stages that lead from its points to a simulation, each with
-// the error of its result. Times and memory are measured on the same stages.
+// A curved sheet whose normals and area are known exactly, and the stages from its points to a simulation, each with the error of
+// its result. Times and memory are measured on the same stages.
 #pragma once
 
 #include "deformable_surface/cloud/clean.h"

@@ -1,5 +1,5 @@
-// The benchmark over ROS: nodes as processes of their own, or a nodelet, and what a program beside them sees. The options are
-// those of scripts/benchmark_ros.
+// The benchmark over ROS: nodes in processes of their own, or a nodelet, measured from another program. The options are those of
+// scripts/benchmark_ros.
 #include "ros_parts.h"
 
 #include <algorithm>

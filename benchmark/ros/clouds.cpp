@@ -1,4 +1,4 @@
-// How many clouds a second arrive: in another process over a socket, and in the same nodelet manager without a copy.
+// Clouds received per second: in another process over a socket, and in the same nodelet manager without a copy.
 #include "ros_parts.h"
 
 #include <nodelet/loader.h>
@@ -8,7 +8,7 @@
 namespace deformable_surface::benchmark {
 namespace {
 
-// A sheet that swings for ever, so that nothing rests.
+// A sheet that swings for ever.
 std::string makeScene(int target_points, double publish_rate) {
   return "{model: mass_spring, simplification: {target_points: " + std::to_string(target_points) +
          "}, material: {young_modulus: 1.0e4}, integrator: {time_step: 0.01}, sleep: {mode: never}, "

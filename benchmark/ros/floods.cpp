@@ -1,4 +1,4 @@
-// Input that comes faster than it can be used: what becomes of the rate of the steps and of memory.
+// Input that arrives faster than it can be used: the rate of steps, and memory.
 #include "ros_parts.h"
 
 #include "deformable_surface/PointForce.h"
@@ -15,7 +15,7 @@ std::string makeScene(const std::string& policy) {
          policy + "}}";
 }
 
-// Sends from a thread of its own while it lives, period: s, 0 = as fast as it goes.
+// Publishes from a thread of its own during its lifetime. period: s, 0 = as fast as possible.
 class Flood {
  public:
   template <class Message>
@@ -42,7 +42,7 @@ class Flood {
 void measure(const std::string& what, Surface& surface, double before, const RosOptions& options, const std::string& counted,
              RosTable& table) {
   const double memory_before = readMemory(surface.id());
-  // What publish() was called with may have been dropped on its way.
+  // Messages given to publish() may have been dropped on their way.
   const double first = surface.diagnostic(counted);
   const ros::WallTime begin = ros::WallTime::now();
   const double during = surface.countSteps(options.seconds);

@@ -1,4 +1,4 @@
-// From a command to the first cloud that shows it: a force on a surface at rest, again and again, sent at odd times between its
+// Time from a command to the first cloud that shows it: a force on a surface at rest, repeated, sent at varying times between
 // steps.
 #include "ros_parts.h"
 
@@ -17,7 +17,7 @@ namespace {
 
 constexpr int kRepetitions = 100;
 constexpr double kStep = 0.01;  // s
-// The points that the force moves go far more in one step, and rounding far less.
+// The points under the force move far more in one step, and rounding far less.
 constexpr float kMoved = 1e-6f;  // m
 
 float findLargestDisplacement(const sensor_msgs::PointCloud2& cloud) {

@@ -1,5 +1,4 @@
-// What a node costs while its surface rests: its processor time beside that of a node of roscpp that does nothing, in the same
-// minute.
+// Processor time of a node with a surface at rest, compared with a roscpp node that does nothing, in the same minute.
 #include "ros_parts.h"
 
 namespace deformable_surface::benchmark {
@@ -9,7 +8,7 @@ void measureRest(const RosOptions& options, RosTable& table) {
       "{model: mass_spring, gravity: [0, 0, 0], simplification: {target_points: 400}, integrator: {time_step: 0.01}, "
       "pins: [{box: {min: [-0.51, -1, -1], max: [-0.49, 1, 1]}}]}";
   const node::test::NodeProcess idle("/idle", "", "benchmark_ros", {"--idle"});
-  // Nobody listens to the first, and programs as RViz to the second.
+  // The first has no subscribers, the second has some, such as RViz.
   ros::NodeHandle alone("/alone");
   const node::test::NodeProcess unheard("/alone", scene);
   ros::Publisher cloud = alone.advertise<sensor_msgs::PointCloud2>("cloud_in", 1);

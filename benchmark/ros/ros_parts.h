@@ -1,5 +1,5 @@
-// The parts of the benchmark over ROS, and what they share: clouds as a camera would send them, and a node with the figures that
-// it tells of itself. Every part starts its own nodes, listens to them as any other program would, and adds rows to one table.
+// The parts of the benchmark over ROS and their shared functions: clouds as from a camera, and a node with its own statistics.
+// Every part starts its own nodes, subscribes to them as any other program would, and adds rows to one table.
 #pragma once
 
 #include "report.h"
@@ -55,9 +55,9 @@ double readProcessorSeconds(pid_t process);
 double readMemory(pid_t process);
 double readPeakMemory(pid_t process);
 
-/// Lets messages in for that long.
+/// Processes messages for that long.
 void letIn(double seconds);
-/// Lets messages in until the condition holds. Throws std::runtime_error, which says what, if it does not in time.
+/// Processes messages until the condition holds. Throws std::runtime_error with the given text if it does not in time.
 void waitFor(const std::string& what, const std::function<bool()>& condition, double seconds = 120.0);
 
 /// A node with a surface, and the last of its ~statistics.
@@ -72,7 +72,7 @@ class Surface {
   /// A count of its diagnostics; 0 before the first.
   double diagnostic(const std::string& key) const;
   ros::Publisher& cloud() { return cloud_; }
-  /// Steps per second of wall time while messages are let in for that long.
+  /// Steps per second of wall time while messages are processed for that long.
   double countSteps(double seconds);
 
  private:

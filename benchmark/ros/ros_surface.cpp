@@ -1,4 +1,4 @@
-// What the parts share (ros_parts.h).
+// Shared functions of the parts (ros_parts.h).
 #include "ros_parts.h"
 
 #include <diagnostic_msgs/DiagnosticArray.h>
@@ -76,7 +76,7 @@ void waitFor(const std::string& what, const std::function<bool()>& condition, do
 Surface::Surface(const std::string& name, const std::string& scene, const sensor_msgs::PointCloud2& cloud)
     : process_(name, scene), handle_(name) {
   cloud_ = handle_.advertise<sensor_msgs::PointCloud2>("cloud_in", 1);
-  // A surface that takes the place of another begins at step 0.
+  // A surface that replaces another begins at step 0.
   statistics_subscriber_ = handle_.subscribe<Statistics>("statistics", 1000, [this](const StatisticsConstPtr& m) {
     steps_ += m->step >= statistics_.step ? m->step - statistics_.step : m->step;
     statistics_ = *m;

@@ -1,4 +1,4 @@
-// How often a haptic device is told what its tool feels, and how evenly.
+// Rate and regularity of contact wrenches for a haptic device.
 #include "ros_parts.h"
 
 #include "deformable_surface/ToolArray.h"
