@@ -93,6 +93,8 @@ int run(int argc, char** argv) {
       options.first_scene = std::atoi(argv[++i]);
       options.num_scenes = std::atoi(argv[++i]);
       if (options.first_scene < 0 || options.num_scenes < 1) return fail("--scenes: accepted: a seed and a count");
+    } else if (argument == "--varied") {
+      options.varied = true;
     } else if (argument == "--scene" && i + 1 < argc) {
       options.scene = argv[++i];
     } else if ((argument == "--output" || argument == "--commit" || argument == "--only") && i + 1 < argc) {
@@ -104,8 +106,8 @@ int run(int argc, char** argv) {
       return fail(
           "found '" + argument +
           "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --targets, --geodesics, --camera, --accuracy, "
-          "--simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --stability, --only PART, "
-          "--output FOLDER, --commit TEXT");
+          "--simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --varied, --stability, "
+          "--only PART, --output FOLDER, --commit TEXT");
     }
   }
   for (const std::string& name : wanted)

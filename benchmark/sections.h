@@ -13,6 +13,7 @@ struct Options {
   std::string scene;         // accuracy, simplification, camera, physics: those whose names begin so; empty = all
   Index first_scene = 4000;  // calibration: seeds of the scenes, by default those that the method was not tuned on
   Index num_scenes = 240;
+  bool varied = false;  // calibration: of the families of test/support/varied_scene.h
 };
 
 void runSetupSection(const Options& options, Report& report);

@@ -15,12 +15,22 @@ constexpr double kMostKept = 2e6;  // points whose positions are kept of a probe
 constexpr double kNewtonFactor = 3.8, kNewtonExponent = 0.8;
 constexpr double kQuasiNewtonWork = 3.0;  // of an iteration, in passes of forces: 0.06 ms beside 0.02 with 400 points
 
+// All trials together may take this share of the work of running all points once.
+constexpr double kShareOfWhole = 1.0 / 3.0;
+// A trial ends when it has taken more than this, about ten seconds of one core, and more than all trials before it.
+constexpr double kMostWork = 1e8;
+
 }  // namespace
+
+double WorkBudget::left() const {
+  const double all = std::max(free_, kShareOfWhole * whole_) - spent_;
+  return std::max(0.0, std::min(all, std::max(kMostWork, spent_)));
+}
 
 double newtonWork(Index points) { return kNewtonFactor * std::pow(points, kNewtonExponent); }
 
 Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double target,
-                 const Probe* beside, double most_work) {
+                 const Probe* beside, const ProbeLimits& limits) {
   Probe probe;
   probe.candidate = tried;
   SceneParams quiet = params;
@@ -46,7 +56,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
       probe.looks.push_back(positions);
     }
     if (beside) probe.apart.push_back(apart);
-    const double error = outcome.ok ? trial.error() + apart : std::numeric_limits<double>::infinity();
+    const double error = outcome.ok ? trial.bound() + apart : std::numeric_limits<double>::infinity();
     if (error > probe.candidate.error) probe.time_error = trial.timeError();
     probe.candidate.error = std::max(probe.candidate.error, error);
     probe.candidate.may_buckle = trial.estimator()->mayBuckle();
@@ -56,13 +66,17 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     if (taken.iterations > 0) ++implicit_steps;
     probe.is_implicit = 2 * implicit_steps > k;
     probe.spent = probe.candidate.work;
-    if (probe.candidate.error <= target && probe.candidate.work <= most_work) continue;
-    probe.is_cut = probe.candidate.error <= target;
+    probe.failed = probe.candidate.error > target;
+    const bool is_hopeless = probe.candidate.error > std::max(target, limits.hopeless);
+    if (!is_hopeless && probe.candidate.work <= limits.most_work) continue;
+    if (k == steps && !is_hopeless) break;
+    probe.is_cut = !probe.failed;
     // The cost of the full duration is still reported.
     probe.candidate.work *= static_cast<double>(steps) / k;
     probe.failed = true;
     return probe;
   }
+  probe.is_whole = true;
   return probe;
 }
 

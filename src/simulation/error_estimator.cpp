@@ -297,14 +297,14 @@ std::string ErrorEstimator::followStep(const Dynamics& level) {
   seen_.may_buckle = seen_.may_buckle || seen_.is_chaotic;
   if (!seen_.has_dented && buckling == Buckling::kLikely) {
     seen_.has_dented = true;
-    return "the error cannot be estimated until the next reset: compressed, or loaded by a force, as the surface is, it may "
+    return "error_estimate is no bound until the next reset: compressed, or loaded by a force, as the surface is, it may "
            "buckle in dents too short for its points to show";
   }
   if (!seen_.is_chaotic && seen_.is_halved && !was_halved)
     return "error_time is estimated against steps half as long from now on, not against Verlet's, which would need more than "
            "integrator.max_substeps";
   if (!seen_.is_chaotic || was_chaotic) return "";
-  return "the error cannot be estimated: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
+  return "error_estimate is no bound: two runs on fewer points that began " + std::to_string(1e3 * disturbance_) +
          " mm apart are " + std::to_string(1e3 * seen_.twin_distance) + " mm apart, as where a surface buckles or crumples";
 }
 
@@ -314,11 +314,12 @@ std::string ErrorEstimator::learnSecondSearch(double distance) {
   seen_.has_searched = true;
   seen_.has_others = distance > kChaoticDistance * level_spacing_;
   if (!seen_.has_others) return "";
+  seen_.others = distance;
   seen_.may_buckle = true;
   const std::string end =
       std::isfinite(distance) ? "ended " + std::to_string(1e3 * distance) + " mm away" : "found no equilibrium";
-  return "the error cannot be estimated until the next reset: a search from positions " +
-         std::to_string(1e3 * searchDisturbance()) + " mm away " + end + ", as where a surface has more than one";
+  return "error_estimate is no bound until the next reset: a search from positions " + std::to_string(1e3 * searchDisturbance()) +
+         " mm away " + end + ", as where a surface has more than one";
 }
 
 // Beside a damping method Verlet's error is negligible, and the method's own is proportional to its sub-steps. If Verlet does
@@ -338,10 +339,18 @@ double ErrorEstimator::measureTime(IntegratorType type) const {
   return kVerletFactor * findLargestDistance(shadow, twin_->state().positions) / (1.0 / (coarse * coarse) - 1.0 / (fine * fine));
 }
 
-double ErrorEstimator::total() const {
-  const bool is_unknown = seen_.is_lost || seen_.is_chaotic || seen_.has_dented || seen_.has_others || seen_.is_unbalanced;
-  if (is_unknown || has_hinged_pins_) return std::numeric_limits<double>::infinity();
-  return seen_.space + seen_.transfer + seen_.time;
+bool ErrorEstimator::isBounded() const {
+  return !(seen_.is_lost || has_hinged_pins_ || seen_.is_chaotic || seen_.has_dented || seen_.has_others || seen_.is_unbalanced);
 }
+
+// Copies that share what is wrong with the simulation say nothing: pins that hinge in both, and a search of all points that ended
+// out of balance, which no copy is compared with.
+double ErrorEstimator::total() const {
+  const bool is_unknown = seen_.is_lost || has_hinged_pins_ || (seen_.is_unbalanced && !is_simplified_ && !is_body_);
+  if (is_unknown) return std::numeric_limits<double>::infinity();
+  return seen_.space + seen_.transfer + seen_.time + seen_.others;
+}
+
+double ErrorEstimator::bound() const { return isBounded() ? total() : std::numeric_limits<double>::infinity(); }
 
 }  // namespace deformable_surface::simulation

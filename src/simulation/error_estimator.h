@@ -48,9 +48,9 @@ class ErrorEstimator {
   /// The level has a state that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
-  /// Follows a step that the level has taken. Allocates nothing after the first. Returns a sentence when the estimate becomes
-  /// impossible; else an empty one. Throws Interrupted if the level's interrupt is true at the end: the step then counts as not
-  /// followed.
+  /// Follows a step that the level has taken. Allocates nothing after the first. Returns a sentence when the estimate ceases to
+  /// be a bound, or to exist; else an empty one. Throws Interrupted if the level's interrupt is true at the end: the step then
+  /// counts as not followed.
   std::string follow(const Dynamics& level);
 
   /// Whether the next equilibrium, the first since the last reset or set state, should be searched for twice: copies of fewer
@@ -71,8 +71,13 @@ class ErrorEstimator {
   bool isCalibrated() const { return is_calibrated_; }
   /// Whether the surface may have buckled since the last reset or set state where its points do not show it.
   bool mayBuckle() const { return seen_.may_buckle; }
-  /// Their sum, m; infinite where there is no bound, see docs/accuracy_control.md.
+  /// What they are calibrated for is not the case: small differences grow, or the last step ended out of balance. The estimate is
+  /// then the difference between copies and no bound of the error. See docs/accuracy_control.md.
+  bool isBounded() const;
+  /// Their sum, m; infinite where nothing can be said.
   double total() const;
+  /// The same where it is meant to bound the error, else infinite. For targets.
+  double bound() const;
 
  private:
   template <class Visit>
@@ -91,6 +96,7 @@ class ErrorEstimator {
     bool may_buckle = false;                        // chaotic, dented or with others, or nearly so, at any time
     bool is_unbalanced = false;                     // the last equilibrium is none
     bool has_searched = false, has_others = false;  // twice for the first equilibrium; and found more than one
+    double others = 0.0;                            // m, how far away the other one is; infinite: it was not found
   };
 
   std::string followStep(const Dynamics& level);

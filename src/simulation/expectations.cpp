@@ -23,8 +23,11 @@ std::optional<double> findStatistic(const std::string& name, const Statistics& s
       if (field == name && name != "state_hash") found = static_cast<double>(value);
     }
   });
-  // No buckling was watched.
-  if (name == "may_buckle" && std::isnan(statistics.error_estimate)) found = statistics.error_estimate;
+  // A bound is expected, and none can be given.
+  if (name == "error_estimate" && *found >= 0.0 && !statistics.error_bounded) found = std::numeric_limits<double>::infinity();
+  // Nothing was watched.
+  if ((name == "may_buckle" || name == "error_bounded") && std::isnan(statistics.error_estimate))
+    found = statistics.error_estimate;
   return found;
 }
 

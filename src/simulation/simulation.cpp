@@ -118,7 +118,7 @@ void Simulation::Impl::finishStep(EstimatedDynamics::Outcome& taken) {
   surface.resample(dynamics().state());
   if (!run.estimator()) return;
   // The target was met in the trial but is missed now; reported once.
-  const double target = dynamics().params().accuracy.position_error, error = run.estimator()->total() + softening;
+  const double target = dynamics().params().accuracy.position_error, error = run.estimator()->bound() + softening;
   if (!(target > 0.0 && choice.is_met && error > target && std::isfinite(error)) || is_target_missed) return;
   appendNotice(taken.notice, "the estimated error, " + formatReal(error) + " m, has grown beyond accuracy.position_error, " +
                                  formatReal(target) + " m");

@@ -57,6 +57,7 @@ void Simulation::Impl::readEstimate(Statistics& into) const {
   into.error_transfer = estimator->transfer();
   into.error_stiffness = softening;
   into.error_calibrated = estimator->isCalibrated();
+  into.error_bounded = estimator->isBounded();
   into.may_buckle = estimator->mayBuckle();
   into.error_estimate = estimator->total() + softening + dynamics().activity().lost();
 }

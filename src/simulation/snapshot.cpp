@@ -14,6 +14,7 @@ std::uint64_t Simulation::Impl::identify(const RestSurface& rest, const ScenePar
   scene.cloud = CloudParams();
   scene.duration = SceneParams().duration;
   scene.threads = 0;
+  scene.accuracy.remember = AccuracyParams().remember;
   scene.save_directory.clear();
   scene.expect.clear();
   std::uint64_t h = kHashBegin;

@@ -28,7 +28,7 @@ double tryOut(const SceneParams& scene, const cloud::PointCloud& cloud, Index po
   return error;
 }
 
-// The same for a run, up to the first infinite estimate, where a trial ends.
+// The same for a run, up to the first estimate that is no bound, where a trial ends.
 double runWith(SceneParams scene, const cloud::PointCloud& cloud, Index points) {
   scene.simplification = cloud::SimplificationParams();
   if (points < cloud.size()) {
@@ -40,7 +40,8 @@ double runWith(SceneParams scene, const cloud::PointCloud& cloud, Index points) 
   double error = 0.0;
   const int steps = static_cast<int>(std::lround(scene.duration / scene.integrator.time_step));
   for (int k = 0; k < steps && std::isfinite(error); ++k)
-    error = std::max(error, s.step().ok ? s.statistics().error_estimate : std::numeric_limits<double>::infinity());
+    error = std::max(error, s.step().ok && s.statistics().error_bounded ? s.statistics().error_estimate
+                                                                        : std::numeric_limits<double>::infinity());
   return error;
 }
 

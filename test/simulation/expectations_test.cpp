@@ -212,6 +212,24 @@ TEST(Expectations, MeasureTheVolumeOfClosedSurfacesOnly) {
   EXPECT_GT(computeQuantity("volume_ratio", blown), 1.01);
 }
 
+TEST(Expectations, OfAnErrorNeedABoundAndNotOnlyANumber) {
+  SceneParams params = makeFallingSheet();
+  PinParams pin;
+  pin.region.min = Vec3(-1.0, -1.0, -1.0);
+  pin.region.max = Vec3(-0.3, 1.0, 1.0);
+  params.pins.push_back(pin);
+  params.integrator.type = solve::IntegratorType::kStatic;
+  params.integrator.max_iterations = 1;  // which ends out of balance
+  params.expect = {{"error_estimate", 0.0, 1e6}, {"error_bounded", 0.0, 0.0}};
+  Simulation sheet = runSteps(params, 1);
+  EXPECT_TRUE(std::isfinite(sheet.statistics().error_estimate));
+  const std::vector<std::string> violations = checkExpectations(sheet);
+  ASSERT_EQ(violations.size(), 1u);
+  EXPECT_NE(violations[0].find("expect.error_estimate: found .inf"), std::string::npos) << violations[0];
+  params.accuracy.estimate = false;
+  EXPECT_TRUE(std::isnan(computeQuantity("error_bounded", sheet = runSteps(params, 1))));
+}
+
 TEST(Expectations, SkipHolesInTheCloud) {
   const SceneParams params = makeFallingSheet();
   cloud::PointCloud cloud = io::makeShape(params.cloud);

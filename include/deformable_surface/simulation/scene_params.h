@@ -56,6 +56,7 @@ struct AccuracyParams {
   double position_error = 0.0;  // m, >= 0; 0 = not controlled
   double step_budget = 0.0;     // s of wall time per step, >= 0; 0 = not controlled
   bool estimate = true;         // estimate the error in every step
+  bool remember = true;         // what trials for a position_error chose, on disk
 };
 
 /// Holds the points whose rest position lies in the region.
@@ -270,6 +271,9 @@ inline void visit(Fields& fields, AccuracyParams& p) {
   fields.flag("estimate", p.estimate,
               "estimate the error in every step, with coarser copies of the simulation. Trials for a position_error always "
               "estimate it");
+  fields.flag("remember", p.remember,
+              "keep what a position_error has chosen in a folder (docs/accuracy_control.md), so that the next run of the same "
+              "scene needs no trials. It chooses the same");
 }
 
 /// Why an accuracy target cannot choose the number of simulation points: the keys that state it, and the remedy. Empty if it can.

@@ -16,13 +16,14 @@ struct Statistics {
   double kinetic_energy = 0.0, elastic_energy = 0.0, potential_energy = 0.0;  // J
   double max_stretch = 0.0;                                                   // |l / l0 - 1|
   double max_speed = 0.0;                                                     // m/s
-  // m; NaN without an estimate; the sum is infinite where small differences grow so much that no estimate is possible
+  // m; NaN without an estimate; the sum is infinite where nothing can be said
   double error_estimate = std::numeric_limits<double>::quiet_NaN();
   double error_time = std::numeric_limits<double>::quiet_NaN();
   double error_space = std::numeric_limits<double>::quiet_NaN();
   double error_transfer = std::numeric_limits<double>::quiet_NaN();
   double error_stiffness = std::numeric_limits<double>::quiet_NaN();
   bool error_calibrated = false;  // the numbers of points are such that the estimate was found to cover the error
+  bool error_bounded = false;     // the estimate is meant as a bound; if not, small differences may grow beyond it
   bool may_buckle = false;        // where the points do not show it, by the error estimate
   bool has_snapped = false;       // see Simulation::hasSnapped()
   std::uint32_t substeps = 0, solver_iterations = 0;
@@ -62,6 +63,7 @@ void visitFields(const Statistics& s, Visitor&& visitor) {
   visitor("error_transfer", s.error_transfer);
   visitor("error_stiffness", s.error_stiffness);
   visitor("error_calibrated", s.error_calibrated);
+  visitor("error_bounded", s.error_bounded);
   visitor("may_buckle", s.may_buckle);
   visitor("has_snapped", s.has_snapped);
   visitor("substeps", s.substeps);

@@ -42,6 +42,7 @@ void encodeStatistics(const simulation::Statistics& statistics, const CloudId& c
   message.error_transfer = statistics.error_transfer;
   message.error_stiffness = statistics.error_stiffness;
   message.error_calibrated = statistics.error_calibrated;
+  message.error_bounded = statistics.error_bounded;
   message.may_buckle = statistics.may_buckle;
   message.has_snapped = statistics.has_snapped;
   message.substeps = statistics.substeps;

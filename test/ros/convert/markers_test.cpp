@@ -235,12 +235,16 @@ TEST(Markers, TellWhatTheLastStepDid) {
   EXPECT_NE(marker.text.find("300 of 4000 points"), std::string::npos) << marker.text;
   EXPECT_EQ(marker.text.find("error"), std::string::npos) << marker.text;  // there is no estimate
   statistics.error_estimate = 0.002;
+  statistics.error_bounded = true;
   const std::string calm = makeStatisticsMarker(makeHeader(), statistics, makePlace()).text;
   EXPECT_NE(calm.find("error 2.00 mm"), std::string::npos) << calm;
   EXPECT_EQ(calm.find("buckle"), std::string::npos) << calm;
   statistics.may_buckle = true;
   const std::string pressed = makeStatisticsMarker(makeHeader(), statistics, makePlace()).text;
   EXPECT_NE(pressed.find("error 2.00 mm, may buckle"), std::string::npos) << pressed;
+  statistics.error_bounded = false;
+  const std::string dented = makeStatisticsMarker(makeHeader(), statistics, makePlace()).text;
+  EXPECT_NE(dented.find("error 2.00 mm or more, may buckle"), std::string::npos) << dented;
 }
 
 TEST(Markers, ExplainTheColoursInThem) {
