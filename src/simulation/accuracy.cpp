@@ -1,5 +1,6 @@
 #include "accuracy.h"
 
+#include "accuracy_memory.h"
 #include "accuracy_probe.h"
 #include "deformable_surface/base/timer.h"
 #include "deformable_surface/base/value.h"
@@ -17,136 +18,244 @@ namespace {
 using Candidate = AccuracyChoice::Candidate;
 using solve::IntegratorType;
 
-// Each membrane that is tried has this share of the stiffness of the one before, so that its steps take half as many
-// sub-steps.
+// The first membrane that is tried has this share of the stated stiffness, so that its steps take half as many sub-steps.
 constexpr double kSofter = 0.25;
+constexpr double kSoftest = 1.0 / 4096.0;
 constexpr double kWorthwhile = 0.9;  // of the work: a softer membrane must save this, else bending or loads set the sub-steps
-// Points times sub-steps of a probe, about ten seconds of one core. A finer probe is not begun if it would take more than this
-// and more than all probes before it.
-constexpr double kMostWork = 1e8;
-// For clouds of up to this many points, all points are tried after the smallest number, for two seconds at most. That replaces
-// guesses.
-constexpr Index kSmall = 8 * kFewestTried;
-constexpr double kMostWorkOfSmall = 2e7;
+
+// Points times sub-steps that trials may always take, about a twentieth of a second of one core.
+constexpr double kFreeWork = 1e6;
+// The same for clouds so small that nothing but all points is tried. What they save by a softer membrane or another integrator
+// counts in later runs.
+constexpr double kFreeWorkOfSmall = 2e7;
+constexpr double kMostFirst = 1e8;  // of the first trial, before anything is known
+// A choice that was not tried is of all points if these take no more than this in all, about two minutes of one core.
+constexpr double kMostUntried = 1e9;
+// More points than this share are not tried: the run would hardly cost less than one of all points, and the estimate is not
+// calibrated there.
+constexpr double kMostShare = 0.45;
+
+// How the estimate falls with the number of points, estimate ~ points^-rate: as expected of one trial, and as far as it may be
+// believed of two. The spacing h goes with points^-1/2; errors go with h^1 to h^2, mostly.
+constexpr double kRate = 0.75, kLeastRate = 0.4, kLargestRate = 1.25;
+constexpr double kAim = 0.7;          // of the target, so that the next trial probably meets it
+constexpr double kLeastGrowth = 1.5;  // of the number of points from trial to trial
+constexpr Index kBlindGrowth = 4;     // where a trial had no bound
+
 // Cost of an explicit step by the number of points: the sub-steps grow with its root.
 constexpr double kCostExponent = 1.5;
+// The same beside tools, where contact sets the sub-steps: measured were 1.1 (530 to 1189 points of a gutter that a ball pushes).
+constexpr double kCostExponentOfTools = 1.0;
 constexpr int kTimedSteps = 5;  // of which the fastest counts: other work on the machine only makes steps slower
 constexpr int kSettled = 25;    // steps of a probe that fits: the last ones are of a moving surface, whose sub-steps are finer
 
 std::string sayPoints(Index points, Index of) { return std::to_string(points) + " of " + std::to_string(of) + " points"; }
 
-// The softest membrane whose estimate stays below the target, and the distance of its probe from the one with the stated
-// stiffness.
-void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, AccuracyChoice& choice) {
+// A softer membrane whose estimate stays below the target, and the distance of its probe from the one with the stated
+// stiffness. What stretches more by a softer membrane does so in inverse proportion to the stiffness: the first trial tells how
+// soft the second may be.
+void chooseMembrane(const SceneParams& params, const RestSurface& full, const Probe& stated, WorkBudget& budget,
+                    AccuracyChoice& choice) {
+  const double target = params.accuracy.position_error;
+  double apart = 0.0;  // m, of the last trial
   const auto isBetter = [&](double share) {
     Candidate tried = stated.candidate;
     tried.error = tried.work = 0.0;
     tried.membrane_share = share;
-    Probe probe = probeError(params, full, tried, params.accuracy.position_error, &stated);
+    if (stated.candidate.work * std::sqrt(share) > budget.left()) return false;
+    Probe probe = probeError(params, full, tried, target, &stated, {budget.left()});
+    budget.spend(probe.spent);
     choice.candidates.push_back(probe.candidate);
+    apart = probe.apart.empty() ? 0.0 : probe.apart.back();
     if (probe.failed || !(probe.candidate.work < kWorthwhile * choice.work)) return false;
     choice.take(probe.candidate);
     choice.softening = std::move(probe.apart);
     return true;
   };
-  double share = kSofter;
-  while (isBetter(share)) share *= kSofter;
-  isBetter(share / std::sqrt(kSofter));  // half way back
+  if (!isBetter(kSofter)) {
+    if (apart > 0.0) isBetter(std::sqrt(kSofter));  // half way back
+    return;
+  }
+  const double room = kAim * (target - stated.candidate.error), each = apart / (1.0 / kSofter - 1.0);
+  const double softest = std::max(kSoftest, each > 0.0 ? each / (each + std::max(0.0, room)) : kSoftest);
+  if (softest < kWorthwhile * kWorthwhile * kSofter && !isBetter(softest)) isBetter(std::sqrt(softest * kSofter));
 }
 
-// Trials of increasing numbers of points.
-class Ladder {
- public:
-  Ladder(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice)
-      : params_(params), full_(full), choice_(choice), n_(static_cast<Index>(full.dense.positions.size())) {}
-
-  Index size() const { return n_; }
-
-  /// Whether a trial of so many points is affordable after this one, by an extrapolation. For an equilibrium the first step costs
-  /// the most; else every step costs about the same.
-  bool canAfford(Index points, const Probe& last) {
-    if (n_ <= kSmall && points < n_ && !has_tried_all_) tryAll();
-    if (points == n_ && is_all_known_) return true;
-    const double work = isStatic() ? last.spent : last.candidate.work;
-    return work * std::pow(static_cast<double>(points) / last.candidate.points, kCostExponent) <= grant();
+// The number of points whose estimate is expected at the target, by trials of fewer: not finite without a bound.
+double predictPoints(const std::vector<Probe>& trials, double target) {
+  const Candidate& last = trials.back().candidate;
+  if (!std::isfinite(last.error)) return std::numeric_limits<double>::infinity();
+  double rate = kRate;
+  if (trials.size() > 1) {
+    const Candidate& before = trials[trials.size() - 2].candidate;
+    const double found = std::log(before.error / last.error) / std::log(static_cast<double>(last.points) / before.points);
+    if (std::isfinite(found)) rate = std::min(kLargestRate, std::max(kLeastRate, found));
   }
+  return last.points * std::max(kLeastGrowth, std::pow(last.error / target, 1.0 / rate));
+}
 
-  /// A trial of so many points. A trial of an equilibrium ends when it is no longer affordable.
-  Probe take(Index points) {
-    if (points == n_ && is_all_known_) return std::move(all_);
-    return attempt(points, isStatic() ? grant() : std::numeric_limits<double>::infinity());
+// The fewest points whose estimate stays below the target, as far as trials pay.
+class ChoiceByError {
+ public:
+  ChoiceByError(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice)
+      : params_(params),
+        full_(full),
+        choice_(choice),
+        n_(static_cast<Index>(full.dense.positions.size())),
+        target_(params.accuracy.position_error),
+        most_(static_cast<Index>(kMostShare * n_)),
+        budget_(isSmall() ? kFreeWorkOfSmall : kFreeWork) {}
+
+  Index choose() {
+    asked_ = "accuracy.position_error " + formatReal(target_) + " m: ";
+    if (isSmall()) {
+      chooseAll();
+    } else {
+      Index points = kFewestTried;
+      while (!isMetBy(points)) {
+        const Index next = findNext();
+        if (next == 0) {
+          chooseUntried();
+          break;
+        }
+        points = next;
+      }
+    }
+    if (choice_.may_buckle) choice_.sentence += "; it may buckle, so that another run may end elsewhere";
+    return choice_.points;
   }
 
  private:
+  // The fewest points that are tried are nearly all of them.
+  bool isSmall() const { return most_ < kFewestTried; }
   bool isStatic() const { return params_.integrator.type == IntegratorType::kStatic; }
-  double grant() const { return std::max(kMostWork, spent_); }
-
-  void tryAll() {
-    has_tried_all_ = true;
-    Probe probe = attempt(n_, kMostWorkOfSmall);
-    is_all_known_ = !probe.is_cut;
-    if (is_all_known_) all_ = std::move(probe);
-  }
 
   Probe attempt(Index points, double most_work) {
     Candidate tried;
     tried.points = points;
     tried.integrator = params_.integrator.type;
-    Probe probe = probeError(params_, full_, tried, params_.accuracy.position_error, nullptr, most_work);
+    // Even if it falls as fast as errors do, an estimate above this is not below the target with the most points to try.
+    const double hopeless = target_ * std::pow(std::max(1.0, static_cast<double>(most_) / points), kLargestRate);
+    Probe probe = probeError(params_, full_, tried, target_, nullptr, {most_work, hopeless});
+    budget_.spend(probe.spent);
     choice_.candidates.push_back(probe.candidate);
-    spent_ += probe.spent;
+    if (!probe.is_cut) budget_.learnWhole(expectWork(probe, n_));
     return probe;
   }
+
+  double costExponent() const { return params_.tools.empty() ? kCostExponent : kCostExponentOfTools; }
+
+  // Of so many points, by a trial of fewer. An equilibrium costs the most in its first step.
+  double expectWork(const Probe& by, double points) const {
+    const double work = isStatic() && !by.is_whole ? by.spent : by.candidate.work;
+    return work * std::pow(points / by.candidate.points, costExponent());
+  }
+
+  // A trial; what meets the target is chosen, and improved.
+  bool isMetBy(Index points) {
+    trials_.push_back(attempt(points, trials_.empty() ? kMostFirst : budget_.left()));
+    return takeIfMet(trials_.back());
+  }
+
+  bool takeIfMet(Probe& probe) {
+    if (probe.failed && !probe.is_cut && mayChooseIntegrator(params_)) tryVerlet(params_, full_, budget_, probe, choice_);
+    if (probe.failed) return false;
+    choice_.take(probe.candidate);
+    choice_.is_met = true;
+    if (findModel(params_.model).maySoften(params_)) chooseMembrane(params_, full_, probe, budget_, choice_);
+    if (mayChooseIntegrator(params_)) chooseIntegrator(params_, full_, budget_, probe, choice_);
+    choice_.sentence = asked_ + sayPoints(choice_.points, n_) +
+                       (choice_.points < n_ ? " simulated, the fewest tried whose" : " simulated, whose") +
+                       " estimated error over " + formatReal(params_.duration) + " s stays below it (" + sayEstimate() + ")";
+    if (choice_.membrane_share < 1.0)
+      choice_.sentence += ", with " + formatReal(choice_.membrane_share) +
+                          " of the stated membrane stiffness, for which that holds, too (sub-steps are fewer)";
+    if (!choice_.why_integrator.empty()) choice_.sentence += "; " + choice_.why_integrator;
+    return true;
+  }
+
+  // The next number to try; 0: none pays.
+  Index findNext() const {
+    const Probe& last = trials_.back();
+    if (last.is_cut || last.candidate.points >= most_) return 0;
+    // An estimate that was given up while it grew is larger than it was found.
+    if (!last.is_whole && std::isfinite(last.candidate.error)) return 0;
+    const double affordable = std::pow(budget_.left() / expectWork(last, last.candidate.points), 1.0 / costExponent());
+    const double largest = std::min(static_cast<double>(most_), affordable * last.candidate.points);
+    double next = predictPoints(trials_, target_);
+    if (std::isfinite(next) && next <= largest) {
+      next = std::min(largest, predictPoints(trials_, kAim * target_));
+    } else if (!std::isfinite(next)) {
+      // Where a bound ends before points are close enough, nothing tells how close that is.
+      next = static_cast<double>(kBlindGrowth) * last.candidate.points;
+    }
+    return next <= largest ? static_cast<Index>(next) : 0;
+  }
+
+  // All points, tried if that costs next to nothing.
+  void chooseAll() {
+    Probe probe = attempt(n_, budget_.left());
+    if (takeIfMet(probe)) return;
+    trials_.push_back(std::move(probe));
+    takeUntried(n_);
+  }
+
+  // More points than were tried.
+  void chooseUntried() {
+    const bool is_known = isStatic() || budget_.whole() > budget_.left();  // what a trial of all points would find, or too dear
+    if (!is_known) {
+      chooseAll();
+    } else if (budget_.whole() <= kMostUntried) {
+      takeUntried(n_);
+    } else {
+      const double expected = predictPoints(trials_, kAim * target_);
+      takeUntried(expected < n_ ? static_cast<Index>(expected) : std::isfinite(expected) ? n_ : trials_.back().candidate.points);
+    }
+  }
+
+  // With all points there is no error but that of the steps, which the trials of fewer know: their steps are longer.
+  void takeUntried(Index points) {
+    const Probe& last = trials_.back();
+    const bool is_all = points == n_, was_tried = is_all && last.candidate.points == n_;
+    const bool is_steps_known = isStatic() || (std::isfinite(last.candidate.error) && !last.is_implicit);
+    choice_.take(last.candidate);
+    choice_.points = points;
+    choice_.integrator = params_.integrator.type;
+    choice_.work = last.candidate.work * std::pow(static_cast<double>(points) / last.candidate.points, costExponent());
+    if (is_all && !(was_tried && !last.is_cut)) choice_.error = isStatic() ? 0.0 : last.time_error;
+    choice_.is_met = is_all ? is_steps_known && choice_.error <= target_ : false;
+    if (was_tried && !last.is_cut) choice_.is_met = false;
+    if (choice_.is_met) {
+      choice_.sentence = asked_ + "all " + std::to_string(n_) +
+                         " points simulated, as trials of fewer that meet it would cost more than they save; the error of the "
+                         "steps is estimated at " +
+                         formatShort(choice_.error) + " m";
+    } else if (is_all) {
+      choice_.sentence = asked_ +
+                         "cannot be met for certain even with every point simulated, which is chosen; the estimated error was " +
+                         sayEstimate() + " where the trial of " + std::to_string(last.candidate.points) + " points ended";
+    } else if (points == last.candidate.points) {
+      choice_.sentence = asked_ + "not met by " + sayPoints(points, n_) +
+                         ", the most whose trial is affordable, which are chosen; its estimated error was " + sayEstimate() +
+                         " where the trial ended";
+    } else {
+      choice_.sentence = asked_ + sayPoints(points, n_) + " simulated, as many as it probably takes by trials of up to " +
+                         std::to_string(last.candidate.points) + " points; no trial of as many is affordable";
+    }
+  }
+
+  std::string sayEstimate() const { return std::isfinite(choice_.error) ? formatShort(choice_.error) + " m" : "not bounded"; }
 
   const SceneParams& params_;
   const RestSurface& full_;
   AccuracyChoice& choice_;
   const Index n_;
-  bool has_tried_all_ = false, is_all_known_ = false;
-  Probe all_;           // of all points, if it is known already
-  double spent_ = 0.0;  // work of all trials so far
+  const double target_;  // m
+  const Index most_;     // to try, except all
+  WorkBudget budget_;
+  std::string asked_;
+  std::vector<Probe> trials_;
 };
-
-// The fewest points whose estimate stays below the target.
-Index chooseByError(const SceneParams& params, const RestSurface& full, AccuracyChoice& choice) {
-  Ladder ladder(params, full, choice);
-  const Index n = ladder.size();
-  const double target = params.accuracy.position_error;
-  const std::string asked = "accuracy.position_error " + formatReal(target) + " m: ";
-  for (Index points = std::min(kFewestTried, n);; points = std::min(2 * points, n)) {
-    Probe probe = ladder.take(points);
-    const bool is_affordable = !probe.is_cut || points == kFewestTried;
-    if (is_affordable) {
-      if (probe.failed && mayChooseIntegrator(params)) tryVerlet(params, full, probe, choice);
-      choice.take(probe.candidate);
-      choice.is_met = !probe.failed;
-      if (choice.is_met && findModel(params.model).maySoften(params)) chooseMembrane(params, full, probe, choice);
-      if (choice.is_met && mayChooseIntegrator(params)) chooseIntegrator(params, full, probe, choice);
-    }
-    const std::string estimate = std::isfinite(choice.error) ? formatShort(choice.error) + " m" : "infinite";
-    if (choice.is_met) {
-      choice.sentence = asked + sayPoints(points, n) + " simulated, the fewest tried whose estimated error over " +
-                        formatReal(params.duration) + " s stays below it (" + estimate + ")";
-      if (choice.membrane_share < 1.0)
-        choice.sentence += ", with " + formatReal(choice.membrane_share) +
-                           " of the stated membrane stiffness, the least tried for which that holds (sub-steps are fewer)";
-      if (!choice.why_integrator.empty()) choice.sentence += "; " + choice.why_integrator;
-      break;
-    }
-    const std::string reached = "; its estimated error was " + estimate + " where the trial ended";
-    if (is_affordable && points == n) {
-      choice.sentence = asked + "cannot be met even with every point simulated, which is chosen" + reached;
-      break;
-    }
-    if (!is_affordable || !ladder.canAfford(std::min(2 * points, n), probe)) {
-      choice.sentence = asked + "not met by " + sayPoints(choice.points, n) +
-                        ", the most whose trial is affordable, which are chosen" + reached;
-      break;
-    }
-  }
-  if (choice.may_buckle) choice.sentence += "; it may buckle, so that another run may end elsewhere";
-  return choice.points;
-}
 
 // Time of a step of the probe, s; taken: the integrator used.
 double timeProbe(const SceneParams& params, const RestSurface& full, Index points, IntegratorType type, IntegratorType& taken) {
@@ -237,10 +346,19 @@ RestSurface buildChosenBy(const std::function<RestSurface(const ModelKind::Choos
   choice = AccuracyChoice{};
   choice.is_asked = hasTarget(params.accuracy);
   if (!choice.is_asked) return build(nullptr);
+  bool is_recalled = false;
   RestSurface rest = build([&](const RestSurface& full) {
-    if (params.accuracy.position_error > 0.0) return chooseByError(params, full, choice);
+    if (params.accuracy.position_error > 0.0) {
+      const ChoiceMemory memory(params, full);
+      is_recalled = memory.recall(choice);
+      if (is_recalled) return choice.points;
+      ChoiceByError(params, full, choice).choose();
+      memory.keep(choice);
+      return choice.points;
+    }
     return chooseByBudget(params, full, choice);
   });
+  if (is_recalled) rest.notes.push_back("no trials: what an earlier run of this scene chose was kept (accuracy.remember)");
   rest.notes.push_back(choice.sentence);
   return rest;
 }

@@ -15,6 +15,7 @@ struct Probe {
   AccuracyChoice::Candidate candidate;
   bool failed = false;        // the estimate exceeds the target, a step failed, or it took more work than granted
   bool is_cut = false;        // it failed only for the work: whether it meets the target is unknown
+  bool is_whole = false;      // it ran to its end: the error is that of the whole duration
   double spent = 0.0;         // work done so far; see Candidate::work
   bool is_implicit = false;   // most steps were the implicit method's
   double time_error = 0.0;    // m, the part of the largest estimate that is due to the steps
@@ -22,11 +23,35 @@ struct Probe {
   std::vector<double> apart;  // m, after each step the largest distance so far from the probe beside it
 };
 
+/// The work of all trials together, see Candidate::work.
+class WorkBudget {
+ public:
+  /// free: trials may take it whatever running all points costs.
+  explicit WorkBudget(double free) : free_(free) {}
+
+  void spend(double work) { spent_ += work; }
+  /// What running all points once takes, as far as trials of fewer tell.
+  void learnWhole(double work) { whole_ = work; }
+  double whole() const { return whole_; }
+  /// For the next trial.
+  double left() const;
+
+ private:
+  const double free_;
+  double spent_ = 0.0, whole_ = 0.0;
+};
+
+/// When a probe stops early.
+struct ProbeLimits {
+  double most_work = std::numeric_limits<double>::infinity();  // see Candidate::work
+  double hopeless = 0.0;  // m: a probe that has missed the target goes on up to this estimate, so that its size is known
+};
+
 /// Runs a candidate: points, integrator and share of the membrane's stiffness. target: of the accuracy, m.
-/// beside: a probe of as many points from which the distance is measured, or null. most_work: see Candidate::work. A
-/// failed probe stops early; its work is extrapolated to the full duration.
+/// beside: a probe of as many points from which the distance is measured, or null. The work of a probe that stops early is
+/// extrapolated to the full duration.
 Probe probeError(const SceneParams& params, const RestSurface& full, const AccuracyChoice::Candidate& tried, double target,
-                 const Probe* beside = nullptr, double most_work = std::numeric_limits<double>::infinity());
+                 const Probe* beside = nullptr, const ProbeLimits& limits = {});
 
 /// Cost of a Newton iteration on so many points, in sub-steps of Verlet.
 double newtonWork(Index points);

@@ -14,7 +14,6 @@ using solve::IntegratorType;
 
 constexpr double kWorthwhile = 0.9;     // of the work: another integrator must save this
 constexpr double kLeastIterations = 1;  // of an implicit step: slow motion takes few more
-constexpr double kMostWork = 1e8;       // points times sub-steps of a trial in the place of a failed one: ten seconds of one core
 
 constexpr double kComparedSteps = 200;  // a trial of two budgets' steps: a second at a budget of two milliseconds
 
@@ -26,13 +25,14 @@ bool mayChooseIntegrator(const SceneParams& params) {
   return params.integrator.type == IntegratorType::kAuto && findModel(params.model).traits().is_tuned;
 }
 
-void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice) {
+void tryVerlet(const SceneParams& params, const RestSurface& full, WorkBudget& budget, Probe& failed, AccuracyChoice& choice) {
   const double target = params.accuracy.position_error;
   if (!failed.is_implicit || !(failed.candidate.error - failed.time_error <= target)) return;
   Candidate tried;
   tried.points = failed.candidate.points;
   tried.integrator = IntegratorType::kVerlet;
-  Probe probe = probeError(params, full, tried, target, nullptr, kMostWork);
+  Probe probe = probeError(params, full, tried, target, nullptr, {budget.left()});
+  budget.spend(probe.spent);
   choice.candidates.push_back(probe.candidate);
   if (probe.failed) return;
   choice.why_integrator = "with verlet's sub-steps, though they are more than integrator.max_substeps " +
@@ -40,7 +40,8 @@ void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed
   failed = std::move(probe);
 }
 
-void chooseIntegrator(const SceneParams& params, const RestSurface& full, const Probe& first, AccuracyChoice& choice) {
+void chooseIntegrator(const SceneParams& params, const RestSurface& full, WorkBudget& budget, const Probe& first,
+                      AccuracyChoice& choice) {
   if (choice.integrator != IntegratorType::kAuto) return;
   const bool was_softened = choice.membrane_share < 1.0;
   Candidate tried;
@@ -51,7 +52,9 @@ void chooseIntegrator(const SceneParams& params, const RestSurface& full, const 
   const double least = steps * kLeastIterations * tried.points * newtonWork(tried.points);
   if (to_implicit && (least > worthwhile || first.is_implicit)) return;  // without Verlet's steps there is nothing to measure by
   const Probe* beside = to_implicit ? &first : nullptr;
-  Probe probe = probeError(params, full, tried, params.accuracy.position_error, beside, worthwhile);
+  if (to_implicit && least > budget.left()) return;
+  Probe probe = probeError(params, full, tried, params.accuracy.position_error, beside, {std::min(budget.left(), worthwhile)});
+  budget.spend(probe.spent);
   choice.candidates.push_back(probe.candidate);
   if (probe.failed) return;
   choice.why_integrator = std::string("integrator ") + nameOf(tried.integrator) + ", whose trial took " +

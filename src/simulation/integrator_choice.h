@@ -10,13 +10,14 @@ namespace deformable_surface::simulation {
 bool mayChooseIntegrator(const SceneParams& params);
 
 /// For points that would meet the target but for auto's implicit steps: a probe with Verlet sub-steps, however many, replaces
-/// the failed one if it meets the target.
-void tryVerlet(const SceneParams& params, const RestSurface& full, Probe& failed, AccuracyChoice& choice);
+/// the failed one if it meets the target. budget: of all trials.
+void tryVerlet(const SceneParams& params, const RestSurface& full, WorkBudget& budget, Probe& failed, AccuracyChoice& choice);
 
 /// For a choice that meets the target: the other integrator is taken, with all of the stated membrane stiffness, if its trial
 /// meets the target with less work. first: the trial of auto with the stated membrane. The error of implicit steps is measured
 /// against Verlet's of that trial. Coarser copies could miss it: a tool between their points moves none of them.
-void chooseIntegrator(const SceneParams& params, const RestSurface& full, const Probe& first, AccuracyChoice& choice);
+void chooseIntegrator(const SceneParams& params, const RestSurface& full, WorkBudget& budget, const Probe& first,
+                      AccuracyChoice& choice);
 
 /// For choices by time with auto and with the other integrator: the other one is taken if its estimated error is smaller,
 /// over the first steps of both, or if only it fits.

@@ -24,7 +24,7 @@ inline std::uint64_t hashPoints(const Points& points, std::uint64_t h = kHashBeg
   return h;
 }
 
-inline std::uint64_t hashState(const State& state) {
+inline std::uint64_t hashState(const model::State& state) {
   std::uint64_t h = hashPoints(state.velocities, hashPoints(state.positions));
   for (const Quaternion& q : state.orientations) h = hashWords(q.coeffs().data(), 4, h);
   for (const Mat3& plastic : state.plastic) h = hashWords(plastic.data(), 9, h);

@@ -1,0 +1,169 @@
+#include "accuracy_memory.h"
+
+#include "deformable_surface/base/hash.h"
+#include "deformable_surface/simulation/scene_params.h"
+
+#include <unistd.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+#include <iomanip>
+#include <limits>
+#include <sstream>
+
+#include "state_hash.h"
+
+namespace deformable_surface::simulation {
+namespace {
+
+namespace fs = std::filesystem;
+
+const char* const kFirstLine = "deformable_surface choice 1";  // name and version of the format
+const char* const kLastLine = "end";                           // files that were cut short lack it
+
+std::string readVariable(const char* name) {
+  const char* const value = std::getenv(name);
+  return value ? value : "";
+}
+
+// The program or library that this function is part of, by its path, size and date: another build may choose otherwise.
+std::uint64_t identifyBuild() {
+  const auto here = reinterpret_cast<std::uintptr_t>(&identifyBuild);
+  std::uint64_t h = kHashBegin;
+  std::ifstream maps("/proc/self/maps");
+  for (std::string line; std::getline(maps, line);) {
+    std::istringstream words(line);
+    std::uintptr_t begin = 0, end = 0;
+    char dash = 0;
+    words >> std::hex >> begin >> dash >> end;
+    if (here < begin || here >= end || line.find('/') == std::string::npos) continue;
+    const fs::path file = line.substr(line.find('/'));
+    std::error_code error;
+    for (const unsigned char c : file.string()) h = mixHash(h, c);
+    h = mixHash(h, static_cast<std::uint64_t>(fs::file_size(file, error)));
+    return mixHash(h, static_cast<std::uint64_t>(fs::last_write_time(file, error).time_since_epoch().count()));
+  }
+  return 0;  // not known
+}
+
+// Hexadecimal, so that all bits return.
+void writeNumber(std::ostream& out, double value) {
+  char text[40];
+  std::snprintf(text, sizeof text, "%a", value);
+  out << text << ' ';
+}
+
+bool readNumber(std::istream& in, double& value) {
+  std::string text;
+  if (!(in >> text)) return false;
+  char* end = nullptr;
+  value = std::strtod(text.c_str(), &end);
+  return *end == '\0';
+}
+
+bool readType(std::istream& in, solve::IntegratorType& type) {
+  int number = 0;
+  if (!(in >> number)) return false;
+  type = static_cast<solve::IntegratorType>(number);
+  return true;
+}
+
+void write(std::ostream& out, const AccuracyChoice::Candidate& c) {
+  out << c.points << ' ' << static_cast<int>(c.integrator) << ' ' << c.may_buckle << ' ';
+  for (const double value : {c.error, c.step_time, c.membrane_share, c.work}) writeNumber(out, value);
+  out << '\n';
+}
+
+bool read(std::istream& in, AccuracyChoice::Candidate& c) {
+  return in >> c.points && readType(in, c.integrator) && in >> c.may_buckle && readNumber(in, c.error) &&
+         readNumber(in, c.step_time) && readNumber(in, c.membrane_share) && readNumber(in, c.work);
+}
+
+void write(std::ostream& out, const AccuracyChoice& c) {
+  out << kFirstLine << '\n' << c.is_met << ' ' << c.may_buckle << ' ' << c.points << ' ' << static_cast<int>(c.integrator) << ' ';
+  for (const double value : {c.membrane_share, c.error, c.work}) writeNumber(out, value);
+  out << '\n' << c.softening.size() << ' ';
+  for (const double value : c.softening) writeNumber(out, value);
+  out << '\n' << c.candidates.size() << '\n';
+  for (const AccuracyChoice::Candidate& candidate : c.candidates) write(out, candidate);
+  out << c.why_integrator << '\n' << c.sentence << '\n' << kLastLine << '\n';
+}
+
+bool read(std::istream& in, AccuracyChoice& c) {
+  std::string line;
+  std::size_t count = 0;
+  if (!std::getline(in, line) || line != kFirstLine) return false;
+  if (!(in >> c.is_met >> c.may_buckle >> c.points) || !readType(in, c.integrator)) return false;
+  for (double* value : {&c.membrane_share, &c.error, &c.work})
+    if (!readNumber(in, *value)) return false;
+  if (!(in >> count)) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    double value = 0.0;
+    if (!readNumber(in, value)) return false;
+    c.softening.push_back(value);
+  }
+  if (!(in >> count)) return false;
+  for (std::size_t i = 0; i < count; ++i) {
+    AccuracyChoice::Candidate candidate;
+    if (!read(in, candidate)) return false;
+    c.candidates.push_back(candidate);
+  }
+  in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
+  return std::getline(in, c.why_integrator) && std::getline(in, c.sentence) && std::getline(in, line) && line == kLastLine;
+}
+
+}  // namespace
+
+std::string findCacheFolder() {
+  if (std::getenv("DEFORMABLE_SURFACE_CACHE")) return readVariable("DEFORMABLE_SURFACE_CACHE");
+  const std::string cache = readVariable("XDG_CACHE_HOME"), home = readVariable("HOME");
+  if (!cache.empty()) return cache + "/deformable_surface";
+  return home.empty() ? "" : home + "/.cache/deformable_surface";
+}
+
+ChoiceMemory::ChoiceMemory(const SceneParams& params, const RestSurface& full) {
+  const std::string folder = findCacheFolder();
+  const std::uint64_t build = identifyBuild();
+  if (!params.accuracy.remember || folder.empty() || build == 0) return;
+  SceneParams scene = params;
+  scene.cloud = CloudParams();
+  scene.threads = 0;
+  scene.save_directory.clear();
+  scene.expect.clear();
+  std::uint64_t h = build;
+  for (const unsigned char c : toYaml(printParams(scene))) h = mixHash(h, c);
+  h = hashPoints(full.dense.normals, hashPoints(full.dense.positions, h));
+  std::ostringstream name;
+  name << folder << "/choice_" << std::hex << std::setw(16) << std::setfill('0') << h;
+  path_ = name.str();
+}
+
+bool ChoiceMemory::recall(AccuracyChoice& choice) const {
+  std::ifstream file(path_);
+  AccuracyChoice kept;
+  if (path_.empty() || !read(file, kept)) return false;
+  kept.is_asked = choice.is_asked;
+  choice = std::move(kept);
+  return true;
+}
+
+// First under another name, so that no other process reads half of it.
+void ChoiceMemory::keep(const AccuracyChoice& choice) const {
+  if (path_.empty()) return;
+  std::error_code error;
+  fs::create_directories(fs::path(path_).parent_path(), error);
+  const std::string beside = path_ + "." + std::to_string(::getpid());
+  {
+    std::ofstream file(beside);
+    write(file, choice);
+    if (!file.flush()) {
+      fs::remove(beside, error);
+      return;
+    }
+  }
+  fs::rename(beside, path_, error);
+}
+
+}  // namespace deformable_surface::simulation

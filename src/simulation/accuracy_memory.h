@@ -1,0 +1,31 @@
+// What trials chose for an accuracy target, kept in a folder from run to run. Trials of the same scene choose the same again, so
+// that this changes no bit of a result, only the time that choosing takes.
+#pragma once
+
+#include "deformable_surface/simulation/accuracy_choice.h"
+#include "deformable_surface/simulation/rest_surface.h"
+
+#include <string>
+
+namespace deformable_surface::simulation {
+
+/// The folder: $DEFORMABLE_SURFACE_CACHE; without that variable $XDG_CACHE_HOME/deformable_surface or
+/// $HOME/.cache/deformable_surface. Empty: there is none.
+std::string findCacheFolder();
+
+class ChoiceMemory {
+ public:
+  /// full: the surface that the trials are made of. It remembers nothing if params.accuracy.remember is false. Whatever the
+  /// trials depend on is part of the name of the file: the scene, the surface and the build of this library.
+  ChoiceMemory(const SceneParams& params, const RestSurface& full);
+
+  /// False, and the choice is as it was: it was not kept, or the file is damaged.
+  bool recall(AccuracyChoice& choice) const;
+  /// A folder that cannot be written to keeps nothing.
+  void keep(const AccuracyChoice& choice) const;
+
+ private:
+  std::string path_;  // empty: nothing is kept
+};
+
+}  // namespace deformable_surface::simulation

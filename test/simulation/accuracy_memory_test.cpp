@@ -1,0 +1,127 @@
+// Choices kept from run to run: they come back with all their bits, for the same scene only, and change nothing but the time.
+#include "../../src/simulation/accuracy_memory.h"
+
+#include "deformable_surface/simulation/simulation.h"
+#include "sagging_strip.h"
+
+#include <gtest/gtest.h>
+
+#include <unistd.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <fstream>
+
+namespace deformable_surface::test {
+namespace {
+
+namespace fs = std::filesystem;
+using simulation::AccuracyChoice;
+using simulation::SceneParams;
+using simulation::Simulation;
+
+// A folder of its own for each test.
+class ChoiceMemory : public ::testing::Test {
+ protected:
+  void SetUp() override {
+    folder_ = fs::temp_directory_path() / ("choices_" + std::to_string(::getpid()));
+    fs::remove_all(folder_);
+    setenv("DEFORMABLE_SURFACE_CACHE", folder_.c_str(), 1);
+  }
+  void TearDown() override {
+    fs::remove_all(folder_);
+    unsetenv("DEFORMABLE_SURFACE_CACHE");
+  }
+  int countFiles() const {
+    return fs::exists(folder_) ? static_cast<int>(std::distance(fs::directory_iterator(folder_), fs::directory_iterator())) : 0;
+  }
+  fs::path folder_;
+};
+
+SceneParams stiffStrip() {
+  SceneParams p = saggingStrip(solve::IntegratorType::kVerlet);
+  p.accuracy.position_error = 0.1;
+  return p;
+}
+
+bool isRecalled(const Simulation& simulation) {
+  const std::vector<std::string> notes = simulation.buildNotes();
+  return notes.size() > 1 && notes[notes.size() - 2].find("no trials") == 0;
+}
+
+TEST_F(ChoiceMemory, GivesTheSameChoiceAndTheSameBitsAgain) {
+  Simulation first(stiffStrip(), strip()), second(stiffStrip(), strip());
+  const AccuracyChoice& tried = first.accuracyChoice();
+  const AccuracyChoice& recalled = second.accuracyChoice();
+  EXPECT_EQ(countFiles(), 1);
+  ASSERT_FALSE(isRecalled(first));
+  ASSERT_TRUE(isRecalled(second));
+  EXPECT_EQ(recalled.sentence, tried.sentence);
+  EXPECT_EQ(recalled.is_met, tried.is_met);
+  EXPECT_EQ(recalled.points, tried.points);
+  EXPECT_EQ(recalled.membrane_share, tried.membrane_share);
+  EXPECT_LT(recalled.membrane_share, 1.0);  // it has what was learnt of a softer membrane, too
+  EXPECT_EQ(recalled.softening, tried.softening);
+  EXPECT_EQ(recalled.integrator, tried.integrator);
+  EXPECT_EQ(recalled.error, tried.error);
+  EXPECT_EQ(recalled.work, tried.work);
+  EXPECT_EQ(recalled.why_integrator, tried.why_integrator);
+  ASSERT_EQ(recalled.candidates.size(), tried.candidates.size());
+  for (std::size_t i = 0; i < tried.candidates.size(); ++i) {
+    EXPECT_EQ(recalled.candidates[i].points, tried.candidates[i].points);
+    EXPECT_EQ(recalled.candidates[i].error, tried.candidates[i].error);
+  }
+  run(first, 20);
+  run(second, 20);
+  EXPECT_EQ(first.stateHash(), second.stateHash());
+  EXPECT_EQ(first.statistics().error_estimate, second.statistics().error_estimate);
+}
+
+TEST_F(ChoiceMemory, IsOfOneSceneAndOneCloud) {
+  const Simulation first(stiffStrip(), strip());
+  SceneParams denser = stiffStrip();
+  denser.material.density *= 1.01;
+  EXPECT_FALSE(isRecalled(Simulation(denser, strip())));
+  SceneParams longer = stiffStrip();
+  longer.duration += 0.01;
+  EXPECT_FALSE(isRecalled(Simulation(longer, strip())));
+  cloud::PointCloud moved = strip();
+  moved.positions[300].z() += 1e-9;
+  EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), moved)));
+  EXPECT_EQ(countFiles(), 4);
+  // What a run is measured by does not matter.
+  SceneParams expected = stiffStrip();
+  expected.expect = {{"max_speed", 0.0, 1.0}};
+  expected.threads = 2;
+  EXPECT_TRUE(isRecalled(Simulation(expected, strip())));
+}
+
+TEST_F(ChoiceMemory, ReadsNothingOutOfADamagedFileAndReplacesIt) {
+  const Simulation first(stiffStrip(), strip());
+  const fs::path file = fs::directory_iterator(folder_)->path();
+  fs::resize_file(file, fs::file_size(file) - 6);
+  EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
+  EXPECT_TRUE(isRecalled(Simulation(stiffStrip(), strip())));
+  std::ofstream(file) << "something else\n";
+  EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
+}
+
+TEST_F(ChoiceMemory, IsOffWhereTheSceneOrTheFolderSaysSo) {
+  SceneParams p = stiffStrip();
+  p.accuracy.remember = false;
+  const Simulation first(p, strip());
+  EXPECT_EQ(countFiles(), 0);
+  setenv("DEFORMABLE_SURFACE_CACHE", "", 1);
+  EXPECT_EQ(simulation::findCacheFolder(), "");
+  EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
+  EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
+  unsetenv("DEFORMABLE_SURFACE_CACHE");
+  EXPECT_NE(simulation::findCacheFolder().find("deformable_surface"), std::string::npos);
+  // A folder that cannot be made keeps nothing, and nothing is wrong.
+  std::ofstream(folder_) << "a file\n";
+  setenv("DEFORMABLE_SURFACE_CACHE", (folder_ / "below").c_str(), 1);
+  EXPECT_TRUE(Simulation(stiffStrip(), strip()).accuracyChoice().is_met);
+}
+
+}  // namespace
+}  // namespace deformable_surface::test
