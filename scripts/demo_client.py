@@ -81,7 +81,7 @@ class Demo:
         self.azimuth = float(rospy.get_param("~azimuth", -60.0))
         self.height = float(rospy.get_param("~height", 0.3))
         self.scan = Scan(self.path, rospy.get_param("~up", "auto"), self.height)
-        for sentence in self.scan.told:
+        for sentence in self.scan.notices:
             rospy.loginfo("%s", sentence)
 
         self.lock = threading.Lock()  # the subscribers call from threads of their own
@@ -240,8 +240,8 @@ class Demo:
         speed = measure_speed(self.clock) if self.clock else float("nan")
         fewer = max(FEWEST_POINTS, self.last.simulation_points // 4)
         slow = "" if speed >= REAL_TIME else "; slower than real time, try set:='{simplification: {target_points: %d}}'" % fewer
-        lines = [("scan", self.scan.told[0])]
-        lines += [("", sentence) for sentence in self.scan.told[1:]]
+        lines = [("scan", self.scan.notices[0])]
+        lines += [("", sentence) for sentence in self.scan.notices[1:]]
         lines += [
             ("points", "%d" % self.last.points),
             ("simulation points", "%d" % self.last.simulation_points),

@@ -43,16 +43,16 @@ class Scan:
         points = self.rows[is_seen]
         refuse_what_is_no_surface(path, points)
         self.is_camera = is_camera(self.rows, self.width, self.height)
-        self.told = [describe(path, points, self)]
+        self.notices = [describe(path, points, self)]
 
         parts = find_parts(points)
         sizes = np.bincount(parts)
         largest = points[parts == sizes.argmax()]
         self.up, why = (up, "as given") if up != "auto" else choose_up(largest, self.is_camera)
         self.rotation = np.array(UPRIGHT[self.up], float)
-        self.told.append("up is %s (%s); up:=AXIS says otherwise" % (self.up, why))
+        self.notices.append("up is %s (%s); change it with up:=AXIS" % (self.up, why))
         if len(sizes) > 1:
-            self.told.append("it is in %d parts; the largest, of %d points, stands on the ground and is held" % (len(sizes), sizes.max()))
+            self.notices.append("%d parts; the largest, of %d points, stands on the ground and is held" % (len(sizes), sizes.max()))
 
         upright = largest @ self.rotation.T
         low, high = upright.min(axis=0), upright.max(axis=0)
@@ -64,8 +64,8 @@ class Scan:
         cut = max(low[2] + HELD * (high[2] - low[2]), np.quantile(upright[:, 2], FEWEST_HELD))
         middle = 0.5 * (low + high)
         self.offset = np.array([0.0, 0.0, HELD * height]) - self.scale * np.array([middle[0], middle[1], cut])
-        self.told.append("it is made %.3g m tall (1 of its units is %.3g m), and its lowest %.3g m are held" %
-                         (height, self.scale, self.scale * (cut - low[2])))
+        self.notices.append("scaled to a height of %.3g m (1 unit of the file is %.3g m); the lowest %.3g m are held" %
+                            (height, self.scale, self.scale * (cut - low[2])))
 
     def place(self):
         """The rows as they stand in the world (n x 3), m."""
@@ -189,7 +189,7 @@ def main():
     if not 2 <= len(sys.argv) <= 4:
         sys.exit("usage: look_at_scan.py FILE [UP [HEIGHT]]")
     try:
-        for sentence in Scan(sys.argv[1], *sys.argv[2:3], *(float(height) for height in sys.argv[3:])).told:
+        for sentence in Scan(sys.argv[1], *sys.argv[2:3], *(float(height) for height in sys.argv[3:])).notices:
             print("scan: %s" % sentence)
     except (OSError, ValueError) as error:
         sys.exit("scan refused: %s" % error)

@@ -189,13 +189,13 @@ def check_poke(folder):
         await_surface(folder, "poke", launch)
 
 
-def check_hand(folder):
+def check_interactive_markers(folder):
     """The mouse pauses the surface, the answer appears, the mouse continues the run and pulls the surface aside."""
     from deformable_surface.msg import ToolWrenchArray
     with poke(folder, 0.2, "interactive_markers:=true") as launch:
-        picture = await_surface(folder, "hand", launch)
+        picture = await_surface(folder, "interactive_markers", launch)
         button = picture.find_button()
-        assert button, "there is no blue button in hand.png"
+        assert button, "there is no blue button in interactive_markers.png"
         choose_first(button)
         await_picture(folder, "answer", lambda p: "" if p.letters_below(button) > 20 else "there is no answer", launch)
         choose_first(button, entry=2)
@@ -203,7 +203,7 @@ def check_hand(folder):
         keep = launch.listen("tool_wrenches", ToolWrenchArray)  # noqa: F841
         # So little that the pull does not slip.
         drag(picture.left + int(np.median(columns)), picture.top + int(np.median(rows)), -8, -6)
-        launch.wait("a pull by hand", lambda last: any(w.id == "hand" for w in getattr(last.get("tool_wrenches"), "wrenches", [])))
+        launch.wait("a pull by the mouse", lambda last: any(w.id == "hand" for w in getattr(last.get("tool_wrenches"), "wrenches", [])))
         Picture(os.path.join(folder, "pull.png"))
 
 

@@ -75,7 +75,7 @@ class Scans(unittest.TestCase):
         placed = scan.place()[len(far):]
         np.testing.assert_allclose([placed[:, 2].min(), placed[:, 2].max()], [0.0, 0.5], atol=1e-6)
         np.testing.assert_allclose(placed[:, :2].min(axis=0), -placed[:, :2].max(axis=0), atol=1e-9)
-        self.assertIn("2 parts; the largest, of 800 points", " ".join(scan.told))
+        self.assertIn("2 parts; the largest, of 800 points", " ".join(scan.notices))
 
     def test_where_few_points_are_low_enough_are_held_all_the_same(self):
         points = np.vstack([make_sheet(40, 20)[:, [0, 2, 1]] + [0.0, 0.0, 0.2], make_sheet(1, 20)[:, [0, 2, 1]]])
