@@ -105,11 +105,14 @@ class Demo:
         rospy.Subscriber("/diagnostics", DiagnosticArray, self.take_diagnostics, queue_size=10)
 
     def publish_scan(self):
-        """A camera's frame as the camera would: its grid, in its own frame. Anything else upright in the world."""
+        """A camera's frame as the camera would: its grid, in its own frame. Anything else upright in the world; a grid as a grid, because
+        the node finds in it where a camera stood."""
         scan, now = self.scan, rospy.Time.now()
         if not scan.is_camera:
             placed = scan.place()
-            self.cloud.publish(make_cloud(placed[np.isfinite(placed).all(axis=1)], now, self.frame))
+            if scan.height == 1:
+                placed = placed[np.isfinite(placed).all(axis=1)]
+            self.cloud.publish(make_cloud(placed, now, self.frame, scan.width if scan.height > 1 else None))
             return
         transform = TransformStamped(child_frame_id=CAMERA_FRAME)
         transform.header.stamp, transform.header.frame_id = now, self.frame

@@ -24,6 +24,10 @@ NO_SURFACE = 0.3     # of the width of a neighbourhood: one so thick is no piece
 NEIGHBORS = 16
 SAMPLES = 100        # neighbourhoods that are looked at
 CELL = 3.0           # spacings: parts that are apart by more are parts
+MOST_LINES = 8192    # rows or columns of pixels
+LINE_GAP = 0.25      # of their spacing if there were so many: values nearer than that are of one line
+OFF_LINE = 0.1       # of the spacing: tolerance
+MOST_SPARSE = 4      # pixels per point
 HELD = 0.1           # of the height, from below, is what the demo holds
 FEWEST_HELD = 0.1    # of the points of the part, at least
 
@@ -38,7 +42,7 @@ class Scan:
         if not height > 0:
             raise ValueError("height is %s; accepted: a positive number of metres" % height)
         self.path = path
-        self.rows, self.width, self.height = read_grid(path)
+        self.rows, self.width, self.height = restore_grid(*read_grid(path))
         is_seen = np.isfinite(self.rows).all(axis=1)
         points = self.rows[is_seen]
         refuse_what_is_no_surface(path, points)
@@ -95,6 +99,39 @@ def read_grid(path):
         if size.get("WIDTH", 0) * size.get("HEIGHT", 0) == len(rows):
             return rows, size["WIDTH"], size["HEIGHT"]
     return rows, len(rows), 1
+
+
+def find_lines(values):
+    """The line (an integer from 0 on) that each value (n) is on, where all values lie on evenly spaced lines; else nothing."""
+    ordered = np.sort(values)
+    breaks = np.flatnonzero(np.diff(ordered) > LINE_GAP * (ordered[-1] - ordered[0]) / MOST_LINES)
+    if not 2 <= len(breaks) < MOST_LINES:
+        return None
+    middles = 0.5 * (ordered[np.append(0, breaks + 1)] + ordered[np.append(breaks, len(ordered) - 1)])
+    steps = np.diff(middles)
+    last = np.round(steps / np.median(steps)).sum()  # from line to line, so that an error of the median does not add up
+    if not 2 <= last < MOST_LINES:
+        return None
+    lines = (values - middles[0]) / ((middles[-1] - middles[0]) / last)
+    return np.round(lines).astype(int) if (np.abs(lines - np.round(lines)) <= OFF_LINE).all() else None
+
+
+def restore_grid(rows, width, height):
+    """Of a list of points in a camera's frame: its pixels (n x 3, row after row, NaN where none is), width and height. Drivers and
+    filters that drop missing pixels leave such lists; x / z has one value per column and y / z one per row. Else what came."""
+    seen = rows[np.isfinite(rows).all(axis=1)]
+    if height > 1 or len(seen) < FEWEST or not (seen[:, 2] > 0).all():
+        return rows, width, height
+    lines = [find_lines(seen[:, axis] / seen[:, 2]) for axis in (0, 1)]
+    if any(line is None for line in lines):
+        return rows, width, height
+    size = [line.max() + 1 for line in lines]
+    pixels = lines[1] * size[0] + lines[0]
+    if size[0] * size[1] > MOST_SPARSE * len(seen) or len(np.unique(pixels)) < len(np.unique(seen, axis=0)):
+        return rows, width, height
+    grid = np.full((size[0] * size[1], 3), np.nan)
+    grid[pixels] = seen
+    return grid, size[0], size[1]
 
 
 def refuse_what_is_no_surface(path, points):

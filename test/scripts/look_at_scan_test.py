@@ -56,6 +56,18 @@ class Scans(unittest.TestCase):
         points[10:15, 10:15] = np.nan
         return points.reshape(-1, 3)
 
+    def test_a_list_of_pixels_gets_its_rows_and_columns_back(self):
+        wall = self.look_down_at_wall() * np.random.default_rng(1).uniform(0.9, 1.1, (1200, 1))  # along the lines of sight
+        seen = wall[np.isfinite(wall).all(axis=1)]
+        scan = Scan(self.write(np.random.default_rng(2).permutation(seen)))
+        self.assertEqual((scan.width, scan.height, scan.is_camera), (40, 30, True))
+        np.testing.assert_allclose(scan.rows, wall, atol=1e-6)
+        self.assertEqual(scan.up, "-y")
+        # Off the lines of sight, and with two depths in a pixel, it stays a list.
+        for points in (seen + np.random.default_rng(3).normal(scale=0.01, size=seen.shape), np.append(seen, [1.2 * seen[0]], axis=0)):
+            scan = Scan(self.write(points))
+            self.assertEqual((scan.width, scan.height), (len(points), 1))
+
     def test_each_axis_comes_up_by_a_rotation(self):
         for up, rows in UPRIGHT.items():
             rotation = np.array(rows, float)
