@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace deformable_surface::tool {
 namespace {
@@ -18,6 +19,25 @@ constexpr BladeSweep::Look kMany = 10000;
 constexpr double kStill = 0.1;
 constexpr double kGrazed =
     1.01;  // factor on half of the distance between two points: farther from its middle nothing lies across it
+
+// Of the spacing: a knife moves by no more between two checks of what it passes through, or by half its own passage if that lies
+// between the two.
+constexpr double kFinest = 0.02, kCoarsest = 0.25;
+
+// The shortest path, m, on which a knife passes a point that moves by up to `slip` (m) in the step. For a box that moves straight
+// along its flat side the path is long; else it is the smallest extent.
+double findPassage(const ToolParams& tool, double time, double step, double slip) {
+  const double smallest = geometry::findSmallestExtent(tool.shape);
+  if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;
+  const Pose first = interpolate(tool.path, time), last = interpolate(tool.path, time + step);
+  const bool has_corner = std::any_of(tool.path.begin(), tool.path.end(),
+                                      [&](const WaypointParams& w) { return w.time > time && w.time < time + step; });
+  const Vec3 way = first.orientation.conjugate() * (last.position - first.position);
+  if (has_corner || first.orientation.coeffs() != last.orientation.coeffs() || !(way.norm() > slip)) return smallest;
+  double least = std::numeric_limits<double>::infinity();
+  for (int k = 0; k < 3; ++k) least = std::min(least, tool.shape.size[k] * way.norm() / (std::abs(way[k]) + slip));
+  return std::max(smallest, least);
+}
 
 Vec3 toTool(const Pose& pose, const Vec3& point) { return pose.orientation.conjugate() * (point - pose.position); }
 
@@ -35,6 +55,13 @@ bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b) {
   if (!in) return false;
   const std::optional<Entry> out = findEntry(solid, to, from);
   return out && in->normal.dot(out->normal) < 0.0;
+}
+
+double findBladeResolution(const ToolParams& tool, double time, double step, const Points& before, const Points& after,
+                           double spacing) {
+  double slip = 0.0;
+  for (std::size_t i = 0; i < before.size(); ++i) slip = std::max(slip, (after[i] - before[i]).norm());
+  return std::min(kCoarsest * spacing, std::max(kFinest * spacing, 0.5 * findPassage(tool, time, step, slip)));
 }
 
 // A plane has no other side, so it cannot lie between two points.

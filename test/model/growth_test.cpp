@@ -352,17 +352,18 @@ TEST(Growth, InputThatCannotBeUsedIsRefused) {
   const Orientations orientations = orientTo(pair.normals);
   const std::vector<char> flags(2, kFillsGaps);
   for (const auto& rule : {proposeStretched, proposeGrown}) {
-    EXPECT_THROW(rule(pair.positions, {orientations[0]}, flags, 1.0, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, {kFillsGaps}, 1.0, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 0.0, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, std::nan(""), {}, {}), InputError);
-    EXPECT_THROW(rule({Vec3::Zero(), Vec3(std::nan(""), 0.0, 0.0)}, orientations, flags, 1.0, {}, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, {orientations[0], Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, flags, 1.0, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, {orientations[0]}, flags, 1.0, {}, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, {kFillsGaps}, 1.0, {}, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 0.0, {}, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, std::nan(""), {}, {}, {}), InputError);
+    EXPECT_THROW(rule({Vec3::Zero(), Vec3(std::nan(""), 0.0, 0.0)}, orientations, flags, 1.0, {}, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, {orientations[0], Eigen::Quaterniond(2.0, 0.0, 0.0, 0.0)}, flags, 1.0, {}, {}, {}),
+                 InputError);
     GrowthParams params;
     params.max_gap = 1.5;
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, params, {}), InputError);
-    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, {}, {3.0}), InputError);
-    EXPECT_TRUE(rule({}, {}, {}, 1.0, {}, {}).empty());
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, params, {}, {}), InputError);
+    EXPECT_THROW(rule(pair.positions, orientations, flags, 1.0, {}, {3.0}, {}), InputError);
+    EXPECT_TRUE(rule({}, {}, {}, 1.0, {}, {}, {}).empty());
   }
 }
 

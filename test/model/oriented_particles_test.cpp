@@ -185,5 +185,53 @@ INSTANTIATE_TEST_SUITE_P(Both, OrientedParticlesWeightings,
                            return info.param == ParticleWeighting::kIsotropic ? "Isotropic" : "Anisotropic";
                          });
 
+// Severed pairs push and do not pull: forces and energy belong together, and the stable step knows them.
+TEST(OrientedParticles, EdgesOfACutRepelOnly) {
+  State state = hexagonalPatch(8, 8, 0.9 * kSpacing);
+  OrientedParticles whole = makeModel(state.size(), allTerms()), cut = whole;
+  std::vector<Index> all;
+  for (Index i = 0; i < state.size(); ++i) all.push_back(i);
+  const double middle = state.positions[state.size() / 2 + 4].x() + 0.3 * kSpacing;
+  const auto isLeft = [&](Index i) { return state.positions[i].x() < middle; };
+  cut.setCuts(model::ParticleCuts().cut(state.positions, state.traits, all, cut.cutLengths(),
+                                        [&](Index i, Index j) { return isLeft(i) != isLeft(j); }));
+  ASSERT_FALSE(cut.cuts().isEmpty());
+  const auto pushOf = [&](const OrientedParticles& model, const State& s) {
+    Points forces(s.positions.size(), Vec3::Zero());
+    model.addForces(s, forces);
+    Vec3 sum = Vec3::Zero();
+    for (Index i = 0; i < s.size(); ++i)
+      if (isLeft(i)) sum += forces[i];
+    return sum;
+  };
+  EXPECT_LT(pushOf(cut, state).x(), 0.0);
+  const double step = 1e-6 * kSpacing;
+  Points forces(state.positions.size(), Vec3::Zero());
+  cut.addForces(state, forces);
+  for (Index i = 0; i < state.size(); ++i)
+    for (int a = 0; a < 3; ++a) {
+      State there = state, here = state;
+      there.positions[i][a] += step;
+      here.positions[i][a] -= step;
+      const double slope = (cut.elasticEnergy(there) - cut.elasticEnergy(here)) / (2.0 * step);
+      EXPECT_NEAR(forces[i][a], -slope, 1e-5 * std::abs(pushOf(cut, state).x()));
+    }
+  EXPECT_GE(cut.findStableStep(state), whole.findStableStep(state));
+  // Stretched, a whole sheet pulls together, and the halves of a cut one do not know of each other.
+  state = hexagonalPatch(8, 8, 1.1 * kSpacing);
+  const double apart = state.positions[state.size() / 2 + 4].x() + 0.3 * kSpacing;
+  Vec3 across_whole = Vec3::Zero(), across_cut = Vec3::Zero();
+  Points in_whole(state.positions.size(), Vec3::Zero()), in_cut = in_whole;
+  whole.addForces(state, in_whole);
+  cut.addForces(state, in_cut);
+  for (Index i = 0; i < state.size(); ++i) {
+    if (!(state.positions[i].x() < apart)) continue;
+    across_whole += in_whole[i];
+    across_cut += in_cut[i];
+  }
+  EXPECT_GT(across_whole.x(), 0.0);
+  EXPECT_LT(across_cut.norm(), 1e-12 * across_whole.norm());
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -249,6 +249,7 @@ TEST(Population, NobodyIsBornInAnother) {
   tool::ToolParams knife = ball(tool::Mode::kCut, Vec3(0.0, 0.0, 0.45), 0.1);
   knife.shape.kind = geometry::Solid::Kind::kBox;
   knife.shape.size = Vec3(0.01, 2.0, 0.3);
+  knife.strength = p.oriented_particles.melting;
   knife.path.push_back({1.3, Vec3(0.0, 0.0, 0.05), Vec4(0.0, 0.0, 0.0, 1.0)});
   p.tools = {knife};
   Simulation s(p, io::makeShape(p.cloud));

@@ -45,16 +45,14 @@ TEST(ToolModes, WhatAModeDoesNotUseIsRefusedInSentencesThatNameIt) {
     double tool::ToolParams::*value;
     bool (*is_used)(const std::string&, Mode);
   };
-  const Use uses[] = {{"friction", &tool::ToolParams::friction,
-                       [](const std::string& model, Mode mode) {
-                         return mode == Mode::kSolid || (mode == Mode::kCut && model == "oriented_particles");
-                       }},
-                      {"strength", &tool::ToolParams::strength,
-                       [](const std::string& model, Mode mode) {
-                         return mode == Mode::kAttract || mode == Mode::kMove || mode == Mode::kHeat ||
-                                (mode == Mode::kCut && model == "oriented_particles");
-                       }},
-                      {"reach", &tool::ToolParams::reach, [](const std::string&, Mode mode) { return mode == Mode::kAttract; }}};
+  const Use uses[] = {
+      {"friction", &tool::ToolParams::friction, [](const std::string&, Mode mode) { return mode == Mode::kSolid; }},
+      {"strength", &tool::ToolParams::strength,
+       [](const std::string& model, Mode mode) {
+         return mode == Mode::kAttract || mode == Mode::kMove || mode == Mode::kHeat ||
+                (mode == Mode::kCut && model == "oriented_particles");
+       }},
+      {"reach", &tool::ToolParams::reach, [](const std::string&, Mode mode) { return mode == Mode::kAttract; }}};
   int refused = 0;
   for (const std::string model : kModels)
     for (const tool::ModeInfo& info : tool::kModes) {
@@ -86,7 +84,11 @@ TEST(ToolModes, APlaneIsNoKnife) {
   EXPECT_EQ(problemOf("mass_spring", knife), "");
   knife.shape.kind = geometry::Solid::Kind::kPlane;
   EXPECT_EQ(problemOf("mass_spring", knife), "shape");
+  EXPECT_EQ(problemOf("oriented_particles", knife), "shape");
+  knife.strength = 700.0;
   EXPECT_EQ(problemOf("oriented_particles", knife), "");  // a hot floor
+  knife.friction = 0.5;
+  EXPECT_EQ(problemOf("oriented_particles", knife), "");  // which is solid
 }
 
 TEST(ToolModes, ScenesAndCommandsAreRefusedAlike) {

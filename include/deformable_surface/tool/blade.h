@@ -12,6 +12,11 @@ namespace deformable_surface::tool {
 /// leaves on an opposite one. A point inside counts as being where it would be pushed out.
 bool isBetween(const geometry::Solid& solid, const Vec3& a, const Vec3& b);
 
+/// The resolution, m, with which a knife must be sampled in a step so that nothing slips through it: its own passage past a point
+/// halved, between fixed shares of the spacing, m, of the points. before, after: (n x 3) m, of the points that move in the step.
+double findBladeResolution(const ToolParams& tool, double time, double step, const Points& before, const Points& after,
+                           double spacing);
+
 /// The motion of a tool through a step, sampled at even intervals of time in which it moves by no more than a resolution. Only
 /// samples at which the tool is near are evaluated. Intervals in which it cannot reach the points are skipped, so that the work
 /// for a pair of points grows with the logarithm of the path alone.

@@ -55,9 +55,9 @@ inline constexpr ModeInfo kModes[] = {
     {Mode::kCut,
      "cut",
      4,
-     "cuts the links that it passes between (mass_spring); is solid and heats what it touches (oriented "
-     "particles)",
-     "K above ambient, 0 = the melting temperature (oriented particles)",
+     "cuts the links or bonds that it passes between (mass_spring, oriented_particles); with a strength it is solid and heats "
+     "what it touches instead (oriented particles)",
+     "K above ambient, 0 = it cuts and does not heat (oriented particles)",
      false,
      kUnknown,
      {0.9f, 0.8f, 0.1f}},

@@ -42,7 +42,7 @@ double measureRise(const Points& samples, const Points& positions, const Orienta
 }  // namespace
 
 GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& given,
-                         const Relaxation& relax) {
+                         const Relaxation& relax, const GrowthCuts& cuts) {
   GrowthParams params = given;
   params.witnessed = true;
   GrownSurface surface;
@@ -74,10 +74,10 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
   for (;;) {
     endIfInterrupted();
     std::vector<NewParticle> found =
-        proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
+        proposeStretched(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches, cuts.apart);
     leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     if (found.empty()) {
-      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches);
+      found = proposeGrown(surface.positions, surface.orientations, makeFlags(), spacing, params, reaches, cuts.apart);
       leaveOutCrowded(surface.positions, params.clearance * spacing, found);
     }
     if (found.empty()) break;
@@ -89,7 +89,9 @@ GrownSurface growSurface(const Points& positions, const Orientations& orientatio
       surface.end = GrowthEnd::kMaxParticles;
       break;
     }
+    const Index first = static_cast<Index>(surface.positions.size());
     for (const NewParticle& particle : found) add(particle);
+    if (cuts.follow) cuts.follow(surface.positions, first, found);
     ++surface.passes;
     relax(surface.positions, surface.orientations, fixed);
   }

@@ -140,9 +140,9 @@ void findOpenDirections(const LocalSurface& surface, Index i, const std::vector<
 
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
                                           const std::vector<char>& flags, double spacing, const GrowthParams& params,
-                                          const std::vector<double>& reaches) {
+                                          const std::vector<double>& reaches, const AreApart& apart) {
   check(positions.size(), flags, reaches, spacing, params);
-  const LocalSurface surface(positions, orientations);
+  const LocalSurface surface(positions, orientations, apart);
   const double min_clearance = 0.5 * params.min_gap * spacing;
   const double min_gap = (1.0 - kRounding) * params.min_gap * spacing, max_gap = (1.0 + kRounding) * params.max_gap * spacing;
 
@@ -177,9 +177,10 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
 }
 
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
-                                      double spacing, const GrowthParams& params, const std::vector<double>& reaches) {
+                                      double spacing, const GrowthParams& params, const std::vector<double>& reaches,
+                                      const AreApart& apart) {
   check(positions.size(), flags, reaches, spacing, params);
-  const LocalSurface surface(positions, orientations);
+  const LocalSurface surface(positions, orientations, apart);
   const double range = params.neighbor_range * spacing, max_gap = params.max_gap * spacing;
   const double clearance = params.clearance * spacing;
 

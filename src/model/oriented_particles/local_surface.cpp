@@ -50,12 +50,16 @@ const Points& checked(const Points& positions, const Orientations& orientations)
 
 }  // namespace
 
-LocalSurface::LocalSurface(const Points& positions, const Orientations& orientations)
-    : positions_(checked(positions, orientations)), orientations_(orientations), tree_(positions) {
+const AreApart LocalSurface::kNoneApart;
+
+LocalSurface::LocalSurface(const Points& positions, const Orientations& orientations, const AreApart& apart)
+    : positions_(checked(positions, orientations)), orientations_(orientations), apart_(apart), tree_(positions) {
   for (const Eigen::Quaterniond& q : orientations) normals_.push_back(q * Vec3::UnitZ());
 }
 
-bool LocalSurface::sees(Index i, Index j) const { return see(positions_[i], normals_[i], positions_[j], normals_[j]); }
+bool LocalSurface::sees(Index i, Index j) const {
+  return see(positions_[i], normals_[i], positions_[j], normals_[j]) && !(apart_ && apart_(i, j));
+}
 
 bool LocalSurface::sees(Index i, const Placed& placed) const {
   return see(positions_[i], normals_[i], placed.position, placed.orientation * Vec3::UnitZ());

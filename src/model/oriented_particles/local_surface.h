@@ -19,10 +19,12 @@ struct Placed {
 class LocalSurface {
  public:
   /// Throws InputError for arrays of different lengths and for numbers that are not finite.
-  LocalSurface(const Points& positions, const Orientations& orientations);
+  /// apart: as in growth.h; all are kept by reference.
+  LocalSurface(const Points& positions, const Orientations& orientations, const AreApart& apart = kNoneApart);
 
   /// True if two particles may be parts of one sheet: normals less than 90 degrees apart, line at most 30 degrees from the
-  /// plane of their mean. Circles are seen whatever their curvature: there the line lies in that plane. [cf. eq. 8]
+  /// plane of their mean, and no cut between them. Circles are seen whatever their curvature: there the line lies in that plane.
+  /// [cf. eq. 8]
   bool sees(Index i, Index j) const;
 
   /// The same for a particle and a new one. A place that its parent does not see is not on its surface.
@@ -56,8 +58,11 @@ class LocalSurface {
   Index size() const { return static_cast<Index>(positions_.size()); }
 
  private:
+  static const AreApart kNoneApart;
+
   const Points& positions_;
   const Orientations& orientations_;
+  const AreApart& apart_;
   Points normals_;
   cloud::KdTree tree_;
 };

@@ -28,7 +28,7 @@ std::int64_t wrap(double quotient) {
 
 }  // namespace
 
-bool NeighborList::update(const Points& positions, const std::vector<ParticleTraits>& traits) {
+bool NeighborList::update(const Points& positions, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts) {
   bool is_finite = true;
   const bool moved = hasMovedFar(positions, is_finite);
   if (!is_finite) return is_valid_ = false;
@@ -39,8 +39,11 @@ bool NeighborList::update(const Points& positions, const std::vector<ParticleTra
   begins_.resize(n);
   counts_.resize(n);
   blocks_.resize((n + kBlock - 1) / kBlock);
+  parted_begins_.resize(cuts.isEmpty() ? 0 : n);
+  parted_counts_.resize(parted_begins_.size());
+  parted_.resize(cuts.isEmpty() ? 0 : blocks_.size());
   sortIntoBins(positions);
-  is_valid_ = listNeighbors(positions, traits);
+  is_valid_ = listNeighbors(positions, traits, cuts);
   rebuilt_at_ = positions;
   ++num_rebuilds_;
   return is_valid_;
@@ -97,7 +100,7 @@ void NeighborList::sortIntoBins(const Points& positions) {
   starts_[0] = 0;
 }
 
-bool NeighborList::listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits) {
+bool NeighborList::listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts) {
   const double reach = radius_ + skin_, most = reach * reach;
   const Index n = static_cast<Index>(positions.size());
   // Removes particles that are kept apart from i from its neighbours.
@@ -112,6 +115,7 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
   const double overfull = parallelSum(n, kBlock, [&](Index first, Index last) {
     std::vector<Index>& list = blocks_[first / kBlock];
     list.clear();
+    if (!cuts.isEmpty()) parted_[first / kBlock].clear();
     Index near[kMostNeighbors];
     double too_many = 0.0;
     for (Index i = first; i < last; ++i) {
@@ -148,6 +152,20 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
         }
       if (!apart_.items.empty()) count = removeApart(i, near, count);
       std::sort(near, near + count);
+      if (!cuts.isEmpty()) {
+        std::vector<Index>& parted = parted_[first / kBlock];
+        parted_begins_[i] = static_cast<Index>(parted.size());
+        Index whole = 0;
+        for (Index k = 0; k < count; ++k) {
+          if (cuts.mayBind(traits[i].id, traits[near[k]].id)) {
+            near[whole++] = near[k];
+          } else {
+            parted.push_back(near[k]);
+          }
+        }
+        parted_counts_[i] = count - whole;
+        count = whole;
+      }
       begins_[i] = static_cast<Index>(list.size());
       counts_[i] = count;
       list.insert(list.end(), near, near + count);
@@ -159,9 +177,11 @@ bool NeighborList::listNeighbors(const Points& positions, const std::vector<Part
 
 std::size_t NeighborList::bytes() const {
   std::size_t sum = rebuilt_at_.capacity() * sizeof(Vec3) + slots_.capacity() * sizeof(Slot);
-  for (const std::vector<Index>* v : {&begins_, &counts_, &bins_, &starts_, &apart_.offsets, &apart_.items})
+  for (const std::vector<Index>* v :
+       {&begins_, &counts_, &bins_, &starts_, &parted_begins_, &parted_counts_, &apart_.offsets, &apart_.items})
     sum += v->capacity() * sizeof(Index);
-  for (const std::vector<Index>& block : blocks_) sum += block.capacity() * sizeof(Index);
+  for (const auto* blocks : {&blocks_, &parted_})
+    for (const std::vector<Index>& block : *blocks) sum += block.capacity() * sizeof(Index);
   return sum;
 }
 

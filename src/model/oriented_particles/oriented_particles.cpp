@@ -92,13 +92,34 @@ void OrientedParticles::adopt(const State& state) {
   inertias_.assign(state.positions.size(), lattice_.inertia_by_mass * mass_);
 }
 
+void OrientedParticles::setCuts(const ParticleCuts& cuts) {
+  if (cuts_.isSameAs(cuts)) return;
+  cuts_ = cuts;
+  lists_.forget();
+  partners_.forget();
+}
+
+ParticleCuts::Lengths OrientedParticles::cutLengths() const {
+  ParticleCuts::Lengths lengths;
+  lengths.bond = lattice_.pair.cutoff;
+  lengths.sight = lengths.bond + lattice_.spacing;
+  // Growth still fills gaps between pairs that were bound.
+  lengths.end = 1.1 * std::max(lengths.sight, params_.growth.max_gap * lattice_.spacing);
+  return lengths;
+}
+
+ParticleCuts OrientedParticles::followCuts(const State& state) const {
+  if (cuts_.isEmpty() || !prepare(state)) return cuts_;
+  return cuts_.follow(state.positions, state.traits, lists_, cutLengths(), params_.weldingTemperature(), cut_scratch_);
+}
+
 double OrientedParticles::coolDown(double temperature, double time) const {
   return temperature * std::exp(-params_.cooling * time);
 }
 
 // Updates lists and copies for this state; false if forces cannot be computed.
 bool OrientedParticles::prepare(const State& state) const {
-  if (!lists_.update(state.positions, state.traits)) return false;
+  if (!lists_.update(state.positions, state.traits, cuts_)) return false;
   const Index n = state.size();
   packed_.places.resize(4 * static_cast<std::size_t>(n));
   packed_.normals.resize(4 * static_cast<std::size_t>(n));
@@ -129,6 +150,13 @@ void OrientedParticles::forEachNear(Index i, double distance, const Take& take) 
   }
 }
 
+template <class Take>
+void OrientedParticles::forEachParted(Index i, const Take& take) const {
+  const Eigen::Map<const Vec3> p(packed_.place(i));
+  for (const Index* j = lists_.beginParted(i); j != lists_.endParted(i); ++j)
+    take((Eigen::Map<const Vec3>(packed_.place(*j)) - p).norm());
+}
+
 void OrientedParticles::addForces(const State& state, Points& forces) const {
   torques_.assign(state.positions.size(), Vec3::Zero());
   addForcesAndTorques(state, forces, torques_);
@@ -143,6 +171,7 @@ void OrientedParticles::addForcesAndTorques(const State& state, Points& forces, 
   const bool in_plane = params_.mode == ParticleMode::kPlane;
   parallelFor(state.size(), kBlock, [&](Index begin, Index end) {
     gatherForces(lattice_.pair, lists_, packed_, begin, end, forces.data(), torques.data());
+    gatherContact(lattice_.pair, lists_, packed_, begin, end, forces.data());
     for (Index i = begin; in_plane && i < end; ++i) {
       forces[i].y() = 0.0;
       torques[i].x() = torques[i].z() = 0.0;
@@ -301,8 +330,10 @@ bool OrientedParticles::flow(State& state) const {
 
 double OrientedParticles::elasticEnergy(const State& state) const {
   if (!prepare(state)) return kNotANumber;
-  const double energy = parallelSum(
-      state.size(), kBlock, [&](Index begin, Index end) { return gatherEnergy(lattice_.pair, lists_, packed_, begin, end); });
+  const double energy = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
+    return gatherEnergy(lattice_.pair, lists_, packed_, begin, end) +
+           gatherContactEnergy(lattice_.pair, lists_, packed_, begin, end);
+  });
   return energy - state.size() * lattice_.energy_per_particle;
 }
 
@@ -320,6 +351,7 @@ double OrientedParticles::findStableStep(const State& state) const {
         move += 2.0 * (k.x / mass + k.y / both);
         turn += 2.0 * k.y / both + k.z / inertia;
       });
+      forEachParted(i, [&](double d) { move += 2.0 * boundContactStiffness(lattice_.pair, d) / mass; });
       largest = std::max({largest, move, turn});
     }
     row_maxima_[begin / kBlock] = largest;
@@ -335,6 +367,8 @@ void OrientedParticles::addRowBounds(const State& state, std::vector<double>& st
     for (Index i = begin; i < end; ++i)
       forEachNear(i, lattice_.pair.cutoff,
                   [&](Index j, double) { stiffness[i] += 2.0 * boundStiffness(lattice_.pair, packed_, i, j).x; });
+    for (Index i = begin; i < end; ++i)
+      forEachParted(i, [&](double d) { stiffness[i] += 2.0 * boundContactStiffness(lattice_.pair, d); });
   });
 }
 
@@ -346,11 +380,13 @@ void OrientedParticles::refreshDisplay(const State& state) const {
   normals.reserve(state.orientations.size());
   for (const Quaternion& q : state.orientations) normals.push_back(normalOf(q));
   const double longest = kLongestEdge * lattice_.spacing;
+  AreApart apart;
+  if (!cuts_.isEmpty()) apart = [&](Index i, Index j) { return !cuts_.mayBind(state.traits[i].id, state.traits[j].id); };
   if (params_.mode == ParticleMode::kPlane) {
-    links_ = linkChains(state.positions, normals, longest);
+    links_ = linkChains(state.positions, normals, longest, apart);
     return;
   }
-  triangles_ = triangulateParticles(state.positions, normals, longest);
+  triangles_ = triangulateParticles(state.positions, normals, longest, apart);
   for (Index i = 0; i < state.size(); ++i)
     forEachNear(i, kLinkLength * lattice_.spacing, [&](Index j, double) {
       if (i < j) links_.emplace_back(i, j);

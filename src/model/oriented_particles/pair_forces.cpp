@@ -359,4 +359,41 @@ double gatherEnergy(const PairPotentials& p, const NeighborList& lists, const Pa
   return sum;
 }
 
+namespace {
+
+// Calls take(r, pair) for each particle near i that it is cut from, if it is nearer than bonds are long at rest: r = p_j - p_i,
+// m.
+template <class Take>
+void forEachContact(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles, Index i,
+                    const Take& take) {
+  const Eigen::Map<const Vec3> place(particles.place(i));
+  for (const Index* j = lists.beginParted(i); j != lists.endParted(i); ++j) {
+    Pair<double> pair;
+    const Vec3 r = Eigen::Map<const Vec3>(particles.place(*j)) - place;
+    if (!(r.squaredNorm() < p.distance * p.distance)) continue;
+    Eigen::Map<Vec3>(pair.r) = r;
+    pair.strength = 0.0;
+    evaluatePair<false, false, false, false, false>(p, pair);
+    take(r, pair);
+  }
+}
+
+}  // namespace
+
+void gatherContact(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles, Index begin, Index end,
+                   Vec3* forces) {
+  if (!lists.hasParted()) return;
+  for (Index i = begin; i < end; ++i)
+    forEachContact(p, lists, particles, i, [&](const Vec3& r, const Pair<double>& pair) { forces[i] += pair.c_r * r; });
+}
+
+double gatherContactEnergy(const PairPotentials& p, const NeighborList& lists, const PackedParticles& particles, Index begin,
+                           Index end) {
+  double sum = 0.0;
+  if (!lists.hasParted()) return sum;
+  for (Index i = begin; i < end; ++i)
+    forEachContact(p, lists, particles, i, [&](const Vec3&, const Pair<double>& pair) { sum += 0.5 * pair.level; });
+  return sum;
+}
+
 }  // namespace deformable_surface::model

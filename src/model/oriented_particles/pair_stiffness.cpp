@@ -81,4 +81,12 @@ PairStiffness boundStiffness(const PairPotentials& p, const PackedParticles& par
   return k;
 }
 
+double boundContactStiffness(const PairPotentials& p, double distance) {
+  if (!(distance < p.distance)) return 0.0;
+  double on, on_slope, phi, slope;
+  switchOff(p, distance, on, on_slope);
+  evaluateLennardJones(p, distance, 1.0 / distance, on, on_slope, phi, slope);
+  return 2.0 * std::max({0.0, findLennardJonesCurvature(p, distance), slope / std::max(distance, p.core)});
+}
+
 }  // namespace deformable_surface::model

@@ -30,6 +30,7 @@ OrientedParticles::OrientedParticles(const OrientedParticles& whole, std::size_t
       stated_spacing_(whole.stated_spacing_),
       lattice_(whole.lattice_),
       mass_(whole.mass_),
+      cuts_(whole.cuts_),
       is_bent_(whole.is_bent_),
       masses_(count, mass_),
       inertias_(count, lattice_.inertia_by_mass * mass_),

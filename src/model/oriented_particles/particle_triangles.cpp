@@ -55,10 +55,11 @@ Sphere findSphere(const Vec3& a, const Vec3& b, const Vec3& c) {
 // not counted.
 template <std::size_t N>
 double findDepth(const Points& positions, const Points& normals, const Vec3& normal, const Sphere& sphere,
-                 const std::vector<cloud::Neighbor>& near, const Index (&corners)[N]) {
+                 const std::vector<cloud::Neighbor>& near, const Index (&corners)[N], const AreApart& apart) {
   double depth = -1.0;
   for (const cloud::Neighbor& q : near) {
     if (std::find(corners, corners + N, q.index) != corners + N || !(normals[q.index].dot(normal) > 0.0)) continue;
+    if (apart && std::any_of(corners, corners + N, [&](Index c) { return apart(q.index, c); })) continue;
     depth = std::max(depth, 1.0 - (positions[q.index] - sphere.center).norm() / sphere.radius);
   }
   return depth;
@@ -66,8 +67,8 @@ double findDepth(const Points& positions, const Points& normals, const Vec3& nor
 
 class Candidates {
  public:
-  Candidates(const Points& positions, const Points& normals, double max_edge)
-      : positions_(positions), normals_(normals), max_edge_(max_edge), tree_(positions) {}
+  Candidates(const Points& positions, const Points& normals, double max_edge, const AreApart& apart)
+      : positions_(positions), normals_(normals), max_edge_(max_edge), apart_(apart), tree_(positions) {}
 
   std::vector<Candidate> find() const {
     const Index n = static_cast<Index>(positions_.size());
@@ -90,6 +91,7 @@ class Candidates {
       for (std::size_t r = 0; r < s; ++r) {
         const Index a = std::min(near[r].index, near[s].index), b = std::max(near[r].index, near[s].index);
         if (a <= i || !((positions_[b] - positions_[a]).norm() <= max_edge_)) continue;
+        if (apart_ && (apart_(i, a) || apart_(i, b) || apart_(a, b))) continue;
         Candidate candidate{{i, a, b}, 0, 0.0};
         Vec3 normal = (positions_[a] - positions_[i]).cross(positions_[b] - positions_[i]).normalized();
         if (normal.dot(normals_[i]) < 0.0) {
@@ -100,9 +102,9 @@ class Candidates {
         const Sphere sphere = findSphere(positions_[i], positions_[a], positions_[b]);
         if (!(sphere.radius <= max_edge_)) continue;
         // Most candidates fail at a particle that is near i anyway.
-        if (findDepth(positions_, normals_, normal, sphere, near, candidate.corner) > kMaxDepth) continue;
+        if (findDepth(positions_, normals_, normal, sphere, near, candidate.corner, apart_) > kMaxDepth) continue;
         tree_.withinRadius(sphere.center, (1.0 + kTie) * sphere.radius, in_sphere);
-        const double depth = findDepth(positions_, normals_, normal, sphere, in_sphere, candidate.corner);
+        const double depth = findDepth(positions_, normals_, normal, sphere, in_sphere, candidate.corner, apart_);
         if (depth > kMaxDepth) continue;
         candidate.rank = depth < -kTie ? 0 : depth <= kTie ? 1 : 2;
         if (candidate.rank == 2) candidate.depth = depth;
@@ -114,6 +116,7 @@ class Candidates {
   const Points& positions_;
   const Points& normals_;
   double max_edge_;
+  const AreApart& apart_;
   cloud::KdTree tree_;
 };
 
@@ -180,9 +183,10 @@ void check(const Points& positions, const Points& normals, double max_edge) {
 
 }  // namespace
 
-std::vector<WeightedTriangle> triangulateParticles(const Points& positions, const Points& normals, double max_edge) {
+std::vector<WeightedTriangle> triangulateParticles(const Points& positions, const Points& normals, double max_edge,
+                                                   const AreApart& apart) {
   check(positions, normals, max_edge);
-  std::vector<Candidate> candidates = Candidates(positions, normals, max_edge).find();
+  std::vector<Candidate> candidates = Candidates(positions, normals, max_edge, apart).find();
   std::sort(candidates.begin(), candidates.end());
   Manifold manifold(positions, normals);
   std::vector<WeightedTriangle> triangles;
@@ -195,7 +199,8 @@ std::vector<WeightedTriangle> triangulateParticles(const Points& positions, cons
   return triangles;
 }
 
-std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const Points& normals, double max_edge) {
+std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const Points& normals, double max_edge,
+                                                const AreApart& apart) {
   check(positions, normals, max_edge);
   const Index n = static_cast<Index>(positions.size());
   const cloud::KdTree tree(positions);
@@ -206,12 +211,12 @@ std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const P
     std::sort(near.begin(), near.end(), [](const cloud::Neighbor& a, const cloud::Neighbor& b) { return a.index < b.index; });
     for (const cloud::Neighbor& q : near) {
       const Index j = q.index;
-      if (j <= i || !(normals[i].dot(normals[j]) > 0.0)) continue;
+      if (j <= i || !(normals[i].dot(normals[j]) > 0.0) || (apart && apart(i, j))) continue;
       if (!cloud::isFlat(positions[j] - positions[i], normals[i], normals[j])) continue;
       const Sphere sphere{0.5 * (positions[i] + positions[j]), 0.5 * std::sqrt(q.squared_distance)};
       tree.withinRadius(sphere.center, sphere.radius, in_sphere);
       const Index ends[2] = {i, j};
-      if (findDepth(positions, normals, normals[i] + normals[j], sphere, in_sphere, ends) < 0.0) links.push_back({i, j});
+      if (findDepth(positions, normals, normals[i] + normals[j], sphere, in_sphere, ends, apart) < 0.0) links.push_back({i, j});
     }
   }
   return links;

@@ -7,6 +7,7 @@
 #include "deformable_surface/RolloutAction.h"
 #include "deformable_surface/SetMaterial.h"
 #include "deformable_surface/Snapshot.h"
+#include "deformable_surface/ToolArray.h"
 
 #include <actionlib/client/action_client.h>
 
@@ -66,6 +67,58 @@ TEST_F(ParticlesTest, EditsParticlesAndGrowsASurfaceThroughThem) {
   const GrowSurfaceResponse refused = client_->growSurface(GrowSurfaceRequest());
   EXPECT_FALSE(refused.success);
   EXPECT_NE(refused.message.find("accepted: oriented_particles"), std::string::npos) << refused.message;
+}
+
+// A scalpel that comes over ROS cuts for good: the hand that follows takes one side along, and the other stays.
+TEST_F(ParticlesTest, AScalpelCutsWhileTheNodeRuns) {
+  NodeProcess process("/cut",
+                      "{model: oriented_particles, gravity: [0, 0, 0], simplification: {method: none}, "
+                      "material: {damping: 5.0, bending_rigidity: 3.0e-3}, input: {tool_timeout: 0.0}, "
+                      "pins: [{box: {min: [-1, -1, -1], max: [0.011, 1, 1]}}], "
+                      "output: {publish_rate: 100.0, stamp: simulation}}");
+  NodeClient client("/cut");
+  ASSERT_TRUE(client.waitForNode()) << process.output();
+  ros::Publisher tools = client.handle().advertise<ToolArray>("tools", 10);
+  ASSERT_TRUE(waitUntil([&] { return tools.getNumSubscribers() > 0; }));
+  ASSERT_TRUE(client.pause(true).success);
+  constexpr int kSide = 12;
+  cloud_ = makeSheet(kSide, kSide);
+  cloud_.header.stamp = ros::Time::now();
+  const sensor_msgs::PointCloud2ConstPtr before = client.exchange(cloud_);
+  ASSERT_TRUE(before) << process.output();
+
+  ToolArray array;
+  array.tools.resize(1);
+  Tool& tool = array.tools[0];
+  tool.id = "scalpel";
+  tool.mode = Tool::CUT;
+  tool.primitive.type = shape_msgs::SolidPrimitive::CYLINDER;
+  tool.primitive.dimensions = {0.2, 0.002};
+  tool.pose.position.x = 0.045;
+  tool.pose.position.y = -0.05;
+  tool.twist.linear.y = 0.5;
+  tools.publish(array);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(client.step(45).success) << process.output();
+
+  array.tools.resize(2);
+  array.tools[0].action = Tool::DELETE;
+  Tool& hand = array.tools[1];
+  hand.id = "hand";
+  hand.mode = Tool::MOVE;
+  hand.primitive.type = shape_msgs::SolidPrimitive::BOX;
+  hand.primitive.dimensions = {0.05, 0.3, 0.3};
+  hand.pose.position.x = 0.11;
+  hand.twist.linear.x = 0.2;
+  tools.publish(array);
+  ASSERT_TRUE(client.waitForDiagnostic("commands waiting", 1));
+  ASSERT_TRUE(client.step(50).success) << process.output();
+  const sensor_msgs::PointCloud2ConstPtr after = client.waitForFrame(stampAfter(95));
+  ASSERT_TRUE(after) << process.output();
+  for (int i = 0; i < kSide * kSide; ++i) {
+    const double moved = readField(*after, i, "x") - readField(*before, i, "x");
+    EXPECT_NEAR(moved, i % kSide < 5 ? 0.0 : 0.1, 0.02) << i;
+  }
 }
 
 // With a surface without points every command is accepted or refused with a sentence, and the node continues.

@@ -12,6 +12,13 @@ namespace deformable_surface::model {
 /// equilibrium. A function that does nothing is allowed.
 using Relaxation = std::function<void(Points& positions, Orientations& orientations, const std::vector<char>& fixed)>;
 
+/// Growth on a surface that is cut. Empty functions: nothing is cut.
+struct GrowthCuts {
+  AreApart apart;  // also of particles added before
+  /// The particles from index first on are new.
+  std::function<void(const Points& positions, Index first, const std::vector<NewParticle>& added)> follow;
+};
+
 enum class GrowthEnd { kNoRoom, kMaxPasses, kMaxParticles };
 
 struct GrownSurface {
@@ -32,6 +39,6 @@ struct GrownSurface {
 /// times. Given particles that lie farther from all others than max_gap stay alone unless edge_rows lets them grow. Deterministic
 /// if relax is. Throws InputError.
 GrownSurface growSurface(const Points& positions, const Orientations& orientations, double spacing, const GrowthParams& params,
-                         const Relaxation& relax);
+                         const Relaxation& relax, const GrowthCuts& cuts = {});
 
 }  // namespace deformable_surface::model

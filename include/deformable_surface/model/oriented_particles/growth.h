@@ -4,6 +4,7 @@
 
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/model/oriented_particles/growth_params.h"
+#include "deformable_surface/model/oriented_particles/particle_triangles.h"
 
 #include <vector>
 
@@ -34,11 +35,11 @@ struct NewParticle {
 /// crosses a valley or a ridge there is no gap.
 ///
 /// positions (n x 3) m; orientations, flags (n); spacing: r0, m, > 0; reaches (n or none): the widest gap, m, that a particle
-/// closes if that is less than max_gap. In the order of acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap.
-/// Throws InputError.
+/// closes if that is less than max_gap; apart: particles that do not see each other, called in parallel. In the order of
+/// acceptance. Parallel; O(n (log n + k^2)) for k particles within max_gap. Throws InputError.
 std::vector<NewParticle> proposeStretched(const Points& positions, const Orientations& orientations,
                                           const std::vector<char>& flags, double spacing, const GrowthParams& params,
-                                          const std::vector<double>& reaches = {});
+                                          const std::vector<double>& reaches = {}, const AreApart& apart = {});
 
 /// The growing rule [sec. 7]: a particle with n_min to n_max neighbours (within neighbor_range, and seen) fills every gap between
 /// successive neighbours of theta_min to theta_max, seen along its normal, with round(gap / 60 degrees) - 1 particles at r0,
@@ -47,7 +48,8 @@ std::vector<NewParticle> proposeStretched(const Points& positions, const Orienta
 /// closer than clearance to a particle are dropped; of two that are so close to each other the one from the smaller index,
 /// then from the earlier gap, stays. In a chain the directions are the two of the curve, each open if it has no neighbour.
 std::vector<NewParticle> proposeGrown(const Points& positions, const Orientations& orientations, const std::vector<char>& flags,
-                                      double spacing, const GrowthParams& params, const std::vector<double>& reaches = {});
+                                      double spacing, const GrowthParams& params, const std::vector<double>& reaches = {},
+                                      const AreApart& apart = {});
 
 /// Drops new particles nearer than a distance, m, to any given particle, whichever way it faces. The rules only see particles
 /// that face the same way; nearer to any other, repulsion would throw the new one off.

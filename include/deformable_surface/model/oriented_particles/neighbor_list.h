@@ -3,6 +3,7 @@
 #pragma once
 
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/model/oriented_particles/particle_cuts.h"
 
 #include <utility>
 
@@ -24,8 +25,9 @@ class NeighborList {
   /// beyond radius and skin at the positions of the last
   /// rebuild. False if this is impossible: a position is not finite, or a particle has more than kMostNeighbors others. The lists
   /// must then not be used. Parallel; allocates only where there is more to list than before. O(n).
-  /// traits: (n), read only if some particles are kept apart.
-  bool update(const Points& positions, const std::vector<ParticleTraits>& traits = {});
+  /// traits: (n), read only if some particles are kept apart or cut. Pairs between which there are cuts are no neighbours, but
+  /// have lists of their own. cuts must be the same until forget().
+  bool update(const Points& positions, const std::vector<ParticleTraits>& traits = {}, const ParticleCuts& cuts = {});
   /// Changes the lengths, m, > 0, for the same particles.
   void setRadius(double radius, double skin) {
     radius_ = radius;
@@ -42,6 +44,11 @@ class NeighborList {
   /// The others near particle i, ascending.
   const Index* begin(Index i) const { return blocks_[i / kBlock].data() + begins_[i]; }
   const Index* end(Index i) const { return begin(i) + counts_[i]; }
+
+  /// Those from which it is cut, ascending.
+  const Index* beginParted(Index i) const { return hasParted() ? parted_[i / kBlock].data() + parted_begins_[i] : nullptr; }
+  const Index* endParted(Index i) const { return hasParted() ? beginParted(i) + parted_counts_[i] : nullptr; }
+  bool hasParted() const { return !parted_begins_.empty(); }
 
   Index numRebuilds() const { return num_rebuilds_; }
   /// Memory in use.
@@ -61,7 +68,7 @@ class NeighborList {
   Cell cellOf(const Vec3& p) const;
   Index findBin(std::uint64_t row, std::int64_t x) const;
   void sortIntoBins(const Points& positions);
-  bool listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits);
+  bool listNeighbors(const Points& positions, const std::vector<ParticleTraits>& traits, const ParticleCuts& cuts);
 
   static constexpr Index kBlock = 1024;
 
@@ -70,11 +77,13 @@ class NeighborList {
   double cell_ = 0.0;  // m, edge of the cells
   Points rebuilt_at_;
   bool is_valid_ = false;
-  std::vector<std::vector<Index>> blocks_;  // the lists of kBlock particles one after the other
-  std::vector<Index> begins_, counts_;      // (n), within the block
-  std::vector<Index> bins_, starts_;        // of each particle; (number of bins + 1) into slots_
-  std::vector<Slot> slots_;                 // (n) by bin, then by index
-  Index mask_ = 0;                          // number of bins - 1, a power of two less one
+  std::vector<std::vector<Index>> blocks_;            // the lists of kBlock particles one after the other
+  std::vector<Index> begins_, counts_;                // (n), within the block
+  std::vector<std::vector<Index>> parted_;            // the same for pairs with a cut between them
+  std::vector<Index> parted_begins_, parted_counts_;  // (n); empty: there are no cuts
+  std::vector<Index> bins_, starts_;                  // of each particle; (number of bins + 1) into slots_
+  std::vector<Slot> slots_;                           // (n) by bin, then by index
+  Index mask_ = 0;                                    // number of bins - 1, a power of two less one
   Index num_rebuilds_ = 0;
 };
 

@@ -62,6 +62,13 @@ class OrientedParticles : public DeformableModel,
   /// The spacing of the parameters, or of the cloud.
   double statedSpacing() const { return stated_spacing_; }
   void adopt(const State& state) override;
+  /// From now on there are these cuts. The state whose particles they name is the next one that the model is asked about.
+  void setCuts(const ParticleCuts& cuts);
+  const ParticleCuts& cuts() const { return cuts_; }
+  /// How far cuts look for pairs, m.
+  ParticleCuts::Lengths cutLengths() const;
+  /// The cuts after particles have moved to this state; the same if nothing has changed, or positions are not finite.
+  ParticleCuts followCuts(const State& state) const;
   void refreshDisplay(const State& state) const override;
   /// Elements are the pairs within reach of the lists in the followed state.
   bool followPartners(const State& state) override;
@@ -110,6 +117,8 @@ class OrientedParticles : public DeformableModel,
   std::optional<Vec3> fitCurvature(const State& state, Index i) const;
   template <class Take>
   void forEachNear(Index i, double distance, const Take& take) const;
+  template <class Take>
+  void forEachParted(Index i, const Take& take) const;
 
   const OrientedParticlesParams params_;
   const MaterialParams material_;
@@ -117,6 +126,7 @@ class OrientedParticles : public DeformableModel,
   Lattice lattice_;
   double mass_;  // kg, of every particle
   Points normals_, rest_curvatures_;
+  ParticleCuts cuts_;
   bool is_bent_;  // some particle is bent at rest, or may come to be
   std::vector<double> masses_, inertias_;
   // Display.
@@ -131,6 +141,7 @@ class OrientedParticles : public DeformableModel,
   mutable Points torques_;
   mutable std::vector<double> strain_, row_maxima_;
   mutable std::vector<char> has_flowed_;
+  mutable ParticleCuts::Scratch cut_scratch_;
 };
 
 }  // namespace deformable_surface::model

@@ -47,6 +47,7 @@ struct OrientedParticlesParams {
   double weighting_height = 0.5;  // > 0, at most the width, spacings: b of eq. 10
   RestShape rest_shape = RestShape::kAuto;
   double melting = 1000.0;       // K above ambient, > 0: bonds weaken linearly until there
+  OrAuto<double> welding;        // K above ambient, > 0: from there on both sides, cut bonds form again; auto = half of melting
   double cooling = 0.0;          // 1/s, >= 0: rate at which temperatures fall to the ambient one
   double freeze_below = 0.0;     // K above ambient, >= 0: cooler particles neither move nor turn; 0 = all may
   double yield_curvature = 0.0;  // 1/m, >= 0: bending beyond it stays; 0 = no plasticity
@@ -59,6 +60,7 @@ struct OrientedParticlesParams {
 
   /// Rest curvatures are for the isotropic weighting of a surface only.
   bool remembersShape() const { return weighting == ParticleWeighting::kIsotropic && mode == ParticleMode::kSpace; }
+  double weldingTemperature() const { return welding.valueOr(0.5 * melting); }
   bool restsAsCloud() const { return rest_shape == RestShape::kCloud || (rest_shape == RestShape::kAuto && remembersShape()); }
 };
 
@@ -116,6 +118,10 @@ inline void visit(Fields& fields, OrientedParticlesParams& p) {
                  "found cloud with weighting: anisotropic or mode: plane, which remember no shape; accepted: flat, auto");
   fields.number("melting", p.melting, "K", between(1e-6, 1e9),
                 "melting temperature above ambient: bonds weaken linearly and vanish there");
+  fields.number(
+      "welding", p.welding, "K", between(1e-6, 1e9),
+      "temperature above ambient from which particles weld: bonds that a knife has cut form again where both are as hot; "
+      "`auto` = half of melting");
   fields.number("cooling", p.cooling, "1/s", between(0.0, 1e6), "rate at which temperatures decay to ambient");
   fields.number("freeze_below", p.freeze_below, "K", between(0.0, 1e9),
                 "above ambient: cooler particles neither move nor rotate, so only heated particles can be shaped; 0 = off");

@@ -43,11 +43,20 @@ void gatherForces(const PairPotentials& pair, const NeighborList& lists, const P
 double gatherEnergy(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin,
                     Index end);
 
+/// The same for pairs with a cut between them, which have no bond: of phi they keep the repulsion, so that the edges of a cut do
+/// not enter each other.
+void gatherContact(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin,
+                   Index end, Vec3* forces);
+double gatherContactEnergy(const PairPotentials& pair, const NeighborList& lists, const PackedParticles& particles, Index begin,
+                           Index end);
+
 /// Bounds of the magnitudes of the stiffness that couples a pair's coordinates. X: positions, N/m; Y: a position with an
 /// orientation, N; Z: orientations, N m, of one particle and of both together.
 struct PairStiffness {
   double x = 0.0, y = 0.0, z = 0.0;
 };
 PairStiffness boundStiffness(const PairPotentials& pair, const PackedParticles& particles, Index i, Index j);
+/// The same of a pair at a distance, m, with a cut between: N/m by positions, the only term.
+double boundContactStiffness(const PairPotentials& pair, double distance);
 
 }  // namespace deformable_surface::model

@@ -5,9 +5,13 @@
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/model/deformable_model.h"
 
+#include <functional>
 #include <utility>
 
 namespace deformable_surface::model {
+
+/// Whether there is a cut between two particles. Empty: nothing is cut.
+using AreApart = std::function<bool(Index, Index)>;
 
 /// The surface triangulation of [Szeliski and Tonnesen 1991, sec. 5]: a triangle belongs to the surface if no other particle lies
 /// within its smallest circumscribing sphere. That is the smallest sphere through its three corners, centre in the triangle's
@@ -23,13 +27,16 @@ namespace deformable_surface::model {
 ///
 /// positions, normals (n x 3, unit). Corners are counter-clockwise seen from the tip of the normals, the smallest index first;
 /// all weights are 1; sorted by corners. Parallel but for the choice among overlapping triangles; O(n k^2) for k particles
-/// within max_edge. Throws InputError.
-std::vector<WeightedTriangle> triangulateParticles(const Points& positions, const Points& normals, double max_edge);
+/// within max_edge. Particles that are apart share no triangle, and do not count as within a sphere: the edges of a cut are edges
+/// of the surface however near they lie. apart: called in parallel. Throws InputError.
+std::vector<WeightedTriangle> triangulateParticles(const Points& positions, const Points& normals, double max_edge,
+                                                   const AreApart& apart = {});
 
 /// The links of particles in a plane curve ("chains", sec. 6): pairs (smaller index first, sorted) of at most max_edge (m) with
 /// no other particle within the sphere that has the pair as diameter, under the same rules for normals: the same rule, one
 /// dimension lower.
-std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const Points& normals, double max_edge);
+std::vector<std::pair<Index, Index>> linkChains(const Points& positions, const Points& normals, double max_edge,
+                                                const AreApart& apart = {});
 
 /// The topology of the surface. Particles without a triangle (link) count as isolated and in nothing else.
 struct ParticleTopology {

@@ -3,32 +3,12 @@
 #include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
-#include <cmath>
-#include <limits>
 #include <numeric>
 
 namespace deformable_surface::simulation {
 namespace {
 
-// Of the spacing: a knife moves by no more between two checks of what it passes through, or by half its own passage if that lies
-// between the two.
-constexpr double kFinest = 0.02, kCoarsest = 0.25;
 constexpr Index kBlock = 8;  // links between two checks of the interrupt: milliseconds for a knife that lies along all of them
-
-// The shortest path, m, on which a knife passes a point that moves by up to `slip` (m) in the step. For a box that moves straight
-// along its flat side the path is long; else it is the smallest extent.
-double findPassage(const tool::ToolParams& tool, double time, double step, double slip) {
-  const double smallest = geometry::findSmallestExtent(tool.shape);
-  if (tool.shape.kind != geometry::Solid::Kind::kBox) return smallest;
-  const tool::Pose first = tool::interpolate(tool.path, time), last = tool::interpolate(tool.path, time + step);
-  const bool has_corner = std::any_of(tool.path.begin(), tool.path.end(),
-                                      [&](const tool::WaypointParams& w) { return w.time > time && w.time < time + step; });
-  const Vec3 way = first.orientation.conjugate() * (last.position - first.position);
-  if (has_corner || first.orientation.coeffs() != last.orientation.coeffs() || !(way.norm() > slip)) return smallest;
-  double least = std::numeric_limits<double>::infinity();
-  for (int k = 0; k < 3; ++k) least = std::min(least, tool.shape.size[k] * way.norm() / (std::abs(way[k]) + slip));
-  return std::max(smallest, least);
-}
 
 bool isKnife(const tool::ToolParams& tool, double time) { return tool.mode == tool::Mode::kCut && tool::isActive(tool, time); }
 
@@ -75,12 +55,9 @@ bool Cutting::cutLinks(double time, double step, const std::vector<tool::ToolPar
   found_.clear();
   if (model_.stretchLinks().empty() && model_.bendLinks().empty()) return false;
   bool has_parted = false;
-  double slip = 0.0;
-  for (std::size_t i = 0; i < before_.size(); ++i) slip = std::max(slip, (positions[i] - before_[i]).norm());
   for (const tool::ToolParams& tool : tools) {
     if (!isKnife(tool, time)) continue;
-    const double resolution =
-        std::min(kCoarsest * spacing_, std::max(kFinest * spacing_, 0.5 * findPassage(tool, time, step, slip)));
+    const double resolution = tool::findBladeResolution(tool, time, step, before_, positions, spacing_);
     const tool::BladeSweep blade(tool, time, step, before_, positions, longest_, resolution);
     if (!blade.isNear()) continue;
     cut(blade, positions, model_.stretchLinks());

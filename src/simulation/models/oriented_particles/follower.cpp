@@ -13,13 +13,56 @@ const float kNaN = std::numeric_limits<float>::quiet_NaN();
 
 }  // namespace
 
-ParticleFollower::ParticleFollower(const RestSurface& rest, const transfer::TransferParams& transfer)
-    : rest_(rest), transfer_(transfer), is_direct_(rest.points == rest.dense.positions) {}
+ParticleFollower::ParticleFollower(const RestSurface& rest, const transfer::TransferParams& transfer,
+                                   const model::OrientedParticles& model)
+    : rest_(rest), transfer_(transfer), model_(model), is_direct_(rest.points == rest.dense.positions) {}
 
 void ParticleFollower::reset() {
   ids_.clear();
   point_of_id_.clear();
   survivors_.reset();
+  severed_.reset();
+  beside_cuts_.reset();
+}
+
+// A dense point follows those of its particles from which the particle nearest to it can be reached over bonds at rest that no
+// knife has cut. A point within half a spacing of the knife's way may therefore go with the other side.
+void ParticleFollower::followCuts() {
+  if (is_direct_ || severed_ == model_.cuts().severed()) return;
+  severed_ = model_.cuts().severed();
+  beside_cuts_.reset();
+  if (!severed_) return;
+  beside_cuts_ = std::make_unique<transfer::Transfer>(survivors_ ? *survivors_ : rest_.transfer);
+  const Index first = static_cast<Index>(rest_.points.size());
+  std::vector<char> is_cut(first, 0);
+  for (const auto& [a, b] : *severed_)
+    for (const Index id : {a, b})
+      if (id < first) is_cut[id] = 1;
+  const double bond = model_.cutLengths().bond;
+  std::vector<Index> refit, sources, reached;
+  Lists followed;
+  for (Index d = 0; d < static_cast<Index>(rest_.dense.positions.size()); ++d) {
+    sources = beside_cuts_->sourcesOf(d);
+    if (std::none_of(sources.begin(), sources.end(), [&](Index j) { return is_cut[j]; })) continue;
+    const Vec3& at = rest_.dense.positions[d];
+    std::sort(sources.begin(), sources.end(), [&](Index a, Index b) {
+      const double to_a = (rest_.points[a] - at).squaredNorm(), to_b = (rest_.points[b] - at).squaredNorm();
+      return to_a != to_b ? to_a < to_b : a < b;
+    });
+    const auto isReached = [&](Index j) { return std::find(reached.begin(), reached.end(), j) != reached.end(); };
+    reached.assign(1, sources.front());
+    for (std::size_t k = 0; k < reached.size(); ++k)
+      for (const Index j : sources) {
+        const bool is_bond = (rest_.points[j] - rest_.points[reached[k]]).norm() < bond;
+        if (is_bond && !isReached(j) && !model_.cuts().isSevered(reached[k], j)) reached.push_back(j);
+      }
+    if (reached.size() == sources.size()) continue;
+    refit.push_back(d);
+    for (const Index j : sources)
+      if (isReached(j)) followed.items.push_back(j);
+    followed.offsets.push_back(static_cast<Index>(followed.items.size()));
+  }
+  beside_cuts_->refit(refit, followed, rest_.dense.normals, transfer_);
 }
 
 // Which initial particles are left, and the transfer without the others: a dense point follows the remaining particles
@@ -54,6 +97,11 @@ void ParticleFollower::followPopulation(const model::State& state) {
           std::make_unique<transfer::Transfer>(rest_.dense.positions, rest_.dense.normals, rest_.points, is_left, transfer_);
     }
   }
+  if (!is_same) {
+    severed_.reset();
+    beside_cuts_.reset();
+  }
+  followCuts();
   first_positions_ = rest_.points;
   for (Index id = 0; id < first; ++id)
     if (point_of_id_[id] != kGone) first_positions_[id] = state.positions[point_of_id_[id]];
@@ -62,7 +110,7 @@ void ParticleFollower::followPopulation(const model::State& state) {
 void ParticleFollower::follow(const model::State& state, Points& dense, std::vector<Eigen::Vector3f>* normals) {
   followPopulation(state);
   if (!is_direct_) {
-    const transfer::Transfer& transfer = survivors_ ? *survivors_ : rest_.transfer;
+    const transfer::Transfer& transfer = beside_cuts_ ? *beside_cuts_ : survivors_ ? *survivors_ : rest_.transfer;
     return normals ? transfer.apply(first_positions_, dense, *normals) : transfer.apply(first_positions_, dense);
   }
   dense = first_positions_;

@@ -40,6 +40,24 @@ class OrientedParticlesKind : public ModelKind {
       default: return mode.everywhere;
     }
   }
+  std::vector<ToolProblem> findToolProblems(const tool::ToolParams& tool) const override {
+    std::vector<ToolProblem> problems;
+    if (tool.mode != tool::Mode::kCut || tool.strength > 0.0) return problems;
+    if (tool.shape.kind == geometry::Solid::Kind::kPlane)
+      problems.push_back(
+          {"shape",
+           "found plane for mode cut without strength, which has no other side to come out at; accepted: sphere, box, "
+           "cylinder, cone, mesh"});
+    const auto refuseFriction = [&](const char* field, double value) {
+      if (value == 0.0) return;
+      problems.push_back(
+          {field, "found " + formatReal(value) +
+                      ", which mode cut without strength does not use: it cuts without resistance; accepted: 0, or none"});
+    };
+    refuseFriction("friction", tool.friction);
+    refuseFriction("kinetic_friction", tool.kinetic_friction.valueOr(0.0));
+    return problems;
+  }
 
   RestSurface prepare(const SceneParams& params, const cloud::PointCloud& input, Index coarsest, bool to_choose) const override {
     return prepareParticles(params, input, coarsest, to_choose);
@@ -52,8 +70,8 @@ class OrientedParticlesKind : public ModelKind {
   }
 
   std::unique_ptr<CloudFollower> makeFollower(const RestSurface& rest, const SceneParams& params,
-                                              const model::DeformableModel&) const override {
-    return std::make_unique<ParticleFollower>(rest, params.transfer);
+                                              const model::DeformableModel& model) const override {
+    return std::make_unique<ParticleFollower>(rest, params.transfer, static_cast<const OrientedParticles&>(model));
   }
   std::unique_ptr<Evolution> makeEvolution(model::DeformableModel& model, const RestSurface& rest,
                                            const SceneParams& params) const override {

@@ -38,17 +38,23 @@ std::vector<Index> findPoints(const State& state, const std::vector<Index>& ids)
   return points;
 }
 
-// The ancestor of the nearest particle; the first particle's if there is none.
-Index findAncestor(const State& state, const Vec3& position) {
-  Index ancestor = 0;
+// -1 if there is none.
+Index findNearest(const State& state, const Vec3& position) {
+  Index nearest = -1;
   double least = std::numeric_limits<double>::infinity();
   for (Index i = 0; i < state.size(); ++i) {
     const double squared = (state.positions[i] - position).squaredNorm();
     if (!(squared < least)) continue;
     least = squared;
-    ancestor = state.traits[i].ancestor;
+    nearest = i;
   }
-  return ancestor;
+  return nearest;
+}
+
+// The ancestor of the nearest particle; the first particle's if there is none.
+Index findAncestor(const State& state, const Vec3& position) {
+  const Index nearest = findNearest(state, position);
+  return nearest < 0 ? 0 : state.traits[nearest].ancestor;
 }
 
 }  // namespace
@@ -107,7 +113,13 @@ Population ParticleLife::edit(const ParticleEdit& edit, State& state, std::vecto
     takeOut(is_gone, edited, changes);
   }
 
-  // All checks have passed.
+  // All checks have passed. An added particle takes part in the cuts of the one next to it.
+  if (adds && !model_.cuts().isEmpty()) {
+    const Index first = state.size();
+    std::vector<model::ParticleCuts::Pair> parents;
+    for (Index i = first; i < edited.size(); ++i) parents.emplace_back(findNearest(state, edited.positions[i]), -1);
+    model_.setCuts(model_.cuts().inherit(edited.positions, edited.traits, first, parents, model_.cutLengths()));
+  }
   changes.born = adds ? static_cast<Index>(count) : 0;
   state = std::move(edited);
   if (edit.action == Action::kFix || edit.action == Action::kFree)

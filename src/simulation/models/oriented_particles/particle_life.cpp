@@ -11,6 +11,7 @@
 #include <utility>
 
 #include "settle_particles.h"
+#include "thin_blade.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -28,6 +29,12 @@ constexpr double kLastTolerance = 1e-4;  // of its first force
 
 constexpr Index kMostDebris = 4;  // pieces of newborns alone: a few may have been cut off by tools
 constexpr Index kLook = 1024;     // particles between two looks at an interrupt
+
+// A knife with a temperature weakens bonds [Szeliski 1991, sec. 6]; one without cuts them.
+bool isHotKnife(const ToolParams& tool) { return tool.mode == Mode::kCut && tool.strength > 0.0; }
+bool isKnife(const ToolParams& tool, double time) {
+  return tool.mode == Mode::kCut && !isHotKnife(tool) && tool::isActive(tool, time);
+}
 
 // Distance of a point from a tool, m; negative inside.
 double distanceTo(const ToolParams& tool, const tool::Pose& pose, const Vec3& point) {
@@ -57,21 +64,19 @@ model::GrowthParams ParticleLife::growthParams() const {
   return growth;
 }
 
-// Cooling over the step, then particles that tools heat: they hold their temperature. A knife without a stated temperature melts
-// what it touches.
+// Cooling over the step, then particles that tools heat: they hold their temperature.
 void ParticleLife::heat(double time, double step, const std::vector<ToolParams>& tools, State& state) const {
   for (model::ParticleTraits& particle : state.traits)
     if (particle.temperature > 0.0) particle.temperature = model_.coolDown(particle.temperature, step);
   for (const ToolParams& tool : tools) {
-    if (!tool::isActive(tool, time) || (tool.mode != Mode::kHeat && tool.mode != Mode::kCut)) continue;
+    if (!tool::isActive(tool, time) || (tool.mode != Mode::kHeat && !isHotKnife(tool))) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
-    const bool cuts = tool.mode == Mode::kCut;
-    const double temperature = cuts && !(tool.strength > 0.0) ? model_.params().melting : tool.strength;
-    const double reach = cuts ? 0.5 * model_.lattice().spacing : 0.0;  // half a spacing: the particle as a disc
+    const double reach =
+        tool.mode == Mode::kCut ? 0.5 * model_.lattice().spacing : 0.0;  // half a spacing: the particle as a disc
     for (Index i = 0; i < state.size(); ++i) {
       endIfInterrupted(i, kLook);
       if (distanceTo(tool, pose, state.positions[i]) <= reach)
-        state.traits[i].temperature = std::max(state.traits[i].temperature, temperature);
+        state.traits[i].temperature = std::max(state.traits[i].temperature, tool.strength);
     }
   }
 }
@@ -80,7 +85,7 @@ void ParticleLife::remove(double time, const std::vector<ToolParams>& tools, Sta
   is_gone_.assign(state.positions.size(), 0);
   inside_.assign(state.positions.size(), 0);
   for (const ToolParams& tool : tools) {
-    const bool solid = model_.params().delete_trapped && (tool.mode == Mode::kSolid || tool.mode == Mode::kCut);
+    const bool solid = model_.params().delete_trapped && (tool.mode == Mode::kSolid || isHotKnife(tool));
     if (!tool::isActive(tool, time) || !(solid || tool.mode == Mode::kErase)) continue;
     const tool::Pose pose = tool::interpolate(tool.path, time);
     for (Index i = 0; i < state.size(); ++i) {
@@ -181,7 +186,7 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
   return change;
 }
 
-void ParticleLife::grow(State& state, Population& changes) const {
+void ParticleLife::grow(State& state, Population& changes) {
   const model::OrientedParticlesParams& params = model_.params();
   const bool grows = params.stretching || params.growing != model::Growing::kNone;
   if (!grows || state.size() == 0 || state.size() >= params.growth.max_particles) return;
@@ -190,12 +195,15 @@ void ParticleLife::grow(State& state, Population& changes) const {
   std::vector<char> flags(state.positions.size(), model::kGrowsNothing);
   for (Index i = 0; i < state.size(); ++i)
     if (state.traits[i].is_smooth) flags[i] = model::kFillsGaps;
+  model::AreApart apart;
+  if (!model_.cuts().isEmpty())
+    apart = [&](Index i, Index j) { return !model_.cuts().mayBind(state.traits[i].id, state.traits[j].id); };
   if (params.stretching)
-    newborn = model::proposeStretched(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
+    newborn = model::proposeStretched(state.positions, state.orientations, flags, model_.lattice().spacing, growth, {}, apart);
   if (newborn.empty() && params.growing != model::Growing::kNone) {
     if (params.growing == model::Growing::kEdges)
       for (char& flag : flags) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
-    newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth);
+    newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth, {}, apart);
   }
   if (newborn.empty()) return;
   if (const Index debris = countDebris(state); debris > kMostDebris) {
@@ -206,11 +214,11 @@ void ParticleLife::grow(State& state, Population& changes) const {
     return;
   }
   model::leaveOutCrowded(state.positions, growth.clearance * model_.lattice().spacing, newborn);
-  for (const model::NewParticle& particle : newborn) {
-    if (state.size() >= growth.max_particles) break;
-    append(particle, state);
-    ++changes.born;
-  }
+  const Index first = state.size();
+  newborn.resize(std::min<std::size_t>(newborn.size(), growth.max_particles - first));
+  for (const model::NewParticle& particle : newborn) append(particle, state);
+  changes.born += static_cast<Index>(newborn.size());
+  followBirths(state, first, newborn);
   if (state.size() >= growth.max_particles)
     changes.notice = "growth has reached oriented_particles.growth.max_particles, " + std::to_string(growth.max_particles);
 }
@@ -239,13 +247,68 @@ bool ParticleLife::maySleepInParts() const {
 
 std::shared_ptr<const Evolution::Memory> ParticleLife::memory() const {
   const double now = model_.lattice().spacing;
-  if (!spacing_ || spacing_->value != now) spacing_ = std::make_shared<const Spacing>(now);
-  return spacing_;
+  if (!kept_ || kept_->spacing != now || !kept_->cuts.isSameAs(model_.cuts())) {
+    auto kept = std::make_shared<Kept>();
+    kept->spacing = now;
+    kept->cuts = model_.cuts();
+    kept_ = std::move(kept);
+  }
+  return kept_;
 }
 
 void ParticleLife::setMemory(const std::shared_ptr<const Memory>& saved) {
-  const double spacing = static_cast<const Spacing&>(*saved).value;
-  if (model_.lattice().spacing != spacing) model_.setSpacing(spacing);
+  const Kept& kept = static_cast<const Kept&>(*saved);
+  if (model_.lattice().spacing != kept.spacing) model_.setSpacing(kept.spacing);
+  model_.setCuts(kept.cuts);
+}
+
+bool ParticleLife::isPushedBy(const ToolParams& tool) const { return tool.mode != Mode::kCut || isHotKnife(tool); }
+
+void ParticleLife::beginStep(double time, const std::vector<ToolParams>& tools, const Points& positions) {
+  before_.clear();
+  if (std::any_of(tools.begin(), tools.end(), [&](const ToolParams& tool) { return isKnife(tool, time); })) before_ = positions;
+}
+
+Evolution::AfterStep ParticleLife::endStep(double time, double step, const std::vector<ToolParams>& tools, State& state,
+                                           CutFollower*) {
+  AfterStep after;
+  const model::ParticleCuts before = model_.cuts();
+  model_.setCuts(model_.followCuts(state));
+  after.has_flowed = !model_.cuts().isSameAs(before);
+  after.has_cut = !before_.empty() && cut(time, step, tools, state);
+  return after;
+}
+
+bool ParticleLife::cut(double time, double step, const std::vector<ToolParams>& tools, const State& state) {
+  bool has_cut = false;
+  const model::ParticleCuts::Lengths lengths = model_.cutLengths();
+  const double spacing = model_.lattice().spacing;
+  for (const ToolParams& tool : tools) {
+    if (!isKnife(tool, time)) continue;
+    for (const ThinBlade& thin :
+         findBlades(tool, time, step, before_, state.positions, state.orientations, lengths.sight, spacing)) {
+      const double resolution = tool::findBladeResolution(thin.tool, thin.begin, thin.step, thin.before, thin.after, spacing);
+      const tool::BladeSweep blade(thin.tool, thin.begin, thin.step, thin.before, thin.after, lengths.sight, resolution);
+      if (!blade.isNear()) continue;
+      std::vector<Index> near;
+      for (Index i = 0; i < state.size(); ++i)
+        if (blade.isNear(thin.before[i])) near.push_back(i);
+      const model::ParticleCuts before = model_.cuts();
+      model_.setCuts(before.cut(thin.before, state.traits, near, lengths, [&](Index i, Index j) {
+        return blade.wentBetween(thin.before[i], thin.after[i], thin.before[j], thin.after[j], blade.all());
+      }));
+      has_cut = has_cut || !model_.cuts().isSameAs(before);
+    }
+  }
+  return has_cut;
+}
+
+// New particles take part in the cuts of their parents.
+void ParticleLife::followBirths(const State& state, Index first, const std::vector<model::NewParticle>& born) {
+  if (model_.cuts().isEmpty() || born.empty()) return;
+  std::vector<model::ParticleCuts::Pair> parents;
+  for (const model::NewParticle& particle : born) parents.emplace_back(particle.parents[0], particle.parents[1]);
+  model_.setCuts(model_.cuts().inherit(state.positions, state.traits, first, parents, model_.cutLengths()));
 }
 
 Population ParticleLife::growSurface(const model::GrowthParams& given, const std::vector<char>& held, bool is_start,
@@ -259,7 +322,23 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
     for (std::size_t i = 0; i < held.size(); ++i) fixed[i] = fixed[i] || held[i];
     model::relaxOnSurface(spacing, kSweeps, fixed, positions, orientations);
   };
-  const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax);
+  model::ParticleCuts cuts = model_.cuts();
+  std::vector<model::ParticleTraits> traits = state.traits;
+  model::GrowthCuts growth_cuts;
+  if (!cuts.isEmpty()) {
+    growth_cuts.apart = [&](Index i, Index j) { return !cuts.mayBind(traits[i].id, traits[j].id); };
+    growth_cuts.follow = [&](const Points& positions, Index first, const std::vector<model::NewParticle>& added) {
+      std::vector<model::ParticleCuts::Pair> parents;
+      for (const model::NewParticle& particle : added) {
+        parents.emplace_back(particle.parents[0], particle.parents[1]);
+        traits.emplace_back();
+        traits.back().id = state.next_id + static_cast<Index>(traits.size() - 1 - state.traits.size());  // as append() numbers
+      }
+      cuts = cuts.inherit(positions, traits, first, parents, model_.cutLengths());
+    };
+  }
+  const model::GrownSurface grown = model::growSurface(state.positions, state.orientations, spacing, growth, relax, growth_cuts);
+  model_.setCuts(cuts);
 
   Population changes;
   const std::size_t before = state.positions.size();

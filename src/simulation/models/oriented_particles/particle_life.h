@@ -15,10 +15,17 @@ class ParticleLife : public Evolution {
   ParticleLife(model::OrientedParticles& model, const std::vector<char>& creased, const SceneParams& scene)
       : model_(model), creased_(creased), scene_(scene) {}
 
+  void forget() override { model_.setCuts({}); }
   Population begin(const std::vector<char>& pinned, model::State& state) override;
   /// Temperatures, then who goes, then who is born. Nobody is born while several pieces of the surface consist of newborns alone:
   /// what is born closes a gap between its parents, so that such pieces have come loose, and growth would only feed them.
   Change beforeStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) override;
+  void beginStep(double time, const std::vector<tool::ToolParams>& tools, const Points& positions) override;
+  /// Knives cut what they went through, and the cuts follow the particles.
+  AfterStep endStep(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state,
+                    CutFollower* follower) override;
+  /// Knives cut without resistance, hot ones are solid.
+  bool isPushedBy(const tool::ToolParams& tool) const override;
   /// Those that are too cold to move.
   void hold(model::State& state, std::vector<char>& held, std::vector<char>& held_turns) const override;
   bool maySleep() const override;
@@ -35,18 +42,20 @@ class ParticleLife : public Evolution {
                   std::vector<char>& pinned_turns) override;
 
  private:
-  struct Spacing : Memory {
-    explicit Spacing(double spacing) : value(spacing) {}
-    std::size_t bytes() const override { return sizeof(Spacing); }
-    const double value;  // m, which a fit may have found
+  struct Kept : Memory {
+    std::size_t bytes() const override { return sizeof(Kept) + cuts.bytes(); }
+    double spacing = 0.0;  // m, which a fit may have found
+    model::ParticleCuts cuts;
   };
 
   static void takeOut(const std::vector<char>& is_gone, model::State& state, Population& changes);
-  void grow(model::State& state, Population& changes) const;
+  void grow(model::State& state, Population& changes);
   void requireRoom(const model::State& state, const std::vector<Index>& placed) const;
   void heat(double time, double step, const std::vector<tool::ToolParams>& tools, model::State& state) const;
   void remove(double time, const std::vector<tool::ToolParams>& tools, model::State& state, Population& changes) const;
   void append(const model::NewParticle& particle, model::State& state) const;
+  void followBirths(const model::State& state, Index first, const std::vector<model::NewParticle>& born);
+  bool cut(double time, double step, const std::vector<tool::ToolParams>& tools, const model::State& state);
   model::GrowthParams growthParams() const;
 
   Index countDebris(const model::State& state) const;
@@ -55,7 +64,8 @@ class ParticleLife : public Evolution {
   const std::vector<char>& creased_;
   const SceneParams& scene_;
   bool is_hot_ = false;  // some particles are above the ambient temperature, or have flowed, before the last step
-  mutable std::shared_ptr<const Spacing> spacing_;  // that was given out last
+  mutable std::shared_ptr<const Kept> kept_;  // that was given out last
+  Points before_;                             // m, when a step with a knife began last
   mutable bool has_reported_debris_ = false;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
