@@ -6,6 +6,8 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 namespace deformable_surface::test {
 namespace {
 
@@ -40,6 +42,38 @@ TEST(ParticleLife, AKnifeHeatsWhatItTouchesToItsTemperatureOrNothing) {
     EXPECT_GT(touched, 10);
     EXPECT_LT(touched, s.state().size());
   }
+}
+
+// Two samples in nearly one place would stay there: repulsion is constant near zero, and none at zero.
+TEST(ParticleLife, AfterAFitNoTwoParticlesAreInOnePlace) {
+  for (const bool lets_go : {true, false})
+    for (const double apart : {1e-9, 0.003, 0.1}) {  // spacings
+      simulation::SceneParams p = particleSheet();
+      p.pins.clear();
+      p.simplification.method = cloud::SimplificationMethod::kNone;
+      p.gravity.setZero();
+      const double spacing = 0.1;
+      p.oriented_particles.spacing = spacing;
+      p.material.bending_rigidity = 0.3 * p.material.young_modulus * p.material.thickness * spacing * spacing;
+      p.oriented_particles.grow_surface = true;
+      p.oriented_particles.growth.release_samples = lets_go;
+      cloud::PointCloud cloud = sheetCloud(8);
+      for (const Index i : {20, 33, 46}) cloud.positions.push_back(cloud.positions[i] + Vec3(0.6, 0.8, 0.0) * apart * spacing);
+      cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+      simulation::Simulation s(p, cloud);
+      double nearest = 1e300;
+      for (Index i = 0; i < s.state().size(); ++i)
+        for (Index j = 0; j < i; ++j) nearest = std::min(nearest, (s.state().positions[i] - s.state().positions[j]).norm());
+      const auto& notes = s.buildNotes();
+      const bool is_told = std::any_of(notes.begin(), notes.end(), [](const std::string& note) {
+        return note.find("3 pairs of held particles are nearer") != std::string::npos;
+      });
+      EXPECT_EQ(is_told, !lets_go) << apart;
+      if (lets_go) {
+        EXPECT_GE(nearest, 0.3 * latticeOf(s).spacing) << apart;
+      }
+      run(s, 5);
+    }
 }
 
 }  // namespace

@@ -28,6 +28,7 @@ constexpr Index kLastIterations = 40;    // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;  // of its first force
 
 constexpr Index kMostDebris = 4;  // pieces of newborns alone: a few may have been cut off by tools
+constexpr double kClosest = 0.3;  // of the spacing: as near as particles may be after growth, as after an edit
 constexpr Index kLook = 1024;     // particles between two looks at an interrupt
 
 // A knife with a temperature weakens bonds [Szeliski 1991, sec. 6]; one without cuts them.
@@ -54,6 +55,42 @@ void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& par
   attraction.leaveOnlyAttraction();
   slideParticles(surface, attraction, fixed, fixed, state);
   particles.setSpacing(particles.findSpacingWithoutTension(state));
+}
+
+// Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
+// x axis of the first. Growth and relaxation on both sides of something thin can bring two into nearly one place, where repulsion
+// does not part them. fixed (n) stay. One after the other, in the order of their numbers. Returns the number of pairs that are
+// still nearer.
+Index moveApart(double least, const std::vector<char>& fixed, State& state) {
+  constexpr Index kPasses = 50;
+  constexpr double kBeyond = 1e-6;  // of the distance: rounding must not undo it
+  Index near_pairs = 0;
+  std::vector<cloud::Neighbor> near;
+  for (Index pass = 0; pass <= kPasses; ++pass) {
+    endIfInterrupted();
+    near_pairs = 0;
+    const cloud::KdTree tree(state.positions);
+    for (Index i = 0; i < state.size(); ++i) {
+      tree.withinRadius(state.positions[i], least, near);
+      std::sort(near.begin(), near.end(), [](const auto& a, const auto& b) { return a.index < b.index; });
+      for (const cloud::Neighbor& q : near) {
+        const Index j = q.index;
+        if (j <= i) continue;
+        Vec3 line = state.positions[j] - state.positions[i];
+        const double distance = line.norm();
+        if (!(distance < least)) continue;
+        ++near_pairs;
+        if (pass == kPasses || (fixed[i] && fixed[j])) continue;
+        line = distance > 0.0 ? Vec3(line / distance) : Vec3(state.orientations[i] * Vec3::UnitX());
+        const double missing = (1.0 + kBeyond) * least - distance;
+        const double share = fixed[i] ? 0.0 : fixed[j] ? 1.0 : 0.5;  // of particle i
+        state.positions[i] -= share * missing * line;
+        state.positions[j] += (1.0 - share) * missing * line;
+      }
+    }
+    if (near_pairs == 0) break;
+  }
+  return near_pairs;
 }
 
 }  // namespace
@@ -360,7 +397,10 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
   if (keeps_shape && growth.noise > 0.0) particles.smoothShape(kSmoothings, trial);
   // Existing particles keep their motion and, except at the start, their rest shape: their bending may come from a load.
   for (std::size_t i = 0; !is_start && i < before; ++i) trial.traits[i].rest_curvature = state.traits[i].rest_curvature;
+  const double least = kClosest * particles.lattice().spacing;
+  moveApart(least, fixed, trial);
   relaxParticles(particles, fixed, fixed, kLastIterations, kLastTolerance, trial);
+  const Index near_pairs = moveApart(least, fixed, trial);
   state.positions = trial.positions;
   state.orientations = trial.orientations;
   state.traits = trial.traits;
@@ -369,6 +409,10 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
                                       "until another pass would have gone beyond growth.max_particles"};
   changes.notice = "a surface is grown: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) +
                    " in " + std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
+  if (near_pairs > 0)
+    changes.notice +=
+        "; " + std::to_string(near_pairs) +
+        " pairs of held particles are nearer to each other than 0.3 of the spacing, where repulsion hardly parts them";
   return changes;
 }
 
