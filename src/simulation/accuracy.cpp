@@ -23,10 +23,8 @@ constexpr double kSofter = 0.25;
 constexpr double kSoftest = 1.0 / 4096.0;
 constexpr double kWorthwhile = 0.9;  // of the work: a softer membrane must save this, else bending or loads set the sub-steps
 
-// Points times sub-steps that trials may always take, about a twentieth of a second of one core.
-constexpr double kFreeWork = 1e6;
-// The same for clouds so small that nothing but all points is tried. What they save by a softer membrane or another integrator
-// counts in later runs.
+// Points times sub-steps that trials of clouds may take that are so small that nothing but all points is tried: whatever running
+// them costs. What they save by a softer membrane or another integrator counts in later runs.
 constexpr double kFreeWorkOfSmall = 2e7;
 constexpr double kMostFirst = 1e8;  // of the first trial, before anything is known
 // A choice that was not tried is of all points if these take no more than this in all, about two minutes of one core.
@@ -104,7 +102,7 @@ class ChoiceByError {
         n_(static_cast<Index>(full.dense.positions.size())),
         target_(params.accuracy.position_error),
         most_(static_cast<Index>(kMostShare * n_)),
-        budget_(isSmall() ? kFreeWorkOfSmall : kFreeWork) {}
+        budget_(isSmall() ? kFreeWorkOfSmall : 0.0) {}
 
   Index choose() {
     asked_ = "accuracy.position_error " + formatReal(target_) + " m: ";
