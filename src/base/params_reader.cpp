@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <set>
 
 namespace deformable_surface {
@@ -36,15 +37,17 @@ bool toNumber(const Value& value, double& number) {
 constexpr int kEditCost = 2;
 
 // The key ("forces[].id") nearest to a name in a section, among all keys: by the last word, then by the section. Empty if
-// more than half of the word would have to change: the nearest would only mislead.
+// more than half of the word would have to change, in another section a third: the nearest would only mislead.
 std::string nearestKey(const std::string& section, const std::string& name, const std::vector<std::string>& all_keys) {
   std::string nearest;
-  int least = kEditCost * (static_cast<int>(name.size()) / 2 + 1);
+  const int size = static_cast<int>(name.size());
+  int least = std::numeric_limits<int>::max();
   for (const std::string& key : all_keys) {
     const std::size_t dot = key.rfind('.');
     const bool same_section = (dot == std::string::npos ? "" : key.substr(0, dot)) == section;
-    const int cost =
-        kEditCost * editDistance(name, dot == std::string::npos ? key : key.substr(dot + 1)) + (same_section ? 0 : 1);
+    const int edits = editDistance(name, dot == std::string::npos ? key : key.substr(dot + 1));
+    if (edits > size / (same_section ? 2 : 3)) continue;  // any short word resembles some key elsewhere
+    const int cost = kEditCost * edits + (same_section ? 0 : 1);
     if (cost < least) {
       least = cost;
       nearest = key;

@@ -17,6 +17,9 @@ using Link = std::pair<Index, Index>;
 
 constexpr double kRide = 0.35;  // fraction of the spacing: a point nearer to an edge would have to bend too sharply beside it
 constexpr int kHalvings = 12;
+// Spacings of the cloud. A region of twice the spacing holds two rows wherever they lie. The ends of links, which lie around
+// their point, appear wider by up to a fifth.
+constexpr double kWide = 2.5;
 
 // Where the region ends between a place inside and one outside, as a fraction of their distance.
 double findEnd(const Vec3& inside, const Vec3& outside, const Contains& contains) {
@@ -107,6 +110,26 @@ std::vector<char> markClamping(const Points& points, const Lists& neighbors, con
     clamping[i] = isBandOfRows(near, spacing);
   }
   return clamping;
+}
+
+void markWide(const ClampedSurface& surface, const std::vector<char>& inside, const Contains& contains, double spacing,
+              std::vector<char>& clamping) {
+  Points patch;
+  // The ends of the links of a point within the region, at rest.
+  const auto addEnds = [&](Index i) {
+    for (const Index* j = surface.ring.begin(i); j != surface.ring.end(i); ++j) {
+      const double share = inside[*j] ? 1.0 : findEnd(surface.now[i], surface.now[*j], contains);
+      patch.push_back(surface.rest[i] + share * (surface.rest[*j] - surface.rest[i]));
+    }
+  };
+  for (Index i = 0; i < static_cast<Index>(inside.size()); ++i) {
+    if (!inside[i] || clamping[i]) continue;
+    patch.assign(1, surface.rest[i]);
+    addEnds(i);
+    for (const Index* j = surface.ring.begin(i); j != surface.ring.end(i); ++j)
+      if (inside[*j]) addEnds(*j);
+    clamping[i] = measureBand(patch) > kWide * spacing;
+  }
 }
 
 bool canClamp(const SceneParams& params) { return findModel(params.model).isPlate(params); }

@@ -30,6 +30,11 @@ ClampEdges findClampEdges(const ClampedSurface& surface, const std::vector<char>
 /// Which of the points inside, (n), belong to a clamping patch: one wider than a row of points. spacing: of the points, m.
 std::vector<char> markClamping(const Points& points, const Lists& neighbors, const std::vector<char>& inside, double spacing);
 
+/// Adds to clamping (n) those points inside, (n), around which the region is wide enough to hold two rows of points of this
+/// spacing (m), whatever the distance of the simulation points.
+void markWide(const ClampedSurface& surface, const std::vector<char>& inside, const Contains& contains, double spacing,
+              std::vector<char>& clamping);
+
 /// Whether pins can clamp: without a curvature energy, a clamp equals a hinge.
 bool canClamp(const SceneParams& params);
 

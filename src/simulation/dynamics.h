@@ -152,7 +152,7 @@ class Dynamics {
   void clampHeld();
   ClampEdges findEdges(const std::vector<char>& inside, const Contains& contains) const;
   std::vector<Index> clampPin(const std::vector<char>& inside, const Contains& contains);
-  void clampGrips(const std::vector<std::size_t>& begun);
+  std::string clampGrips(const std::vector<std::size_t>& begun);
   void endClamps();
   std::size_t findPin(Index point) const;
   void setTools(std::vector<tool::ToolParams> tools);

@@ -1,10 +1,16 @@
 // Constrained points of a dynamics: pins, pins with a path, where they clamp, and points that the evolution holds.
 #include "dynamics.h"
 
+#include "deformable_surface/base/notice.h"
+#include "deformable_surface/base/value.h"
+
 #include <algorithm>
 
 namespace deformable_surface::simulation {
 namespace {
+
+constexpr double kSameSpacing = 0.9;  // fraction of the simulation points' spacing below which the cloud has more points
+constexpr std::size_t kFewHeld = 6;   // simulation points of a grip below which clamps were off by 5 to 40 % (docs/accuracy.md)
 
 // Of the marked points their first two rings; at the corner of a sheet one is too few to tell a row of points from several.
 Lists findTwoRings(const Lists& ring, const std::vector<char>& marked) {
@@ -59,10 +65,11 @@ void Dynamics::placePins() {
 // The edge of a region that has just been pinned or gripped; inside (m): its points.
 ClampEdges Dynamics::findEdges(const std::vector<char>& inside, const Contains& contains) const {
   if (!canClamp(params_)) return {};
-  const std::vector<char> clamping =
-      markClamping(rest_->points, findTwoRings(rest_->rings.ring, inside), inside, activity_.spacing());
-  return findClampEdges({rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, trianglesOf(*model_)},
-                        clamping, contains);
+  const std::vector<model::WeightedTriangle>& triangles = trianglesOf(*model_);
+  const ClampedSurface surface{rest_->points, now_.points.positions, rest_->rings.ring, rest_->rings.open, triangles};
+  std::vector<char> clamping = markClamping(rest_->points, findTwoRings(rest_->rings.ring, inside), inside, activity_.spacing());
+  markWide(surface, inside, contains, rest_->dense_spacing, clamping);
+  return findClampEdges(surface, clamping, contains);
 }
 
 // The same of a pin, which holds it from now on. Returns the points that ride on it.
@@ -100,9 +107,11 @@ void Dynamics::endClamps() {
               edges.end());
 }
 
-// Clamps the points of tools that have just taken hold.
-void Dynamics::clampGrips(const std::vector<std::size_t>& begun) {
-  if (!canClamp(params_)) return;
+// Clamps the points of tools that have just taken hold. Returns a notice of grips on too few points.
+std::string Dynamics::clampGrips(const std::vector<std::size_t>& begun) {
+  std::string notice;
+  if (!canClamp(params_)) return notice;
+  const bool is_simplified = rest_->dense_spacing < kSameSpacing * activity_.spacing();
   for (const std::size_t g : begun) {
     const Grips::Grip& grip = grips_.all()[g];
     const tool::Pose pose = tool::interpolate(grip.tool.path, time());
@@ -113,7 +122,13 @@ void Dynamics::clampGrips(const std::vector<std::size_t>& begun) {
     const auto isHeld = [&](Index i) { return held_[i] != 0; };
     found.riding.erase(std::remove_if(found.riding.begin(), found.riding.end(), isHeld), found.riding.end());
     grips_.clamp(g, time(), std::move(found.edges), found.riding, now_.points);
+    const std::size_t num_held = grip.points.size();
+    if (is_simplified && num_held > 0 && num_held < kFewHeld)
+      appendNotice(notice, "tool " + quote(grip.tool.id) + " holds only " + std::to_string(num_held) +
+                               " of the simulation points: the surface may bend around it by a tenth too much or more; more "
+                               "simulation points or a wider tool are more accurate");
   }
+  return notice;
 }
 
 // Sets the held points in the model, in patches that move as one. With other clamps, everything measured and stored before is

@@ -261,8 +261,8 @@ std::optional<double> Dynamics::searchAgain(double now, double disturbance, mode
 
 Grips::Update Dynamics::updateGrips(double now, double dt) {
   if (grips_.readForces()) system_.computeForcesOnAll(now, now_.points, forces_on_all_);
-  const Grips::Update update = grips_.update(now, 1e-6 * dt, now_.points, now_.pinned, forces_on_all_);
-  clampGrips(update.begun);
+  Grips::Update update = grips_.update(now, 1e-6 * dt, now_.points, now_.pinned, forces_on_all_);
+  appendNotice(update.notice, clampGrips(update.begun));
   if (update.changed) clampHeld();
   grips_.carry(now, dt, now_.points, held_);
   return update;

@@ -2,6 +2,7 @@
 
 #include "deformable_surface/simulation/model_kind.h"
 
+#include "rest_parts.h"
 #include "wanted_spacing.h"
 
 namespace deformable_surface::simulation {
@@ -23,11 +24,12 @@ SceneParams keepWhatPrepares(const SceneParams& params) {
   kept.input.noise = params.input.noise;
   kept.input.min_gap = params.input.min_gap;
   kept.output.resample = params.output.resample;
-  // Where pins and loads are, and not what they do.
+  // Where pins, grips and loads are, and not what they do.
   for (const PinParams& pin : params.pins) {
     kept.pins.emplace_back();
     kept.pins.back().region = pin.region;
   }
+  kept.tools = findGripsAtRest(params);
   for (const Vec3& place : findLoadedPlaces(params)) {
     kept.anchors.emplace_back();
     kept.anchors.back().point = place;

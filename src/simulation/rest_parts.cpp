@@ -68,47 +68,79 @@ std::vector<double> keepNearOverBody(const cloud::NeighborsParams& params, const
   return cloud::geodesicWeights(graph, points, neighbors);
 }
 
+namespace {
+
+// Farthest point sampling among the points inside, first from their middle.
+void chooseFarthest(const std::vector<Index>& inside, const Points& dense, std::vector<Index>& chosen) {
+  Vec3 middle = Vec3::Zero();
+  for (Index i : inside) middle += dense[i] / static_cast<double>(inside.size());
+  std::vector<double> distance(inside.size());
+  for (std::size_t k = 0; k < inside.size(); ++k) distance[k] = (dense[inside[k]] - middle).squaredNorm();
+  for (Index c = 0; c < kPinPoints && c < static_cast<Index>(inside.size()); ++c) {
+    const std::size_t far = std::max_element(distance.begin(), distance.end()) - distance.begin();
+    const Index point = inside[far];
+    chosen.push_back(point);
+    for (std::size_t k = 0; k < inside.size(); ++k) {
+      const double to_point = (dense[inside[k]] - dense[point]).squaredNorm();
+      distance[k] = c == 0 ? to_point : std::min(distance[k], to_point);
+    }
+  }
+}
+
+template <typename Contains>
+std::vector<Index> findInside(const Points& dense, const Contains& contains) {
+  std::vector<Index> inside;
+  for (Index i = 0; i < static_cast<Index>(dense.size()); ++i)
+    if (contains(dense[i])) inside.push_back(i);
+  return inside;
+}
+
+void sortUnique(std::vector<Index>& points) {
+  std::sort(points.begin(), points.end());
+  points.erase(std::unique(points.begin(), points.end()), points.end());
+}
+
+}  // namespace
+
 std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense) {
   std::vector<Index> chosen;
   for (std::size_t p = 0; p < params.pins.size(); ++p) {
-    std::vector<Index> inside;
-    for (Index i = 0; i < static_cast<Index>(dense.size()); ++i)
-      if (params.pins[p].region.contains(dense[i])) inside.push_back(i);
+    const std::vector<Index> inside = findInside(dense, [&](const Vec3& x) { return params.pins[p].region.contains(x); });
     if (inside.empty())
       throw InputError("pins[" + std::to_string(p) + "]: the shape holds none of the " +
                        count(static_cast<Index>(dense.size()), "points at rest; accepted: a shape that holds at least one"));
-    // Farthest point sampling, first from the middle.
-    Vec3 middle = Vec3::Zero();
-    for (Index i : inside) middle += dense[i] / static_cast<double>(inside.size());
-    std::vector<double> distance(inside.size());
-    for (std::size_t k = 0; k < inside.size(); ++k) distance[k] = (dense[inside[k]] - middle).squaredNorm();
-    for (Index c = 0; c < kPinPoints && c < static_cast<Index>(inside.size()); ++c) {
-      const std::size_t far = std::max_element(distance.begin(), distance.end()) - distance.begin();
-      const Index point = inside[far];
-      chosen.push_back(point);
-      for (std::size_t k = 0; k < inside.size(); ++k) {
-        const double to_point = (dense[inside[k]] - dense[point]).squaredNorm();
-        distance[k] = c == 0 ? to_point : std::min(distance[k], to_point);
-      }
-    }
+    chooseFarthest(inside, dense, chosen);
   }
-  std::sort(chosen.begin(), chosen.end());
-  chosen.erase(std::unique(chosen.begin(), chosen.end()), chosen.end());
+  sortUnique(chosen);
+  return chosen;
+}
+
+std::vector<tool::ToolParams> findGripsAtRest(const SceneParams& params) {
+  std::vector<tool::ToolParams> grips;
+  for (const tool::ToolParams& tool : params.tools)
+    if (tool.mode == tool::Mode::kMove && tool::isActive(tool, 0.0)) {
+      grips.emplace_back();
+      grips.back().mode = tool.mode;
+      grips.back().shape = tool.shape;
+      const tool::Pose pose = tool::interpolate(tool.path, 0.0);
+      grips.back().path = {{0.0, pose.position, pose.orientation.coeffs()}};
+    }
+  return grips;
+}
+
+std::vector<Index> chooseHeldPoints(const SceneParams& params, const Points& dense) {
+  std::vector<Index> chosen = choosePinPoints(params, dense);
+  for (const tool::ToolParams& grip : findGripsAtRest(params)) {
+    const tool::Pose pose = tool::interpolate(grip.path, 0.0);
+    chooseFarthest(
+        findInside(dense, [&](const Vec3& x) { return tool::findSignedDistance(grip.shape, pose, x, 0.0).distance <= 0.0; }),
+        dense, chosen);
+  }
+  sortUnique(chosen);
   return chosen;
 }
 
 namespace {
-
-// Width of points across the direction in which they spread most, m: rows of points side by side have one, a single row has
-// almost none.
-double measureBand(const Points& points) {
-  Vec3 mean = Vec3::Zero();
-  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
-  Mat3 spread = Mat3::Zero();
-  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
-  // The variance of an even distribution over a length is a twelfth of the length's square.
-  return std::sqrt(12.0 * std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
-}
 
 Points pointsIn(const PinParams& pin, const Points& points) {
   Points inside;
@@ -118,6 +150,15 @@ Points pointsIn(const PinParams& pin, const Points& points) {
 }
 
 }  // namespace
+
+double measureBand(const Points& points) {
+  Vec3 mean = Vec3::Zero();
+  for (const Vec3& p : points) mean += p / static_cast<double>(points.size());
+  Mat3 spread = Mat3::Zero();
+  for (const Vec3& p : points) spread += (p - mean) * (p - mean).transpose() / static_cast<double>(points.size());
+  // The variance of an even distribution over a length is a twelfth of the length's square.
+  return std::sqrt(12.0 * std::max(0.0, Eigen::SelfAdjointEigenSolver<Mat3>(spread, Eigen::EigenvaluesOnly).eigenvalues()[1]));
+}
 
 bool isBandOfRows(const Points& points, double spacing) { return !(measureBand(points) < kBandOfRows * spacing); }
 

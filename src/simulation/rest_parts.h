@@ -20,6 +20,14 @@ void noteGaps(const cloud::GeodesicNeighbors& found, RestSurface& s);
 /// Points that simplification must keep: of every pinned region three that are far from each other.
 std::vector<Index> choosePinPoints(const SceneParams& params, const Points& dense);
 
+/// The same, and of what each `move` tool holds from the beginning.
+std::vector<Index> chooseHeldPoints(const SceneParams& params, const Points& dense);
+/// Where the `move` tools are that hold points of the rest shape from the beginning; without their paths and strengths.
+std::vector<tool::ToolParams> findGripsAtRest(const SceneParams& params);
+
+/// Width of points across the direction in which they spread most, m: rows of points side by side have one, a single row has
+/// almost none.
+double measureBand(const Points& points);
 /// Whether points lie in several rows side by side, so that a pin that holds them clamps; spacing: theirs, m. For all points or
 /// for those that a pin holds.
 bool isBandOfRows(const Points& points, double spacing);

@@ -133,6 +133,8 @@ TEST(ReadScene, NamesTheNearestKnownKey) {
   EXPECT_EQ(problemOf("young_modulus: 1"), "young_modulus: unknown key; the nearest known one is material.young_modulus");
   EXPECT_EQ(problemOf("forces: [{id: a, pont: [0, 0, 0], point: [0, 0, 0], force: [0, 0, 0]}]"),
             "forces[0].pont: unknown key; the nearest known one is forces[].point");
+  EXPECT_TRUE(contains(problemsOf("model: mass_spring\ntools: [{id: a, shape: {ball: {radius: 1}}}]")[1],
+                       "tools[0].shape.ball: unknown key; accepted: box, "));
   EXPECT_EQ(problemOf("expect: {max_displacment: [0, 1]}"),
             "expect.max_displacment: unknown quantity; the nearest known one is max_displacement");
 }

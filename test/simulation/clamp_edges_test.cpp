@@ -94,5 +94,19 @@ TEST(MarkClamping, ARowIsAHingeAndTwoAreAClamp) {
   EXPECT_EQ(count(0.14), 12);
 }
 
+TEST(MarkWide, ARowClampsWhereTheRegionHoldsMoreOfAFinerCloud) {
+  const Surface s = makeSheet(11, 6, 1.0, 0.5, 0.2);
+  const std::vector<model::WeightedTriangle> triangles = plateOf(s, 1.0, 0.0).triangles;
+  const Contains contains = [](const Vec3& p) { return p.x() <= 0.05; };
+  std::vector<char> inside;
+  for (const Vec3& p : s.points) inside.push_back(contains(p));
+  for (const double spacing : {0.1, 0.05, 0.01}) {
+    std::vector<char> clamping(s.points.size(), 0);
+    simulation::markWide({s.points, s.points, s.rings.ring, s.rings.open, triangles}, inside, contains, spacing, clamping);
+    EXPECT_EQ(std::count(clamping.begin(), clamping.end(), 1), spacing < 0.02 ? 6 : 0) << spacing;
+    for (std::size_t i = 0; i < s.points.size(); ++i) EXPECT_LE(clamping[i], inside[i]);
+  }
+}
+
 }  // namespace
 }  // namespace deformable_surface::test

@@ -50,6 +50,28 @@ TEST(RestParts, OfEachPinThreePointsThatAreFarApartAreKept) {
   EXPECT_EQ(simulation::choosePinPoints(single.params, single.points), (std::vector<Index>{0, 1, 2}));
 }
 
+TEST(RestParts, OfEachGripAtRestThreePointsAreKeptToo) {
+  Pinned p(1.1);
+  tool::ToolParams grip;
+  grip.mode = tool::Mode::kMove;
+  grip.shape.kind = geometry::Solid::Kind::kSphere;
+  grip.shape.radius = 1.5;
+  grip.path = {{0.0, Vec3(9.0, 1.0, 0.0)}, {1.0, Vec3(20.0, 1.0, 0.0)}};
+  p.params.tools = {grip};
+  const std::vector<Index> kept = simulation::chooseHeldPoints(p.params, p.points);
+  ASSERT_EQ(kept.size(), 6u);
+  for (int k = 3; k < 6; ++k) EXPECT_LT((p.points[kept[k]] - Vec3(9.0, 1.0, 0.0)).norm(), 1.5);
+  // Not of those that begin later, or do something else. One that holds nothing is no error.
+  p.params.tools[0].start = 0.1;
+  EXPECT_EQ(simulation::chooseHeldPoints(p.params, p.points), simulation::choosePinPoints(p.params, p.points));
+  p.params.tools[0] = grip;
+  p.params.tools[0].mode = tool::Mode::kSolid;
+  EXPECT_EQ(simulation::chooseHeldPoints(p.params, p.points), simulation::choosePinPoints(p.params, p.points));
+  p.params.tools[0] = grip;
+  p.params.tools[0].path[0].position.z() = 50.0;
+  EXPECT_EQ(simulation::chooseHeldPoints(p.params, p.points), simulation::choosePinPoints(p.params, p.points));
+}
+
 TEST(RestParts, APinThatHoldsNothingIsRefusedByItsNumber) {
   Pinned p(4.1);
   p.params.pins.push_back(p.params.pins[0]);

@@ -38,6 +38,7 @@ struct RestSurface {
   cloud::GeodesicCells cells;      // of the simulation points on the dense ones; empty if neighbourhoods are Euclidean
   cloud::Rings rings;              // of the simulation points
   double area = 0.0;               // m^2, of the dense surface
+  double dense_spacing = 0.0;      // m, mean, of the dense points of a mass-spring surface; copies keep it
   Vec3 across = Vec3::Zero();      // unit normal of the plane in which alone its points move; zero: they move in space
   bool closed = false;             // the dense surface has no boundary
   std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out

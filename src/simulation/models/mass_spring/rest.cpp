@@ -99,6 +99,8 @@ void findHingedPins(const SceneParams& params, const Points& dense, const model:
 // Model and pins on the simulation points. full: the surface with the dense points that they were chosen from.
 void buildModel(const SceneParams& params, const RestSurface& full, RestSurface& s) {
   applyPins(params, s);
+  s.dense_spacing = full.dense_spacing;
+  if (!full.dense.positions.empty()) s.dense_spacing = std::sqrt(s.area / static_cast<double>(full.dense.positions.size()));
   if (full.dense.positions.empty()) {
     s.pinned = full.pinned;
     s.clamp_edges = full.clamp_edges;
@@ -179,7 +181,7 @@ RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud
   RestSurface& seen = half ? half->surface : s;
   Points estimated = half ? Points{} : findNeighbors(params, s);
   cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), seen);
-  std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, seen.dense.positions), boundary, coarsest,
+  std::vector<Index> kept = chooseSimulationPoints(params, chooseHeldPoints(params, seen.dense.positions), boundary, coarsest,
                                                    seen, half ? kOneByOneOfHalf : cloud::kOneByOne);
   const auto measureArea = [&] {
     return cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors, boundary.is_boundary);
