@@ -238,6 +238,7 @@ TEST(PreparedSurface, GivesTheRunThatASurfaceOfItsOwnGives) {
       scene.pins[0].region.min = Vec3(-0.6, -0.6, -0.1);
       scene.pins[0].region.max = Vec3(-0.4, 0.6, 0.1);
       scene.duration = 0.03;
+      scene.accuracy.remember = false;
       if (target > 0.0 && scene.model == "mass_spring")
         scene.accuracy.position_error = target;
       else
