@@ -65,7 +65,7 @@ bool readNumber(std::istream& in, double& value) {
 
 bool readType(std::istream& in, solve::IntegratorType& type) {
   int number = 0;
-  if (!(in >> number)) return false;
+  if (!(in >> number) || number < 0 || number > static_cast<int>(solve::IntegratorType::kStatic)) return false;
   type = static_cast<solve::IntegratorType>(number);
   return true;
 }

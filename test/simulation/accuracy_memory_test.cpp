@@ -11,6 +11,9 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
+#include <sstream>
+#include <string>
 
 namespace deformable_surface::test {
 namespace {
@@ -102,6 +105,17 @@ TEST_F(ChoiceMemory, ReadsNothingOutOfADamagedFileAndReplacesIt) {
   fs::resize_file(file, fs::file_size(file) - 6);
   EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
   EXPECT_TRUE(isRecalled(Simulation(stiffStrip(), strip())));
+  std::string text;
+  {
+    std::ostringstream all;
+    all << std::ifstream(file).rdbuf();
+    text = all.str();
+  }
+  // The second line: whether it is met, whether it may buckle, the number of points, the method.
+  std::size_t at = text.find('\n') + 1;
+  for (int word = 0; word < 3; ++word) at = text.find(' ', at) + 1;
+  std::ofstream(file) << text.replace(at, 1, "77");
+  EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
   std::ofstream(file) << "something else\n";
   EXPECT_FALSE(isRecalled(Simulation(stiffStrip(), strip())));
 }
