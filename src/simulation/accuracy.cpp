@@ -137,7 +137,7 @@ class ChoiceByError {
     Probe probe = probeError(params_, full_, tried, target_, nullptr, {most_work, hopeless});
     budget_.spend(probe.spent);
     choice_.candidates.push_back(probe.candidate);
-    if (!probe.is_cut) budget_.learnWhole(expectWork(probe, n_));
+    budget_.learnWhole(expectWork(probe, n_));
     return probe;
   }
 
@@ -206,36 +206,40 @@ class ChoiceByError {
     } else if (budget_.whole() <= kMostUntried) {
       takeUntried(n_);
     } else {
+      const Probe& last = trials_.back();
+      if (last.is_cut) return takeUntried(last.candidate.points);
       const double expected = predictPoints(trials_, kAim * target_);
       takeUntried(expected < n_ ? static_cast<Index>(expected) : std::isfinite(expected) ? n_ : trials_.back().candidate.points);
     }
   }
 
-  // With all points there is no error but that of the steps, which the trials of fewer know: their steps are longer.
+  // With all points there is no error but that of the steps, which sound trials of fewer know: their steps are longer.
   void takeUntried(Index points) {
     const Probe& last = trials_.back();
-    const bool is_all = points == n_, was_tried = is_all && last.candidate.points == n_;
-    const bool is_steps_known = isStatic() || (std::isfinite(last.candidate.error) && !last.is_implicit);
+    const bool is_all = points == n_, has_missed = last.candidate.points == n_ && !last.is_cut;
+    const bool is_steps_known = is_all && !has_missed && std::isfinite(last.candidate.error) && (isStatic() || !last.is_implicit);
+    const double steps_error = isStatic() ? 0.0 : last.time_error;  // m
     choice_.take(last.candidate);
     choice_.points = points;
     choice_.integrator = params_.integrator.type;
     choice_.work = last.candidate.work * std::pow(static_cast<double>(points) / last.candidate.points, costExponent());
-    if (is_all && !(was_tried && !last.is_cut)) choice_.error = isStatic() ? 0.0 : last.time_error;
-    choice_.is_met = is_all ? is_steps_known && choice_.error <= target_ : false;
-    if (was_tried && !last.is_cut) choice_.is_met = false;
-    if (choice_.is_met) {
+    choice_.is_met = is_steps_known && (isStatic() || last.is_whole) && steps_error <= target_;
+    const std::string trial = "the trial of " + std::to_string(last.candidate.points) + " points ended";
+    if (is_steps_known && steps_error <= target_) {
+      choice_.error = steps_error;
       choice_.sentence = asked_ + "all " + std::to_string(n_) +
                          " points simulated, as trials of fewer that meet it would cost more than they save; the error of the "
                          "steps is estimated at " +
-                         formatShort(choice_.error) + " m";
+                         formatShort(steps_error) + " m";
+      if (!choice_.is_met) choice_.sentence += " over the first " + formatShort(last.until) + " s, where " + trial;
     } else if (is_all) {
       choice_.sentence = asked_ +
                          "cannot be met for certain even with every point simulated, which is chosen; the estimated error was " +
-                         sayEstimate() + " where the trial of " + std::to_string(last.candidate.points) + " points ended";
+                         sayEstimate() + " where " + trial;
     } else if (points == last.candidate.points) {
-      choice_.sentence = asked_ + "not met by " + sayPoints(points, n_) +
+      choice_.sentence = asked_ + (last.is_cut ? "not known to be met by " : "not met by ") + sayPoints(points, n_) +
                          ", the most whose trial is affordable, which are chosen; its estimated error was " + sayEstimate() +
-                         " where the trial ended";
+                         " after " + formatShort(last.until) + " s, where the trial ended";
     } else {
       choice_.sentence = asked_ + sayPoints(points, n_) + " simulated, as many as it probably takes by trials of up to " +
                          std::to_string(last.candidate.points) + " points; no trial of as many is affordable";
@@ -344,19 +348,23 @@ RestSurface buildChosenBy(const std::function<RestSurface(const ModelKind::Choos
   choice = AccuracyChoice{};
   choice.is_asked = hasTarget(params.accuracy);
   if (!choice.is_asked) return build(nullptr);
-  bool is_recalled = false;
+  std::string kept;  // about the memory, for the user
   RestSurface rest = build([&](const RestSurface& full) {
     if (params.accuracy.position_error > 0.0) {
       const ChoiceMemory memory(params, full);
-      is_recalled = memory.recall(choice);
-      if (is_recalled) return choice.points;
+      if (memory.recall(choice)) {
+        kept = "no trials: what an earlier run of this scene chose was kept (accuracy.remember)";
+        return choice.points;
+      }
       ChoiceByError(params, full, choice).choose();
-      memory.keep(choice);
+      if (memory.isOn())
+        kept = (memory.keep(choice) ? "what trials chose is kept for later runs in " : "what trials chose cannot be kept in ") +
+               findCacheFolder() + " (accuracy.remember)";
       return choice.points;
     }
     return chooseByBudget(params, full, choice);
   });
-  if (is_recalled) rest.notes.push_back("no trials: what an earlier run of this scene chose was kept (accuracy.remember)");
+  if (!kept.empty()) rest.notes.push_back(kept);
   rest.notes.push_back(choice.sentence);
   return rest;
 }

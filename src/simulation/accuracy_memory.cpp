@@ -20,12 +20,22 @@ namespace {
 
 namespace fs = std::filesystem;
 
-const char* const kFirstLine = "deformable_surface choice 1";  // name and version of the format
-const char* const kLastLine = "end";                           // files that were cut short lack it
+const char* const kFirstLine = "deformable_surface choice 2";  // name and version of the format
 
 std::string readVariable(const char* name) {
   const char* const value = std::getenv(name);
   return value ? value : "";
+}
+
+std::uint64_t hashText(const std::string& text, std::uint64_t h = kHashBegin) {
+  for (const unsigned char c : text) h = mixHash(h, c);
+  return h;
+}
+
+std::string toHexadecimal(std::uint64_t h) {
+  std::ostringstream text;
+  text << std::hex << std::setw(16) << std::setfill('0') << h;
+  return text.str();
 }
 
 // The program or library that this function is part of, by its path, size and date: another build may choose otherwise.
@@ -41,9 +51,11 @@ std::uint64_t identifyBuild() {
     if (here < begin || here >= end || line.find('/') == std::string::npos) continue;
     const fs::path file = line.substr(line.find('/'));
     std::error_code error;
-    for (const unsigned char c : file.string()) h = mixHash(h, c);
+    h = hashText(file.string(), h);
     h = mixHash(h, static_cast<std::uint64_t>(fs::file_size(file, error)));
-    return mixHash(h, static_cast<std::uint64_t>(fs::last_write_time(file, error).time_since_epoch().count()));
+    if (error) return 0;  // replaced while it runs
+    h = mixHash(h, static_cast<std::uint64_t>(fs::last_write_time(file, error).time_since_epoch().count()));
+    return error ? 0 : h;
   }
   return 0;  // not known
 }
@@ -88,7 +100,7 @@ void write(std::ostream& out, const AccuracyChoice& c) {
   for (const double value : c.softening) writeNumber(out, value);
   out << '\n' << c.candidates.size() << '\n';
   for (const AccuracyChoice::Candidate& candidate : c.candidates) write(out, candidate);
-  out << c.why_integrator << '\n' << c.sentence << '\n' << kLastLine << '\n';
+  out << c.why_integrator << '\n' << c.sentence << '\n';
 }
 
 bool read(std::istream& in, AccuracyChoice& c) {
@@ -111,7 +123,7 @@ bool read(std::istream& in, AccuracyChoice& c) {
     c.candidates.push_back(candidate);
   }
   in.ignore(std::numeric_limits<std::streamsize>::max(), '\n');
-  return std::getline(in, c.why_integrator) && std::getline(in, c.sentence) && std::getline(in, line) && line == kLastLine;
+  return std::getline(in, c.why_integrator) && std::getline(in, c.sentence);
 }
 
 }  // namespace
@@ -132,38 +144,45 @@ ChoiceMemory::ChoiceMemory(const SceneParams& params, const RestSurface& full) {
   scene.threads = 0;
   scene.save_directory.clear();
   scene.expect.clear();
-  std::uint64_t h = build;
-  for (const unsigned char c : toYaml(printParams(scene))) h = mixHash(h, c);
+  std::uint64_t h = hashText(toYaml(printParams(scene)), build);
   h = hashPoints(full.dense.normals, hashPoints(full.dense.positions, h));
-  std::ostringstream name;
-  name << folder << "/choice_" << std::hex << std::setw(16) << std::setfill('0') << h;
-  path_ = name.str();
+  path_ = folder + "/choice_" + toHexadecimal(h);
 }
 
+// The file is the choice, and in its last line a hash of what is before it: a file that was cut short or changed is not read.
 bool ChoiceMemory::recall(AccuracyChoice& choice) const {
-  std::ifstream file(path_);
+  if (path_.empty()) return false;
+  std::ostringstream all;
+  all << std::ifstream(path_).rdbuf();
+  const std::string text = all.str();
+  constexpr std::size_t kHashLine = 17;
+  if (text.size() < kHashLine) return false;
+  const std::string body = text.substr(0, text.size() - kHashLine);
+  std::istringstream file(body);
   AccuracyChoice kept;
-  if (path_.empty() || !read(file, kept)) return false;
+  if (text.substr(body.size()) != toHexadecimal(hashText(body)) + "\n" || !read(file, kept)) return false;
   kept.is_asked = choice.is_asked;
   choice = std::move(kept);
   return true;
 }
 
-// First under another name, so that no other process reads half of it.
-void ChoiceMemory::keep(const AccuracyChoice& choice) const {
-  if (path_.empty()) return;
+// First under a name of its own, so that nobody reads half of it.
+bool ChoiceMemory::keep(const AccuracyChoice& choice) const {
   std::error_code error;
   fs::create_directories(fs::path(path_).parent_path(), error);
-  const std::string beside = path_ + "." + std::to_string(::getpid());
-  {
-    std::ofstream file(beside);
-    write(file, choice);
-    if (!file.flush()) {
-      fs::remove(beside, error);
-      return;
-    }
-  }
-  fs::rename(beside, path_, error);
+  std::ostringstream body;
+  write(body, choice);
+  std::string beside = path_ + ".XXXXXX";
+  const int made = ::mkstemp(beside.data());
+  if (made < 0) return false;
+  ::close(made);
+  std::ofstream file(beside);
+  file << body.str() << toHexadecimal(hashText(body.str())) << '\n';
+  file.close();
+  if (file) fs::rename(beside, path_, error);
+  if (file && !error) return true;
+  fs::remove(beside, error);
+  return false;
 }
 
 }  // namespace deformable_surface::simulation

@@ -21,8 +21,9 @@ class ChoiceMemory {
 
   /// False, and the choice is as it was: it was not kept, or the file is damaged.
   bool recall(AccuracyChoice& choice) const;
-  /// A folder that cannot be written to keeps nothing.
-  void keep(const AccuracyChoice& choice) const;
+  /// False: the folder cannot be written to. Only if isOn().
+  bool keep(const AccuracyChoice& choice) const;
+  bool isOn() const { return !path_.empty(); }
 
  private:
   std::string path_;  // empty: nothing is kept

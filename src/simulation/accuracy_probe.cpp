@@ -66,6 +66,7 @@ Probe probeError(const SceneParams& params, const RestSurface& full, const Accur
     if (taken.iterations > 0) ++implicit_steps;
     probe.is_implicit = 2 * implicit_steps > k;
     probe.spent = probe.candidate.work;
+    probe.until = static_cast<double>(k) * params.integrator.time_step;
     probe.failed = probe.candidate.error > target;
     const bool is_hopeless = probe.candidate.error > std::max(target, limits.hopeless);
     if (!is_hopeless && probe.candidate.work <= limits.most_work) continue;

@@ -16,6 +16,7 @@ struct Probe {
   bool failed = false;        // the estimate exceeds the target, a step failed, or it took more work than granted
   bool is_cut = false;        // it failed only for the work: whether it meets the target is unknown
   bool is_whole = false;      // it ran to its end: the error is that of the whole duration
+  double until = 0.0;         // s, how far it ran
   double spent = 0.0;         // work done so far; see Candidate::work
   bool is_implicit = false;   // most steps were the implicit method's
   double time_error = 0.0;    // m, the part of the largest estimate that is due to the steps

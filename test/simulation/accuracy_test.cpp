@@ -72,6 +72,18 @@ TEST(AccuracyChoice, TakesAllPointsOfASmallCloudHoweverManyStepsAnEquilibriumIsA
   EXPECT_EQ(choice.candidates[0].points, 128);
 }
 
+TEST(AccuracyChoice, IsNotMetWhereTrialsFoundNoBalance) {
+  SceneParams p = saggingStrip(IntegratorType::kStatic);
+  p.simplification = cloud::SimplificationParams();
+  p.integrator.max_iterations = 1;
+  p.duration = 20.0 * p.integrator.time_step;
+  p.accuracy.position_error = 0.5;
+  const Simulation s(p, sheetCloud(22));
+  const simulation::AccuracyChoice& choice = s.accuracyChoice();
+  EXPECT_FALSE(choice.is_met) << choice.sentence;
+  EXPECT_EQ(choice.sentence.find("the error of the steps is estimated"), std::string::npos) << choice.sentence;
+}
+
 TEST(AccuracyChoice, FitsATimeBudgetWithTheMostPointsAndSaysWhatThatCosts) {
   SceneParams p = saggingStrip(IntegratorType::kVerlet);
   p.accuracy.step_budget = 100.0;

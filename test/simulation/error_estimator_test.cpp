@@ -270,6 +270,7 @@ TEST(ErrorEstimate, SaysBesideItsNumberThatASphereMayBuckle) {
   // A target that this estimate meets gives the same message.
   p.simplification.target_points = 0;
   p.accuracy.position_error = 0.1;
+  p.accuracy.remember = false;
   const Simulation chosen(p, io::makeShape(p.cloud));
   EXPECT_TRUE(chosen.accuracyChoice().is_met);
   EXPECT_NE(chosen.accuracyChoice().sentence.find("may buckle"), std::string::npos) << chosen.accuracyChoice().sentence;

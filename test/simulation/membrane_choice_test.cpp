@@ -23,6 +23,7 @@ SceneParams stiffSheet() {
   p.material.bending_rigidity = 1e-3;
   p.simplification = cloud::SimplificationParams();
   p.accuracy.position_error = kTarget;
+  p.accuracy.remember = false;
   p.duration = 0.2;
   return p;
 }

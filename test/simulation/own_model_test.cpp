@@ -52,6 +52,7 @@ TEST(OwnModel, IsRefusedWhatItDoesNotHave) {
   simulation::SceneParams p = tethered();
   p.pressure = 10.0;
   p.accuracy.position_error = 1e-3;
+  p.accuracy.remember = false;
   p.pins[0].orientation = true;
   std::string all;
   for (const std::string& problem : checkParams(p)) all += problem + "\n";

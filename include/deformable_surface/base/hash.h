@@ -5,9 +5,12 @@
 
 namespace deformable_surface {
 
-/// FNV-1a: the start value, and the hash extended by one value. The value is a byte, or a whole word where speed matters more
-/// than agreement with other programs.
+/// The start value, and the hash extended by one byte or word. As FNV-1a, with the high half folded down after each product:
+/// alone, products carry differences upwards only, and two numbers of the other sign would cancel.
 constexpr std::uint64_t kHashBegin = 14695981039346656037ull;
-constexpr std::uint64_t mixHash(std::uint64_t hash, std::uint64_t value) { return (hash ^ value) * 1099511628211ull; }
+constexpr std::uint64_t mixHash(std::uint64_t hash, std::uint64_t value) {
+  const std::uint64_t product = (hash ^ value) * 1099511628211ull;
+  return product ^ (product >> 32);
+}
 
 }  // namespace deformable_surface

@@ -22,15 +22,15 @@ struct AccuracyChoice {
   };
 
   bool is_asked = false;        // the scene asks for an accuracy or for a time
-  bool is_met = false;          // and the choice fulfils it, by estimate or by measurement
+  bool is_met = false;          // and the choice fulfils it over the whole duration, by estimate or by measurement
   Index points = 0;             // simulation points chosen
   double membrane_share = 1.0;  // of the stated membrane stiffness, chosen (docs/accuracy_control.md)
   solve::IntegratorType integrator = solve::IntegratorType::kAuto;  // chosen in the place of auto; else that of the scene
   std::vector<double> softening;  // m, by step: how far a point of the trial had been from where it was with the stated membrane
                                   // and verlet; empty if those are taken
-  double error = 0.0;             // m, largest estimate of its trial; 0 if it was chosen by its time
-  double work = 0.0;              // of its trial, as a candidate's
-  bool may_buckle = false;        // in its trial
+  double error = 0.0;       // m, largest estimate of its trial, of untried all points that of the steps; 0 if chosen by time
+  double work = 0.0;        // of its trial, as a candidate's
+  bool may_buckle = false;  // in its trial
   std::vector<Candidate> candidates;  // in the order of trying
   std::string why_integrator;         // reason for another integrator than that of auto; else empty
   std::string sentence;               // the choice and its reason; empty without an accuracy target

@@ -263,7 +263,7 @@ Marker makeStatisticsMarker(const std_msgs::Header& header, const simulation::St
        << statistics.simulation_points << " of " << statistics.points << " points, " << statistics.substeps << " sub-steps\n"
        << "largest stretch " << 100.0 * statistics.max_stretch << " %";
   if (std::isfinite(statistics.error_estimate)) text << ", error " << 1000.0 * statistics.error_estimate << " mm";
-  if (std::isfinite(statistics.error_estimate) && !statistics.error_bounded) text << " or more";
+  if (std::isfinite(statistics.error_estimate) && !statistics.error_bounded) text << ", no bound";
   if (statistics.may_buckle) text << ", may buckle";
   if (statistics.has_snapped) text << ", snapped: reset brings it back";
   return makeTextMarker(header, "statistics", 0, place, showFromRow(kLegendRow + 1, text.str()));
