@@ -61,12 +61,11 @@ target_link_libraries(deformable_surface_nodelet PUBLIC deformable_surface_ros)
 add_executable(deformable_surface_node src/ros/node/node_main.cpp)
 target_link_libraries(deformable_surface_node deformable_surface_ros)
 file(GLOB marker_sources CONFIGURE_DEPENDS src/ros/interactive_markers/*.cpp)
-add_executable(deformable_surface_interactive_markers ${marker_sources})
-target_link_libraries(deformable_surface_interactive_markers deformable_surface_ros)
-# Its old name, which goes with version 0.3.
-add_custom_command(TARGET deformable_surface_interactive_markers POST_BUILD
-                   COMMAND ${CMAKE_COMMAND} -E create_symlink deformable_surface_interactive_markers deformable_surface_hand
-                   WORKING_DIRECTORY ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION})
+# The second is its old name, which goes with version 0.3. A link would not be a file that can be installed.
+foreach(name deformable_surface_interactive_markers deformable_surface_hand)
+  add_executable(${name} ${marker_sources})
+  target_link_libraries(${name} deformable_surface_ros)
+endforeach()
 add_executable(simulate src/ros/simulate/simulate_main.cpp)
 target_link_libraries(simulate deformable_surface_ros)
 add_executable(parameters_page src/io/parameters_page_main.cpp)
@@ -82,12 +81,10 @@ target_link_libraries(benchmark_ros deformable_surface_ros)
 add_dependencies(benchmark_ros deformable_surface_node deformable_surface_nodelet)
 
 install(TARGETS deformable_surface_core deformable_surface_io deformable_surface_ros deformable_surface_nodelet deformable_surface_node
-        deformable_surface_interactive_markers simulate parameters_page interface_page
+        deformable_surface_interactive_markers deformable_surface_hand simulate parameters_page interface_page
         ARCHIVE DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         LIBRARY DESTINATION ${CATKIN_PACKAGE_LIB_DESTINATION}
         RUNTIME DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
-install(PROGRAMS ${CATKIN_DEVEL_PREFIX}/${CATKIN_PACKAGE_BIN_DESTINATION}/deformable_surface_hand
-        DESTINATION ${CATKIN_PACKAGE_BIN_DESTINATION})
 install_headers(${CATKIN_GLOBAL_INCLUDE_DESTINATION})
 install(DIRECTORY launch rviz scenes DESTINATION ${CATKIN_PACKAGE_SHARE_DESTINATION})
 # They lie beside each other, since some use others.
@@ -161,6 +158,7 @@ if(CATKIN_ENABLE_TESTING)
     add_rostest_gtest(${name}_rostest ${launch} ${folder}/${name}_rostest.cpp)
     if(TARGET ${name}_rostest)
       add_dependencies(${name}_rostest deformable_surface_node deformable_surface_nodelet deformable_surface_interactive_markers
+                       deformable_surface_hand
                        simulate)
       target_link_libraries(${name}_rostest deformable_surface_ros)
     endif()
