@@ -79,6 +79,20 @@ PairList::PairList(Points rest, const std::vector<Triangle>& triangles, double t
   findCrossed();
 }
 
+void PairList::keepWhole(const std::vector<char>& is_whole) {
+  is_whole_ = is_whole;
+  is_edge_whole_.assign(edges_.size(), 0);
+  for (std::size_t t = 0; t < triangles_.size(); ++t) {
+    if (!is_whole[t]) continue;
+    for (int k = 0; k < 3; ++k) {
+      const Index a = triangles_[t][k], b = triangles_[t][(k + 1) % 3];
+      const std::array<Index, 2> edge{std::min(a, b), std::max(a, b)};
+      is_edge_whole_[std::lower_bound(edges_.begin(), edges_.end(), edge) - edges_.begin()] = 1;
+    }
+  }
+  reference_.clear();
+}
+
 void PairList::findCrossed() {
   is_crossed_.assign(rest_.size(), 0);
   std::vector<char> crosses(triangles_.size(), 0);
@@ -129,8 +143,11 @@ void PairList::offer(const Points& positions, double radius, Pair pair, std::vec
 void PairList::search(const Points& positions, double radius) {
   ++num_searches_;
   const Index n = static_cast<Index>(positions.size()), num_edges = static_cast<Index>(edges_.size());
-  for (std::size_t t = 0; t < triangles_.size(); ++t) triangle_boxes_[t] = boundOf(positions, triangles_[t]);
-  for (Index e = 0; e < num_edges; ++e) edge_boxes_[e] = boundOf(positions, edges_[e]);
+  // No box meets an empty one.
+  const auto isWhole = [](const std::vector<char>& marks, std::size_t i) { return marks.empty() || marks[i] != 0; };
+  for (std::size_t t = 0; t < triangles_.size(); ++t)
+    triangle_boxes_[t] = isWhole(is_whole_, t) ? boundOf(positions, triangles_[t]) : Box();
+  for (Index e = 0; e < num_edges; ++e) edge_boxes_[e] = isWhole(is_edge_whole_, e) ? boundOf(positions, edges_[e]) : Box();
   triangle_tree_.refit(triangle_boxes_);
   edge_tree_.refit(edge_boxes_);
   std::vector<std::vector<std::pair<Pair, double>>> blocks((n + kBlock - 1) / kBlock + (num_edges + kBlock - 1) / kBlock);
@@ -145,6 +162,7 @@ void PairList::search(const Points& positions, double radius) {
   parallelFor(num_edges, kBlock, [&](Index begin, Index end) {
     auto& block = blocks[(n + kBlock - 1) / kBlock + begin / kBlock];
     for (Index e = begin; e < end; ++e) {
+      if (!isWhole(is_edge_whole_, e)) continue;
       const auto& [a, b] = edges_[e];
       edge_tree_.visitMeeting(grow(edge_boxes_[e], radius), [&](Index f) {
         const auto& [c, d] = edges_[f];

@@ -23,6 +23,13 @@ SelfContact::SelfContact(Points rest, const std::vector<Triangle>& triangles, st
                          const SelfContactParams& params)
     : list_(std::move(rest), triangles, params.thickness), masses_(std::move(masses)), params_(params) {}
 
+void SelfContact::keepWhole(const std::vector<char>& is_whole) {
+  list_.keepWhole(is_whole);
+  near_.clear();
+  measured_at_.clear();
+  measured_reach_ = 0.0;
+}
+
 bool SelfContact::touches(const Near& near) { return near.distance < near.pair->thickness && near.distance > 0.0; }
 
 void SelfContact::addToMatrix(const Near& near, const Mat3& block, BlockSparse& matrix) {

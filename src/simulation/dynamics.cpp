@@ -41,7 +41,11 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   if (params.contact.self) {
     const double thickness = params.contact.thickness.valueOr(params.material.thickness);
-    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, *model_, thickness, params.contact.friction);
+    if (!made.meeting)
+      made.meeting =
+          std::make_shared<const std::vector<contact::Triangle>>(chooseContactTriangles(rest_->points, trianglesOf(*model_)));
+    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), thickness,
+                                                             params.contact.friction);
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
   loads_.forces.setDropped(rest_->across);
@@ -55,11 +59,12 @@ Dynamics::Dynamics(const SceneParams& params, RestSurface rest) : Dynamics(param
 
 Dynamics::Made Dynamics::take(RestSurface&& rest) {
   std::unique_ptr<model::DeformableModel> model = std::move(rest.model);
-  return {std::make_shared<const RestSurface>(std::move(rest)), std::move(model)};
+  return {std::make_shared<const RestSurface>(std::move(rest)), std::move(model), nullptr};
 }
 
 void Dynamics::reset() {
   evolution_->forget();
+  followCuts();
   State& points = now_.points;
   points.positions = rest_->points;
   points.velocities.assign(rest_->points.size(), Vec3::Zero());
@@ -150,6 +155,12 @@ void Dynamics::placePointsBetween() {
   const auto& links = model_->links()->stretchLinks();
   const bool is_cut = static_cast<Index>(links.size()) < num_links_;
   loads_.contact.setSevered(is_cut ? findSevered(*between, links, now_.points.size()) : std::vector<char>());
+}
+
+// The parts of contact that are cut with the surface.
+void Dynamics::followCuts() {
+  SelfContactLoads* const self = loads_.self_contact.get();
+  if (self && (evolution_->memory() || self->isCut())) self->followTriangles(trianglesOf(*model_));
 }
 
 void Dynamics::giveContactTools() {

@@ -141,6 +141,7 @@ class Dynamics {
   struct Made {
     std::shared_ptr<const RestSurface> rest;
     std::unique_ptr<model::DeformableModel> model;
+    SelfContactLoads::Triangles meeting;  // null: those of the model, which is not cut
   };
   static Made take(RestSurface&& rest);
   Dynamics(const SceneParams& params, Made made);
@@ -158,6 +159,7 @@ class Dynamics {
   void setTools(std::vector<tool::ToolParams> tools);
   void giveContactTools();
   void placePointsBetween();
+  void followCuts();
   bool applyMaterial();
   void followMaterial();
   void setMembraneShare(double share);

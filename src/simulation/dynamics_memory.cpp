@@ -54,6 +54,7 @@ void Dynamics::restore(const DynamicsState& saved, bool to_look) {
 void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   const auto& [waiting, motion, holding, settings] = saved;
   evolution_->setMemory(holding.evolution);
+  followCuts();
   now_ = motion;
   placePointsBetween();
   adopt(*model_, now_.points);
@@ -83,7 +84,8 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
 }
 
 std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
-  std::unique_ptr<Dynamics> fork(new Dynamics(params_, Made{rest_, model_->clone()}));
+  std::unique_ptr<Dynamics> fork(
+      new Dynamics(params_, Made{rest_, model_->clone(), loads_.self_contact ? loads_.self_contact->triangles() : nullptr}));
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;

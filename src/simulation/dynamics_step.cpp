@@ -121,7 +121,10 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   }
   const auto [has_cut, has_flowed] = evolution_->endStep(now, dt, tools_, points, cut_follower_);
   outcome.has_cut = has_cut;
-  if (has_cut) placePointsBetween();
+  if (has_cut) {
+    placePointsBetween();
+    followCuts();
+  }
   Changes changes;
   // Stored data of the whole surface are void once it is cut.
   changes.parts = changes.motion = outcome.has_cut;

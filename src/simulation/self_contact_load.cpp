@@ -88,9 +88,25 @@ std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const 
   return chosen;
 }
 
-SelfContactLoads::SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness, double friction)
-    : contact(rest, chooseContactTriangles(rest, trianglesOf(model)), model.masses(), makeParams(thickness, friction)),
+SelfContactLoads::SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses, double thickness,
+                                   double friction)
+    : contact(rest, *triangles, masses, makeParams(thickness, friction)),
+      triangles_(std::move(triangles)),
+      is_whole_(triangles_->size(), 1),
       rubs_(friction > 0.0) {}
+
+void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle>& now) {
+  std::vector<contact::Triangle> present;
+  present.reserve(now.size());
+  for (const model::WeightedTriangle& t : now) present.push_back({t.corner[0], t.corner[1], t.corner[2]});
+  std::sort(present.begin(), present.end());
+  std::vector<char> is_whole;
+  is_whole.reserve(triangles_->size());
+  for (const contact::Triangle& t : *triangles_) is_whole.push_back(std::binary_search(present.begin(), present.end(), t));
+  if (is_whole == is_whole_) return;
+  is_whole_ = std::move(is_whole);
+  contact.keepWhole(is_whole_);
+}
 
 // Where the loads do not act, the limit still does: parts that come faster than predicted are stopped, not bounced.
 bool SelfContactLoads::beginStep(const model::State& state, double step) {

@@ -8,6 +8,7 @@
 #include "deformable_surface/solve/motion_limit.h"
 
 #include <algorithm>
+#include <memory>
 #include <vector>
 
 namespace deformable_surface::simulation {
@@ -98,11 +99,17 @@ class SelfContactLimit : public solve::MotionLimit {
 /// Loads and limit of one surface.
 class SelfContactLoads {
  public:
-  /// rest: (n) m; thickness: m; friction: Coulomb's coefficient.
-  SelfContactLoads(const Points& rest, const model::DeformableModel& model, double thickness, double friction);
+  using Triangles = std::shared_ptr<const std::vector<contact::Triangle>>;
+
+  /// rest: (n) m; thickness: m; friction: Coulomb's coefficient. triangles: chosen at rest, before any cut; masses: (n) kg.
+  SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses, double thickness, double friction);
   SelfContactLoads(const SelfContactLoads&) = delete;
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 
+  const Triangles& triangles() const { return triangles_; }
+  bool isCut() const { return std::count(is_whole_.begin(), is_whole_.end(), char{0}) > 0; }
+  /// Leaves out what is no longer among the triangles of the surface.
+  void followTriangles(const std::vector<model::WeightedTriangle>& now);
   /// Checks whether the loads may act in a step of this length (s). Returns whether the answer has changed.
   bool beginStep(const model::State& state, double step);
   bool mayAct() const { return may_act_; }
@@ -118,6 +125,8 @@ class SelfContactLoads {
   SelfContactLimit limit{contact};
 
  private:
+  const Triangles triangles_;
+  std::vector<char> is_whole_;  // (triangles)
   const bool rubs_;
   bool may_act_ = false;
 };

@@ -98,6 +98,25 @@ TEST(PairList, TakesPartsThatAreNearAtRestForThinnerAndLeavesOutWhatCrosses) {
   none.visitNear(0.003, [&](const Pair& pair) { EXPECT_GT(findClosest(pair, crossing.points).gap.norm(), 0.0); });
 }
 
+TEST(PairList, LeavesOutWhatIsCut) {
+  test::Sheets sheets = test::makeSheets(2, 6, 0.004, 0.0005);
+  PairList list(sheets.points, sheets.triangles, 0.002);
+  const Found all = listNear(list, sheets.points, 0.006);
+  std::vector<char> is_whole(sheets.triangles.size(), 1);
+  test::Sheets rest = sheets;
+  rest.triangles.clear();
+  for (std::size_t t = 0; t < sheets.triangles.size(); ++t) {
+    is_whole[t] = t % 3 != 0 && t > 20;
+    if (is_whole[t]) rest.triangles.push_back(sheets.triangles[t]);
+  }
+  list.keepWhole(is_whole);
+  const Found found = listNear(list, sheets.points, 0.006);
+  EXPECT_LT(found.size(), all.size());
+  EXPECT_EQ(std::set(found.begin(), found.end()), findAll(rest, sheets.points, 0.006));
+  list.keepWhole(std::vector<char>(is_whole.size(), 1));
+  EXPECT_EQ(listNear(list, sheets.points, 0.006), all);
+}
+
 TEST(PairList, OfNothingIsEmpty) {
   PairList list({}, {}, 0.001);
   list.update({}, 0.001);

@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <set>
 
 #include "../support/contact_scenes.h"
 #include "../support/crossings.h"
@@ -136,16 +137,72 @@ TEST(SelfContactLoad, NothingActsWhereNothingIsNear) {
   EXPECT_EQ(s.statistics().self_contacts, 0u);
 }
 
-TEST(SelfContactLoad, KnivesAreRefused) {
-  ContactScene scene = makeScene("fold", 1, 1.0);
+// The triangles that are still part of the surface.
+std::vector<contact::Triangle> findWhole(const std::vector<contact::Triangle>& all, const model::DeformableModel& model) {
+  std::set<contact::Triangle> present;
+  for (const model::WeightedTriangle& t : trianglesOf(model)) present.insert({t.corner[0], t.corner[1], t.corner[2]});
+  std::vector<contact::Triangle> whole;
+  for (const contact::Triangle& t : all)
+    if (present.count(t) > 0) whole.push_back(t);
+  return whole;
+}
+
+// The number of triangles that are cut or torn, and the largest number of contacts, in a run in which nothing may cross.
+std::pair<std::size_t, Index> runWithCuts(const ContactScene& scene, int steps) {
   Simulation s(scene.params, scene.cloud);
-  tool::ToolParams knife = s.tools()[0];
-  knife.id = "knife";
-  knife.mode = tool::Mode::kCut;
-  knife.friction = 0.0;
-  knife.shape.kind = geometry::Solid::Kind::kBox;
-  EXPECT_THROW(s.setTool(knife), InputError);
-  EXPECT_TRUE(s.step().ok);
+  const std::vector<contact::Triangle> all = simulation::chooseContactTriangles(s.state().positions, trianglesOf(s.model()));
+  std::size_t cut = 0;
+  Index touched = 0;
+  for (int k = 0; k < steps; ++k) {
+    const simulation::StepOutcome outcome = s.step();
+    EXPECT_TRUE(outcome.ok) << k << ": " << outcome.problem;
+    if (!outcome.ok) break;
+    const std::vector<contact::Triangle> whole = findWhole(all, s.model());
+    cut = std::max(cut, all.size() - whole.size());
+    EXPECT_TRUE(findCrossings(s.state().positions, whole).empty()) << k;
+    touched = std::max(touched, static_cast<Index>(s.statistics().self_contacts));
+  }
+  return {cut, touched};
+}
+
+TEST(SelfContactLoad, WhatIsCutOrTornDoesNotCrossItself) {
+  for (const char* name : {"cut_and_drop", "tear_twisted"}) {
+    const auto [cut, touched] = runWithCuts(makeScene(name, 3, 0.8), 160);
+    EXPECT_GT(cut, 0u) << name;
+    EXPECT_GT(touched, 0) << name;
+  }
+  EXPECT_GT(runWithCuts(makeScene("cut_and_drop", 3, 0.8, Type::kImplicit), 80).first, 0u);
+}
+
+TEST(SelfContactLoad, TheRunOfACutSurfaceCanBeContinuedCopiedAndReset) {
+  ContactScene scene = makeScene("cut_and_drop", 5, 0.8);
+  scene.params.contact.friction = 0.3;
+  std::uint64_t hash = 0;
+  for (const Index threads : {1, 2}) {
+    scene.params.threads = threads;
+    Simulation s(scene.params, scene.cloud);
+    run(s, 40);
+    const simulation::Snapshot before = s.snapshot();
+    run(s, 80);
+    const simulation::Snapshot snapshot = s.snapshot();
+    Simulation fork = s.fork();
+    run(s, 30);
+    run(fork, 30);
+    EXPECT_EQ(s.stateHash(), fork.stateHash());
+    if (threads == 1) hash = s.stateHash();
+    EXPECT_EQ(s.stateHash(), hash);
+    s.restore(before);
+    run(s, 80);
+    Simulation again = s.fork();
+    run(again, 30);
+    EXPECT_EQ(again.stateHash(), hash);
+    s.restore(snapshot);
+    run(s, 30);
+    EXPECT_EQ(s.stateHash(), hash);
+    s.reset();
+    run(s, 150);
+    EXPECT_EQ(s.stateHash(), hash);
+  }
 }
 
 }  // namespace

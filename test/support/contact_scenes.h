@@ -193,6 +193,28 @@ class ContactSceneMaker {
     }
     return std::move(scene_);
   }
+  /// A sheet falls on its lower edge while two knives cut it into four, one across and one downwards.
+  ContactScene cutAndDrop() {
+    drop();
+    for (const bool is_across : {false, true}) {
+      tool::ToolParams knife = makeTool(is_across ? "across" : "down", geometry::Solid::Kind::kBox);
+      knife.mode = tool::Mode::kCut;
+      knife.shape.size = is_across ? Vec3(1.0, 0.05, 0.002) : Vec3(1.0, 0.002, 0.05);
+      const double height = 0.01 + side_ * draw(0.4, 0.6), off = side_ * draw(-0.2, 0.2), time = draw(0.0, 0.4);
+      const Vec3 from = is_across ? Vec3(0.0, -side_, height) : Vec3(0.0, off, 2.0 * side_);
+      const Vec3 to = is_across ? Vec3(0.0, side_, 0.6 * height) : Vec3(0.0, off, -0.1);
+      knife.path = {{time, from, kUpright}, {time + draw(0.1, 0.3), to, kUpright}};
+      scene_.params.tools.push_back(knife);
+    }
+    return std::move(scene_);
+  }
+  /// A twisted strip that tears where it is stretched.
+  ContactScene tearTwisted() {
+    twist();
+    scene_.params.mass_spring.tear_strain = draw(0.1, 0.3);
+    scene_.params.gravity = Vec3(0.0, 0.0, -9.81);
+    return std::move(scene_);
+  }
 
  private:
   static inline const Vec4 kUpright{0.0, 0.0, 0.0, 1.0};
@@ -286,7 +308,9 @@ inline std::vector<std::pair<std::string, std::function<ContactScene(ContactScen
           {"crush", &ContactSceneMaker::crush},
           {"flatten_tube", &ContactSceneMaker::flattenTube},
           {"turning_ball", &ContactSceneMaker::turningBall},
-          {"needles", &ContactSceneMaker::needles}};
+          {"needles", &ContactSceneMaker::needles},
+          {"cut_and_drop", &ContactSceneMaker::cutAndDrop},
+          {"tear_twisted", &ContactSceneMaker::tearTwisted}};
 }
 
 }  // namespace deformable_surface::test

@@ -32,6 +32,9 @@ class PairList {
   /// rest: (n) m. thickness: m. Pairs that touch at rest are omitted, and all pairs of triangles that cross others at rest.
   PairList(Points rest, const std::vector<Triangle>& triangles, double thickness);
 
+  /// Leaves out the triangles that are cut or torn, and the edges that are left without any: (triangles) 1 = whole. Points
+  /// without triangles stay. The pairs that remain are those of before, so none begins in contact.
+  void keepWhole(const std::vector<char>& is_whole);
   /// Ensures that every pair nearer than reach (m) is listed. Rebuilds the list if points have moved too far since the last
   /// search, relative to their mean motion.
   void update(const Points& positions, double reach);
@@ -71,6 +74,7 @@ class PairList {
   const std::vector<Triangle> triangles_;
   const double thickness_;
   std::vector<std::array<Index, 2>> edges_;
+  std::vector<char> is_whole_, is_edge_whole_;  // (triangles), (edges); empty: all are
   std::vector<Box> triangle_boxes_, edge_boxes_;
   BoxTree triangle_tree_, edge_tree_;
   double usual_radius_ = 0.0;     // m, of a search

@@ -36,6 +36,8 @@ class SelfContact {
   /// rest: (n) m; masses: (n) kg. Triangles that cross others at rest are never active.
   SelfContact(Points rest, const std::vector<Triangle>& triangles, std::vector<double> masses, const SelfContactParams& params);
 
+  /// See PairList.
+  void keepWhole(const std::vector<char>& is_whole);
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
   /// Whether two parts can come nearer than their thickness within a time, s, at these velocities. Checks only the pairs in the

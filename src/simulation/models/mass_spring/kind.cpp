@@ -32,8 +32,6 @@ class MassSpringKind : public ModelKind {
     fields.require(
         !p.output.resample || !can_be_cut, "output.resample",
         "found true on a surface that is to be cut or torn, whose inserted points would not know their side; accepted: false");
-    fields.require(!p.contact.self || !can_be_cut, "contact.self",
-                   "found true on a surface that is to be cut or torn, whose sides would begin in contact; accepted: false");
   }
   tool::ModeUse useOf(const tool::ModeInfo& mode) const override {
     return mode.mode == tool::Mode::kCut ? tool::kPlain : mode.everywhere;
@@ -46,7 +44,6 @@ class MassSpringKind : public ModelKind {
   }
   std::string refuseTool(const SceneParams& p, const tool::ToolParams& tool) const override {
     if (!isKnife(tool)) return "";
-    if (p.contact.self) return "mode: found cut on a surface with contact.self; accepted: cut with contact.self: false";
     if (!(p.output.resample || p.mass_spring.volume_stiffness > 0.0)) return "";
     return std::string("mode: found cut on a surface that ") +
            (p.output.resample ? "inserts points, which would not know their side" : "keeps its volume") +
