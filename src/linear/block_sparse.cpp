@@ -1,6 +1,7 @@
 #include "deformable_surface/linear/block_sparse.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
 #include <utility>
@@ -8,6 +9,7 @@
 namespace deformable_surface {
 namespace {
 
+constexpr Index kBlock = 64;         // rows per task: some microseconds of work
 constexpr std::size_t kLook = 1024;  // blocks of a first filling between two looks at an interrupt
 
 }  // namespace
@@ -99,22 +101,39 @@ void BlockSparse::buildPattern() {
       entry.slot = *next_found++;
     }
   }
+  listRows();
   std::vector<Pending>().swap(pending_);  // the largest array of all, seldom needed again
 }
 
-void BlockSparse::multiply(const Eigen::VectorXd& x, Eigen::VectorXd& product) const {
-  product.setZero(x.size());
-  for (Index column = 0; column < pattern_.size(); ++column) {
-    Index k = pattern_.offsets[column];
-    const Vec3 at_column = x.segment<3>(3 * column);
-    Vec3 sum = values_[k++] * at_column;
-    for (; k < pattern_.offsets[column + 1]; ++k) {
-      const Index row = pattern_.items[k];
-      product.segment<3>(3 * row) += values_[k] * at_column;
-      sum += values_[k].transpose() * x.segment<3>(3 * row);
+// Of the rows left of the diagonal: which blocks they have, and in which columns.
+void BlockSparse::listRows() {
+  const Index n = pattern_.size();
+  left_.offsets.assign(n + 1, 0);
+  for (Index column = 0; column < n; ++column)
+    for (const Index* row = pattern_.begin(column) + 1; row != pattern_.end(column); ++row) left_.offsets[*row + 1] += 2;
+  for (Index row = 0; row < n; ++row) left_.offsets[row + 1] += left_.offsets[row];
+  left_.items.resize(left_.offsets.back());
+  std::vector<Index> next(left_.offsets.begin(), left_.offsets.end() - 1);
+  for (Index column = 0; column < n; ++column)
+    for (Index k = pattern_.offsets[column] + 1; k < pattern_.offsets[column + 1]; ++k) {
+      Index& place = next[pattern_.items[k]];
+      left_.items[place++] = k;
+      left_.items[place++] = column;
     }
-    product.segment<3>(3 * column) += sum;
-  }
+}
+
+void BlockSparse::multiply(const Eigen::VectorXd& x, Eigen::VectorXd& product) const {
+  product.resize(x.size());
+  parallelFor(pattern_.size(), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i) {
+      Index k = pattern_.offsets[i];
+      Vec3 sum = values_[k++] * x.segment<3>(3 * i);
+      for (; k < pattern_.offsets[i + 1]; ++k) sum += values_[k].transpose() * x.segment<3>(3 * pattern_.items[k]);
+      for (const Index* left = left_.begin(i); left != left_.end(i); left += 2)
+        sum += values_[left[0]] * x.segment<3>(3 * left[1]);
+      product.segment<3>(3 * i) = sum;
+    }
+  });
 }
 
 }  // namespace deformable_surface

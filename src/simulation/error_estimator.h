@@ -100,7 +100,7 @@ class ErrorEstimator {
   };
 
   std::string followStep(const Dynamics& level);
-  Dynamics::Outcome step(Dynamics& copy);
+  std::pair<Dynamics::Outcome, Dynamics::Outcome> stepBoth(Dynamics& a, Dynamics& b);
   void followVerlet(solve::IntegratorType type);
   bool stepCopies(solve::IntegratorType type, Index substeps);
   // The copy that takes the same kind of steps as the twin: a damping method cannot show chaos.

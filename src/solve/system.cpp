@@ -1,12 +1,24 @@
 #include "deformable_surface/solve/system.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 namespace deformable_surface::solve {
+namespace {
+
+constexpr Index kBlock = 1024;  // points per task: about a microsecond of work
+
+// Plain numbers are cleared several times as fast as points.
+void clear(Index n, Points& values) {
+  values.resize(n);
+  if (n > 0) std::fill_n(values[0].data(), 3 * n, 0.0);
+}
+
+}  // namespace
 
 // Each evaluation begins with a check of the thread's interrupt: the work of a solver between two of them is short.
 System::System(const model::DeformableModel& model, const std::vector<const ExternalLoad*>& loads, const std::vector<char>& held,
@@ -20,22 +32,22 @@ bool System::dissipatesInForces() const {
 
 void System::computeForces(double time, const State& state, Points& forces) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   model_.addForces(state, forces);
   addLoads(time, state, forces);
 }
 
 void System::computeForcesOnAll(double time, const State& state, Points& forces) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   model_.addForces(state, forces);
   addLoadsOnAll(time, state, forces);
 }
 
 void System::computeForcesAndTorques(double time, const State& state, Points& forces, Points& torques) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
-  torques.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
+  clear(state.size(), torques);
   model_.orientedPoints()->addForcesAndTorques(state, forces, torques);
   addLoads(time, state, forces);
   for (Index i = 0; held_turns_ && i < state.size(); ++i)
@@ -44,8 +56,8 @@ void System::computeForcesAndTorques(double time, const State& state, Points& fo
 
 void System::computeForcesAndTorquesOnAll(double time, const State& state, Points& forces, Points& torques) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
-  torques.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
+  clear(state.size(), torques);
   model_.orientedPoints()->addForcesAndTorques(state, forces, torques);
   for (const ExternalLoad* load : loads_) load->addForces(time, state, forces);
   confine(forces);
@@ -53,7 +65,7 @@ void System::computeForcesAndTorquesOnAll(double time, const State& state, Point
 
 void System::computeFastForces(const State& state, Points& forces) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   if (const model::SplitForces* split = model_.splitForces())
     split->addFastForces(state, forces);
   else
@@ -62,7 +74,7 @@ void System::computeFastForces(const State& state, Points& forces) const {
 
 void System::computeSlowForces(const State& state, Points& forces) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   model_.splitForces()->addSlowForces(state, forces);
 }
 
@@ -73,15 +85,17 @@ void System::addLoadsOnAll(double time, const State& state, Points& forces) cons
 
 void System::addLoads(double time, const State& state, Points& forces) const {
   addLoadsOnAll(time, state, forces);
-  for (std::size_t i = 0; i < forces.size(); ++i)
-    if (held_[i]) forces[i].setZero();
+  parallelFor(static_cast<Index>(forces.size()), kBlock, [&](Index begin, Index end) {
+    for (Index i = begin; i < end; ++i)
+      if (held_[i]) forces[i].setZero();
+  });
 }
 
 void System::computeConservativeForces(double time, const State& state, Points& forces) const {
   endIfInterrupted();
   at_rest_ = state;
   at_rest_.velocities.assign(state.positions.size(), Vec3::Zero());
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   model_.addForces(at_rest_, forces);
   for (const ExternalLoad* load : loads_)
     if (load->isConservative()) load->addForces(time, at_rest_, forces);
@@ -140,7 +154,7 @@ double System::storedEnergy(double time, const State& state) const {
 }
 
 void System::computeSteadyLoads(double time, const State& state, Points& forces) const {
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   row_stiffness_.assign(size(), 0.0);
   row_damping_.assign(size(), 0.0);
   for (const ExternalLoad* load : loads_) {
@@ -192,9 +206,9 @@ double System::largestForce(double time, const State& state) const { return comp
 
 double System::computeForcesAndLargest(double time, const State& state, Points& forces) const {
   endIfInterrupted();
-  forces.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), forces);
   model_.addForces(state, forces);
-  loads_alone_.assign(state.positions.size(), Vec3::Zero());
+  clear(state.size(), loads_alone_);
   for (const ExternalLoad* load : loads_) load->addForces(time, state, loads_alone_);
   double squared = 0.0;
   for (std::size_t i = 0; i < forces.size(); ++i) {

@@ -9,10 +9,10 @@
 namespace deformable_surface::solve {
 namespace {
 
-constexpr double kStretchMemory = 0.05;  // change of the largest stretch after which the stable step is estimated again
+constexpr double kStretchMemory = 0.05;  // growth of the largest stretch after which the stable step is estimated again
 constexpr double kLoadMemory = 1.1;      // growth of the stiffness of loads, as contacts come, after which it is, too
-constexpr double kWider = 1.2;           // by which the stable step must exceed that in use for longer sub-steps to pay,
-constexpr Index kWideFor = 100;          // for so many steps: the stretch of a swing comes and goes faster
+constexpr double kWider = 1.2;           // by which the stable step must exceed that in use for longer sub-steps to pay
+constexpr Index kWideFor = 100;          // steps with less stretch before they are tried: that of a swing comes and goes faster
 constexpr double kSmallestShare = 0.1;   // of the safe sub-step in the last retry of a step that was not sound
 constexpr double kBold = 1.8;            // of the safe sub-step, which is half of the stable one: smooth motion allows it
 // Of the energy in motion and stretch: largest error of the account for bold steps to go on.
@@ -122,14 +122,16 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
   return *kept;
 }
 
-// Estimates the stable step again when the surface or its loads have changed.
+// Estimates the stable step again when the surface or its loads have become stiffer. Until then the old one is safe.
 void TimeMarch::refreshStableStep(double time, const State& state) {
   // Bonds between particles change faster than the stretch shows, and their model knows its step at no cost.
   const bool is_oriented = system_.isOriented();
   const double stretch = maxStretchOf(model_, state), loads = is_oriented ? 0.0 : system_.loadStiffness(time, state);
   const bool is_known =
-      std::abs(stretch - memory_.stretch_at_estimate) <= kStretchMemory && loads <= kLoadMemory * memory_.loads_at_estimate;
+      stretch <= memory_.stretch_at_estimate + kStretchMemory && loads <= kLoadMemory * memory_.loads_at_estimate;
+  has_less_stretch_ = stretch < memory_.stretch_at_estimate - kStretchMemory;
   if (!memory_.estimate_needed && !is_oriented && is_known) return;
+  has_less_stretch_ = false;
   memory_.stable_step = stable_step_.estimate(time, state, system_);
   memory_.max_substep = std::min(memory_.max_substep, memory_.stable_step);
   memory_.max_slow_step = 2.0 / std::sqrt(system_.boundSlowRate(state));
@@ -140,11 +142,16 @@ void TimeMarch::refreshStableStep(double time, const State& state) {
 
 // Verlet keeps its energy over long times only with sub-steps of one length. They become longer only if for a long time they
 // could have been much longer, or when the energy account begins anew.
-void TimeMarch::lengthenSubsteps() {
-  memory_.wider = memory_.stable_step > kWider * memory_.max_substep ? memory_.wider + 1 : 0;
+void TimeMarch::lengthenSubsteps(double time, const State& state) {
+  const auto isWide = [&] { return memory_.stable_step > kWider * memory_.max_substep; };
+  memory_.wider = has_less_stretch_ || isWide() ? memory_.wider + 1 : 0;
   if (memory_.wider < kWideFor) return;
-  memory_.max_substep = memory_.stable_step;
   memory_.wider = 0;
+  if (has_less_stretch_) {
+    memory_.estimate_needed = true;
+    refreshStableStep(time, state);
+  }
+  if (isWide()) memory_.max_substep = memory_.stable_step;
 }
 
 // Advances the state by one step, in fineness_ parts, each with as many sub-steps as a whole step would have.
@@ -288,7 +295,7 @@ TimeMarch::Outcome TimeMarch::step(double time, State& state) {
   guard_.beginStep(system_, time, state);
   if (estimatesStableStep()) {
     refreshStableStep(time, state);
-    lengthenSubsteps();
+    lengthenSubsteps(time, state);
   }
   max_substep_before_ = memory_.max_substep;
   chooseIntegrator(outcome);

@@ -10,6 +10,7 @@
 #include <set>
 #include <stdexcept>
 #include <thread>
+#include <vector>
 
 namespace deformable_surface {
 namespace {
@@ -73,6 +74,20 @@ TEST_P(Parallel, SeveralCallersAtOnceDoNotMixTheirWork) {
     });
   for (std::thread& caller : callers) caller.join();
   EXPECT_EQ(total, 4L * 50 * 1000);
+}
+
+// Workers look for the next loop for a while, then sleep. Each of these loops comes while they look, fall asleep or sleep.
+TEST_P(Parallel, LoopsMayComeAtAnyTime) {
+  std::vector<int> seen(64);
+  for (int repeat = 0; repeat < 3000; ++repeat) {
+    std::fill(seen.begin(), seen.end(), 0);
+    parallelFor(64, 1 + repeat % 16, [&](Index begin, Index end) {
+      for (Index i = begin; i < end; ++i) ++seen[i];
+    });
+    ASSERT_EQ(std::count(seen.begin(), seen.end(), 1), 64) << repeat;
+    const auto end = std::chrono::steady_clock::now() + std::chrono::microseconds(repeat % 150);
+    while (std::chrono::steady_clock::now() < end) {}
+  }
 }
 
 // Number of threads that take part in a loop of many blocks.

@@ -42,8 +42,10 @@ class BlockSparse {
 
   Index find(Index i, Index j) const;
   void buildPattern();
+  void listRows();
 
   Lists pattern_;
+  Lists left_;  // of each row: the place of each block left of the diagonal in values_, and its column
   std::vector<Mat3> values_;
   std::vector<Entry> order_;      // of the calls of the longest pass, the newest for each place
   std::size_t next_ = 0;          // place in it

@@ -36,7 +36,7 @@ class TimeMarch {
     IntegratorType type = IntegratorType::kAuto;
     double stable_step = 0.0;                                      // s, as estimated last
     double max_substep = std::numeric_limits<double>::infinity();  // s, at most that: what sub-steps are cut by
-    Index wider = 0;                                               // steps in a row in which the stable step was well above it
+    Index wider = 0;                                               // steps in a row in which it may be too short
     double max_slow_step = 0.0;                                    // s, a stable step of the model's slow forces alone
     double stretch_at_estimate = 0.0;                              // largest stretch when it was estimated, and
     double loads_at_estimate = 0.0;                                // 1/s^2, System::loadStiffness(): contacts come and go
@@ -95,7 +95,7 @@ class TimeMarch {
   void chooseIntegrator(Outcome& outcome);
   Integrator& integrator(IntegratorType type);
   void refreshStableStep(double time, const State& state);
-  void lengthenSubsteps();
+  void lengthenSubsteps(double time, const State& state);
   SolveReport advance(double time, double share, State& state);
   SolveReport advancePart(double time, double part, double share, State& state);
   SolveReport advanceImplicitly(double time, Index parts, State& state);
@@ -122,11 +122,12 @@ class TimeMarch {
   // Scratch.
   State before_, portion_start_;
   double max_substep_before_ = 0.0;
-  Index most_inner_ = 1;       // sub-steps in which slow forces may act once
-  bool is_too_stiff_ = false;  // for auto: more sub-steps than max_substeps
-  Index substeps_needed_ = 0;  // if there are too many of them to be taken
-  double work_ = 0.0;          // J, put in during the step by loads without a potential
-  double dissipated_ = 0.0;    // J, taken out during the step by damping by mass
+  bool has_less_stretch_ = false;  // than when the stable step was estimated
+  Index most_inner_ = 1;           // sub-steps in which slow forces may act once
+  bool is_too_stiff_ = false;      // for auto: more sub-steps than max_substeps
+  Index substeps_needed_ = 0;      // if there are too many of them to be taken
+  double work_ = 0.0;              // J, put in during the step by loads without a potential
+  double dissipated_ = 0.0;        // J, taken out during the step by damping by mass
 };
 
 }  // namespace deformable_surface::solve

@@ -8,8 +8,8 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;  // points per parallel block: distribution costs little beside it
-constexpr Index kBatch = 4;     // groups of four points: their rows stay in the first-level cache between the two passes
+constexpr Index kBlock = 256;  // points per parallel block: distribution costs little beside it
+constexpr Index kBatch = 4;    // groups of four points: their rows stay in the first-level cache between the two passes
 constexpr Index kSlots = CurvatureLoop::kSlots;
 constexpr double kCrushed = CurvatureLoop::kCrushed;
 

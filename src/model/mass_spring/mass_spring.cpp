@@ -12,7 +12,7 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;
+constexpr Index kBlock = 256;
 constexpr double kSmallestMass = 1e-3;  // of the median: a ring of no area must not give infinite acceleration
 
 using Link = MassSpring::Link;

@@ -11,7 +11,7 @@
 namespace deformable_surface::model {
 namespace {
 
-constexpr Index kBlock = 2048;  // elements per parallel block: large enough for negligible overhead
+constexpr Index kBlock = 256;  // elements per parallel block: large enough for negligible overhead
 
 // From four points padded to four numbers each to x, y and z of the four.
 DEFORMABLE_SURFACE_INLINE void loadDifferences(const double* points, const Index* ends, Double4* difference) {

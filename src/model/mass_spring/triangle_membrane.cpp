@@ -14,7 +14,7 @@ namespace {
 
 using Mat32 = Eigen::Matrix<double, 3, 2>;
 
-constexpr Index kBlock = 1024;
+constexpr Index kBlock = 128;
 constexpr Index kBatch = 16;  // groups of four triangles that fit the nearest cache
 
 // Rotation and invariants of F.
@@ -240,7 +240,7 @@ void TriangleMembrane::addForces(const State& state, const PaddedPoints& positio
       repairCollapsed(4 * begin, std::min(4 * end, static_cast<Index>(elements_.size())), state);
   });
   // Gathered by the points.
-  parallelFor(incidence_.size(), kBlock, [&](Index begin, Index end) {
+  parallelFor(incidence_.size(), 2 * kBlock, [&](Index begin, Index end) {
     gatherForces(begin, end, incidence_.offsets.data(), incidence_.items.data(), corner_force_.data(), forces.data()->data());
   });
 }
