@@ -129,8 +129,9 @@ void SelfContact::addRowBounds(const Points& positions, std::vector<double>& sti
 
 SelfContact::Rub SelfContact::findRub(const Near& near, const Points& positions, const std::vector<PairAnchor>& anchors) const {
   const Pair& pair = *near.pair;
-  const double spring = stiffness(pair), limit = params_.friction * spring * (pair.thickness - near.distance);
-  const FrictionLaw law{limit, limit, spring, 2.0 * params_.damping * spring / params_.rate};
+  const double spring = stiffness(pair), pressing = spring * (pair.thickness - near.distance);
+  const FrictionLaw law{params_.friction * pressing, params_.kinetic_friction * pressing, spring,
+                        2.0 * params_.damping * spring / params_.rate};
   const Vec3 normal = near.closest.gap / near.distance;
   const auto at = std::lower_bound(anchors.begin(), anchors.end(), pair,
                                    [](const PairAnchor& a, const Pair& p) { return a.isBefore(p.vertices, p.is_edges); });

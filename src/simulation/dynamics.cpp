@@ -40,12 +40,14 @@ Dynamics::Dynamics(const SceneParams& params, Made made)
   chosen_.made = params.material;
   loads_.contact.setArriving(params.integrator.type != solve::IntegratorType::kStatic);
   if (params.contact.self) {
-    const double thickness = params.contact.thickness.valueOr(params.material.thickness);
+    contact::SelfContactParams meeting;
+    meeting.thickness = params.contact.thickness.valueOr(params.material.thickness);
+    meeting.friction = params.contact.friction;
+    meeting.kinetic_friction = params.contact.kinetic_friction.valueOr(params.contact.friction);
     if (!made.meeting)
       made.meeting =
           std::make_shared<const std::vector<contact::Triangle>>(chooseContactTriangles(rest_->points, trianglesOf(*model_)));
-    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), thickness,
-                                                             params.contact.friction);
+    loads_.self_contact = std::make_unique<SelfContactLoads>(rest_->points, std::move(made.meeting), model_->masses(), meeting);
     system_.setMotionLimit(&loads_.self_contact->limit);
   }
   loads_.forces.setDropped(rest_->across);

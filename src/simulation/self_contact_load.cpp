@@ -60,13 +60,6 @@ void dropOverlaps(const Points& rest, std::vector<contact::Triangle>& triangles)
   triangles.resize(kept);
 }
 
-contact::SelfContactParams makeParams(double thickness, double friction) {
-  contact::SelfContactParams params;
-  params.thickness = thickness;
-  params.friction = friction;
-  return params;
-}
-
 }  // namespace
 
 // Neighbours on a surface traverse their common edge in opposite directions. A triangle that would traverse an edge in the same
@@ -88,12 +81,12 @@ std::vector<contact::Triangle> chooseContactTriangles(const Points& rest, const 
   return chosen;
 }
 
-SelfContactLoads::SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses, double thickness,
-                                   double friction)
-    : contact(rest, *triangles, masses, makeParams(thickness, friction)),
+SelfContactLoads::SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses,
+                                   const contact::SelfContactParams& params)
+    : contact(rest, *triangles, masses, params),
       triangles_(std::move(triangles)),
       is_whole_(triangles_->size(), 1),
-      rubs_(friction > 0.0) {}
+      rubs_(params.friction > 0.0) {}
 
 void SelfContactLoads::followTriangles(const std::vector<model::WeightedTriangle>& now) {
   std::vector<contact::Triangle> present;

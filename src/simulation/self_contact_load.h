@@ -101,8 +101,9 @@ class SelfContactLoads {
  public:
   using Triangles = std::shared_ptr<const std::vector<contact::Triangle>>;
 
-  /// rest: (n) m; thickness: m; friction: Coulomb's coefficient. triangles: chosen at rest, before any cut; masses: (n) kg.
-  SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses, double thickness, double friction);
+  /// rest: (n) m. triangles: chosen at rest, before any cut; masses: (n) kg. params: the rate is set later.
+  SelfContactLoads(const Points& rest, Triangles triangles, const std::vector<double>& masses,
+                   const contact::SelfContactParams& params);
   SelfContactLoads(const SelfContactLoads&) = delete;
   SelfContactLoads& operator=(const SelfContactLoads&) = delete;
 

@@ -73,7 +73,7 @@ TEST(SelfContact, DampingTakesEnergyAndNoMomentum) {
 
 SelfContactParams withFriction(double coefficient) {
   SelfContactParams params = kParams;
-  params.friction = coefficient;
+  params.friction = params.kinetic_friction = coefficient;
   return params;
 }
 
@@ -112,6 +112,30 @@ TEST(SelfContact, FrictionHoldsUpToItsLimitAndKeepsMomentum) {
     Points again(moved.size(), Vec3::Zero());
     contact.addFriction(moved, still, next, again);
     for (std::size_t i = 0; i < moved.size(); ++i) EXPECT_LT((again[i] - rubbing[i]).norm(), 1e-9 * pressed) << i;
+  }
+}
+
+TEST(SelfContact, WhatSlidesHasTheKineticCoefficient) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.0019, 0.0);
+  SelfContactParams params = withFriction(0.5);
+  params.kinetic_friction = 0.2;
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25), params);
+  const Points still(sheets.points.size(), Vec3::Zero());
+  std::vector<PairAnchor> anchors;
+  contact.moveAnchors(sheets.points, still, anchors);
+  Points moved = sheets.points;
+  for (const double limit : {0.5, 0.2}) {  // as it breaks away, and as it goes on
+    Points pushing(moved.size(), Vec3::Zero()), rubbing = pushing;
+    for (std::size_t i = 25; i < moved.size(); ++i) moved[i].x() += 1e-3;
+    contact.addForces(moved, pushing);
+    contact.addFriction(moved, still, anchors, rubbing);
+    double pressed = 0.0, held = 0.0;
+    for (std::size_t i = 25; i < moved.size(); ++i) {
+      pressed += pushing[i].z();
+      held -= rubbing[i].x();
+    }
+    EXPECT_NEAR(held, limit * pressed, 1e-3 * pressed);
+    contact.moveAnchors(moved, still, anchors);
   }
 }
 

@@ -15,10 +15,11 @@
 namespace deformable_surface::contact {
 
 struct SelfContactParams {
-  double thickness = 0.0;  // m: distance of layers at rest
-  double rate = 0.0;       // 1/s: a spring's stiffness is the least mass of its pair times the square of the rate
-  double damping = 0.05;   // of the springs, as a share of critical
-  double friction = 0.0;   // Coulomb's coefficient
+  double thickness = 0.0;         // m: distance of layers at rest
+  double rate = 0.0;              // 1/s: a spring's stiffness is the least mass of its pair times the square of the rate
+  double damping = 0.05;          // of the springs, as a share of critical
+  double friction = 0.0;          // Coulomb's coefficient of pairs that stick
+  double kinetic_friction = 0.0;  // of pairs that slide, not above friction
 };
 
 /// The contact force of one pair.

@@ -7,10 +7,11 @@
 namespace deformable_surface::simulation {
 
 struct ContactParams {
-  Index cloud_points = 8;    // 0 .. 64: per cell, beside its simulation point, that touch tools
-  bool self = false;         // parts of the surface do not pass through each other
-  OrAuto<double> thickness;  // m, > 0; auto = that of the material
-  double friction = 0.0;     // Coulomb's coefficient, >= 0
+  Index cloud_points = 8;           // 0 .. 64: per cell, beside its simulation point, that touch tools
+  bool self = false;                // parts of the surface do not pass through each other
+  OrAuto<double> thickness;         // m, > 0; auto = that of the material
+  double friction = 0.0;            // Coulomb's coefficient, >= 0
+  OrAuto<double> kinetic_friction;  // coefficient of kinetic friction, at most the static one; auto = friction
 };
 
 inline void visit(Fields& fields, ContactParams& p) {
@@ -21,6 +22,11 @@ inline void visit(Fields& fields, ContactParams& p) {
   fields.number("thickness", p.thickness, "m", between(1e-9, kMaxLength),
                 "distance at which parts of the surface begin to push each other apart; `auto` = material.thickness");
   fields.number("friction", p.friction, "", between(0.0, 1e3), "Coulomb coefficient between parts of the surface");
+  fields.number("kinetic_friction", p.kinetic_friction, "", between(0.0, 1e3),
+                "Coulomb coefficient between parts that slide over each other, at most `friction`; `auto` = friction");
+  fields.require(p.kinetic_friction.valueOr(p.friction) <= p.friction, "kinetic_friction",
+                 "found " + formatReal(p.kinetic_friction.valueOr(0.0)) + ", more than friction, " + formatReal(p.friction) +
+                     "; accepted: at most friction");
 }
 
 }  // namespace deformable_surface::simulation
