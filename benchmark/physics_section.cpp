@@ -36,8 +36,9 @@ std::string nameBending(const physics::Problem& problem, const physics::Variant&
 
 void runPhysicsSection(const Options& options, Report& report) {
   std::vector<physics::Problem> problems;
-  for (const auto& list : {physics::listMotions, physics::listHanging, physics::listMembranes, physics::listStrips,
-                           physics::listVibrations, physics::listShells, physics::listMeasured, physics::listSolids})
+  for (const auto& list :
+       {physics::listMotions, physics::listHanging, physics::listMembranes, physics::listStrips, physics::listVibrations,
+        physics::listShells, physics::listMeasured, physics::listSolids, physics::listContacts})
     for (const physics::Problem& problem : list())
       if (problem.name.compare(0, options.scene.size(), options.scene) == 0) problems.push_back(problem);
 

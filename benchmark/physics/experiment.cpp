@@ -21,6 +21,12 @@ simulation::SceneParams prepare(simulation::SceneParams scene, const Sampled& cl
   scene.simplification.target_points = cloud.keep;
   scene.gravity = rotation * scene.gravity;
   for (simulation::PinParams& pin : scene.pins) pin.region.center = rotation * pin.region.center;
+  for (tool::ToolParams& tool : scene.tools)
+    for (tool::WaypointParams& waypoint : tool.path) {
+      const Eigen::Quaterniond turned = Eigen::Quaterniond(rotation) * Eigen::Quaterniond(waypoint.orientation);
+      waypoint.position = rotation * waypoint.position;
+      waypoint.orientation = turned.coeffs();
+    }
   for (simulation::AnchorParams& anchor : scene.anchors) {
     anchor.point = rotation * anchor.point;
     anchor.target = rotation * anchor.target;

@@ -10,7 +10,7 @@ namespace deformable_surface::physics {
 
 class Experiment {
  public:
-  /// scene: material, loads, pins (balls) and integrator in the problem's frame; membrane and bending are the variant's.
+  /// scene: material, loads, pins (balls), tools and integrator in the problem's frame; membrane and bending are the variant's.
   Experiment(simulation::SceneParams scene, const Sampled& cloud, const Variant& variant);
 
   const Points& rest() const { return rest_; }             // of the simulation points, m

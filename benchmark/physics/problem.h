@@ -74,6 +74,7 @@ std::vector<Problem> listShells();
 std::vector<Problem> listVibrations();
 std::vector<Problem> listMeasured();
 std::vector<Problem> listSolids();
+std::vector<Problem> listContacts();
 
 /// The one of that name; throws std::logic_error if there is none.
 Problem findProblem(const std::vector<Problem>& problems, const std::string& name);

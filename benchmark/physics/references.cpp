@@ -1,7 +1,9 @@
 #include "references.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/LU>
 
+#include <algorithm>
 #include <cmath>
 #include <vector>
 
@@ -29,6 +31,88 @@ Polynomial differentiate(const Polynomial& p) {
   Polynomial slope = Polynomial::Zero();
   for (int k = 1; k <= kDegree; ++k) slope[k - 1] = k * p[k];
   return slope;
+}
+
+// A quarter of the ring, see FlatRing.
+struct RingQuarter {
+  double curvature = 1.0, constant = -2.5, pressure = 3.0;  // of the widest point; c; P
+};
+struct RingEnd {
+  double angle, slope, curvature, x, y;  // turned; kappa' and kappa there; from the widest point
+};
+
+RingEnd integrateRing(const RingQuarter& ring, std::vector<Vec2>* places = nullptr) {
+  const double h = 0.5 * std::acos(-1.0) / kSteps;
+  // theta from the vertical, kappa, kappa', x, y
+  double y[5] = {0.0, ring.curvature, 0.0, 0.0, 0.0};
+  const auto slope = [&](const double* at, double* k) {
+    k[0] = at[1];
+    k[1] = at[2];
+    k[2] = at[1] * (ring.constant - 0.5 * at[1] * at[1]) + ring.pressure;
+    k[3] = -std::sin(at[0]);
+    k[4] = std::cos(at[0]);
+  };
+  for (int i = 0; i < kSteps; ++i) {
+    if (places) places->emplace_back(y[3], y[4]);
+    double k1[5], k2[5], k3[5], k4[5], z[5];
+    slope(y, k1);
+    for (int c = 0; c < 5; ++c) z[c] = y[c] + 0.5 * h * k1[c];
+    slope(z, k2);
+    for (int c = 0; c < 5; ++c) z[c] = y[c] + 0.5 * h * k2[c];
+    slope(z, k3);
+    for (int c = 0; c < 5; ++c) z[c] = y[c] + h * k3[c];
+    slope(z, k4);
+    for (int c = 0; c < 5; ++c) y[c] += h / 6.0 * (k1[c] + 2.0 * k2[c] + 2.0 * k3[c] + k4[c]);
+  }
+  if (places) places->emplace_back(y[3], y[4]);
+  return {y[0], y[2], y[1], y[3], y[4]};
+}
+
+// Newton's method on two of the three numbers of a quarter: it turns by a right angle, and `rest` vanishes at its end.
+template <class Rest>
+void solveQuarter(double RingQuarter::*one, double RingQuarter::*other, const Rest& rest, RingQuarter& ring) {
+  constexpr double kDifference = 1e-6;
+  const double right = 0.5 * std::acos(-1.0);
+  for (int iteration = 0; iteration < 20; ++iteration) {
+    const auto misses = [&](const RingQuarter& at) {
+      const RingEnd end = integrateRing(at);
+      return Vec2(end.angle - right, rest(end));
+    };
+    const Vec2 miss = misses(ring);
+    if (miss.norm() < 1e-11) return;
+    RingQuarter by_one = ring, by_other = ring;
+    by_one.*one += kDifference;
+    by_other.*other += kDifference;
+    Eigen::Matrix2d slopes;
+    slopes << (misses(by_one) - miss) / kDifference, (misses(by_other) - miss) / kDifference;
+    const Vec2 change = slopes.inverse() * miss;
+    ring.*one -= change[0];
+    ring.*other -= change[1];
+  }
+}
+
+// The free ring, further and further from the circle, until it is that far; `reached` grows from negative to positive.
+template <class Reached>
+RingQuarter followRing(const Reached& reached) {
+  constexpr double kStep = 0.05;  // of the curvature of the widest point
+  RingQuarter before, ring;
+  const auto solveFree = [](double curvature, RingQuarter& at) {
+    at.curvature = curvature;
+    solveQuarter(
+        &RingQuarter::constant, &RingQuarter::pressure, [](const RingEnd& end) { return end.slope; }, at);
+  };
+  for (double curvature = 1.0 + kStep; curvature < 4.0; curvature += kStep) {
+    before = ring;
+    solveFree(curvature, ring);
+    if (reached(ring) >= 0.0) break;
+  }
+  double low = before.curvature, high = ring.curvature;
+  for (int i = 0; i < 40; ++i) {
+    const double middle = 0.5 * (low + high);
+    solveFree(middle, ring);
+    (reached(ring) < 0.0 ? low : high) = middle;
+  }
+  return ring;
 }
 
 double integrateProduct(const Polynomial& p, const Polynomial& q) {
@@ -104,6 +188,32 @@ double solveHencky(double poisson_ratio) {
   double height = 0.0;
   for (int n = 0; n < kTerms; ++n) height += inverse[n] / (n + 1.0);
   return height;
+}
+
+FlatRing solveRing(double pressure, double gap) {
+  RingQuarter ring =
+      followRing([&](const RingQuarter& at) { return std::max(at.pressure - pressure, 0.5 * gap - integrateRing(at).y); });
+  if (ring.pressure < pressure - 1e-6) {
+    constexpr int kLoads = 20;
+    const double first = ring.pressure;
+    for (int load = 1; load <= kLoads; ++load) {
+      ring.pressure = first + (pressure - first) * load / kLoads;
+      solveQuarter(
+          &RingQuarter::curvature, &RingQuarter::constant, [&](const RingEnd& end) { return end.y - 0.5 * gap; }, ring);
+    }
+  }
+  FlatRing flat;
+  const RingEnd end = integrateRing(ring, &flat.quarter);
+  for (Vec2& place : flat.quarter) place.x() -= end.x;
+  flat.half_height = end.y;
+  flat.half_width = -end.x;
+  flat.force = 2.0 * std::abs(end.slope);
+  flat.flattest = end.curvature;
+  return flat;
+}
+
+double findRingPressure(double half_height) {
+  return followRing([&](const RingQuarter& at) { return half_height - integrateRing(at).y; }).pressure;
 }
 
 double ElasticCable::x(double s, double tension) const {

@@ -1,5 +1,5 @@
 // The exact answers that need more than a formula: the elastica under its weight and an end force, Hencky's membrane, the hanging
-// elastic cable, a beam that is let go, the clamped plate.
+// elastic cable, a beam that is let go, the clamped plate, the ring that is pressed flat.
 #pragma once
 
 #include "deformable_surface/base/types.h"
@@ -7,6 +7,7 @@
 #include <Eigen/Core>
 
 #include <limits>
+#include <vector>
 
 namespace deformable_surface::physics {
 
@@ -32,6 +33,18 @@ struct ElasticCable {
   /// The horizontal tension for the span between the supports.
   double solveTension(double span) const;
 };
+
+/// An inextensible ring of radius 1 and rigidity 1 under the external pressure P, buckled into two lobes whose halves may not
+/// come nearer than the gap; P from 3 to that of contact along a line [flaherty1972]. Along the arc, from the widest point on:
+///   kappa'' = c kappa - kappa^3 / 2 + P,  kappa' = 0 at both ends of a quarter, or half of the contact force at the second.
+struct FlatRing {
+  double half_height = 0.0, half_width = 0.0, force = 0.0;  // force: of the contact
+  double flattest = 0.0;                                    // curvature where the halves meet, negative: hollow
+  std::vector<Vec2> quarter;  // from the widest point to the middle of a half, evenly over the arc; about the centre
+};
+FlatRing solveRing(double pressure, double gap);
+/// The pressure at which the free ring has that half height, above 0 and below 1.
+double findRingPressure(double half_height);
 
 constexpr double kAtRest = std::numeric_limits<double>::infinity();
 

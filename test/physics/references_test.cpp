@@ -58,6 +58,19 @@ TEST(References, TheClampedPlateAgreesWithItsTable) {
   EXPECT_EQ(sag(1.1, 0.5), 0.0);
 }
 
+TEST(References, APressedRingBucklesTouchesAndFlattensAtThePublishedPressures) {
+  // Buckling at 3, first contact at 5.247, contact along a line at 10.34 [flaherty1972].
+  EXPECT_NEAR(findRingPressure(0.95), 3.006009, 1e-6);
+  EXPECT_NEAR(findRingPressure(0.2), 4.306165, 1e-6);
+  EXPECT_NEAR(findRingPressure(1e-9), 5.246887, 1e-6);
+  const FlatRing touching = solveRing(6.296069, 0.0), flat = solveRing(10.336033, 0.0);
+  EXPECT_NEAR(touching.force, 1.63386, 1e-5);
+  EXPECT_NEAR(touching.half_width, 1.376808, 1e-6);
+  EXPECT_NEAR(flat.flattest, 0.0, 1e-6);
+  EXPECT_NEAR(flat.force, 7.94970, 1e-5);
+  EXPECT_NEAR((flat.quarter.back() - Vec2(0.0, 0.0)).norm(), 0.0, 1e-6);
+}
+
 TEST(OrderOfConvergence, IsTheSlopeAndItsSpreadTheScatter) {
   const auto make = [](double size, double error) {
     Answer a;
