@@ -35,6 +35,7 @@ constexpr Part kParts[] = {{"setup", runSetupSection},
                            {"targets", runTargetsSection, true},
                            {"geodesics", runGeodesicsSection, true},
                            {"camera", runCameraSection, true},
+                           {"growth", runGrowthSection, true},
                            {"accuracy", runAccuracySection, true},
                            {"simplification", runSimplificationSection, true},
                            {"statics", runStaticsSection, true},
@@ -105,8 +106,8 @@ int run(int argc, char** argv) {
     } else {
       return fail(
           "found '" + argument +
-          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --targets, --geodesics, --camera, --accuracy, "
-          "--simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --varied, --stability, "
+          "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --targets, --geodesics, --camera, --growth, "
+          "--accuracy, --simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --varied, --stability, "
           "--only PART, --output FOLDER, --commit TEXT");
     }
   }

@@ -10,7 +10,7 @@ struct Options {
   bool large = false;        // clouds of a million points, and rows that take long
   double budget = 0.2;       // s of repetitions per row
   std::string folder = ".";  // where CSV files go
-  std::string scene;         // accuracy, simplification, camera, physics: those whose names begin so; empty = all
+  std::string scene;         // accuracy, simplification, camera, growth, physics: those whose names begin so; empty = all
   Index first_scene = 4000;  // calibration: seeds of the scenes, by default those that the method was not tuned on
   Index num_scenes = 240;
   bool varied = false;  // calibration: of the families of test/support/varied_scene.h
@@ -37,6 +37,7 @@ void runPeersSection(const Options& options, Report& report);
 void runTargetsSection(const Options& options, Report& report);
 void runGeodesicsSection(const Options& options, Report& report);
 void runCameraSection(const Options& options, Report& report);
+void runGrowthSection(const Options& options, Report& report);
 void runCalibrationSection(const Options& options, Report& report);
 
 }  // namespace deformable_surface::benchmark

@@ -91,6 +91,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   constexpr double kLargest = 0.4, kFirst = 0.04;  // of the stable step
   constexpr Index kStepsPerIteration = 100;        // relaxation steps that count as one iteration: they are that much cheaper
   constexpr double kRounding = 64.0;               // times the force that rounding of the positions makes
+  constexpr Index kLook = 50;                      // steps between two estimates of that force, which cost as much as a step
 
   SolveReport report;
   report.substeps = 1;
@@ -106,6 +107,7 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
   const Index most = params_.max_iterations * kStepsPerIteration;
   report.converged = false;
   Index taken = 0;
+  double rounding = 0.0;
   for (; taken < most && !(interrupt_ && *interrupt_); ++taken) {
     const Timer timer;
     system.computeForcesAndTorques(end, state, forces_, torques_);
@@ -121,7 +123,8 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
     report.finite = std::isfinite(push) && std::isfinite(speed);
     largest = std::max(largest, report.residual);
     if (!report.finite) break;
-    if (report.residual <= params_.tolerance * largest || report.residual <= kRounding * system.roundingForce(end, state)) {
+    if (taken % kLook == 0) rounding = kRounding * system.roundingForce(end, state);
+    if (report.residual <= params_.tolerance * largest || report.residual <= rounding) {
       report.converged = true;
       break;
     }
