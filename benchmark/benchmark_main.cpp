@@ -107,7 +107,8 @@ int run(int argc, char** argv) {
       return fail(
           "found '" + argument +
           "'; accepted: --quick, --large, --solids, --activity, --scale, --peers, --targets, --geodesics, --camera, --growth, "
-          "--accuracy, --simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --varied, --stability, "
+          "--accuracy, --simplification, --scene NAME, --statics, --physics, --calibration, --scenes FIRST COUNT, --varied, "
+          "--stability, "
           "--only PART, --output FOLDER, --commit TEXT");
     }
   }

@@ -54,7 +54,7 @@ Result growParticles(const GrowthSamples& samples, bool has_normals) {
   scene.material.young_modulus = 1e5;
   scene.material.thickness = 0.001;
   scene.material.bending_rigidity =
-      0.3 * scene.material.young_modulus * scene.material.thickness * std::pow(kFineness * samples.spacing, 2);
+      scene.material.young_modulus * scene.material.thickness * std::pow(kFineness * samples.spacing, 2);
   particles.grow_surface = true;
   particles.growth.min_gap = 1.6;
   particles.growth.max_gap = 5.0;

@@ -50,13 +50,31 @@ std::vector<signed char> findGivenSides(const Points& given, const Points& norma
 // The flatter the link, the smaller its weight. With given normals, links weigh least whose given normals agree with the
 // surface at both ends. On a thin body, where flat links join its two sides, nothing contradicts the given ones along each side;
 // one wrong normal contradicts all of its neighbours, so that it is joined last, as the surface requires.
-Link makeLink(const Points& normals, const std::vector<signed char>& given_sides, Index i, Index j) {
-  constexpr float kDoubt = 1.0f;  // more than any link weighs without it
-  const double cosine = normals[i].dot(normals[j]);
+Link weighLink(double cosine, double weight, const std::vector<signed char>& given_sides, Index i, Index j) {
+  constexpr float kDoubt = 2.0f;  // more than any link weighs without it
   const bool are_opposite = cosine < 0.0;
   const bool is_doubtful = !given_sides.empty() && given_sides[i] * given_sides[j] * (are_opposite ? -1 : 1) <= 0;
-  const float weight = std::max(static_cast<float>(1.0 - std::abs(cosine)), 0.0f);
-  return {weight + (is_doubtful ? kDoubt : 0.0f), std::min(i, j), std::max(i, j), are_opposite};
+  return {std::max(static_cast<float>(weight), 0.0f) + (is_doubtful ? kDoubt : 0.0f), std::min(i, j), std::max(i, j),
+          are_opposite};
+}
+Link makeLink(const Points& normals, const std::vector<signed char>& given_sides, Index i, Index j) {
+  const double cosine = normals[i].dot(normals[j]);
+  return weighLink(cosine, 1.0 - std::abs(cosine), given_sides, i, j);
+}
+
+// Sparse samples of a bend or an edge turn far from one to the next. On a circle through both, the normal of one is that of the
+// other mirrored at the plane halfway between them [König and Gumhold 2009]. The same holds across a thin body; such links,
+// steep against both tangent planes, weigh more than any along the surface.
+Link makeMirrorLink(const Points& positions, const Points& normals, const std::vector<signed char>& given_sides, Index i,
+                    Index j) {
+  constexpr double kSteep = 0.8;  // of a link along the normals: that around a right angle then weighs half of it
+  const Vec3 line = positions[j] - positions[i];
+  const double squared = line.squaredNorm();
+  if (!(squared > 0.0)) return makeLink(normals, given_sides, i, j);
+  const double slope_i = normals[i].dot(line), slope_j = normals[j].dot(line);
+  const double cosine = normals[i].dot(normals[j]) - 2.0 * slope_i * slope_j / squared;
+  const double steep = std::max(slope_i * slope_i, slope_j * slope_j) / squared;
+  return weighLink(cosine, 1.0 - std::abs(cosine) + kSteep * steep, given_sides, i, j);
 }
 
 // Joins flat links to the nearest neighbours of all points in any order. Returns whether all flat links among the joined points
@@ -94,16 +112,20 @@ bool joinFlat(const Lists& neighbors, const Points& normals, const std::vector<s
 
 // Minimum spanning forest (Kruskal): the flattest links decide first. Where all flat links agree it does not matter which of them
 // decide.
-void joinSides(const Lists& neighbors, const Points& normals, const std::vector<signed char>& given_sides, SignedSets& sets) {
+void joinSides(const Points& positions, const Lists& neighbors, const Points& normals,
+               const std::vector<signed char>& given_sides, SideLinks links, SignedSets& sets) {
   bool are_all = false;
+  const bool mirrored = links == SideLinks::kMirrored;
   const auto forLinks = [&](Index i, const auto& visit) {
-    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) visit(makeLink(normals, given_sides, i, *j));
+    for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j)
+      visit(mirrored ? makeMirrorLink(positions, normals, given_sides, i, *j) : makeLink(normals, given_sides, i, *j));
   };
   const auto joinRest = [&] {
     visitSpanningForest<Link>(
         neighbors.size(), forLinks, [&](Index i) { return sets.find(i); },
         [&](const Link& link) { sets.join(link.i, link.j, link.are_opposite); });
   };
+  if (mirrored) return joinRest();
   if (joinFlat(neighbors, normals, given_sides, sets, are_all)) {
     if (are_all) return;
     joinRest();
@@ -174,13 +196,59 @@ Points estimateNormals(const Points& positions, const Lists& neighbors) {
   return normals;
 }
 
+Points fitNormals(const Points& positions, const Lists& neighbors, const Points& normals) {
+  checkSizes("fitNormals", positions, neighbors);
+  constexpr Index kTerms = 6;
+  constexpr Index kFewest = 7;       // neighbours and the point: one more than the terms
+  constexpr double kSide = 0.2;      // least cosine of two normals of one side, 78 degrees
+  constexpr double kSteepest = 0.7;  // of the line to a neighbour against the tangent plane: beyond it a fold or another sheet
+  constexpr double kRidge = 1e-3;    // of the weights: lines of neighbours have no curvature across them
+  Points fitted(positions.size());
+  parallelFor(static_cast<Index>(positions.size()), kBlock, [&](Index begin, Index end) {
+    using Matrix = Eigen::Matrix<double, kTerms, kTerms>;
+    using Vector = Eigen::Matrix<double, kTerms, 1>;
+    std::vector<Vec3> offsets;
+    for (Index i = begin; i < end; ++i) {
+      const Vec3& n = normals[i];
+      fitted[i] = n;
+      offsets.assign(1, Vec3::Zero());
+      double reach = 0.0;
+      for (const Index* j = neighbors.begin(i); j != neighbors.end(i); ++j) {
+        const Vec3 d = positions[*j] - positions[i];
+        if (!(normals[*j].dot(n) >= kSide) || !(std::abs(d.dot(n)) <= kSteepest * d.norm())) continue;
+        offsets.push_back(d);
+        reach = std::max(reach, d.norm());
+      }
+      if (static_cast<Index>(offsets.size()) < kFewest || !(reach > 0.0)) continue;
+      const Vec3 u = n.unitOrthogonal(), v = n.cross(u);
+      Matrix matrix = Matrix::Zero();
+      Vector right = Vector::Zero();
+      for (const Vec3& d : offsets) {
+        const double x = d.dot(u) / reach, y = d.dot(v) / reach, z = d.dot(n) / reach;
+        const double weight = std::exp(-2.0 * d.squaredNorm() / (reach * reach));  // about a seventh for the farthest
+        Vector terms;
+        terms << 1.0, x, y, x * x, x * y, y * y;
+        matrix += weight * terms * terms.transpose();
+        right += weight * z * terms;
+      }
+      const double ridge = kRidge * matrix(0, 0);
+      for (Index k = 3; k < kTerms; ++k) matrix(k, k) += ridge;
+      const Vector height = matrix.ldlt().solve(right);
+      const Vec3 normal = (n - height[1] * u - height[2] * v).normalized();
+      if (normal.allFinite()) fitted[i] = normal;
+    }
+  });
+  return fitted;
+}
+
 void faceEye(const Points& positions, const Vec3& eye, Points& normals) {
   for (std::size_t i = 0; i < normals.size(); ++i)
     if (normals[i].dot(eye - positions[i]) < 0.0) normals[i] = -normals[i];
 }
 
 OrientationRule orientNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_boundary,
-                              const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals) {
+                              const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals,
+                              SideLinks links) {
   const Index n = static_cast<Index>(positions.size());
   checkSizes("orientNormals", positions, neighbors);
   if (is_boundary.size() != positions.size() || normals.size() != positions.size() ||
@@ -192,7 +260,7 @@ OrientationRule orientNormals(const Points& positions, const Lists& neighbors, c
   }
 
   SignedSets sets(n);
-  joinSides(neighbors, normals, findGivenSides(reference_normals, normals), sets);
+  joinSides(positions, neighbors, normals, findGivenSides(reference_normals, normals), links, sets);
   // The root of a component is its smallest index.
   std::vector<Index> root(n), component(n);
   Index num_components = 0;

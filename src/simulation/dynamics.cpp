@@ -84,6 +84,7 @@ void Dynamics::reset() {
   const Population begun = evolution_->begin(now_.pinned, points);
   followPopulation(begun);
   growth_notice_ = begun.notice;
+  growth_warning_ = begun.warning;
   clampHeld();
   loads_.track.restore({});
   values_ = rest_->values;

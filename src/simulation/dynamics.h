@@ -42,6 +42,7 @@ class Dynamics {
   void reset();
   /// The result of growing a surface through the particles at rest, if the scene asks for it: a sentence; else empty.
   const std::string& growthNotice() const { return growth_notice_; }
+  const std::string& growthWarning() const { return growth_warning_; }
 
   /// Carries out a command that was checked (command_checks.h). Edits of particles throw InputError, and change nothing, if they
   /// are impossible.
@@ -266,7 +267,7 @@ class Dynamics {
   CutFollower* cut_follower_ = nullptr;
 
   std::uint64_t revision_ = 0;
-  std::string growth_notice_;
+  std::string growth_notice_, growth_warning_;
   Index last_substeps_ = 0;
   LooseParts loose_;                   // of static steps
   bool has_reported_stopped_ = false;  // since the last reset

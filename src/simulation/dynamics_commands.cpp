@@ -239,6 +239,7 @@ Changes Dynamics::perform(const command::GrowSurface& c) {
   const Population grown = evolution_->growSurface(c.growth, steps_ > 0 ? held_ : now_.pinned, steps_ == 0, now_.points);
   followPopulation(grown);
   changes.notice = grown.notice;
+  if (!grown.warning.empty()) changes.notice += "; " + grown.warning;
   adopt(*model_, now_.points);  // the particles of before may have moved
   changes.motion = changes.everywhere = changes.moved = true;
   return changes;

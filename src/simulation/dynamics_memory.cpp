@@ -89,6 +89,7 @@ std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
   fork->chosen_ = chosen_;
   fork->shares_ = shares_;
   fork->growth_notice_ = growth_notice_;
+  fork->growth_warning_ = growth_warning_;
   fork->has_between_ = has_between_;
   fork->num_links_ = num_links_;
   fork->loads_.contact.setBetween(loads_.contact.points().sharedBetween());

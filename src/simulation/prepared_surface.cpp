@@ -18,6 +18,7 @@ SceneParams keepWhatPrepares(const SceneParams& params) {
   kept.simplification = params.simplification;
   kept.transfer = params.transfer;
   kept.oriented_particles.mode = params.oriented_particles.mode;
+  kept.oriented_particles.grow_surface = params.oriented_particles.grow_surface;  // normals of sparse samples
   kept.elastic_solid.dimension = params.elastic_solid.dimension;
   kept.elastic_solid.fill = params.elastic_solid.fill;
   kept.input.largest_parts = params.input.largest_parts;

@@ -126,14 +126,16 @@ void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSur
     dropUnconstrained(params, findDenseParts(params, find, s), s);
 }
 
-cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s) {
+cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s,
+                                cloud::SideLinks links) {
   const Index n = static_cast<Index>(s.dense.positions.size());
   if (normals.empty()) normals = cloud::estimateNormals(s.dense.positions, s.dense_neighbors);
   cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, normals, s.dense_neighbors, k);
   s.closed = std::count(boundary.is_boundary.begin(), boundary.is_boundary.end(), 1) == 0;
   cloud::OrientationRule rule = cloud::OrientationRule::kViewpoint;
   if (s.pixel_links.isEmpty() || !s.dense.normals.empty() || !viewpoint)
-    rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals);
+    rule = cloud::orientNormals(s.dense.positions, s.dense_neighbors, boundary.is_boundary, s.dense.normals, viewpoint, normals,
+                                links);
   else
     cloud::faceEye(s.dense.positions, *viewpoint, normals);
   // A given normal is kept as it is if it agrees with the side.

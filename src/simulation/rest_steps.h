@@ -22,7 +22,8 @@ void leaveOutParts(const SceneParams& params, const FindNeighbors& find, RestSur
 
 /// Normals of the dense points: the given ones, estimated ones (if not done yet) where none is given, all on one consistent
 /// side. Returns the boundary.
-cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s);
+cloud::Boundary completeNormals(const std::optional<Vec3>& viewpoint, Index k, Points normals, RestSurface& s,
+                                cloud::SideLinks links = cloud::SideLinks::kFlat);
 
 /// How many simulation points are asked for of n points; 0: as many as the threshold leaves.
 Index countWanted(const SceneParams& params, Index n);

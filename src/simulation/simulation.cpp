@@ -31,8 +31,10 @@ Simulation::Impl::Impl(const SceneParams& params, cloud::PointCloud&& cloud, Res
       choice(std::move(chosen)) {
   const std::vector<std::string>& built = dynamics().rest().notes;
   notes.insert(notes.end(), built.begin(), built.end());
+  warnings = dynamics().rest().warnings;
   dynamics().setCutFollower(&surface);
   if (!dynamics().growthNotice().empty()) notes.push_back(dynamics().growthNotice());
+  if (!dynamics().growthWarning().empty()) warnings.push_back(dynamics().growthWarning());
   if (params.integrator.type == solve::IntegratorType::kAuto && choice.integrator != solve::IntegratorType::kAuto)
     dynamics().chooseIntegrator(choice.integrator);
   try {
@@ -227,6 +229,6 @@ void Simulation::computeSimulationNormals(Points& normals) const {
 std::vector<std::pair<Vec3, Vec3>> Simulation::activeForces() const { return dynamics().loads().forces.active(state()); }
 const AccuracyChoice& Simulation::accuracyChoice() const { return impl_->choice; }
 const std::vector<std::string>& Simulation::buildNotes() const { return impl_->notes; }
-const std::vector<std::string>& Simulation::buildWarnings() const { return dynamics().rest().warnings; }
+const std::vector<std::string>& Simulation::buildWarnings() const { return impl_->warnings; }
 
 }  // namespace deformable_surface::simulation

@@ -7,6 +7,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <random>
 
@@ -231,6 +232,85 @@ TEST(OrientNormals, GivenNormalsTellTheSidesOfAThinBodyAndAWrongOneIsTurned) {
   for (std::size_t i = 0; i < normals.size(); i += 3) normals[i] = -normals[i];  // as an estimate leaves them
   orientNormals(lens.positions, neighbors, std::vector<char>(600, 0), given, {}, normals);
   for (std::size_t i = 0; i < normals.size(); ++i) EXPECT_GT(normals[i].dot(lens.normals[i]), 0.0) << i;
+}
+
+// A tube about a trefoil knot: its parts pass each other at about two distances of the samples, too few to tell them apart by the
+// normals of neighbours alone.
+Shape makeKnot(int along, int around, double radius, double shake) {
+  std::mt19937 random(5);
+  std::uniform_real_distribution<double> shift(-shake, shake);
+  const auto at = [](double t) {
+    return Vec3((2.0 + std::cos(3.0 * t)) * std::cos(2.0 * t), (2.0 + std::cos(3.0 * t)) * std::sin(2.0 * t), std::sin(3.0 * t));
+  };
+  Shape knot;
+  for (int i = 0; i < along; ++i) {
+    for (int j = 0; j < around; ++j) {
+      const double t = 2.0 * kPi * (i + shift(random)) / along, angle = 2.0 * kPi * (j + shift(random)) / around;
+      const Vec3 tangent = (at(t + 1e-4) - at(t - 1e-4)).normalized();
+      const Vec3 side = (Vec3::UnitZ() - tangent.z() * tangent).normalized();
+      const Vec3 normal = std::cos(angle) * side + std::sin(angle) * tangent.cross(side);
+      knot.add(at(t) + radius * normal, normal, false);
+    }
+  }
+  return knot;
+}
+
+// Thin: a tenth of its width, two rows of samples across each rim.
+Shape makePlate(int side) {
+  Shape plate;
+  const double thickness = 2.0 / side;
+  for (int i = 0; i <= side; ++i) {
+    for (int j = 0; j <= side; ++j)
+      for (const double up : {-1.0, 1.0})
+        plate.add(Vec3(double(i) / side, double(j) / side, 0.5 * up * thickness), up * Vec3::UnitZ(), false);
+    for (const double out : {-1.0, 1.0}) {
+      plate.add(Vec3(double(i) / side, 0.5 + 0.5 * out, 0.0), out * Vec3::UnitY(), false);
+      if (i > 0 && i < side) plate.add(Vec3(0.5 + 0.5 * out, double(i) / side, 0.0), out * Vec3::UnitX(), false);
+    }
+  }
+  return plate;
+}
+
+Index countTurned(const Shape& shape, const Points& normals) {
+  Index turned = 0;
+  for (std::size_t i = 0; i < normals.size(); ++i) turned += normals[i].dot(shape.normals[i]) < 0.0;
+  return std::min(turned, static_cast<Index>(normals.size()) - turned);
+}
+
+TEST(OrientNormals, MirroredLinksTellTheSidesOfSparseKnotsAndPlatesFlatOnesDoNot) {
+  Index flat = 0, mirrored = 0;
+  for (const Shape& shape : {makeKnot(60, 10, 0.4, 0.2), makeKnot(80, 12, 0.4, 0.3), makePlate(14), makePlate(20)}) {
+    Index turned[2];
+    for (const SideLinks links : {SideLinks::kFlat, SideLinks::kMirrored}) {
+      Points normals = estimateNormals(shape.positions, nearestNeighbors(shape.positions, 6));
+      orientNormals(shape.positions, nearestNeighbors(shape.positions, 12), shape.is_boundary, {}, {}, normals, links);
+      turned[links == SideLinks::kMirrored] = countTurned(shape, normals);
+    }
+    EXPECT_LE(turned[1], static_cast<Index>(shape.positions.size()) / 100);
+    flat += turned[0];
+    mirrored += turned[1];
+  }
+  EXPECT_GT(flat, 50 * mirrored);
+}
+
+TEST(FitNormals, AreBetterThanThoseOfFewNeighboursAndKeepTheirSide) {
+  const auto findAngle = [](const Shape& shape, const Points& normals) {
+    double sum = 0.0;
+    for (std::size_t i = 0; i < normals.size(); ++i) sum += std::acos(std::clamp(normals[i].dot(shape.normals[i]), -1.0, 1.0));
+    return sum / static_cast<double>(normals.size());
+  };
+  for (const Shape& shape : {makeKnot(60, 10, 0.4, 0.2), makeKnot(90, 14, 0.4, 0.3)}) {
+    Points normals = estimateNormals(shape.positions, nearestNeighbors(shape.positions, 6));
+    for (std::size_t i = 0; i < normals.size(); ++i)
+      if (normals[i].dot(shape.normals[i]) < 0.0) normals[i] = -normals[i];
+    const Points fitted = fitNormals(shape.positions, nearestNeighbors(shape.positions, 12), normals);
+    EXPECT_LT(findAngle(shape, fitted), 0.6 * findAngle(shape, normals));
+  }
+}
+
+TEST(FitNormals, StayWhereFewNeighboursAreOnTheSameSide) {
+  const Points line{Vec3::Zero(), Vec3(1.0, 0.0, 0.0), Vec3(2.0, 0.0, 0.0)}, normals(3, Vec3::UnitZ());
+  EXPECT_EQ(fitNormals(line, nearestNeighbors(line, 2), normals), normals);
 }
 
 TEST(OrientNormals, DoNotDependOnTheNumberOfThreads) {

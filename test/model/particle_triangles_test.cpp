@@ -7,7 +7,9 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <map>
+#include <random>
 
 namespace deformable_surface::model {
 namespace {
@@ -54,6 +56,24 @@ void expectTopology(const TestSurface& surface, double max_edge, Index component
   EXPECT_EQ(topology.isolated, 0);
   EXPECT_EQ(topology.closed, loops == 0);
   EXPECT_EQ(topology.genus, loops == 0 ? components - euler_characteristic / 2 : 0);
+}
+
+TEST(ParticleTriangles, HolesOfFiveAndMoreParticlesAndCutsStayOpen) {
+  // A missing particle of a lattice is a hole.
+  TestSurface sheet = makeHexagons(0.1, 0.81), vacancy;
+  for (Index i = 0; i < sheet.size(); ++i)
+    if (sheet.positions[i].norm() > 0.05) vacancy.add(sheet.positions[i], sheet.normals[i]);
+  EXPECT_EQ(measureTopology(vacancy.size(), triangulate(vacancy, 0.15)).boundary_loops, 2);
+  // One link between two particles is cut: a slit of four edges.
+  Index i = 0, j = 0;
+  for (Index k = 0; k < sheet.size(); ++k) {
+    if (sheet.positions[k].norm() < 1e-9) i = k;
+    if ((sheet.positions[k] - Vec3(0.1, 0.0, 0.0)).norm() < 1e-9) j = k;
+  }
+  const AreApart apart = [&](Index a, Index b) { return (a == i && b == j) || (a == j && b == i); };
+  const std::vector<WeightedTriangle> triangles = triangulateParticles(sheet.positions, sheet.normals, 0.175, apart);
+  for (const WeightedTriangle& t : triangles)
+    EXPECT_FALSE(std::count(t.corner, t.corner + 3, i) == 1 && std::count(t.corner, t.corner + 3, j) == 1);
 }
 
 TEST(ParticleTriangles, HexagonalSheetHasSixTrianglesAtEachInnerParticle) {
@@ -107,6 +127,23 @@ TEST(ParticleTriangles, NoisySpheresAreClosed) {
     }
     expectTopology(sphere, 2.4 * spacing, 1, 0, 2);
   }
+}
+
+// Spheres leave some quadrilaterals of such particles open; at most one of ten keeps a hole.
+TEST(ParticleTriangles, NearlyAllVeryNoisySpheresAreClosed) {
+  int num_closed = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    TestSurface sphere = cloud::makeSphere(600);
+    const double spacing = measureSpacing(sphere);
+    std::mt19937 random(seed);
+    std::uniform_real_distribution<double> shift(-0.3 * spacing, 0.3 * spacing);
+    for (Vec3& p : sphere.positions)
+      for (int axis = 0; axis < 3; ++axis) p[axis] += shift(random);
+    const std::vector<WeightedTriangle> triangles = triangulate(sphere, 2.4 * spacing);
+    expectManifold(sphere, triangles);
+    num_closed += measureTopology(sphere.size(), triangles).closed;
+  }
+  EXPECT_GE(num_closed, 18);
 }
 
 TEST(ParticleTriangles, TorusHasAHandle) {

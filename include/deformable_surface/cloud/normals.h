@@ -9,11 +9,20 @@ namespace deformable_surface::cloud {
 /// Where the neighbourhood has no plane (collinear, coincident) the normal is some unit vector perpendicular to its line.
 Points estimateNormals(const Points& positions, const Lists& neighbors);
 
+/// Normals at the points of the quadratic surfaces that fit their neighbours on the same side: those whose normals are less than
+/// 78 degrees and whose lines are at most 44 degrees off. normals: (n x 3) unit, of a common side. Where a point has fewer than
+/// six of these, its normal stays. Few neighbours tell the sides of a thin body apart, more of one side give better normals.
+Points fitNormals(const Points& positions, const Lists& neighbors, const Points& normals);
+
 /// Turns the normals of points towards the eye, each for itself, without regard to neighbours.
 void faceEye(const Points& positions, const Vec3& eye, Points& normals);
 
 /// How a surface's outward side was decided, for the log.
 enum class OrientationRule { kInputNormals, kOutward, kViewpoint, kUp };
+
+/// How neighbours agree on a side. kFlat: by their normals, for clouds denser than the features of the surface. kMirrored: by the
+/// normals mirrored at the plane halfway between the two, for sparse samples of sharp bends and thin bodies.
+enum class SideLinks { kFlat, kMirrored };
 
 /// Flips normals in place so that neighbours agree (minimum spanning tree over 1 - |n_i . n_j| of the neighbour graph), then
 /// decides the side of each connected component. If there are reference normals, their majority decides (zero rows do
@@ -21,6 +30,7 @@ enum class OrientationRule { kInputNormals, kOutward, kViewpoint, kUp };
 /// viewpoint if there is one; else +z (area-weighted mean; a tie is broken by +y, then +x).
 /// Returns the rule used for the largest component. O(n k log n).
 OrientationRule orientNormals(const Points& positions, const Lists& neighbors, const std::vector<char>& is_boundary,
-                              const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals);
+                              const Points& reference_normals, const std::optional<Vec3>& viewpoint, Points& normals,
+                              SideLinks links = SideLinks::kFlat);
 
 }  // namespace deformable_surface::cloud

@@ -31,6 +31,7 @@ struct Population {
   std::vector<Index> new_index;  // of the points before; -1 = gone; empty if none went
   Index born = 0;                // they are the last of the state
   std::string notice;            // for the user; else empty
+  std::string warning;           // what will not be as asked for; else empty
 };
 
 /// Keeps the values of the remaining points, in their order. new_index: of the former points, -1 = removed.

@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <set>
 #include <tuple>
 
 namespace deformable_surface::model {
@@ -24,6 +26,9 @@ constexpr double kTie = 0.01;
 // Share of the radius that a particle may lie inside the sphere of a triangle which closes a gap. On curved or noisy
 // surfaces the spheres of both pairs of triangles in a quadrilateral may contain its fourth corner, though not deeply.
 constexpr double kMaxDepth = 0.3;
+
+// Of the longest edge: that across a quadrilateral which nothing else closes.
+constexpr double kLongestDiagonal = 4.0 / 3.0;
 
 constexpr Index kBlock = 256;
 
@@ -166,6 +171,67 @@ class Manifold {
   std::vector<std::vector<Sector>> sectors_;  // (n)
 };
 
+// Closes what the spheres leave open within one ring of particles: boundary loops of three or four edges. Nothing is missing
+// there: a hole of the surface would be wider. Such loops remain where the surface is bent so much, or two particles are so
+// close, that both pairs of triangles of a quadrilateral have a particle deep within their spheres. Each triangle faces the way
+// of its corners.
+class LoopCloser {
+ public:
+  LoopCloser(const Points& positions, const Points& normals, double max_edge, const AreApart& apart)
+      : positions_(positions), normals_(normals), max_edge_(max_edge), apart_(apart) {}
+
+  void close(std::vector<WeightedTriangle>& triangles) {
+    for (const WeightedTriangle& t : triangles)
+      for (int s = 0; s < 3; ++s) edges_.emplace(t.corner[s], t.corner[(s + 1) % 3]);
+    std::map<Index, Index> next;  // along the hole, which is to the left
+    std::set<Index> pinched;      // more than one loop passes through them
+    for (const auto& [from, to] : edges_) {
+      if (edges_.count({to, from})) continue;
+      if (!next.emplace(to, from).second) pinched.insert(to);
+    }
+    for (const auto& [first, second] : next) {
+      std::vector<Index> loop{first};
+      for (Index i = second; i != first && loop.size() <= 4; i = next.at(i)) loop.push_back(i);
+      // Each loop once, from its smallest particle on.
+      if (loop.size() > 4 || *std::min_element(loop.begin(), loop.end()) != first) continue;
+      if (std::any_of(loop.begin(), loop.end(), [&](Index i) { return pinched.count(i) > 0; })) continue;
+      if (loop.size() == 3) {
+        if (agreement(loop[0], loop[1], loop[2]) > 0.0) add(loop[0], loop[1], loop[2], triangles);
+      } else if (loop.size() == 4) {
+        const Index a = loop[0], b = loop[1], c = loop[2], d = loop[3];
+        const double one = mayJoin(a, c) ? std::min(agreement(a, b, c), agreement(a, c, d)) : -1.0;
+        const double other = mayJoin(b, d) ? std::min(agreement(a, b, d), agreement(b, c, d)) : -1.0;
+        if (!(std::max(one, other) > 0.0)) continue;
+        add(a, b, one >= other ? c : d, triangles);
+        one >= other ? add(a, c, d, triangles) : add(b, c, d, triangles);
+      }
+    }
+  }
+
+ private:
+  bool mayJoin(Index i, Index j) const {
+    return !edges_.count({i, j}) && !edges_.count({j, i}) &&
+           (positions_[j] - positions_[i]).norm() <= kLongestDiagonal * max_edge_ && !(apart_ && apart_(i, j));
+  }
+  // The least cosine between the triangle's normal and those of its corners.
+  double agreement(Index a, Index b, Index c) const {
+    if (apart_ && (apart_(a, b) || apart_(b, c) || apart_(c, a))) return -1.0;
+    const Vec3 normal = (positions_[b] - positions_[a]).cross(positions_[c] - positions_[a]).normalized();
+    return std::min({normal.dot(normals_[a]), normal.dot(normals_[b]), normal.dot(normals_[c])});
+  }
+  void add(Index a, Index b, Index c, std::vector<WeightedTriangle>& triangles) {
+    for (const auto& edge : {std::pair(a, b), std::pair(b, c), std::pair(c, a)}) edges_.insert(edge);
+    while (a > b || a > c) std::tie(a, b, c) = std::tuple(b, c, a);
+    triangles.push_back({{a, b, c}, 1.0});
+  }
+
+  const Points& positions_;
+  const Points& normals_;
+  const double max_edge_;
+  const AreApart& apart_;
+  std::set<std::pair<Index, Index>> edges_;
+};
+
 void check(const Points& positions, const Points& normals, double max_edge) {
   if (positions.size() != normals.size()) {
     throw InputError("found " + std::to_string(positions.size()) + " positions and " + std::to_string(normals.size()) +
@@ -193,6 +259,7 @@ std::vector<WeightedTriangle> triangulateParticles(const Points& positions, cons
   for (const Candidate& c : candidates) {
     if (manifold.add(c.corner, c.rank == 2 ? 2 : 0)) triangles.push_back({{c.corner[0], c.corner[1], c.corner[2]}, 1.0});
   }
+  LoopCloser(positions, normals, max_edge, apart).close(triangles);
   std::sort(triangles.begin(), triangles.end(), [](const WeightedTriangle& a, const WeightedTriangle& b) {
     return std::lexicographical_compare(a.corner, a.corner + 3, b.corner, b.corner + 3);
   });

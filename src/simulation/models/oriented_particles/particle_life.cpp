@@ -1,6 +1,7 @@
 #include "particle_life.h"
 
 #include "deformable_surface/base/interrupt.h"
+#include "deformable_surface/base/value.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/grow_surface.h"
 #include "deformable_surface/model/oriented_particles/relax_on_surface.h"
@@ -55,6 +56,22 @@ void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& par
   attraction.leaveOnlyAttraction();
   slideParticles(surface, attraction, fixed, fixed, state);
   particles.setSpacing(particles.findSpacingWithoutTension(state));
+}
+
+// Tells of particles that are on no triangle: neither side of the surface around them agrees with theirs.
+template <class Warn>
+void warnOfLonely(const model::OrientedParticles& particles, const State& state, const Warn& warn) {
+  particles.refreshDisplay(state);
+  std::vector<char> is_lonely(state.positions.size(), 1);
+  for (const model::WeightedTriangle& t : particles.triangles())
+    for (const Index i : t.corner) is_lonely[i] = 0;
+  const auto first = std::find(is_lonely.begin(), is_lonely.end(), 1);
+  if (first == is_lonely.end()) return;
+  const Index count = static_cast<Index>(std::count(is_lonely.begin(), is_lonely.end(), 1));
+  const Vec3& at = state.positions[first - is_lonely.begin()];
+  warn(std::to_string(count) + (count == 1 ? " particle belongs" : " particles belong") + " to no surface, the first at " +
+       formatShort(at.x()) + ", " + formatShort(at.y()) + ", " + formatShort(at.z()) +
+       ": the samples there do not tell which way the surface goes");
 }
 
 // Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
@@ -409,6 +426,12 @@ Population ParticleLife::growSurface(const model::GrowthParams& given, const std
                                       "until another pass would have gone beyond growth.max_particles"};
   changes.notice = "a surface is grown: " + std::to_string(changes.born) + " particles were added to " + std::to_string(before) +
                    " in " + std::to_string(grown.passes) + " passes, " + kEnds[static_cast<int>(grown.end)];
+  const auto warn = [&](const std::string& sentence) { changes.warning += (changes.warning.empty() ? "" : "; ") + sentence; };
+  if (grown.end == model::GrowthEnd::kMaxPasses)
+    warn("growth ended at growth.max_passes, " + std::to_string(growth.max_passes) + ": the surface is not complete");
+  if (grown.end == model::GrowthEnd::kMaxParticles)
+    warn("growth ended at growth.max_particles, " + std::to_string(growth.max_particles) + ": the surface is not complete");
+  if (!growth.chain) warnOfLonely(particles, state, warn);
   if (near_pairs > 0)
     changes.notice +=
         "; " + std::to_string(near_pairs) +

@@ -35,6 +35,21 @@ cloud::Boundary completeCurveNormals(RestSurface& s) {
   return {std::vector<char>(x.size(), 0), std::vector<char>(x.size(), 0), std::vector<float>(x.size(), 0.0f)};
 }
 
+// Of samples without normals that are hardly denser than the features of their surface. The normals of few neighbours tell the
+// sides of thin bodies apart; then more neighbours of the same side give better ones.
+cloud::Boundary completeSampleNormals(const std::optional<Vec3>& viewpoint, RestSurface& s) {
+  constexpr Index kFew = 6, kMore = 12;
+  constexpr int kFits = 2;  // the second sees the sides of neighbours by the normals of the first
+  const Points& x = s.dense.positions;
+  const Lists more = cloud::nearestNeighbors(x, kMore);
+  Lists all = std::exchange(s.dense_neighbors, more);
+  Points normals = cloud::estimateNormals(x, cloud::nearestNeighbors(x, kFew));
+  cloud::Boundary boundary = completeNormals(viewpoint, kFew, std::move(normals), s, cloud::SideLinks::kMirrored);
+  s.dense_neighbors = std::move(all);
+  for (int k = 0; k < kFits; ++k) s.dense.normals = cloud::fitNormals(x, more, s.dense.normals);
+  return boundary;
+}
+
 // Median distance of points to their nearest neighbour.
 double findMedianDistance(const Points& points) {
   const Lists nearest = cloud::nearestNeighbors(points, 1);
@@ -157,8 +172,10 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   const std::optional<Vec3> viewpoint = is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
   leaveOutParts(params, findNeighbors, s);
   Points estimated = findNeighbors(params, s);
-  cloud::Boundary boundary =
-      is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+  const bool are_sparse = params.oriented_particles.grow_surface && s.dense.normals.empty();
+  cloud::Boundary boundary = is_curve     ? completeCurveNormals(s)
+                             : are_sparse ? completeSampleNormals(viewpoint, s)
+                                          : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
   noteLeftOut(s);
   if (to_choose)
