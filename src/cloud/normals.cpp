@@ -63,7 +63,7 @@ Link makeLink(const Points& normals, const std::vector<signed char>& given_sides
 }
 
 // Sparse samples of a bend or an edge turn far from one to the next. On a circle through both, the normal of one is that of the
-// other mirrored at the plane halfway between them [König and Gumhold 2009]. The same holds across a thin body; such links,
+// other mirrored at the plane halfway between them. The same holds across a thin body; such links,
 // steep against both tangent planes, weigh more than any along the surface.
 Link makeMirrorLink(const Points& positions, const Points& normals, const std::vector<signed char>& given_sides, Index i,
                     Index j) {

@@ -50,6 +50,17 @@ cloud::Boundary completeSampleNormals(const std::optional<Vec3>& viewpoint, Rest
   return boundary;
 }
 
+// Whether the normals of neighbouring points are less than 60 degrees apart. Else the neighbourhoods that gave them were wider
+// than the features of the surface, or reached to its other side.
+bool areSmooth(const Points& positions, const Points& normals) {
+  constexpr double kMostTurned = 0.5;
+  const Lists nearest = cloud::nearestNeighbors(positions, 6);
+  for (Index i = 0; i < nearest.size(); ++i)
+    for (const Index* j = nearest.begin(i); j != nearest.end(i); ++j)
+      if (!(normals[i].dot(normals[*j]) > kMostTurned)) return false;
+  return true;
+}
+
 // Median distance of points to their nearest neighbour.
 double findMedianDistance(const Points& points) {
   const Lists nearest = cloud::nearestNeighbors(points, 1);
@@ -172,10 +183,14 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   const std::optional<Vec3> viewpoint = is_curve ? input.viewpoint : moveOntoSurface(params.input, input, s);
   leaveOutParts(params, findNeighbors, s);
   Points estimated = findNeighbors(params, s);
-  const bool are_sparse = params.oriented_particles.grow_surface && s.dense.normals.empty();
-  cloud::Boundary boundary = is_curve     ? completeCurveNormals(s)
-                             : are_sparse ? completeSampleNormals(viewpoint, s)
-                                          : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+  const bool are_samples = params.oriented_particles.grow_surface && s.dense.normals.empty() && !is_curve;
+  cloud::Boundary boundary =
+      is_curve ? completeCurveNormals(s) : completeNormals(viewpoint, params.neighbors.k, std::move(estimated), s);
+  if (are_samples && !areSmooth(s.dense.positions, s.dense.normals)) {
+    s.dense.normals.clear();
+    s.notes.pop_back();  // the side of the normals, which is now told anew
+    boundary = completeSampleNormals(viewpoint, s);
+  }
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
   noteLeftOut(s);
   if (to_choose)
