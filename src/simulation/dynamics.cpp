@@ -94,6 +94,7 @@ void Dynamics::reset() {
   loads_.gravity.gravity = params_.gravity;
   loads_.forces.clear();
   for (const ForceParams& force : params_.forces) loads_.forces.set(force);
+  placeLoadPoints();
   loads_.contact.reset();
   part_.reset();
   now_.followed.clear();
@@ -164,6 +165,19 @@ void Dynamics::placePointsBetween() {
 void Dynamics::followCuts() {
   SelfContactLoads* const self = loads_.self_contact.get();
   if (self && (evolution_->memory() || self->isCut())) self->followTriangles(trianglesOf(*model_));
+}
+
+// Once, when the first force with a radius comes.
+void Dynamics::placeLoadPoints() {
+  if (!has_load_points_ && loads_.forces.needLoadPoints()) {
+    has_load_points_ = true;
+    loads_.forces.setLoadPoints(kind_.makeLoadPoints(params_, *rest_));
+  }
+  if (!loads_.forces.loadPoints() || !model_->links()) return;
+  const auto& links = model_->links()->stretchLinks();
+  const bool is_cut = static_cast<Index>(links.size()) < num_links_;
+  loads_.forces.setSevered(is_cut ? findSevered(*loads_.forces.loadPoints()->between, links, now_.points.size())
+                                  : std::vector<char>());
 }
 
 void Dynamics::giveContactTools() {

@@ -161,6 +161,7 @@ class Dynamics {
   void giveContactTools();
   void placePointsBetween();
   void followCuts();
+  void placeLoadPoints();
   bool applyMaterial();
   void followMaterial();
   void setMembraneShare(double share);
@@ -260,6 +261,7 @@ class Dynamics {
     model::MaterialParams made;                                       // the material that the model was made with
   } chosen_;
   bool has_between_ = false;                  // the contact's points between simulation points were asked for
+  bool has_load_points_ = false;              // those that carry forces with a radius were asked for
   Index num_links_ = 0;                       // as the model was made
   std::vector<model::PointMaterial> shares_;  // values_ as given to the model; empty: as it was made
   Index fineness_ = 1;

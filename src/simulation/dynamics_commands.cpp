@@ -41,6 +41,7 @@ Changes Dynamics::changeForce(const std::string& id) {
 Changes Dynamics::perform(const command::SetForce& c) {
   Changes changes = changeForce(c.force.id);
   loads_.forces.set(c.force);
+  placeLoadPoints();
   return changes;
 }
 

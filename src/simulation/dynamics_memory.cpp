@@ -67,6 +67,7 @@ void Dynamics::giveBack(const DynamicsState& saved, bool to_look) {
   applyMaterial();
   setContactRate(now_.contact_rate);
   loads_.forces.restore(waiting.forces);
+  placeLoadPoints();
   loads_.track.restore(holding.tracked);
   loads_.contact.restore(holding.bodies);
   if (loads_.self_contact) loads_.self_contact->setMayAct(holding.may_touch_itself);
@@ -92,6 +93,8 @@ std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
   fork->growth_warning_ = growth_warning_;
   fork->has_between_ = has_between_;
   fork->num_links_ = num_links_;
+  fork->has_load_points_ = has_load_points_;
+  fork->loads_.forces.setLoadPoints(loads_.forces.loadPoints());
   fork->loads_.contact.setBetween(loads_.contact.points().sharedBetween());
   fork->restore(save(), to_look);
   return fork;

@@ -124,6 +124,8 @@ void Dynamics::carryOut(const Request& request, std::optional<InterruptScope>& s
   if (has_cut) {
     placePointsBetween();
     followCuts();
+    placeLoadPoints();
+    loads_.forces.followCut();
   }
   Changes changes;
   // Stored data of the whole surface are void once it is cut.

@@ -165,17 +165,8 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
       continue;
     }
     f.started = update.changed = true;
-    // The points within the radius, else the nearest one.
-    Index nearest = 0;
-    for (Index i = 0; i < state.size(); ++i) {
-      const double distance = (state.positions[i] - f.params.point).squaredNorm();
-      if (distance < (state.positions[nearest] - f.params.point).squaredNorm()) nearest = i;
-      if (f.params.radius > 0.0 && distance <= f.params.radius * f.params.radius) f.points.push_back(i);
-    }
-    if (f.points.empty()) f.points.push_back(nearest);
-    double total = 0.0;
-    for (Index i : f.points) total += masses_[i];
-    for (Index i : f.points) f.shares.push_back(masses_[i] / total);
+    if (load_points_ && f.params.radius > 0.0) takeCarriers(state, f);
+    if (f.points.empty()) takeNearestOrWithin(state, f);
     update.points.insert(update.points.end(), f.points.begin(), f.points.end());
 
     const std::string problem = findProblem(f, state, pinned);
@@ -186,6 +177,75 @@ NamedForces::Update NamedForces::update(double time, const State& state, const s
     }
   }
   return update;
+}
+
+bool NamedForces::needLoadPoints() const {
+  return std::any_of(forces_.begin(), forces_.end(), [](const Named& f) { return f.params.radius > 0.0; });
+}
+
+// The simulation points within the radius, else the nearest one.
+void NamedForces::takeNearestOrWithin(const State& state, Named& f) const {
+  Index nearest = 0;
+  for (Index i = 0; i < state.size(); ++i) {
+    const double distance = (state.positions[i] - f.params.point).squaredNorm();
+    if (distance < (state.positions[nearest] - f.params.point).squaredNorm()) nearest = i;
+    if (f.params.radius > 0.0 && distance <= f.params.radius * f.params.radius) f.points.push_back(i);
+  }
+  if (f.points.empty()) f.points.push_back(nearest);
+  double total = 0.0;
+  for (Index i : f.points) total += masses_[i];
+  for (Index i : f.points) f.shares.push_back(masses_[i] / total);
+}
+
+// The points of the cloud within the radius. None: the force is left as it is.
+void NamedForces::takeCarriers(const State& state, Named& f) const {
+  const transfer::SampledPoints& between = *load_points_->between;
+  const Points& x = state.positions;
+  const double radius = f.params.radius;
+  double total = 0.0;
+  const auto take = [&](Index point, Index cell, double share) {
+    f.carriers.push_back({point, masses_[cell] * share});
+    total += masses_[cell] * share;
+  };
+  for (Index i = 0; i < state.size(); ++i) {
+    const double distance = (x[i] - f.params.point).norm();
+    if (distance <= radius) take(i, i, load_points_->own_share[i]);
+    if (between.begin(i) == between.end(i) || distance > radius + between.findReach(i, x)) continue;
+    for (Index s = between.begin(i); s < between.end(i); ++s)
+      if ((between.place(s, x) - f.params.point).norm() <= radius) take(state.size() + s, i, load_points_->share[s]);
+  }
+  if (!(total > 0.0)) f.carriers.clear();
+  for (Named::Carrier& carrier : f.carriers) carrier.share /= total;
+  if (!f.carriers.empty()) spreadCarriers(f);
+}
+
+// On the simulation points: the transpose of the rows.
+void NamedForces::spreadCarriers(Named& f) const {
+  const Index m = static_cast<Index>(masses_.size());
+  const transfer::SampledPoints& between = *load_points_->between;
+  std::vector<double> shares(m, 0.0);
+  for (const auto& [point, share] : f.carriers) {
+    const Index s = point - m;
+    if (s < 0) {
+      shares[point] += share;
+    } else if (!is_severed_.empty() && is_severed_[s]) {
+      shares[between.cellOf(s)] += share;
+    } else {
+      between.visitWeights(s, [&, share = share](Index j, double w) { shares[j] += share * w; });
+    }
+  }
+  f.points.clear();
+  f.shares.clear();
+  for (Index i = 0; i < m; ++i) {
+    if (shares[i] == 0.0) continue;
+    f.points.push_back(i);
+    f.shares.push_back(shares[i]);
+  }
+}
+
+void NamedForces::followCut() {
+  for (Named& f : forces_)
+    if (!f.carriers.empty()) spreadCarriers(f);
 }
 
 void NamedForces::report(const std::string& id, const std::string& problem, std::string& notice) {
@@ -205,7 +265,7 @@ std::string NamedForces::findProblem(const Named& force, const State& state, con
 std::string NamedForces::findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned) {
   const bool is_held = std::all_of(force.points.begin(), force.points.end(), [&](Index i) { return pinned[i] != 0; });
   const double distance = (state.positions[force.points[0]] - force.params.point).norm();
-  if (force.params.radius > 0.0 && distance > force.params.radius) {
+  if (force.carriers.empty() && force.params.radius > 0.0 && distance > force.params.radius) {
     return "no simulation point lies within its radius of " + formatReal(force.params.radius) +
            " m; it acts on the nearest one, " + formatShort(distance) + " m from its point" +
            (is_held ? ", which is pinned" : "");

@@ -52,6 +52,8 @@ std::shared_ptr<const transfer::SampledPoints> ModelKind::makeBetween(const Scen
   return nullptr;
 }
 
+std::shared_ptr<const LoadPoints> ModelKind::makeLoadPoints(const SceneParams&, const RestSurface&) const { return nullptr; }
+
 std::unique_ptr<CloudFollower> ModelKind::makeFollower(const RestSurface&, const SceneParams&,
                                                        const model::DeformableModel&) const {
   return nullptr;

@@ -39,24 +39,25 @@ std::vector<Index> spread(const Points& positions, const Vec3& center, std::vect
   return chosen;
 }
 
-}  // namespace
-
-std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const SceneParams& params, const cloud::CleanCloud& dense,
-                                                                   const RestSurface& surface) {
-  const Index m = static_cast<Index>(surface.points.size());
-  const Index most = params.contact.cloud_points;
-  if (most == 0 || dense.positions.size() <= surface.points.size()) return nullptr;
+// The dense points in the cell of each simulation point, without the latter.
+std::vector<std::vector<Index>> listCells(const cloud::CleanCloud& dense, const RestSurface& surface) {
   const std::vector<Index> owner = findOwners(dense, surface);
   std::vector<char> is_simulated(dense.positions.size(), 0);
   for (const Index d : surface.dense_index) is_simulated[d] = 1;
-  std::vector<std::vector<Index>> cells(m);
+  std::vector<std::vector<Index>> cells(surface.points.size());
   for (std::size_t d = 0; d < dense.positions.size(); ++d)
     if (owner[d] >= 0 && is_simulated[d] == 0) cells[owner[d]].push_back(static_cast<Index>(d));
+  return cells;
+}
 
+std::shared_ptr<const transfer::SampledPoints> sample(const SceneParams& params, const cloud::CleanCloud& dense,
+                                                      const RestSurface& surface, const std::vector<std::vector<Index>>& cells,
+                                                      Index most) {
+  const Index m = static_cast<Index>(surface.points.size());
   Points positions, normals;
   std::vector<Index> cell;
   for (Index i = 0; i < m; ++i)
-    for (const Index d : spread(dense.positions, surface.points[i], std::move(cells[i]), most)) {
+    for (const Index d : spread(dense.positions, surface.points[i], cells[i], most)) {
       positions.push_back(dense.positions[d]);
       normals.push_back(dense.normals[d]);
       cell.push_back(i);
@@ -67,6 +68,45 @@ std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const ScenePa
   const transfer::Transfer rows(positions, normals, surface.points, std::vector<char>(m, 1), params.transfer,
                                 is_euclidean ? nullptr : &followed);
   return std::make_shared<transfer::SampledPoints>(rows, surface.points, cell);
+}
+
+}  // namespace
+
+std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const SceneParams& params, const cloud::CleanCloud& dense,
+                                                                   const RestSurface& surface) {
+  const Index most = params.contact.cloud_points;
+  if (most == 0 || dense.positions.size() <= surface.points.size()) return nullptr;
+  return sample(params, dense, surface, listCells(dense, surface), most);
+}
+
+std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, const cloud::CleanCloud& dense,
+                                                   const RestSurface& surface, Index most,
+                                                   std::shared_ptr<const transfer::SampledPoints> between) {
+  if (dense.positions.size() <= surface.points.size()) return nullptr;
+  const std::vector<std::vector<Index>> cells = listCells(dense, surface);
+  if (!between || params.contact.cloud_points != most) between = sample(params, dense, surface, cells, most);
+  if (!between) return nullptr;
+  LoadPoints load;
+  load.share.assign(between->size(), 0.0);
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    const Index cell = static_cast<Index>(i);
+    const double part = 1.0 / static_cast<double>(cells[i].size() + 1);
+    load.own_share.push_back(part);
+    for (const Index d : cells[i]) {
+      Index nearest = -1;
+      double squared = (dense.positions[d] - surface.points[i]).squaredNorm();
+      for (Index s = between->begin(cell); s < between->end(cell); ++s) {
+        const double to_sample = (dense.positions[d] - between->place(s, surface.points)).squaredNorm();
+        if (to_sample < squared) {
+          squared = to_sample;
+          nearest = s;
+        }
+      }
+      (nearest < 0 ? load.own_share.back() : load.share[nearest]) += part;
+    }
+  }
+  load.between = std::move(between);
+  return std::make_shared<LoadPoints>(std::move(load));
 }
 
 std::vector<char> findSevered(const transfer::SampledPoints& between, const std::vector<std::pair<Index, Index>>& links,

@@ -1,5 +1,5 @@
-// Chooses the points of a cloud, between its simulation points, that touch tools. The rest surface is built without them if there
-// are no tools.
+// Chooses the points of a cloud, between its simulation points, that touch tools or carry forces with a radius. The rest surface
+// is built without them if there are no tools and no such forces.
 #pragma once
 
 #include "deformable_surface/simulation/rest_surface.h"
@@ -13,6 +13,18 @@ namespace deformable_surface::simulation {
 /// surface was built. Null if there are none.
 std::shared_ptr<const transfer::SampledPoints> choosePointsBetween(const SceneParams& params, const cloud::CleanCloud& dense,
                                                                    const RestSurface& surface);
+
+/// Points in a cell at most: they resolve the edge of a loaded patch to about a sixth of the spacing.
+constexpr Index kMostLoadPoints = 32;
+/// The same for coarser copies, whose points are chosen before it is known whether there will be forces: those that touch tools.
+constexpr Index kMostLoadPointsOfCopies = 8;
+
+/// The points that carry forces with a radius: at most `most` in a cell, spread as above. Each stands for the points of the cloud
+/// in its cell that are nearest to it. between: the choice of choosePointsBetween(), which is used again if it has as many; or
+/// null. Null if there are none.
+std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, const cloud::CleanCloud& dense,
+                                                   const RestSurface& surface, Index most,
+                                                   std::shared_ptr<const transfer::SampledPoints> between = nullptr);
 
 /// Marks (1) the points that follow simulation points on both sides of a cut: some of these are no longer within a few links of
 /// the cell's point. links: whole links of the m simulation points.

@@ -1,9 +1,11 @@
 // The loads of a scene: gravity, pressure and drag of the air, named forces, anchors.
 #pragma once
 
+#include "deformable_surface/simulation/load_points.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/solve/external_load.h"
 
+#include <memory>
 #include <set>
 #include <string>
 #include <utility>
@@ -90,19 +92,39 @@ class AnchorLoad : public solve::ExternalLoad {
 /// Whether a step of a run from 0 to duration (s) begins while the force acts.
 bool actsInAStep(const ForceParams& force, double time_step, double duration);
 
-/// Named forces. Each keeps the points that it took when it started; they share it in proportion to mass.
+/// Named forces. Each keeps the points that it took when it started; they share it in proportion to mass. With a radius these are
+/// points of the cloud, if they are known: a loaded patch then ends where its radius says, and not at the simulation points that
+/// happen to lie in it. What a point of the cloud carries acts on the simulation points that it follows, by the transpose of its
+/// row. The height of the point over the plane fitted to these is left out: its moment is of second order in the spacing, and
+/// without it the force stays constant, with a linear potential.
 class NamedForces : public solve::ExternalLoad {
  public:
   struct Named {
     ForceParams params;
     bool started = false;
     std::vector<Index> points;   // ascending
-    std::vector<double> shares;  // sum to one
+    std::vector<double> shares;  // sum to one; may be negative at a free edge
+    /// What carries it in the cloud: simulation points (< m), or m + a point between them. Empty if points are these themselves.
+    struct Carrier {
+      Index point;
+      double share;  // sum to one
+    };
+    std::vector<Carrier> carriers;
   };
 
   explicit NamedForces(const std::vector<double>& masses) : masses_(masses) {}
   /// For a model without motion along this unit vector: a notice names forces with a part along it. Zero (default): none.
   void setDropped(const Vec3& along) { dropped_ = along; }
+
+  /// The points of the cloud that carry forces with a radius; null: the simulation points do.
+  void setLoadPoints(std::shared_ptr<const LoadPoints> points) { load_points_ = std::move(points); }
+  const std::shared_ptr<const LoadPoints>& loadPoints() const { return load_points_; }
+  /// Whether any force has a radius.
+  bool needLoadPoints() const;
+  /// Points between that follow both sides of a cut (1): the simulation points of their cells carry for them. Empty: none.
+  void setSevered(std::vector<char> is_severed) { is_severed_ = std::move(is_severed); }
+  /// Forces that have begun act on other simulation points where the surface was cut.
+  void followCut();
 
   /// Adds the force or replaces the one of the same id; a zero force removes it.
   void set(const ForceParams& force);
@@ -137,12 +159,17 @@ class NamedForces : public solve::ExternalLoad {
 
  private:
   const std::vector<double>& masses_;
+  void takeNearestOrWithin(const State& state, Named& force) const;
+  void takeCarriers(const State& state, Named& force) const;
+  void spreadCarriers(Named& force) const;
   void report(const std::string& id, const std::string& problem, std::string& notice);
   static std::string findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned);
   std::string findProblem(const Named& force, const State& state, const std::vector<char>& pinned) const;
 
   Vec3 dropped_ = Vec3::Zero();
-  std::vector<Named> forces_;  // ascending id
+  std::shared_ptr<const LoadPoints> load_points_;
+  std::vector<char> is_severed_;  // (points between), or empty
+  std::vector<Named> forces_;     // ascending id
   std::set<std::string> reported_;
 };
 

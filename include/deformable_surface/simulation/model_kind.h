@@ -100,6 +100,9 @@ class ModelKind {
   /// Points of the cloud between the simulation points that touch tools, too (ContactPoints); null: none. They are made when the
   /// first tool comes.
   virtual std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const;
+  /// The points of the cloud that carry forces with a radius; null: the simulation points alone. They are made when the first
+  /// such force comes.
+  virtual std::shared_ptr<const LoadPoints> makeLoadPoints(const SceneParams& params, const RestSurface& rest) const;
 
   // While it runs; model: one that makeRest() has made, or a clone.
   /// How the full cloud follows the simulation points; null: by the transfer of the rest surface.

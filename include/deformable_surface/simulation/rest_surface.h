@@ -7,6 +7,7 @@
 #include "deformable_surface/cloud/rings.h"
 #include "deformable_surface/cloud/simplification.h"
 #include "deformable_surface/model/deformable_model.h"
+#include "deformable_surface/simulation/load_points.h"
 #include "deformable_surface/simulation/region_material.h"
 #include "deformable_surface/simulation/scene_params.h"
 #include "deformable_surface/transfer/sampled_points.h"
@@ -44,6 +45,7 @@ struct RestSurface {
   std::unique_ptr<model::DeformableModel> model;  // a simulation takes it out
   transfer::Transfer transfer;
   std::shared_ptr<const transfer::SampledPoints> between;  // of a coarser copy: points of the cloud that touch tools
+  std::shared_ptr<const LoadPoints> load_points;           // of a coarser copy: those that carry forces with a radius
   transfer::SolidTransfer solid_transfer;                  // in its place, of a solid; empty where every point is simulated
   Lists solid_neighbors;                      // (m) of the simulation points of a solid, over its body, nearest first; else empty
   std::vector<double> detours;                // of these, weights; empty: all one

@@ -87,6 +87,9 @@ class MassSpringKind : public ModelKind {
   std::shared_ptr<const transfer::SampledPoints> makeBetween(const SceneParams& params, const RestSurface& rest) const override {
     return rest.dense.positions.empty() ? rest.between : choosePointsBetween(params, rest.dense, rest);
   }
+  std::shared_ptr<const LoadPoints> makeLoadPoints(const SceneParams& params, const RestSurface& rest) const override {
+    return rest.dense.positions.empty() ? rest.load_points : chooseLoadPoints(params, rest.dense, rest, kMostLoadPoints);
+  }
 
   std::unique_ptr<Evolution> makeEvolution(model::DeformableModel& model, const RestSurface&,
                                            const SceneParams& params) const override {

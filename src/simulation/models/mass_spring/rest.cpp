@@ -235,6 +235,7 @@ RestSurface makeCoarserMassSpring(const SceneParams& params, const RestSurface& 
   connect(params, of, of.order.keepCount(target), s);
   buildModel(params, of, s);
   s.between = choosePointsBetween(params, of.dense, s);
+  s.load_points = chooseLoadPoints(params, of.dense, s, kMostLoadPointsOfCopies, s.between);
   return s;
 }
 
@@ -272,6 +273,7 @@ RestSurface copyCoarserMassSpring(const SceneParams& params, const RestSurface& 
   s.dense_index = of.dense_index;
   s.rings = of.rings;
   s.between = of.between;
+  s.load_points = of.load_points;
   buildModel(params, of, s);
   return s;
 }
