@@ -192,7 +192,7 @@ std::vector<Stage> listStages() {
        },
        [](const Preparation& p) { return areaError(p.rings); }, [](const Preparation& p) { return hashValues(p.rings.area); }},
       {"area of all points", "relative error",
-       [](Preparation& p) { p.area = cloud::measureArea(p.cloud.positions, p.normals, p.neighbors, p.boundary.is_boundary); },
+       [](Preparation& p) { p.area = cloud::measureArea(p.cloud.positions, p.normals, p.neighbors); },
        [](const Preparation& p) { return std::abs(p.area / findWavyArea() - 1.0); },
        [](const Preparation& p) { return hashBytes(&p.area, sizeof p.area); }},
       {"model", "relative error of mass",

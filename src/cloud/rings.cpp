@@ -44,17 +44,33 @@ double findSquaredReach(const std::vector<Vec2>& points, const geometry::Delauna
   return kMargin * kMargin * largest;
 }
 
-// Calls visit(i, linked, star) for every point, in parallel: linked neighbours, of which the star names some.
+// Appends what the first neighbours of point i list first, where i does not list it.
+void appendNeighborsOfNeighbors(const Lists& neighbors, Index i, std::vector<Index>& list) {
+  const auto firstEnd = [&](Index j) { return neighbors.begin(j) + std::min(kFirst, neighbors.count(j)); };
+  const Index own = neighbors.count(i);
+  for (const Index* j = neighbors.begin(i); j != firstEnd(i); ++j)
+    for (const Index* k = neighbors.begin(*j); k != firstEnd(*j); ++k)
+      if (*k != i) list.push_back(*k);
+  std::sort(list.begin() + own, list.end());
+  list.erase(std::unique(list.begin() + own, list.end()), list.end());
+  const auto isListed = [&](Index k) { return std::find(list.begin(), list.begin() + own, k) != list.begin() + own; };
+  list.erase(std::remove_if(list.begin() + own, list.end(), isListed), list.end());
+}
+
+// Calls visit(i, linked, star) for every point, in parallel: linked neighbours, of which the star names some. is_wide: the
+// neighbours' neighbours are members, too.
 template <class Visit>
 void visitStars(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary,
-                const Visit& visit) {
+                bool is_wide, const Visit& visit) {
   const Index n = neighbors.size();
   const LinkRule rule(positions, normals, neighbors);
   parallelFor(n, kBlock, [&](Index begin, Index end) {
     geometry::DelaunayStarBuilder builder;
-    std::vector<Index> linked;
+    std::vector<Index> linked, list;
     std::vector<Vec2> projected;
     for (Index i = begin; i < end; ++i) {
+      list.assign(neighbors.begin(i), neighbors.end(i));
+      if (is_wide) appendNeighborsOfNeighbors(neighbors, i, list);
       const TangentPlane plane(positions[i], normals[i]);
       linked.clear();
       projected.clear();
@@ -67,15 +83,15 @@ void visitStars(const Points& positions, const Points& normals, const Lists& nei
         return &builder.build(projected, geometry::kStarTie, is_boundary[i] ? kBoundaryGap : kInnerGap);
       };
       // The others are needed only if one of them may belong to the star of the first.
-      const Index* const first = neighbors.begin(i) + std::min(kFirst, neighbors.count(i));
-      const geometry::DelaunayStar* star = add(neighbors.begin(i), first);
+      const Index *const first = list.data() + std::min(kFirst, neighbors.count(i)), *const last = list.data() + list.size();
+      const geometry::DelaunayStar* star = add(list.data(), first);
       const double reach = findSquaredReach(projected, *star);
       const auto isBeyond = [&](Index j) {
         const Vec3 link = positions[j] - positions[i];
         const double height = link.dot(normals[i]);
         return link.squaredNorm() - height * height > reach;
       };
-      if (!std::all_of(first, neighbors.end(i), isBeyond)) star = add(first, neighbors.end(i));
+      if (!std::all_of(first, last, isBeyond)) star = add(first, last);
       visit(i, linked, *star);
     }
   });
@@ -89,7 +105,7 @@ Stars buildStars(const Points& positions, const Points& normals, const Lists& ne
   Index max_count = 0;
   for (Index i = 0; i < n; ++i) max_count = std::max(max_count, neighbors.count(i));
   const Boundary boundary = findBoundary(positions, normals, neighbors, std::max(1, max_count / 2));
-  visitStars(positions, normals, neighbors, boundary.is_boundary,
+  visitStars(positions, normals, neighbors, boundary.is_boundary, false,
              [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
                stars.count[i] = static_cast<Index>(star.ring.size());
                for (Index r = 0; r < stars.count[i]; ++r) {
@@ -239,13 +255,13 @@ Rings buildRings(const Points& positions, const Points& normals, const Lists& ne
   return rings;
 }
 
-double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary) {
+// Lists over the surface leave out some near points beyond wide gaps between points. Stars that disagree overlap: by 0.8 % of the
+// area of a lattice jittered by 0.3 of its spacing, by 3 % with 0.45. Their neighbours' neighbours are enough (0.0, 0.1 %). Gaps
+// at boundaries count up to kInnerGap: without the slivers along its sides, a strip of 120 by 30 scanned points had 0.7 % less.
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors) {
   checkSizes("measureArea", positions, normals, neighbors);
-  if (is_boundary.size() != positions.size())
-    throw InputError("measureArea: " + std::to_string(is_boundary.size()) + " boundary marks for " +
-                     std::to_string(positions.size()) + " points; there must be one for each");
   std::vector<double> area(positions.size(), 0.0);
-  visitStars(positions, normals, neighbors, is_boundary,
+  visitStars(positions, normals, neighbors, std::vector<char>(positions.size(), 0), true,
              [&](Index i, const std::vector<Index>& linked, const geometry::DelaunayStar& star) {
                const std::size_t count = star.ring.size();
                for (std::size_t r = 0; r < count; ++r) {

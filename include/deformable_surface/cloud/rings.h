@@ -29,9 +29,8 @@ struct Rings {
 /// Parallel; O(n k log k). [Su 2007, sec. 3 and 4.1]
 Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors);
 
-/// The sum of the areas that buildRings() finds (m^2), up to rounding, without making rings. is_boundary (n): from
-/// findBoundary() with half of the neighbours.
-double measureArea(const Points& positions, const Points& normals, const Lists& neighbors, const std::vector<char>& is_boundary);
+/// The area of the surface, m^2, without making rings. neighbors: as above.
+double measureArea(const Points& positions, const Points& normals, const Lists& neighbors);
 
 /// The boundary points of a surface: an angular gap wider than kBoundaryGap among the projected k and again 2k nearest
 /// neighbours, and at least two neighbours with such a gap. is_corner marks those where the boundary turns by more than 45

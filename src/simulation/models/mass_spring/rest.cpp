@@ -183,9 +183,7 @@ RestSurface prepareMassSpring(const SceneParams& params, const cloud::PointCloud
   cloud::Boundary boundary = completeNormals(viewpoint, params.neighbors.k, std::move(estimated), seen);
   std::vector<Index> kept = chooseSimulationPoints(params, chooseHeldPoints(params, seen.dense.positions), boundary, coarsest,
                                                    seen, half ? kOneByOneOfHalf : cloud::kOneByOne);
-  const auto measureArea = [&] {
-    return cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors, boundary.is_boundary);
-  };
+  const auto measureArea = [&] { return cloud::measureArea(seen.dense.positions, seen.dense.normals, seen.dense_neighbors); };
   if (to_choose) {
     s.area = measureArea();
     noteLeftOut(s);

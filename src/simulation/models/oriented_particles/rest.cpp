@@ -194,7 +194,7 @@ RestSurface prepareParticles(const SceneParams& params, const cloud::PointCloud&
   std::vector<Index> kept = chooseSimulationPoints(params, choosePinPoints(params, s.dense.positions), boundary, coarsest, s);
   noteLeftOut(s);
   if (to_choose)
-    s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors, boundary.is_boundary);
+    s.area = cloud::measureArea(s.dense.positions, s.dense.normals, s.dense_neighbors);
   else
     takeSimulationPoints(params, std::move(kept), s);
   return s;
