@@ -73,6 +73,11 @@ target_link_libraries(parameters_page deformable_surface_core)
 add_executable(interface_page src/ros/node/interface_page_main.cpp)
 target_link_libraries(interface_page deformable_surface_ros)
 
+# The scenes of contact of a surface with itself: scripts/contact_scenes builds it.
+add_executable(contact_scenes EXCLUDE_FROM_ALL test/stability/contact_scenes_main.cpp)
+target_include_directories(contact_scenes PRIVATE test)
+target_link_libraries(contact_scenes deformable_surface_core)
+
 # The benchmark over ROS: scripts/benchmark_ros builds it.
 file(GLOB ros_benchmark_sources CONFIGURE_DEPENDS benchmark/ros/*.cpp)
 add_executable(benchmark_ros EXCLUDE_FROM_ALL ${ros_benchmark_sources} benchmark/report.cpp)

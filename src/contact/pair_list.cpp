@@ -16,8 +16,10 @@ namespace {
 constexpr double kUsualRadius = 0.7;
 // Factor on a requested radius beyond the usual one, so that the list remains valid for a while.
 constexpr double kSpare = 1.5;
-// Fraction of the rest distance at which parts begin to repel each other.
+// Fraction of the rest distance at which parts begin to repel each other; and neighbours on the surface, which are strained
+// elastically before they fold onto each other.
 constexpr double kOfRest = 0.9;
+constexpr double kOfRestJoined = 0.5;
 constexpr Index kBlock = 64;  // vertices or edges per task
 
 Box grow(const Box& box, double by) { return Box(box.min() - Vec3::Constant(by), box.max() + Vec3::Constant(by)); }
@@ -131,12 +133,24 @@ void PairList::update(const Points& positions, double reach) {
   search(positions, std::max(usual_radius_, kSpare * reach));
 }
 
+// Whether the primitives of a pair are connected by an edge.
+bool PairList::areJoined(const Pair& pair) const {
+  for (int v = 0; v < pair.numFirst(); ++v)
+    for (int w = pair.numFirst(); w < 4; ++w) {
+      const std::array<Index, 2> edge{std::min(pair.vertices[v], pair.vertices[w]), std::max(pair.vertices[v], pair.vertices[w])};
+      if (std::binary_search(edges_.begin(), edges_.end(), edge)) return true;
+    }
+  return false;
+}
+
 void PairList::offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const {
   for (const Index v : pair.vertices)
     if (is_crossed_[v]) return;
   const double squared = findClosest(pair, positions).squaredDistance();
   if (!(squared < radius * radius)) return;
-  pair.thickness = std::min(thickness_, kOfRest * std::sqrt(findClosest(pair, rest_).squaredDistance()));
+  const double at_rest = std::sqrt(findClosest(pair, rest_).squaredDistance());
+  pair.thickness = std::min(thickness_, kOfRest * at_rest);
+  if (kOfRestJoined * at_rest < thickness_ && areJoined(pair)) pair.thickness = kOfRestJoined * at_rest;
   if (pair.thickness > 0.0) found.emplace_back(pair, std::sqrt(squared));
 }
 

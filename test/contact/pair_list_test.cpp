@@ -117,6 +117,20 @@ TEST(PairList, LeavesOutWhatIsCut) {
   EXPECT_EQ(listNear(list, sheets.points, 0.006), all);
 }
 
+TEST(PairList, TakesNeighborsForThinnerThanOtherParts) {
+  // A fan of thin triangles: the second and the last point are near each other, and joined to the first.
+  const Points points{{0.0, 0.0, 0.0}, {1.0, 0.0, 0.0}, {1.0, 0.001, 0.0}, {1.0, 0.002, 0.0}, {2.0, 0.0, 0.0}, {2.0, 0.002, 0.0}};
+  PairList list(points, {{0, 1, 2}, {0, 2, 3}, {1, 4, 2}, {2, 4, 5}}, 0.01);
+  list.update(points, 0.01);
+  int num = 0;
+  list.visitNear(0.01, [&](const Pair& pair) {
+    const double at_rest = findClosest(pair, points).gap.norm();
+    EXPECT_NEAR(pair.thickness, std::min(0.01, 0.5 * at_rest), 1e-12);
+    ++num;
+  });
+  EXPECT_GT(num, 0);
+}
+
 TEST(PairList, OfNothingIsEmpty) {
   PairList list({}, {}, 0.001);
   list.update({}, 0.001);

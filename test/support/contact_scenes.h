@@ -21,7 +21,8 @@ struct ContactScene {
 
 class ContactSceneMaker {
  public:
-  explicit ContactSceneMaker(std::uint32_t seed) : engine_(seed) {
+  /// across: points along the side of a sheet; 0 = drawn, 12 to 20.
+  explicit ContactSceneMaker(std::uint32_t seed, Index across = 0) : engine_(seed) {
     auto& p = scene_.params;
     p.contact.self = true;
     p.simplification.method = cloud::SimplificationMethod::kNone;
@@ -36,6 +37,7 @@ class ContactSceneMaker {
     p.accuracy.estimate = false;
     p.duration = 1.0;
     across_ = 12 + static_cast<Index>(draw(0.0, 9.0));
+    if (across > 0) across_ = across;
     jitter_ = draw(0.0, 0.3);
   }
 
@@ -76,7 +78,7 @@ class ContactSceneMaker {
   }
   /// Sheets that fall on each other, each with its own orientation.
   ContactScene heap() {
-    across_ = 9 + across_ % 4;
+    across_ = 9 + across_ % 4;  // five sheets of so few points
     for (int k = 0; k < 5; ++k)
       addSheet(0.7 * side_, 0.7 * side_, 0.0, Eigen::AngleAxisd(draw(0.0, 1.5), Vec3::UnitZ()).toRotationMatrix(),
                Vec3(draw(0.0, 0.03), draw(0.0, 0.03), 0.01 + 0.08 * k));
@@ -146,12 +148,7 @@ class ContactSceneMaker {
   /// A tube that is pressed flat.
   ContactScene flattenTube() {
     const double radius = 0.04;
-    const Index around = 2 * across_, along = across_;
-    for (Index i = 0; i < along; ++i)
-      for (Index j = 0; j < around; ++j) {
-        const double angle = 2.0 * M_PI * (j + 0.5 * (i % 2) + jitter_ * draw(-0.5, 0.5)) / around;
-        points_.emplace_back(0.02 * i * 12.0 / across_, radius * std::cos(angle), 0.05 + radius * std::sin(angle));
-      }
+    addTube(radius, 0.24, Mat3::Identity(), Vec3(0.0, 0.0, 0.05));
     scene_.params.gravity.setZero();
     for (const double side : {-1.0, 1.0}) {
       tool::ToolParams plate = makeTool(side > 0 ? "upper" : "lower", geometry::Solid::Kind::kBox);
@@ -215,6 +212,100 @@ class ContactSceneMaker {
     scene_.params.gravity = Vec3(0.0, 0.0, -9.81);
     return std::move(scene_);
   }
+  /// A tube, as of a shirt, falls flat on a table.
+  ContactScene garment() {
+    addTube(0.06, 0.25, Eigen::AngleAxisd(draw(-0.3, 0.3), Vec3::UnitY()).toRotationMatrix(), Vec3(0.0, 0.0, 0.18));
+    addTable();
+    return finish();
+  }
+  /// One end of a sleeve is pulled through it and out of the other end, which is held: it turns inside out.
+  ContactScene sleeve() {
+    const double radius = 0.045, length = 0.22;
+    addTube(radius, length, Mat3::Identity(), Vec3::Zero());
+    scene_.params.gravity.setZero();
+    addPin(length, {});
+    tool::ToolParams hand = makeTool("hand", geometry::Solid::Kind::kSphere);
+    hand.mode = tool::Mode::kMove;
+    hand.shape.radius = draw(0.02, 0.03);
+    hand.path = {{0.0, Vec3(0.0, 0.0, radius), kUpright},
+                 {0.2, Vec3(0.0, 0.0, 0.0), kUpright},
+                 {0.2 + draw(0.5, 0.9), Vec3(0.9 * length, 0.0, 0.0), kUpright}};
+    grip(hand);
+    scene_.params.duration = 1.2;
+    return finish();
+  }
+  /// An end of a strip is led around the strip and through the loop, then pulled.
+  ContactScene knot() {
+    const double length = 0.6;
+    addSheet(length, 0.03, 0.0, Mat3::Identity(), Vec3::Zero(), 3 * across_, 4);
+    scene_.params.gravity.setZero();
+    addPin(0.0, {});
+    const double speed = draw(0.8, 1.2);
+    const Vec3 corners[] = {{length, 0.0, 0.0},   {0.42, 0.22, 0.0},  {0.2, 0.2, 0.05}, {0.14, 0.05, 0.06}, {0.14, -0.07, 0.03},
+                            {0.16, -0.07, -0.05}, {0.2, 0.05, -0.06}, {0.22, 0.1, 0.0}, {0.25, 0.1, 0.08},  {0.45, 0.05, 0.08}};
+    std::vector<tool::WaypointParams> path;
+    double time = 0.0;
+    for (const Vec3& corner : corners) {
+      if (!path.empty()) time += (corner - path.back().position).norm() / speed;
+      path.push_back({time, corner, kUpright});
+    }
+    addPin(length, path);
+    scene_.params.duration = 0.005 * std::ceil((time + 0.2) / 0.005);
+    return finish();
+  }
+  /// Two stacks of stiff cards fall into each other, and a box pushes them together.
+  ContactScene cards() {
+    across_ = 7;
+    scene_.params.material.bending_rigidity.value = drawLogarithmic(1e-4, 1e-3);
+    for (int k = 0; k < 6; ++k) {
+      const double side = k % 2 == 0 ? -1.0 : 1.0;
+      const Mat3 turn = Eigen::AngleAxisd(side * draw(0.05, 0.2), Vec3::UnitY()).toRotationMatrix();
+      addSheet(0.08, 0.08, 0.0, turn, Vec3(side * 0.03 - 0.04, draw(-0.005, 0.005), 0.04 + 0.05 * k));
+    }
+    addTable();
+    tool::ToolParams box = makeTool("box", geometry::Solid::Kind::kBox);
+    box.shape.size = Vec3(0.02, 0.2, 0.06);
+    box.path = {{0.4, Vec3(-0.2, 0.0, 0.03), kUpright}, {0.4 + draw(0.2, 0.5), Vec3(-0.055, 0.0, 0.03), kUpright}};
+    scene_.params.tools.push_back(box);
+    return finish();
+  }
+  /// A tube around a sphere that turns, as a shirt on a body.
+  ContactScene turningBody() {
+    const double radius = 0.06, speed = draw(2.0, 6.0);
+    addTube(1.1 * radius, 0.2, Eigen::AngleAxisd(-0.5 * M_PI, Vec3::UnitY()).toRotationMatrix(), Vec3(0.0, 0.0, 0.05));
+    addTable();
+    tool::ToolParams ball = makeTool("ball", geometry::Solid::Kind::kSphere);
+    ball.shape.radius = radius;
+    ball.friction = draw(0.3, 1.0);
+    for (int k = 0; k <= 40; ++k) {
+      const double t = 1.2 * k / 40.0, half = 0.5 * speed * std::max(0.0, t - 0.2);
+      ball.path.push_back({t, Vec3(0.0, 0.0, 0.12), Vec4(0.0, std::sin(half), 0.0, std::cos(half))});
+    }
+    scene_.params.tools.push_back(ball);
+    return finish();
+  }
+  /// A hand pulls the middle of a sheet down through a funnel of four boxes.
+  ContactScene funnel() {
+    addSheet(side_, side_, 0.0, Mat3::Identity(), Vec3(-0.5 * side_, 0.0, 0.42));
+    for (int k = 0; k < 4; ++k) {
+      const double angle = 0.5 * M_PI * k, tilt = 0.9;
+      tool::ToolParams wall = makeTool("wall" + std::to_string(k), geometry::Solid::Kind::kBox);
+      wall.shape.size = Vec3(0.02, 0.6, 0.3);
+      wall.friction = 0.2;
+      const Eigen::Quaterniond turn =
+          Eigen::AngleAxisd(angle, Vec3::UnitZ()) * Eigen::Quaterniond(Eigen::AngleAxisd(tilt, Vec3::UnitY()));
+      const Vec3 place = Eigen::AngleAxisd(angle, Vec3::UnitZ()) *
+                         Vec3(0.035 + 0.01 / std::cos(tilt) + 0.15 * std::sin(tilt), 0.0, 0.3 + 0.15 * std::cos(tilt));
+      wall.path = {{0.0, place, Vec4(turn.x(), turn.y(), turn.z(), turn.w())}};
+      scene_.params.tools.push_back(wall);
+    }
+    tool::ToolParams hand = makeTool("hand", geometry::Solid::Kind::kSphere);
+    hand.mode = tool::Mode::kMove;
+    hand.shape.radius = 0.025;
+    hand.path = {{0.1, Vec3(0.0, 0.0, 0.42), kUpright}, {0.1 + draw(0.3, 0.8), Vec3(0.0, 0.0, 0.18), kUpright}};
+    grip(hand);
+    return finish();
+  }
 
  private:
   static inline const Vec4 kUpright{0.0, 0.0, 0.0, 1.0};
@@ -231,13 +322,25 @@ class ContactSceneMaker {
 
   // From x = 0 and about y = 0, arched by a share of its length, then rotated and moved.
   void addSheet(double length, double width, double arch, const Mat3& turn, const Vec3& to) {
-    const Index along = across_, beside = std::max<Index>(6, std::lround(across_ * width / length));
+    addSheet(length, width, arch, turn, to, across_, std::max<Index>(6, std::lround(across_ * width / length)));
+  }
+  void addSheet(double length, double width, double arch, const Mat3& turn, const Vec3& to, Index along, Index beside) {
     for (Index i = 0; i < along; ++i)
       for (Index j = 0; j < beside; ++j) {
         const bool is_edge = i == 0 || i == along - 1 || j == 0 || j == beside - 1;
         const double u = (i + (is_edge ? 0.0 : jitter_ * draw(-1.0, 1.0))) / (along - 1.0);
         const double v = (j + (is_edge ? 0.0 : jitter_ * draw(-1.0, 1.0))) / (beside - 1.0) - 0.5;
         points_.push_back(turn * Vec3(length * u, width * v, arch * length * 0.25 * std::sin(M_PI * u)) + to);
+      }
+  }
+
+  // Along x from 0, then rotated and moved. Two points around for one along a sheet's side.
+  void addTube(double radius, double length, const Mat3& turn, const Vec3& to) {
+    const Index around = 2 * across_, along = across_;
+    for (Index i = 0; i < along; ++i)
+      for (Index j = 0; j < around; ++j) {
+        const double angle = 2.0 * M_PI * (j + 0.5 * (i % 2) + jitter_ * draw(-0.5, 0.5)) / around;
+        points_.push_back(turn * Vec3(length * i / (along - 1.0), radius * std::cos(angle), radius * std::sin(angle)) + to);
       }
   }
 
@@ -310,7 +413,13 @@ inline std::vector<std::pair<std::string, std::function<ContactScene(ContactScen
           {"turning_ball", &ContactSceneMaker::turningBall},
           {"needles", &ContactSceneMaker::needles},
           {"cut_and_drop", &ContactSceneMaker::cutAndDrop},
-          {"tear_twisted", &ContactSceneMaker::tearTwisted}};
+          {"tear_twisted", &ContactSceneMaker::tearTwisted},
+          {"garment", &ContactSceneMaker::garment},
+          {"sleeve", &ContactSceneMaker::sleeve},
+          {"knot", &ContactSceneMaker::knot},
+          {"cards", &ContactSceneMaker::cards},
+          {"turning_body", &ContactSceneMaker::turningBody},
+          {"funnel", &ContactSceneMaker::funnel}};
 }
 
 }  // namespace deformable_surface::test

@@ -66,6 +66,7 @@ class PairList {
   static constexpr double kUsualReach = 0.5;  // the remainder is the allowed motion until the next search
 
   void findCrossed();
+  bool areJoined(const Pair& pair) const;
   void measureWays(const Points& positions);
   void search(const Points& positions, double radius);
   void offer(const Points& positions, double radius, Pair pair, std::vector<std::pair<Pair, double>>& found) const;
