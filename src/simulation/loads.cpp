@@ -34,9 +34,11 @@ void GravityLoad::addForces(double, const State&, Points& forces) const {
 }
 
 double GravityLoad::potential(double, const State& state) const {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < masses_.size(); ++i) sum -= masses_[i] * gravity.dot(state.positions[i]);
-  return sum;
+  return parallelSum(static_cast<Index>(masses_.size()), kBlock, [&](Index begin, Index end) {
+    double sum = 0.0;
+    for (Index i = begin; i < end; ++i) sum -= masses_[i] * gravity.dot(state.positions[i]);
+    return sum;
+  });
 }
 
 void PressureLoad::addForces(double, const State& state, Points& forces) const {

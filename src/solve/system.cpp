@@ -172,10 +172,13 @@ double System::potentialEnergy(double time, const State& state) const {
 }
 
 double System::kineticEnergy(const State& state) const {
-  double energy = 0.0;
-  for (Index i = 0; i < size(); ++i) energy += 0.5 * masses()[i] * state.velocities[i].squaredNorm();
-  for (std::size_t i = 0; i < state.spins.size(); ++i) energy += 0.5 * inertias()[i] * state.spins[i].squaredNorm();
-  return energy;
+  return parallelSum(size(), kBlock, [&](Index begin, Index end) {
+    double energy = 0.0;
+    for (Index i = begin; i < end; ++i) energy += 0.5 * masses()[i] * state.velocities[i].squaredNorm();
+    if (!state.spins.empty())
+      for (Index i = begin; i < end; ++i) energy += 0.5 * inertias()[i] * state.spins[i].squaredNorm();
+    return energy;
+  });
 }
 
 void System::addStiffness(double time, const State& state, double step, model::Hessian hessian, BlockSparse& stiffness) const {

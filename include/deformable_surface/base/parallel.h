@@ -37,22 +37,36 @@ void parallelFor(Index n, Index block, const Body& body) {
   internal::runBlocks(num_blocks, [&](Index b) { body(b * block, b + 1 == num_blocks ? n : (b + 1) * block); });
 }
 
-/// Sum of body(begin, end) over the blocks, added in the order of the blocks.
-template <class Body>
-double parallelSum(Index n, Index block, const Body& body) {
+namespace internal {
+/// join(join(0, body(first block)), body(second block)) ..., in the order of the blocks.
+template <class Body, class Join>
+double joinBlocks(Index n, Index block, const Body& body, const Join& join) {
   if (n <= block) return n > 0 ? body(Index{0}, n) : 0.0;
   const Index num_blocks = (n - 1) / block + 1;
-  constexpr Index kAtOnce = 256;  // blocks whose sums fit on the stack
-  double part[kAtOnce], sum = 0.0;
+  constexpr Index kAtOnce = 256;  // blocks whose results fit on the stack
+  double part[kAtOnce], joined = 0.0;
   for (Index first = 0; first < num_blocks; first += kAtOnce) {
     const Index count = std::min(kAtOnce, num_blocks - first);
-    internal::runBlocks(count, [&](Index k) {
+    runBlocks(count, [&](Index k) {
       const Index b = first + k;
       part[k] = body(b * block, b + 1 == num_blocks ? n : (b + 1) * block);
     });
-    for (Index k = 0; k < count; ++k) sum += part[k];
+    for (Index k = 0; k < count; ++k) joined = join(joined, part[k]);
   }
-  return sum;
+  return joined;
+}
+}  // namespace internal
+
+/// Sum of body(begin, end) over the blocks, added in the order of the blocks.
+template <class Body>
+double parallelSum(Index n, Index block, const Body& body) {
+  return internal::joinBlocks(n, block, body, [](double a, double b) { return a + b; });
+}
+
+/// The largest of zero and body(begin, end) over the blocks.
+template <class Body>
+double parallelMax(Index n, Index block, const Body& body) {
+  return std::max(0.0, internal::joinBlocks(n, block, body, [](double a, double b) { return std::max(a, b); }));
 }
 
 }  // namespace deformable_surface

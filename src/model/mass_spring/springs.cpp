@@ -192,12 +192,14 @@ void Springs::addRowBounds(bool elastic, double beta, std::vector<double>& stiff
 }
 
 double Springs::maxStretch(const State& state) const {
-  double worst = 0.0;
-  for (std::size_t s = 0; s < links_.size(); ++s) {
-    const double length = (state.positions[links_[s].second] - state.positions[links_[s].first]).norm();
-    worst = std::max(worst, std::abs(length / rest_length_[s] - 1.0));
-  }
-  return worst;
+  return parallelMax(static_cast<Index>(links_.size()), kBlock, [&](Index begin, Index end) {
+    double worst = 0.0;
+    for (Index s = begin; s < end; ++s) {
+      const double length = (state.positions[links_[s].second] - state.positions[links_[s].first]).norm();
+      worst = std::max(worst, std::abs(length / rest_length_[s] - 1.0));
+    }
+    return worst;
+  });
 }
 
 void Springs::raisePointStrain(const State& state, std::vector<double>& strain) const {
