@@ -17,7 +17,7 @@
 namespace deformable_surface {
 namespace {
 
-constexpr std::chrono::microseconds kSpin{50};  // longer than the work between two loops of a step
+constexpr std::chrono::microseconds kSpin{50};  // longer than most work between two loops of a step
 constexpr int kLooks = 64;                      // between two looks at the clock
 
 int numCores() {
@@ -49,8 +49,10 @@ class Pool {
 
   void run(int num_helpers, Index num_blocks, void (*block)(const void*, Index), const void* context) {
     while (static_cast<int>(workers_.size()) < num_helpers) {
-      workers_.push_back(std::make_unique<Worker>(static_cast<int>(workers_.size()) + 1));
-      workers_.back()->thread = std::thread([this, worker = workers_.back().get()] { work(*worker); });
+      auto worker = std::make_unique<Worker>(static_cast<int>(workers_.size()) + 1);
+      workers_.reserve(workers_.size() + 1);  // a thread that runs must be joined in the end
+      worker->thread = std::thread([this, worker = worker.get()] { work(*worker); });
+      workers_.push_back(std::move(worker));
     }
     block_ = block;
     context_ = context;

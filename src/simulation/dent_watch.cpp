@@ -152,10 +152,11 @@ bool DentWatch::hasShortDents(double curvature) const {
   return std::pow(rigidity_ / stretching_, 0.25) < kShortDents * std::sqrt(curvature) * spacing_;
 }
 
-Buckling DentWatch::judgeForce(const std::vector<Index>& loaded, double force, double radius) const {
+Buckling DentWatch::judgeForce(const std::vector<Index>& loaded, const std::vector<double>& shares, double force,
+                               double radius) const {
   if (!has_short_dents_) return Buckling::kUnlikely;
   double curvature = 0.0;
-  for (Index i : loaded) curvature += curvature_[i] / static_cast<double>(loaded.size());
+  for (std::size_t k = 0; k < loaded.size(); ++k) curvature += shares[k] * curvature_[loaded[k]];
   if (!hasShortDents(curvature)) return Buckling::kUnlikely;
   const double patch = std::max(kPi * radius * radius, full_spacing_ * full_spacing_);
   const double classical = 4.0 * std::sqrt(stretching_ * rigidity_) * curvature * curvature * patch;

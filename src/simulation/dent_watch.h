@@ -43,7 +43,7 @@ class DentWatch {
   /// Judges a force (N) in any direction on these simulation points, spread over a patch of this radius (m). A surface with
   /// short dents may give way to it, which membrane forces between few points do not show. Criterion: the classical buckling
   /// pressure of a sphere of its curvature, 4 sqrt(S D) b^2.
-  Buckling judgeForce(const std::vector<Index>& loaded, double force, double radius) const;
+  Buckling judgeForce(const std::vector<Index>& loaded, const std::vector<double>& shares, double force, double radius) const;
 
   /// What a snapshot must hold: the logarithm of the growth so far in each triangle. For surfaces without short dents, first that
   /// of folds too short for the points, then that of folds too short for the copies.

@@ -13,7 +13,7 @@ std::size_t bytesInside(const T&) {
 }
 std::size_t bytesInside(const tool::ToolParams& tool) { return bytesOf(tool.path); }
 std::size_t bytesInside(const NamedForces::Named& force) {
-  return bytesOf(force.points) + bytesOf(force.shares) + bytesOf(force.carriers);
+  return bytesOf(force.points) + bytesOf(force.shares) + (force.carriers ? bytesOf(*force.carriers) : 0);
 }
 std::size_t bytesInside(const ContactLoad::Body& body) { return bytesInside(body.tool) + bytesOf(body.passed); }
 std::size_t bytesInside(const Grips::Grip& grip) {

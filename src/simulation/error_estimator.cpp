@@ -37,7 +37,7 @@ constexpr double kChaoticDistance = 0.05;
 // The same for a twin whose distance has other causes as well: the effect of halved steps of a damping method or, in a body,
 // waves shorter than a few sub-steps after a sudden force.
 constexpr double kChaoticDistanceOfOthers = 0.5;
-constexpr Index kFewPoints = 4096;  // of a copy
+constexpr Index kFewPoints = 1024;  // of a copy: its loops have four blocks at most
 // Verlet's sub-steps of the copies are never too many if those of the simulation were not.
 constexpr Index kAnyNumber = 1000000000;
 
@@ -243,7 +243,8 @@ Buckling ErrorEstimator::judgeBuckling(const Dynamics& level) {
   Buckling worst = level.lastIntegrator() == IntegratorType::kStatic ? dents_.judgeEquilibrium(positions)
                                                                      : dents_.followStep(positions, step_);
   for (const NamedForces::Named& force : level.loads().forces.all())
-    if (force.started) worst = std::max(worst, dents_.judgeForce(force.points, force.params.force.norm(), force.params.radius));
+    if (force.started)
+      worst = std::max(worst, dents_.judgeForce(force.points, force.shares, force.params.force.norm(), force.params.radius));
   return worst;
 }
 
@@ -256,9 +257,14 @@ std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamic
     step(0);
     step(1);
   } else {
+    // An interrupt ends the copies' steps, not the loop: both copies must be told of it.
     static const std::atomic<bool> never{false};
-    const InterruptScope whole(never);  // an interrupt ends a copy's step, not the loop: both must be told of it
-    parallelFor(2, 1, [&](Index copy, Index) { step(copy); });
+    const std::atomic<bool>* const interrupt = currentInterrupt();
+    const InterruptScope whole(never);
+    parallelFor(2, 1, [&](Index copy, Index) {
+      const InterruptScope scope(interrupt ? *interrupt : never);
+      step(copy);
+    });
   }
   return {std::move(of_a), std::move(of_b)};
 }

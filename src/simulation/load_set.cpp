@@ -47,7 +47,7 @@ void LoadSet::takePart(const LoadSet& whole, const std::vector<Index>& new_index
     }
     force.points.resize(kept);
     force.shares.resize(kept);
-    force.carriers.clear();  // they are the whole's: it tells which points they act on
+    force.carriers.reset();  // they are the whole's: it tells which points they act on
   }
   forces.restore(shared);
   contact.takePart(whole.contact, new_index);

@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 namespace deformable_surface::simulation {
 namespace {
@@ -205,8 +206,9 @@ void NamedForces::takeCarriers(const State& state, Named& f) const {
   const Points& x = state.positions;
   const double radius = f.params.radius;
   double total = 0.0;
+  std::vector<Named::Carrier> carriers;
   const auto take = [&](Index point, Index cell, double share) {
-    f.carriers.push_back({point, masses_[cell] * share});
+    carriers.push_back({point, masses_[cell] * share});
     total += masses_[cell] * share;
   };
   for (Index i = 0; i < state.size(); ++i) {
@@ -216,9 +218,10 @@ void NamedForces::takeCarriers(const State& state, Named& f) const {
     for (Index s = between.begin(i); s < between.end(i); ++s)
       if ((between.place(s, x) - f.params.point).norm() <= radius) take(state.size() + s, i, load_points_->share[s]);
   }
-  if (!(total > 0.0)) f.carriers.clear();
-  for (Named::Carrier& carrier : f.carriers) carrier.share /= total;
-  if (!f.carriers.empty()) spreadCarriers(f);
+  if (!(total > 0.0)) return;
+  for (Named::Carrier& carrier : carriers) carrier.share /= total;
+  f.carriers = std::make_shared<const std::vector<Named::Carrier>>(std::move(carriers));
+  spreadCarriers(f);
 }
 
 // On the simulation points: the transpose of the rows.
@@ -226,7 +229,7 @@ void NamedForces::spreadCarriers(Named& f) const {
   const Index m = static_cast<Index>(masses_.size());
   const transfer::SampledPoints& between = *load_points_->between;
   std::vector<double> shares(m, 0.0);
-  for (const auto& [point, share] : f.carriers) {
+  for (const auto& [point, share] : *f.carriers) {
     const Index s = point - m;
     if (s < 0) {
       shares[point] += share;
@@ -236,18 +239,20 @@ void NamedForces::spreadCarriers(Named& f) const {
       between.visitWeights(s, [&, share = share](Index j, double w) { shares[j] += share * w; });
     }
   }
+  // The rows are stored in single precision.
+  const double total = std::accumulate(shares.begin(), shares.end(), 0.0);
   f.points.clear();
   f.shares.clear();
   for (Index i = 0; i < m; ++i) {
     if (shares[i] == 0.0) continue;
     f.points.push_back(i);
-    f.shares.push_back(shares[i]);
+    f.shares.push_back(shares[i] / total);
   }
 }
 
 void NamedForces::followCut() {
   for (Named& f : forces_)
-    if (!f.carriers.empty()) spreadCarriers(f);
+    if (f.carriers) spreadCarriers(f);
 }
 
 void NamedForces::report(const std::string& id, const std::string& problem, std::string& notice) {
@@ -267,7 +272,7 @@ std::string NamedForces::findProblem(const Named& force, const State& state, con
 std::string NamedForces::findMisplacement(const Named& force, const State& state, const std::vector<char>& pinned) {
   const bool is_held = std::all_of(force.points.begin(), force.points.end(), [&](Index i) { return pinned[i] != 0; });
   const double distance = (state.positions[force.points[0]] - force.params.point).norm();
-  if (force.carriers.empty() && force.params.radius > 0.0 && distance > force.params.radius) {
+  if (!force.carriers && force.params.radius > 0.0 && distance > force.params.radius) {
     return "no simulation point lies within its radius of " + formatReal(force.params.radius) +
            " m; it acts on the nearest one, " + formatShort(distance) + " m from its point" +
            (is_held ? ", which is pinned" : "");

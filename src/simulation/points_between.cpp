@@ -88,6 +88,8 @@ std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, co
   if (!between) return nullptr;
   LoadPoints load;
   load.share.assign(between->size(), 0.0);
+  Points places;
+  for (Index s = 0; s < between->size(); ++s) places.push_back(between->place(s, surface.points));
   for (std::size_t i = 0; i < cells.size(); ++i) {
     const Index cell = static_cast<Index>(i);
     const double part = 1.0 / static_cast<double>(cells[i].size() + 1);
@@ -96,7 +98,7 @@ std::shared_ptr<const LoadPoints> chooseLoadPoints(const SceneParams& params, co
       Index nearest = -1;
       double squared = (dense.positions[d] - surface.points[i]).squaredNorm();
       for (Index s = between->begin(cell); s < between->end(cell); ++s) {
-        const double to_sample = (dense.positions[d] - between->place(s, surface.points)).squaredNorm();
+        const double to_sample = (dense.positions[d] - places[s]).squaredNorm();
         if (to_sample < squared) {
           squared = to_sample;
           nearest = s;

@@ -1,5 +1,5 @@
 // Chooses the points of a cloud, between its simulation points, that touch tools or carry forces with a radius. The rest surface
-// is built without them if there are no tools and no such forces.
+// is built without them if there are no tools and no such forces; coarser copies always have them.
 #pragma once
 
 #include "deformable_surface/simulation/rest_surface.h"

@@ -74,6 +74,8 @@ void Simulation::Impl::reset() {
   run.reset();
   const std::string& grown = dynamics().growthNotice();
   if (!grown.empty() && std::find(notes.begin(), notes.end(), grown) == notes.end()) notes.push_back(grown);
+  const std::string& warning = dynamics().growthWarning();
+  if (!warning.empty() && std::find(warnings.begin(), warnings.end(), warning) == warnings.end()) warnings.push_back(warning);
   softening = 0.0;
   trial_notice.clear();
   is_target_missed = false;

@@ -123,8 +123,10 @@ SolveReport FireRelaxation::advance(const System& system, double time, double st
     report.finite = std::isfinite(push) && std::isfinite(speed);
     largest = std::max(largest, report.residual);
     if (!report.finite) break;
-    if (taken % kLook == 0) rounding = kRounding * system.roundingForce(end, state);
-    if (report.residual <= params_.tolerance * largest || report.residual <= rounding) {
+    const auto findRounding = [&] { return kRounding * system.roundingForce(end, state); };
+    if (taken % kLook == 0) rounding = findRounding();
+    const bool is_round = report.residual <= rounding && report.residual <= (rounding = findRounding());
+    if (report.residual <= params_.tolerance * largest || is_round) {
       report.converged = true;
       break;
     }

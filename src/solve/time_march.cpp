@@ -122,7 +122,8 @@ Integrator& TimeMarch::integrator(IntegratorType type) {
   return *kept;
 }
 
-// Estimates the stable step again when the surface or its loads have become stiffer. Until then the old one is safe.
+// Estimates the stable step again when the surface or its loads have become stiffer, as far as the largest stretch tells. Should
+// it not, the energy account sees that the old one is too long.
 void TimeMarch::refreshStableStep(double time, const State& state) {
   // Bonds between particles change faster than the stretch shows, and their model knows its step at no cost.
   const bool is_oriented = system_.isOriented();

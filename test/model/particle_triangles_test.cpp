@@ -74,6 +74,7 @@ TEST(ParticleTriangles, HolesOfFiveAndMoreParticlesAndCutsStayOpen) {
   const std::vector<WeightedTriangle> triangles = triangulateParticles(sheet.positions, sheet.normals, 0.175, apart);
   for (const WeightedTriangle& t : triangles)
     EXPECT_FALSE(std::count(t.corner, t.corner + 3, i) == 1 && std::count(t.corner, t.corner + 3, j) == 1);
+  EXPECT_EQ(measureTopology(sheet.size(), triangles).boundary_loops, 2);
 }
 
 TEST(ParticleTriangles, HexagonalSheetHasSixTrianglesAtEachInnerParticle) {

@@ -6,13 +6,9 @@ namespace {
 
 TEST(PressedRing, NeedsThePressureOfTheElastica) {
   // Thirty points in a quarter of the ring.
-  for (const char* half_height : {"0.6", "0.4"}) {
-    const Problem problem = findProblem(listContacts(), std::string("pressed ring, half height ") + half_height + " R");
-    for (const Variant& variant : problem.variants) {
-      const std::vector<Answer> answers = ask(problem, variant, 1);
-      EXPECT_LT(answers[0].error, 0.01) << describe(problem, variant);
-    }
-  }
+  const Problem problem = findProblem(listContacts(), "pressed ring, half height 0.6 R");
+  for (const Variant& variant : problem.variants)
+    EXPECT_LT(ask(problem, variant, 1)[0].error, 0.01) << describe(problem, variant);
 }
 
 TEST(Capstan, AStripBeginsToSlideAtTheRatioOfEuler) {

@@ -164,16 +164,17 @@ TEST(DentWatch, SeesAForceThatPressesAPatchInAsPressureWould) {
   const double classical = 4.0 * kStretching * kThinness, radius = 0.2;  // N/m^2; m
   const double force = classical * 3.14159 * radius * radius;
   const std::vector<Index> loaded{0, 1, 2};
-  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.02 * force, radius), Buckling::kUnlikely);
-  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.1 * force, radius), Buckling::kPossible);
-  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.8 * force, radius), Buckling::kLikely);
-  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.8 * force, 4.0 * radius), Buckling::kPossible);
-  EXPECT_EQ(sphere.watch.judgeForce(loaded, 0.1 * force, 0.0), Buckling::kLikely);  // on a point, a small part of the full cloud
+  const std::vector<double> shares{0.25, 0.25, 0.5};
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, shares, 0.02 * force, radius), Buckling::kUnlikely);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, shares, 0.1 * force, radius), Buckling::kPossible);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, shares, 0.8 * force, radius), Buckling::kLikely);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, shares, 0.8 * force, 4.0 * radius), Buckling::kPossible);
+  EXPECT_EQ(sphere.watch.judgeForce(loaded, shares, 0.1 * force, 0.0), Buckling::kLikely);  // on a point of the full cloud
 }
 
 TEST(DentWatch, LeavesForcesOnAThickSphereToThePointsWhichShowItsDents) {
   const Sphere sphere(0.0, 0.05);
-  EXPECT_EQ(sphere.watch.judgeForce({0, 1, 2}, 1e3, 0.2), Buckling::kUnlikely);
+  EXPECT_EQ(sphere.watch.judgeForce({0, 1, 2}, {0.2, 0.3, 0.5}, 1e3, 0.2), Buckling::kUnlikely);
 }
 
 }  // namespace

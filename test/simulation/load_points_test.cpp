@@ -115,7 +115,7 @@ TEST(LoadPoints, AForceBesideACutStaysOnItsSide) {
   sheet.forces.followCut();
   // Points of the cloud that lie nearer to a simulation point beyond the cut belong to it.
   double beyond = 0.0;
-  for (const NamedForces::Named::Carrier& carrier : sheet.forces.all().front().carriers) {
+  for (const NamedForces::Named::Carrier& carrier : *sheet.forces.all().front().carriers) {
     const Index s = carrier.point - static_cast<Index>(rest.size());
     if (rest[s < 0 ? carrier.point : load.between->cellOf(s)].x() > 0.5) beyond += carrier.share;
   }

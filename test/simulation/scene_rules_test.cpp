@@ -34,6 +34,16 @@ TEST(SceneRules, WhatNeedsSidesIsRefusedOfABody) {
   EXPECT_FALSE(isRefused(scene, "pressure"));
 }
 
+TEST(SceneRules, KineticFrictionIsAtMostTheStaticOne) {
+  SceneParams scene;
+  scene.contact.friction = 0.3;
+  EXPECT_FALSE(isRefused(scene, "contact.kinetic_friction"));
+  scene.contact.kinetic_friction = 0.3;
+  EXPECT_FALSE(isRefused(scene, "contact.kinetic_friction"));
+  scene.contact.kinetic_friction = 0.31;
+  EXPECT_TRUE(isRefused(scene, "contact.kinetic_friction"));
+}
+
 TEST(SceneRules, OrientationsAndCreasesAreForOrientedParticles) {
   SceneParams scene;
   scene.model = "mass_spring";

@@ -3,9 +3,12 @@
 #include "deformable_surface/simulation/simulation.h"
 
 #include <algorithm>
+#include <cmath>
 #include <cstdio>
 #include <cstdlib>
 #include <ctime>
+#include <iterator>
+#include <limits>
 #include <set>
 #include <string>
 

@@ -104,12 +104,12 @@ class NamedForces : public solve::ExternalLoad {
     bool started = false;
     std::vector<Index> points;   // ascending
     std::vector<double> shares;  // sum to one; may be negative at a free edge
-    /// What carries it in the cloud: simulation points (< m), or m + a point between them. Empty if points are these themselves.
+    /// What carries it in the cloud: simulation points (< m), or m + a point between them. None if points are these themselves.
     struct Carrier {
       Index point;
       double share;  // sum to one
     };
-    std::vector<Carrier> carriers;
+    std::shared_ptr<const std::vector<Carrier>> carriers;  // null: none; shared, as states are copied in each step
   };
 
   explicit NamedForces(const std::vector<double>& masses) : masses_(masses) {}

@@ -199,6 +199,7 @@ class LoopCloser {
         if (agreement(loop[0], loop[1], loop[2]) > 0.0) add(loop[0], loop[1], loop[2], triangles);
       } else if (loop.size() == 4) {
         const Index a = loop[0], b = loop[1], c = loop[2], d = loop[3];
+        if (apart_ && (apart_(a, c) || apart_(b, d))) continue;  // a cut between two of its particles
         const double one = mayJoin(a, c) ? std::min(agreement(a, b, c), agreement(a, c, d)) : -1.0;
         const double other = mayJoin(b, d) ? std::min(agreement(a, b, d), agreement(b, c, d)) : -1.0;
         if (!(std::max(one, other) > 0.0)) continue;
@@ -211,7 +212,7 @@ class LoopCloser {
  private:
   bool mayJoin(Index i, Index j) const {
     return !edges_.count({i, j}) && !edges_.count({j, i}) &&
-           (positions_[j] - positions_[i]).norm() <= kLongestDiagonal * max_edge_ && !(apart_ && apart_(i, j));
+           (positions_[j] - positions_[i]).norm() <= kLongestDiagonal * max_edge_;
   }
   // The least cosine between the triangle's normal and those of its corners.
   double agreement(Index a, Index b, Index c) const {

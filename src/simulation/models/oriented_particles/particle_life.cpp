@@ -58,7 +58,7 @@ void takeSpacingOf(const std::vector<char>& fixed, model::OrientedParticles& par
   particles.setSpacing(particles.findSpacingWithoutTension(state));
 }
 
-// Tells of particles that are on no triangle: neither side of the surface around them agrees with theirs.
+// Tells of particles that are on no triangle. Beside a grown surface, samples there did not tell which way it goes.
 template <class Warn>
 void warnOfLonely(const model::OrientedParticles& particles, const State& state, const Warn& warn) {
   particles.refreshDisplay(state);
@@ -70,8 +70,7 @@ void warnOfLonely(const model::OrientedParticles& particles, const State& state,
   const Index count = static_cast<Index>(std::count(is_lonely.begin(), is_lonely.end(), 1));
   const Vec3& at = state.positions[first - is_lonely.begin()];
   warn(std::to_string(count) + (count == 1 ? " particle belongs" : " particles belong") + " to no surface, the first at " +
-       formatShort(at.x()) + ", " + formatShort(at.y()) + ", " + formatShort(at.z()) +
-       ": the samples there do not tell which way the surface goes");
+       formatShort(at.x()) + ", " + formatShort(at.y()) + ", " + formatShort(at.z()));
 }
 
 // Moves particles nearer to each other than a distance, m, apart to it along the line between them, those in one place along the
