@@ -260,9 +260,11 @@ std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamic
     // An interrupt ends the copies' steps, not the loop: both copies must be told of it.
     static const std::atomic<bool> never{false};
     const std::atomic<bool>* const interrupt = currentInterrupt();
-    const InterruptScope whole(never);
+    std::optional<InterruptScope> whole;
+    if (interrupt) whole.emplace(never);
     parallelFor(2, 1, [&](Index copy, Index) {
-      const InterruptScope scope(interrupt ? *interrupt : never);
+      std::optional<InterruptScope> scope;
+      if (interrupt) scope.emplace(*interrupt);
       step(copy);
     });
   }

@@ -211,12 +211,25 @@ void NamedForces::takeCarriers(const State& state, Named& f) const {
     carriers.push_back({point, masses_[cell] * share});
     total += masses_[cell] * share;
   };
+  const auto isWithin = [&](const Vec3& place) { return (place - f.params.point).norm() <= radius; };
   for (Index i = 0; i < state.size(); ++i) {
     const double distance = (x[i] - f.params.point).norm();
-    if (distance <= radius) take(i, i, load_points_->own_share[i]);
-    if (between.begin(i) == between.end(i) || distance > radius + between.findReach(i, x)) continue;
-    for (Index s = between.begin(i); s < between.end(i); ++s)
-      if ((between.place(s, x) - f.params.point).norm() <= radius) take(state.size() + s, i, load_points_->share[s]);
+    if (distance > radius + between.findReach(i, x)) continue;
+    const std::size_t first = carriers.size();
+    const double total_before = total;
+    Index num_left_out = distance <= radius ? 0 : 1;
+    if (num_left_out == 0) take(i, i, load_points_->own_share[i]);
+    for (Index s = between.begin(i); s < between.end(i); ++s) {
+      if (isWithin(between.place(s, x)))
+        take(state.size() + s, i, load_points_->share[s]);
+      else
+        ++num_left_out;
+    }
+    if (num_left_out > 0) continue;
+    // A cell that is loaded as a whole acts where its mass does.
+    carriers.resize(first);
+    total = total_before;
+    take(i, i, 1.0);
   }
   if (!(total > 0.0)) return;
   for (Named::Carrier& carrier : carriers) carrier.share /= total;
