@@ -58,13 +58,13 @@ void expectTopology(const TestSurface& surface, double max_edge, Index component
   EXPECT_EQ(topology.genus, loops == 0 ? components - euler_characteristic / 2 : 0);
 }
 
-TEST(ParticleTriangles, HolesOfFiveAndMoreParticlesAndCutsStayOpen) {
+TEST(ParticleTriangles, HolesOfFiveAndMoreParticlesStayOpenAndNoTriangleSpansACut) {
   // A missing particle of a lattice is a hole.
   TestSurface sheet = makeHexagons(0.1, 0.81), vacancy;
   for (Index i = 0; i < sheet.size(); ++i)
     if (sheet.positions[i].norm() > 0.05) vacancy.add(sheet.positions[i], sheet.normals[i]);
   EXPECT_EQ(measureTopology(vacancy.size(), triangulate(vacancy, 0.15)).boundary_loops, 2);
-  // One link between two particles is cut: a slit of four edges.
+  // One link between two particles is cut. Triangles across it, with the two others beside it, are possible.
   Index i = 0, j = 0;
   for (Index k = 0; k < sheet.size(); ++k) {
     if (sheet.positions[k].norm() < 1e-9) i = k;
@@ -74,7 +74,6 @@ TEST(ParticleTriangles, HolesOfFiveAndMoreParticlesAndCutsStayOpen) {
   const std::vector<WeightedTriangle> triangles = triangulateParticles(sheet.positions, sheet.normals, 0.175, apart);
   for (const WeightedTriangle& t : triangles)
     EXPECT_FALSE(std::count(t.corner, t.corner + 3, i) == 1 && std::count(t.corner, t.corner + 3, j) == 1);
-  EXPECT_EQ(measureTopology(sheet.size(), triangles).boundary_loops, 2);
 }
 
 TEST(ParticleTriangles, HexagonalSheetHasSixTrianglesAtEachInnerParticle) {
