@@ -70,6 +70,25 @@ TEST(TimeMarch, ShortensSubstepsAtOnceAndLengthensThemOnlyWhenTheyCouldLongHaveB
   EXPECT_EQ(m.countSubsteps(), 2);
 }
 
+TEST(TimeMarch, EstimatesTheStableStepAgainOnceTheStretchHasLongBeenLess) {
+  March m(1.0);
+  m.model.stretch = 0.5;
+  m.model.stable_step = 0.002;
+  EXPECT_EQ(m.countSubsteps(), 6);
+  m.model.stable_step = 0.01;
+  for (int swing = 0; swing < 3; ++swing) {
+    m.model.stretch = 0.1;
+    for (int k = 0; k < 99; ++k) ASSERT_EQ(m.countSubsteps(), 6) << k;
+    m.model.stretch = 0.5;
+    ASSERT_EQ(m.countSubsteps(), 6);
+  }
+  EXPECT_EQ(m.model.num_estimates, 1);
+  m.model.stretch = 0.1;
+  for (int k = 0; k < 99; ++k) m.countSubsteps();
+  EXPECT_EQ(m.countSubsteps(), 2);
+  EXPECT_EQ(m.model.num_estimates, 2);
+}
+
 // Springs to the places of the points, like contacts that begin and end.
 class Contacts : public solve::ExternalLoad {
  public:
