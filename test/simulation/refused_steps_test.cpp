@@ -9,9 +9,11 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <chrono>
 #include <cstring>
 #include <limits>
 #include <random>
+#include <thread>
 
 namespace deformable_surface::test {
 namespace {
@@ -198,6 +200,33 @@ TEST_P(RefusedSteps, AnInterruptAnywhereLeavesEverythingAsItWas) {
       }
       ASSERT_TRUE(is_taken || s.step().ok);
       ASSERT_EQ(look(s), look(undisturbed));
+    }
+  }
+}
+
+// With two threads two copies of the error estimate step at once. The interrupt comes from a third, at any time.
+TEST_P(RefusedSteps, AnInterruptWhileSeveralThreadsStepLeavesEverythingAsItWas) {
+  setNumThreads(2);
+  for (std::uint32_t seed = 0; seed < 3; ++seed) {
+    std::mt19937 draw(seed);
+    const Scene scene = makeScene(GetParam(), draw);
+    Simulation undisturbed(scene.params, scene.cloud), s(scene.params, scene.cloud);
+    std::atomic<bool> flag{false};
+    s.setInterrupt(&flag);
+    for (int k = 0; k < 8; ++k) {
+      const Sight before = look(s);
+      const std::chrono::microseconds delay(draw() % 2000);
+      std::thread other([&] {
+        std::this_thread::sleep_for(delay);
+        flag = true;
+      });
+      const bool is_taken = s.step().ok;
+      other.join();
+      flag = false;
+      if (!is_taken) ASSERT_EQ(look(s), before) << "seed " << seed << " step " << k;
+      ASSERT_TRUE(is_taken || s.step().ok);
+      ASSERT_TRUE(undisturbed.step().ok);
+      ASSERT_EQ(look(s), look(undisturbed)) << "seed " << seed << " step " << k;
     }
   }
 }
