@@ -271,8 +271,9 @@ std::pair<Dynamics::Outcome, Dynamics::Outcome> ErrorEstimator::stepBoth(Dynamic
   return {std::move(of_a), std::move(of_b)};
 }
 
-std::string ErrorEstimator::follow(const Dynamics& level) {
+std::string ErrorEstimator::follow(const Dynamics& level, bool has_cut) {
   seen_before_ = seen_;
+  seen_.is_lost = seen_.is_lost || has_cut;
   dents_before_ = dents_.growth();
   stepped_.clear();
   twin_left_.reset();

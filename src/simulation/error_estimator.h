@@ -48,10 +48,10 @@ class ErrorEstimator {
   /// The level has a state that the copies do not know: there is no estimate until the next reset.
   void lose() { seen_.is_lost = true; }
 
-  /// Follows a step that the level has taken. Allocates nothing after the first. Returns a sentence when the estimate ceases to
-  /// be a bound, or to exist; else an empty one. Throws Interrupted if the level's interrupt is true at the end: the step then
-  /// counts as not followed.
-  std::string follow(const Dynamics& level);
+  /// Follows a step that the level has taken; has_cut: which has cut it, so that there is no estimate from now on. Allocates
+  /// nothing after the first. Returns a sentence when the estimate ceases to be a bound, or to exist; else an empty one. Throws
+  /// Interrupted if the level's interrupt is true at the end: the step then counts as not followed.
+  std::string follow(const Dynamics& level, bool has_cut);
 
   /// Whether the next equilibrium, the first since the last reset or set state, should be searched for twice: copies of fewer
   /// points may miss other equilibria. The second search starts searchDisturbance() (m) from the start of the first.

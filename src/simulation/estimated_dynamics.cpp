@@ -80,13 +80,12 @@ EstimatedDynamics::Outcome EstimatedDynamics::takeStep() {
 // The copies take the same step. If it is interrupted, none of them has taken it.
 void EstimatedDynamics::estimate(Outcome& outcome) {
   if (outcome.has_new_arrival) estimator_->adoptArrivals(dynamics_->loads().contact);
-  if (outcome.has_cut) {
-    if (std::isfinite(estimator_->total()))
-      appendNotice(outcome.notice,
-                   "the surface is cut, which its coarser copies do not follow: there is no error estimate until the next reset");
-    estimator_->lose();
-  }
-  appendNotice(outcome.notice, estimator_->follow(*dynamics_));
+  const bool ends = outcome.has_cut && std::isfinite(estimator_->total());
+  const std::string notice = estimator_->follow(*dynamics_, outcome.has_cut);
+  if (ends)
+    appendNotice(outcome.notice,
+                 "the surface is cut, which its coarser copies do not follow: there is no error estimate until the next reset");
+  appendNotice(outcome.notice, notice);
   estimator_->learnBalance(dynamics_->params().integrator.type != solve::IntegratorType::kStatic || outcome.report.converged);
   if (outcome.second_distance) appendNotice(outcome.notice, estimator_->learnSecondSearch(*outcome.second_distance));
 }
