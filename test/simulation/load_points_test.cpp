@@ -3,6 +3,7 @@
 #include "../../src/simulation/points_between.h"
 #include "clouds.h"
 #include "deformable_surface/simulation/loads.h"
+#include "repeats.h"
 
 #include <gtest/gtest.h>
 
@@ -171,20 +172,7 @@ TEST(LoadPoints, AStripBendsAsABeamWhereverTheLoadedPatchEnds) {
 TEST(LoadPoints, ForksAndSnapshotsGoOnBitForBit) {
   SceneParams p = hangingSheet();
   p.forces = {{"pull", Vec3(0.9, 0.1, 0.0), Vec3(0.1, 0.0, 0.4), 0.11, 0.25, 0.6}};
-  Simulation s(p, sheetCloud(50));
-  run(s, 40);
-  const simulation::Snapshot kept = s.snapshot();
-  Simulation fork = s.fork();
-  run(s, 20);
-  run(fork, 20);
-  EXPECT_EQ(fork.stateHash(), s.stateHash());
-  const auto hash = s.stateHash();
-  s.restore(kept);
-  run(s, 20);
-  EXPECT_EQ(s.stateHash(), hash);
-  Simulation again(p, sheetCloud(50));
-  run(again, 60);
-  EXPECT_EQ(again.stateHash(), hash);
+  expectToGoOnBitForBit(p, sheetCloud(50), 40);
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 // Tools that touch the surface between its simulation points.
 #include "../../src/simulation/points_between.h"
 #include "clouds.h"
+#include "repeats.h"
 
 #include <gtest/gtest.h>
 
@@ -148,20 +149,7 @@ TEST(PointsBetween, ForksAndSnapshotsGoOnBitForBit) {
   tool::ToolParams tool = makeTool(makeBall(0.05), {{0.0, Vec3(0.6, 0.0, 0.2)}, {1.0, Vec3(0.6, 0.1, -0.2)}});
   tool.friction = 0.5;
   p.tools = {tool};
-  Simulation s(p, sheetCloud(50));
-  run(s, 60);
-  const simulation::Snapshot kept = s.snapshot();
-  Simulation fork = s.fork();
-  run(s, 20);
-  run(fork, 20);
-  EXPECT_EQ(fork.stateHash(), s.stateHash());
-  const auto hash = s.stateHash();
-  s.restore(kept);
-  run(s, 20);
-  EXPECT_EQ(s.stateHash(), hash);
-  Simulation again(p, sheetCloud(50));
-  run(again, 80);
-  EXPECT_EQ(again.stateHash(), hash);
+  expectToGoOnBitForBit(p, sheetCloud(50), 60);
 }
 
 }  // namespace
