@@ -289,7 +289,7 @@ TEST(Population, ASnapshotBringsBackWhoHasGone) {
   EXPECT_EQ(s.stateHash(), later);
 }
 
-// A jittered sphere that is flat at rest flies apart. New particles fill the gaps and fly off in turn.
+// A sphere of particles that are too near for their spacing flies apart. New particles fill the gaps and fly off in turn.
 TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
   SceneParams p;
   p.model = "oriented_particles";
@@ -302,6 +302,7 @@ TEST(Population, GrowthThatFeedsDebrisRestsAndSaysSoOnce) {
   p.material.bending_rigidity = 0.1;
   p.simplification.method = cloud::SimplificationMethod::kNone;
   p.oriented_particles.rest_shape = model::RestShape::kFlat;
+  p.oriented_particles.spacing = 0.14;  // 0.085 in the cloud
   p.oriented_particles.stretching = true;
   p.oriented_particles.growing = model::Growing::kGaps;
   p.oriented_particles.growth.min_gap = 1.6;

@@ -251,13 +251,28 @@ void ParticleLife::grow(State& state, Population& changes) {
   model::AreApart apart;
   if (!model_.cuts().isEmpty())
     apart = [&](Index i, Index j) { return !model_.cuts().mayBind(state.traits[i].id, state.traits[j].id); };
-  if (params.stretching)
-    newborn = model::proposeStretched(state.positions, state.orientations, flags, model_.lattice().spacing, growth, {}, apart);
-  if (newborn.empty() && params.growing != model::Growing::kNone) {
+  const double spacing = model_.lattice().spacing;
+  // Rules take turns: one whose places are all taken does not keep the next from its own.
+  const auto found = [&](std::vector<model::NewParticle> proposed) {
+    model::leaveOutCrowded(state.positions, growth.clearance * spacing, proposed);
+    newborn = std::move(proposed);
+    return !newborn.empty();
+  };
+  const auto findRoom = [&] {
+    if (params.stretching &&
+        found(model::proposeStretched(state.positions, state.orientations, flags, spacing, growth, {}, apart)))
+      return;
+    if (params.growing == model::Growing::kNone) return;
+    std::vector<char> growing = flags;
     if (params.growing == model::Growing::kEdges)
-      for (char& flag : flags) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
-    newborn = model::proposeGrown(state.positions, state.orientations, flags, model_.lattice().spacing, growth, {}, apart);
-  }
+      for (char& flag : growing) flag = static_cast<char>(flag | (flag ? model::kExtendsEdge : 0));
+    // The surroundings must agree: else, beside edges that tools have brought together, new particles would stand across the
+    // surface and others grow on them, until layers fill the inside.
+    model::GrowthParams witnessed = growth;
+    witnessed.witnessed = true;
+    found(model::proposeGrown(state.positions, state.orientations, growing, spacing, witnessed, {}, apart));
+  };
+  findRoom();
   if (newborn.empty()) return;
   if (const Index debris = countDebris(state); debris > kMostDebris) {
     if (!std::exchange(has_reported_debris_, true))
@@ -266,7 +281,6 @@ void ParticleLife::grow(State& state, Population& changes) {
                        std::to_string(kMostDebris);
     return;
   }
-  model::leaveOutCrowded(state.positions, growth.clearance * model_.lattice().spacing, newborn);
   const Index first = state.size();
   newborn.resize(std::min<std::size_t>(newborn.size(), growth.max_particles - first));
   for (const model::NewParticle& particle : newborn) append(particle, state);

@@ -105,6 +105,13 @@ void noteUnrest(const SceneParams& params, double spacing, RestSurface& s) {
                          "bending_rigidity, a smaller young_modulus or a smaller spacing keeps them flat");
 }
 
+// The simulation points at rest are where these particles are.
+void takePlaces(const model::State& state, model::OrientedParticles& model, RestSurface& s) {
+  s.points = state.positions;
+  for (Index i = 0; i < state.size(); ++i) s.normals[i] = state.orientations[i] * Vec3::UnitZ();
+  model.setRest(state);
+}
+
 // Brings the particles to rest where the cloud is, and takes that as the rest shape. What is at rest stays as it is, bit for bit.
 void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   const double spacing = model.lattice().spacing;
@@ -116,15 +123,40 @@ void takeCloudAsRest(model::OrientedParticles& model, RestSurface& s) {
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !s.creased[i];
   const Settled settled = settleParticles(s.dense, attraction, s.pinned, s.pinned_turns, model, state);
   if (!(settled.largest > 0.0)) return;
-  s.points = state.positions;
-  for (Index i = 0; i < state.size(); ++i) s.normals[i] = state.orientations[i] * Vec3::UnitZ();
-  model.setRest(state);
+  takePlaces(state, model, s);
   s.notes.push_back("particles moved by " + formatShort(settled.root_mean_square / spacing) + " spacings (rms; at most " +
                     formatShort(settled.largest / spacing) + ") before time 0 until they were " +
                     (settled.is_near ? "at rest as the cloud's shape"
                                      : "even; they are not at rest, for the only rest that was found is a "
                                        "crumpled one: material.bending_rigidity is too small, or particles lie on others") +
                     "; the cloud's points ride on them (oriented_particles.rest_shape flat: they begin where the points are)");
+}
+
+// A flat lattice is the rest shape. Where two particles are so near that their repulsion holds more energy than a bond, the cloud
+// would fly apart at once: phi(d) > 0 below d = r0 (m/n)^(1/(n-m)), with the letters of the potential. Particles then slide over
+// the surface until they are even. Other clouds stay as they are, bit for bit.
+void partCrushed(const Vec2& exponents, model::OrientedParticles& model, RestSurface& s) {
+  const double least = model.lattice().pair.distance * std::pow(exponents[1] / exponents[0], 1.0 / (exponents[0] - exponents[1]));
+  const Lists nearest = cloud::nearestNeighbors(s.points, 1);
+  const auto isCrushed = [&](Index i) {
+    return nearest.count(i) > 0 && (s.points[*nearest.begin(i)] - s.points[i]).norm() < least;
+  };
+  Index crushed = 0;
+  for (Index i = 0; i < nearest.size(); ++i) crushed += isCrushed(i);
+  if (crushed == 0) return;
+  model::OrientedParticles attraction = model;
+  attraction.leaveOnlyAttraction();
+  model::State state;
+  state.positions = s.points;
+  model.beginAtRest(state);
+  if (!slideParticles(s.dense, attraction, s.pinned, s.pinned_turns, state)) return;
+  const Settled moves = measureMoves(s.points, state.positions);
+  takePlaces(state, model, s);
+  const double spacing = model.lattice().spacing;
+  s.notes.push_back(count(crushed, "particles were nearer to another than bonds can hold: all slid over the surface by ") +
+                    formatShort(moves.root_mean_square / spacing) + " spacings (rms; at most " +
+                    formatShort(moves.largest / spacing) +
+                    ") before time 0 until they were even; the cloud's points ride on them");
 }
 
 // Oriented particles on the simulation points, which need not be a surface yet.
@@ -164,7 +196,11 @@ void buildParticles(const SceneParams& params, RestSurface& s) {
   model::OrientedParticles& model = *particles;
   s.model = std::move(particles);
   applyPins(params, s);
-  if (params.oriented_particles.restsAsCloud() && !params.oriented_particles.grow_surface) takeCloudAsRest(model, s);
+  if (params.oriented_particles.grow_surface) return;
+  if (params.oriented_particles.restsAsCloud())
+    takeCloudAsRest(model, s);
+  else if (params.oriented_particles.mode == model::ParticleMode::kSpace)
+    partCrushed(params.oriented_particles.exponents, model, s);
 }
 
 // Makes these dense points simulation points.

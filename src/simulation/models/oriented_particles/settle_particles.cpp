@@ -50,7 +50,8 @@ Place findSurface(const cloud::CleanCloud& dense, const cloud::KdTree& tree, con
   return {at - normal * normal.dot(at - point), normal};
 }
 
-// NaN counts as far.
+}  // namespace
+
 Settled measureMoves(const Points& from, const Points& to) {
   Settled moves;
   double squares = 0.0;
@@ -62,8 +63,6 @@ Settled measureMoves(const Points& from, const Points& to) {
   moves.root_mean_square = std::sqrt(squares / static_cast<double>(from.size()));
   return moves;
 }
-
-}  // namespace
 
 bool slideParticles(const cloud::CleanCloud& dense, const model::OrientedParticles& attraction, const std::vector<char>& held,
                     const std::vector<char>& held_turns, model::State& state) {

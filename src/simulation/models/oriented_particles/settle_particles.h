@@ -23,6 +23,9 @@ struct Settled {
   bool is_near = true;  // false: there is no equilibrium near, and they have only become even
 };
 
+/// Between two places of as many particles, (n x 3), m. NaN counts as far.
+Settled measureMoves(const Points& from, const Points& to);
+
 /// Makes the cloud a rest shape. Without leaving the surface of the dense points, particles slide by attraction and repulsion
 /// alone until they are even; each then keeps the curvature that it has; and all of them relax to equilibrium by all forces, if
 /// that is near: where bending is too soft to keep a surface it is a crumpled one. attraction: a model of the same particles
