@@ -176,6 +176,24 @@ TEST(Rings, TheAreaReachesTheSidesBetweenPointsThatLieALittleInside) {
   EXPECT_NEAR(measure(sheet), 1.0, 1e-4);
 }
 
+// A lattice with a round hole, whose rim has points on the circle. The triangles across it have 1.5 to 2.1 % of the area.
+TEST(Rings, TheAreaLeavesOutHoles) {
+  constexpr Index kSide = 40;
+  constexpr double kSpacing = 1.0 / (kSide - 1);
+  for (const double jitter : {0.0, 0.3})
+    for (const double spacings : {5.0, 8.0, 12.0}) {
+      const double radius = spacings * kSpacing;
+      TestSurface sheet;
+      for (Vec3 p : makeSheet(kSide, jitter).positions) {
+        const Vec3 out = p - Vec3(0.5, 0.5, 0.0);
+        if (out.norm() < radius - 0.5 * kSpacing) continue;
+        if (out.norm() < radius + 0.5 * kSpacing) p = Vec3(0.5, 0.5, 0.0) + radius * out.normalized();
+        sheet.add(p, Vec3::UnitZ());
+      }
+      EXPECT_NEAR(measure(sheet), 1.0 - kPi * radius * radius, 8e-3) << jitter << ", " << spacings;
+    }
+}
+
 TEST(Rings, TheAreaIsRightWhereListsLackNearPoints) {
   const TestSurface sheet = makeSheet(30, 0.3);
   Lists neighbors = nearestNeighbors(sheet.positions, kNeighbors), lacking;

@@ -44,9 +44,11 @@ class LinkRule {
   /// False if the link is far longer than the local spacing at either end, or not flat.
   bool accepts(Index i, Index j) const {
     const Vec3 link = positions_[j] - positions_[i];
-    const double max_squared_length = std::min(max_squared_length_[i], max_squared_length_[j]);
-    return link.squaredNorm() <= max_squared_length && isFlat(link, normals_[i], normals_[j]);
+    return link.squaredNorm() <= maxSquaredLength(i, j) && isFlat(link, normals_[i], normals_[j]);
   }
+
+  /// m^2, of a link between these points.
+  double maxSquaredLength(Index i, Index j) const { return std::min(max_squared_length_[i], max_squared_length_[j]); }
 
  private:
   const Points& positions_;

@@ -29,7 +29,7 @@ struct Rings {
 /// Parallel; O(n k log k). [Su 2007, sec. 3 and 4.1]
 Rings buildRings(const Points& positions, const Points& normals, const Lists& neighbors);
 
-/// The area of the surface, m^2, without making rings. Holes below 8 spacings in radius count in part. neighbors: as above.
+/// The area of the surface, m^2, without making rings. Holes below 5 spacings in radius count in part. neighbors: as above.
 double measureArea(const Points& positions, const Points& normals, const Lists& neighbors);
 
 /// The boundary points of a surface: an angular gap wider than kBoundaryGap among the projected k and again 2k nearest

@@ -122,6 +122,10 @@ class System {
   /// The force below which a balance is rounding, N: that of positions wrong by one unit in the last place.
   double roundingForce(double time, const State& state) const;
 
+  /// The largest motion per second of a held point (carried, (n) m/s, zero on others) relative to a free point to which it is
+  /// linked, as a share of their distance, 1/s.
+  double findCarriedStrain(const State& state, const Points& carried) const;
+
   /// Upper bound by Gershgorin's theorem of the largest rate of the damping that depends on velocity, 1/s.
   double dampingRate(double time, const State& state) const;
   /// Upper bound of the largest stiffness of the loads over its mass, 1/s^2.

@@ -8,7 +8,6 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
-#include <numeric>
 #include <utility>
 
 #include "../../behind_noise.h"
@@ -152,9 +151,7 @@ void takeSimulationPoints(const SceneParams& params, std::vector<Index> kept, co
                             "that is kept"));
   if (dropped > 0)
     s.notes.push_back(count(dropped, "simulation points belong to no surface and ride along with the nearest one"));
-  // The area of the full surface; if every point is simulated, that of the rings.
-  const bool is_all = s.points.size() == s.dense.positions.size();
-  s.area = is_all ? std::accumulate(s.rings.area.begin(), s.rings.area.end(), 0.0) : area();
+  s.area = area();
 }
 
 // Along the surface: the usable ones among the coarser points near each point of the level.
