@@ -16,6 +16,10 @@ constexpr double kShrink = 0.1;         // after a step that had to be cut or fa
 constexpr double kFirstStep = 1.0;      // of the caller's step
 constexpr double kLongestStep = 1e8;    // of the caller's step: the weight is then rounding beside any stiffness
 constexpr double kShortestStep = 1e-6;  // of the caller's step: shorter ones do not lead anywhere
+constexpr double kStride = 0.5;         // of a link: motion of a held point in one part of a static step
+constexpr double kMostParts = 1000.0;
+constexpr double kRough = 0.05;         // tolerance of all parts but the last
+constexpr Index kRoughIterations = 10;  // of Newton's method in each of them
 constexpr Index kTrial = 4;             // iterations of a trial: the first stretches what turns, the next undo most of it
 
 void missBalance(double scale, bool is_out_of_iterations, SolveReport& report) {
@@ -162,62 +166,79 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
   report.substeps = 1;
   const Index n = state.size();
   carried_.assign(n, Vec3::Zero());
-  anchor_ = state.positions;
-  for (Index i = 0; i < n; ++i) {
-    if (!system.isHeld(i)) continue;
-    carried_[i] = state.velocities[i];
-    state.positions[i] += step * carried_[i];
-  }
-  if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions);
+  for (Index i = 0; i < n; ++i)
+    if (system.isHeld(i)) carried_[i] = state.velocities[i];
   std::fill(state.velocities.begin(), state.velocities.end(), Vec3::Zero());
   state.friction.clear();  // an equilibrium is one without friction
   state.self_friction.clear();
-  const double rounding = system.roundingForce(time, state);
-  if (quasi_newton_.solve(system, time + step, params_.tolerance, rounding, interrupt_, state, report)) {
-    report.is_quasi_newton = true;
-    state.velocities = carried_;
-    report.finite = allFinite(state.positions);
-    return report;
+  begin_ = state.positions;
+  const double end = time + step, strides = system.findCarriedStrain(state, carried_) * step / kStride;
+  const Index parts = static_cast<Index>(std::ceil(std::clamp(strides, 1.0, kMostParts)));
+  if (parts > 1) report.carrying_work = 0.0;
+  for (Index part = 1; part <= parts && !isInterrupted(); ++part) {
+    const double before = parts > 1 ? system.potentialEnergy(end, state) : 0.0;
+    anchor_ = state.positions;
+    for (Index i = 0; i < n; ++i)
+      if (system.isHeld(i)) state.positions[i] = begin_[i] + step * (static_cast<double>(part) / parts) * carried_[i];
+    if (system.motionLimit()) system.motionLimit()->limit(anchor_, state.positions);
+    if (parts > 1) *report.carrying_work += system.potentialEnergy(end, state) - before;
+    if (part == parts) break;
+    search(system, end, step, std::max(kRough, params_.tolerance), std::min(kRoughIterations, params_.max_iterations), state,
+           report);
   }
+  const Result result = search(system, end, step, params_.tolerance, params_.max_iterations, state, report);
+  if (!result.converged) missBalance(result.scale, result.is_out_of_iterations, report);
+  state.velocities = carried_;
+  report.finite = allFinite(state.positions);
+  return report;
+}
+
+StaticSolver::Result StaticSolver::search(const System& system, double time, double step, double tolerance, Index most,
+                                          State& state, SolveReport& report) {
+  const Index n = state.size();
+  const double rounding = system.roundingForce(time, state);
+  report.is_quasi_newton = quasi_newton_.solve(system, time, tolerance, rounding, interrupt_, state, report);
+  if (report.is_quasi_newton) return {true, false, 0.0};
   weight_.resize(n);
   double pseudo_step = kFirstStep * step;
   double scale = 0.0, safe_energy = 0.0;
+  Index iterations = 0;
   Index trial = 0;       // iterations since safe_, as long as none has come below its energy
   bool careful = false;  // the last trial led nowhere
   newton_.begin(interrupt_);
-  report.converged = false;
+  bool converged = false;
   while (!newton_.isInterrupted()) {
     // The residual without the proximal term: the anchor is the present state.
     anchor_ = state.positions;
     if (trial == 0) {
       safe_ = state.positions;
-      safe_energy = system.potentialEnergy(time + step, state);
+      safe_energy = system.potentialEnergy(time, state);
     }
     for (Index i = 0; i < n; ++i) weight_[i] = system.masses()[i] / (pseudo_step * pseudo_step);
-    const NewtonDescent::Problem problem{
-        system, time + step, 0.0, safe_, anchor_, weight_, std::max(params_.tolerance * scale, rounding)};
+    const NewtonDescent::Problem problem{system, time, 0.0, safe_, anchor_, weight_, std::max(tolerance * scale, rounding)};
     const Timer timer;
     report.residual = newton_.evaluate(problem, state);
     report.time_forces += timer.seconds();
     if (trial == 0) {
-      scale = std::max(scale, system.largestForce(time + step, state));
-      if (report.residual <= std::max(params_.tolerance * scale, rounding)) {
-        report.converged = true;
+      scale = std::max(scale, system.largestForce(time, state));
+      if (report.residual <= std::max(tolerance * scale, rounding)) {
+        converged = true;
         break;
       }
-      if (report.iterations == params_.max_iterations || pseudo_step < kShortestStep * step) break;
+      if (iterations == most || pseudo_step < kShortestStep * step) break;
     }
-    if (report.iterations == params_.max_iterations) {  // the trial comes to no end
+    if (iterations == most) {  // the trial comes to no end
       state.positions = safe_;
       trial = 0;
       continue;
     }
     const NewtonDescent::Step taken = newton_.descend(problem, state, trial == 0 && !careful);
+    ++iterations;
     ++report.iterations;
     if (trial == 0 && !taken.raised) {
       pseudo_step *= taken.fraction == 1.0 ? kGrowth : kShrink;
       careful = false;
-    } else if (system.potentialEnergy(time + step, state) - newton_.remainderWork(safe_, state) < safe_energy) {
+    } else if (system.potentialEnergy(time, state) - newton_.remainderWork(safe_, state) < safe_energy) {
       pseudo_step *= kGrowth;
       trial = 0;
     } else if (++trial > kTrial || taken.fraction == 0.0) {
@@ -227,10 +248,7 @@ SolveReport StaticSolver::advance(const System& system, double time, double step
     }
     pseudo_step = std::min(pseudo_step, kLongestStep * step);
   }
-  if (!report.converged) missBalance(scale, report.iterations == params_.max_iterations, report);
-  state.velocities = carried_;
-  report.finite = allFinite(state.positions);
-  return report;
+  return {converged, iterations == most, scale};
 }
 
 }  // namespace deformable_surface::solve

@@ -60,17 +60,28 @@ class ImplicitSecondOrder : public Integrator {
 /// A whole step that would raise the energy is taken on trial: large rotations stretch
 /// at first, and the next steps undo that. If these do not end lower than before the trial, it is
 /// undone and the step is shortened (the watchdog technique [Chamberlain et al. 1982]).
+/// Held points that move far move in parts of half a link, with a rough search after each. Moved all at once, they crumple the
+/// surface around them, which then often ends in an equilibrium of much more energy.
 class StaticSolver : public Integrator {
  public:
   explicit StaticSolver(const IntegratorParams& params) : params_(params) {}
   SolveReport advance(const System& system, double time, double step, double max_substep, State& state) override;
 
  private:
+  struct Result {
+    bool converged, is_out_of_iterations;
+    double scale;  // N, the size of the forces that have to balance; 0 from QuasiNewton
+  };
+  /// Until no force exceeds tolerance times the largest, or after `most` iterations of Newton's method. step, s, is the first
+  /// pseudo-step. Adds to report; the velocities must be zero.
+  Result search(const System& system, double time, double step, double tolerance, Index most, State& state, SolveReport& report);
+  bool isInterrupted() const { return interrupt_ && *interrupt_; }
+
   IntegratorParams params_;
   QuasiNewton quasi_newton_;
   NewtonDescent newton_;
-  Points carried_;        // velocities of held points, m/s
-  Points anchor_, safe_;  // safe_: the last state with the lowest energy so far
+  Points carried_;                // velocities of held points, m/s
+  Points begin_, anchor_, safe_;  // begin_: of the step; safe_: the last state with the lowest energy so far
   std::vector<double> weight_;
 };
 

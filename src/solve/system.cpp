@@ -131,6 +131,16 @@ double System::estimateStaticWork(double from, double to, const State& before, c
   return work;
 }
 
+double System::findCarriedStrain(const State& state, const Points& carried) const {
+  double largest = 0.0;
+  for (const auto& [i, j] : stretchLinksOf(model_)) {
+    if (held_[i] == held_[j]) continue;
+    const double squared = (state.positions[i] - state.positions[j]).squaredNorm();
+    if (squared > 0.0) largest = std::max(largest, (carried[i] - carried[j]).squaredNorm() / squared);
+  }
+  return std::sqrt(largest);
+}
+
 bool System::hasCarried(const State& before, const State& after) const {
   for (Index i = 0; i < after.size(); ++i)
     if (held_[i] && before.positions[i] != after.positions[i]) return true;

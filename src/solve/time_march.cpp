@@ -182,8 +182,9 @@ SolveReport TimeMarch::advancePart(double time, double part, double share, State
   if (memory_.type != IntegratorType::kVerlet) {
     portion_start_ = state;
     const SolveReport report = integrator(memory_.type).advance(system_, time, part, share * memory_.max_substep, state);
-    work_ += memory_.type == IntegratorType::kStatic ? system_.estimateStaticWork(time, time + part, portion_start_, state)
-                                                     : system_.estimateWork(time, time + part, portion_start_, state);
+    work_ += report.carrying_work ? *report.carrying_work + system_.loadWork(time, time + part, portion_start_, state)
+             : memory_.type == IntegratorType::kStatic ? system_.estimateStaticWork(time, time + part, portion_start_, state)
+                                                       : system_.estimateWork(time, time + part, portion_start_, state);
     return report;
   }
   SolveReport total;

@@ -1,5 +1,6 @@
 // Pins with a path: the points move rigidly, and everything that uses pins uses their motion.
 #include "clouds.h"
+#include "deformable_surface/io/shapes.h"
 #include "deformable_surface/simulation/rest_surface.h"
 
 #include <gtest/gtest.h>
@@ -185,6 +186,44 @@ TEST(MovingPins, CarryParticlesAndSolids) {
     run(s, 10);
     for (const Index i : moving) EXPECT_LT((s.state().positions[i] - rest[i] - Vec3(0.04 * s.time(), 0.0, 0.0)).norm(), 1e-12);
   }
+}
+
+// The elastic energy after a disc within a sheet has moved, in so many static steps.
+double moveDisc(const Vec3& motion, int steps) {
+  constexpr double kRadius = 2.0 / 15.0;
+  simulation::CloudParams cloud;
+  cloud.shape = simulation::CloudParams::Shape::kSheet;
+  cloud.points = 225;
+  cloud.size = Vec2(1.0, 1.0);
+  cloud.jitter = 0.3;
+  simulation::SceneParams p;
+  p.material.thickness = 0.003;
+  p.gravity.setZero();
+  p.simplification.method = cloud::SimplificationMethod::kNone;
+  p.integrator.type = solve::IntegratorType::kStatic;
+  p.integrator.time_step = 1.0;
+  p.accuracy.estimate = false;
+  p.pins.resize(2);
+  p.pins[0].region = boxOf(Vec3(-1.0, -1.0, -1.0), Vec3(-0.4, 1.0, 1.0));
+  geometry::Region& disc = p.pins[1].region;
+  disc.kind = geometry::Region::Kind::kSphere;
+  disc.center = Vec3(0.1, 0.05, 0.0);
+  disc.radius = kRadius;
+  for (int k = 0; k <= steps; ++k) p.pins[1].path.push_back({k + 1.0, disc.center + motion * k / steps, kUpright});
+  Simulation s(p, io::makeShape(cloud));
+  run(s, steps + 1);
+  return s.statistics().elastic_energy;
+}
+
+// The sheet buckles where it is pushed together. Moved all at once, the disc crumpled it into another equilibrium.
+TEST(MovingPins, AStaticStepOverSpacingsEndsWhereShortStepsDo) {
+  constexpr double kSpacing = 1.0 / 15.0;
+  for (const Vec3& direction : {Vec3(-1.0, 0.0, 0.0), Vec3(0.6, 0.7, 0.3), Vec3(0.0, 0.0, 1.0)})
+    for (const double spacings : {1.0, 3.0}) {
+      const Vec3 motion = spacings * kSpacing * direction;
+      const double energy = moveDisc(motion, static_cast<int>(2.0 * spacings));
+      EXPECT_NEAR(moveDisc(motion, 1), energy, 0.03 * energy) << direction.transpose() << ", " << spacings;
+    }
 }
 
 TEST(MovingPins, TurnsAreRefusedWithAHeldOrientation) {
