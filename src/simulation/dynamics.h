@@ -9,6 +9,7 @@
 #include "deformable_surface/simulation/rest_surface.h"
 #include "deformable_surface/simulation/tool_reaction.h"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <optional>
@@ -119,6 +120,8 @@ class Dynamics {
   double time() const { return static_cast<double>(steps_) * params_.integrator.time_step; }
   std::uint64_t stepCount() const { return steps_; }
   const model::State& state() const { return now_.points; }
+  /// Of all bits of the state, and of cuts that it does not hold.
+  std::uint64_t stateHash() const;
   const std::vector<char>& pinned() const { return now_.pinned; }
   const std::vector<char>& held() const { return held_; }  // (n) pinned, gripped or held by the evolution
   const std::vector<tool::ToolParams>& tools() const { return tools_; }

@@ -2,6 +2,7 @@
 #include "dynamics.h"
 
 #include "deformable_surface/base/error.h"
+#include "state_hash.h"
 
 namespace deformable_surface::simulation {
 
@@ -99,5 +100,7 @@ std::unique_ptr<Dynamics> Dynamics::fork(bool to_look) const {
   fork->restore(save(), to_look);
   return fork;
 }
+
+std::uint64_t Dynamics::stateHash() const { return evolution_->addToHash(hashState(now_.points)); }
 
 }  // namespace deformable_surface::simulation

@@ -10,7 +10,6 @@
 
 #include "accuracy.h"
 #include "command_checks.h"
-#include "state_hash.h"
 
 namespace deformable_surface::simulation {
 namespace {
@@ -209,7 +208,7 @@ std::uint64_t Simulation::revision() const { return dynamics().revision(); }
 std::uint64_t Simulation::surfaceRevision() const { return impl_->surface.revision(); }
 const Surface& Simulation::surface(bool with_normals) { return impl_->makeSurface(with_normals); }
 Statistics Simulation::statistics() const { return impl_->measure(); }
-std::uint64_t Simulation::stateHash() const { return hashState(state()); }
+std::uint64_t Simulation::stateHash() const { return dynamics().stateHash(); }
 const model::State& Simulation::state() const { return dynamics().state(); }
 const model::DeformableModel& Simulation::model() const { return dynamics().model(); }
 Index Simulation::numFirst() const { return static_cast<Index>(dynamics().rest().points.size()); }

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "state_hash.h"
 #include "tool_reach.h"
 
 namespace deformable_surface::simulation {
@@ -44,7 +43,7 @@ void Simulation::Impl::measureState() {
     statistics.self_distance = self->contact.leastDistance(state.positions);
     statistics.stopped_points = static_cast<std::uint32_t>(self->numStopped());
   }
-  statistics.state_hash = hashState(state);
+  statistics.state_hash = now.stateHash();
   readEstimate(statistics);
 }
 

@@ -145,6 +145,41 @@ TEST(ParticleCuts, NewParticlesAreCutFromWhatTheirParentsAreCutFrom) {
   EXPECT_FALSE(cuts.inherit(sheet.positions, sheet.traits, first, {{0, 1}}, sheet.lengths).isCut(101));
 }
 
+// Several children of one pass, of which later ones have earlier ones beside them: as if every pair were looked at.
+TEST(ParticleCuts, ChildrenTakePartInTheCutsOfEachOther) {
+  Sheet sheet;
+  const ParticleCuts cuts = sheet.cut(ParticleCuts(), 3.75);
+  const Index first = static_cast<Index>(sheet.positions.size());
+  std::vector<ParticleCuts::Pair> parents;
+  for (const Index row : {2, 4})
+    for (const Index column : {2, 3, 4, 5}) {
+      const Index a = Sheet::at(column, row), b = Sheet::at(column, row + 1);
+      parents.emplace_back(a, b);
+      sheet.positions.push_back(0.5 * (sheet.positions[a] + sheet.positions[b]));
+      sheet.traits.emplace_back();
+      sheet.traits.back().id = static_cast<Index>(100 + sheet.positions.size());
+    }
+  const ParticleCuts born = cuts.inherit(sheet.positions, sheet.traits, first, parents, sheet.lengths);
+  const auto idOf = [&](Index k) { return sheet.traits[first + k].id; };
+  for (const Index row : {0, 4}) {
+    EXPECT_TRUE(born.mayBind(idOf(row), idOf(row + 1)));       // both left of the cut
+    EXPECT_FALSE(born.mayBind(idOf(row + 1), idOf(row + 2)));  // across it
+    EXPECT_TRUE(born.isSevered(idOf(row + 1), idOf(row + 2)));
+    EXPECT_TRUE(born.mayBind(idOf(row + 2), idOf(row + 3)));
+  }
+  EXPECT_NE(born.addToHash(1), cuts.addToHash(1));
+}
+
+TEST(ParticleCuts, AreInTheHashOfAState) {
+  const Sheet sheet;
+  EXPECT_EQ(ParticleCuts().addToHash(7), 7u);
+  const ParticleCuts one = sheet.cut(ParticleCuts(), 3.4), same = sheet.cut(ParticleCuts(), 3.4),
+                     other = sheet.cut(ParticleCuts(), 4.4);
+  EXPECT_EQ(one.addToHash(7), same.addToHash(7));
+  EXPECT_NE(one.addToHash(7), 7u);
+  EXPECT_NE(one.addToHash(7), other.addToHash(7));
+}
+
 TEST(ParticleCuts, WhatIsGoneIsForgotten) {
   Sheet sheet;
   const ParticleCuts cuts = sheet.cut(ParticleCuts(), 3.4);

@@ -485,6 +485,62 @@ TEST(ParticleCutting, ParticlesBornBesideACutBelongToItsSide) {
   EXPECT_EQ(countModelPieces(s).size(), 2u);
 }
 
+// Two states that differ by a cut alone go different ways.
+TEST(ParticleCutting, ACutIsInTheHashAndComesBackWithASnapshot) {
+  const SceneParams p = cutSheet();
+  Simulation s(p, makeCloud(p));
+  const simulation::Snapshot before = s.snapshot();
+  const std::uint64_t whole = s.stateHash();
+  run(s, 40);
+  ASSERT_FALSE(particlesOf(s).cuts().isEmpty());
+  EXPECT_EQ(s.statistics().state_hash, s.stateHash());
+  const std::uint64_t hash = s.stateHash();
+  const simulation::Snapshot after = s.snapshot();
+  s.restore(before);
+  EXPECT_EQ(s.stateHash(), whole);
+  s.restore(after);
+  EXPECT_EQ(s.stateHash(), hash);
+  EXPECT_FALSE(particlesOf(s).cuts().isEmpty());
+}
+
+// By hand or by ~grow_surface, beside a cut: no particle joins its two sides.
+TEST(ParticleCutting, EditsAndGrownSurfacesBesideACutDoNotBridgeIt) {
+  SceneParams p = cutSheet();
+  Simulation s(p, makeCloud(p));
+  run(s, 40);
+  ASSERT_EQ(countModelPieces(s).size(), 2u);
+  const double a = spacingOf(400);
+  // Particles of both sides go, and the holes are filled anew: one by hand, the others by growth.
+  simulation::ParticleEdit edit;
+  edit.action = simulation::ParticleAction::kDelete;
+  const Index first = s.state().size();
+  for (Index i = 0; i < first; ++i)
+    if ((s.state().positions[i] - Vec3(0.013, 0.0, 0.0)).norm() < 1.2 * a) edit.ids.push_back(s.state().traits[i].id);
+  ASSERT_GE(edit.ids.size(), 3u);
+  s.editParticles(edit);
+  edit = simulation::ParticleEdit();
+  edit.action = simulation::ParticleAction::kAdd;
+  edit.positions = {Vec3(0.013 - 0.6 * a, 0.0, 0.0)};
+  edit.orientations = {Quaternion::Identity()};
+  const std::vector<Index> added = s.editParticles(edit);
+  ASSERT_EQ(added.size(), 1u);
+  const model::ParticleCuts cuts = particlesOf(s).cuts();
+  EXPECT_TRUE(cuts.isCut(added[0]));
+  for (Index i = 0; i < s.state().size(); ++i)
+    if (s.state().positions[i].x() > 0.013) {
+      EXPECT_FALSE(cuts.mayBind(added[0], s.state().traits[i].id)) << s.state().positions[i].transpose() / a;
+    }
+  EXPECT_EQ(countModelPieces(s).size(), 2u);
+  model::GrowthParams growth;
+  growth.max_gap = 4.0;
+  growth.min_gap = 1.6;
+  s.growSurface(growth);
+  EXPECT_GT(s.state().next_id, first + 1);
+  EXPECT_EQ(countModelPieces(s).size(), 2u);
+  run(s, 100);
+  EXPECT_EQ(countModelPieces(s).size(), 2u);
+}
+
 TEST(ParticleCutting, PointsOfTheCloudGoWithTheirSide) {
   SceneParams p = cutSheet(4000);
   p.tools = {scalpel("knife", 0.01, kAcross, 5.0)};

@@ -2,11 +2,14 @@
 #include "deformable_surface/simulation/simulation.h"
 
 #include "clouds.h"
+#include "deformable_surface/io/shapes.h"
 #include "particles.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <functional>
+#include <string>
 
 namespace deformable_surface::test {
 namespace {
@@ -74,6 +77,64 @@ TEST(ParticleLife, AfterAFitNoTwoParticlesAreInOnePlace) {
       }
       run(s, 5);
     }
+}
+
+// What growth leaves undone is a warning, with the number that ended it, or the place.
+TEST(ParticleLife, GrowthThatIsNotCompleteIsAWarning) {
+  const auto warningOf = [](const std::function<void(simulation::SceneParams&, cloud::PointCloud&)>& change) {
+    simulation::SceneParams p = particleSheet();
+    p.pins.clear();
+    p.oriented_particles.spacing = 0.1;
+    p.material.bending_rigidity = 0.3 * p.material.young_modulus * p.material.thickness * 0.01;
+    p.oriented_particles.grow_surface = true;
+    p.oriented_particles.growth.max_gap = 4.0;
+    cloud::PointCloud cloud = sheetCloud(5);  // a quarter of the unit square apart: rooms for one or two between them
+    change(p, cloud);
+    cloud.width = static_cast<std::uint32_t>(cloud.positions.size());
+    simulation::Simulation s(p, cloud);
+    std::string all;
+    for (const std::string& warning : s.buildWarnings()) all += warning + "; ";
+    return all;
+  };
+  EXPECT_EQ(warningOf([](auto&, auto&) {}), "");
+  const std::string passes = warningOf([](auto& p, auto&) { p.oriented_particles.growth.max_passes = 1; });
+  EXPECT_NE(passes.find("growth ended at growth.max_passes, 1: the surface is not complete"), std::string::npos) << passes;
+  const std::string particles = warningOf([](auto& p, auto&) { p.oriented_particles.growth.max_particles = 40; });
+  EXPECT_NE(particles.find("growth ended at growth.max_particles, 40: the surface is not complete"), std::string::npos)
+      << particles;
+  const std::string lonely = warningOf([](auto&, auto& cloud) { cloud.positions.emplace_back(0.5, 0.5, 3.0); });
+  EXPECT_NE(lonely.find("1 particle belongs to no surface, the first at 0.5, 0.5, 3"), std::string::npos) << lonely;
+}
+
+// A soft sheet that breaks under its weight draws up into clumps. Its particles have more bonds each then, and a step costs as
+// much more.
+TEST(ParticleLife, ASheetThatClumpsIsToldOnce) {
+  for (const bool is_heavy : {true, false}) {
+    simulation::SceneParams p = particleSheet();
+    p.cloud.shape = simulation::CloudParams::Shape::kLattice;
+    p.cloud.points = 400;
+    p.cloud.size = Vec2(0.3, 0.3);
+    p.material.young_modulus = 2e4;
+    p.material.thickness = 0.003;
+    if (is_heavy) p.gravity = Vec3(0.0, 0.0, -9.81);
+    for (const double sign : {-1.0, 1.0}) {
+      tool::ToolParams hand;
+      hand.id = sign > 0.0 ? "right" : "left";
+      hand.mode = tool::Mode::kMove;
+      hand.shape.kind = geometry::Solid::Kind::kBox;
+      hand.shape.size = Vec3(0.04, 0.4, 0.1);
+      hand.path = {{0.0, Vec3(0.14 * sign, 0.0, 0.0)}};
+      p.tools.push_back(hand);
+    }
+    simulation::Simulation s(p, io::makeShape(p.cloud));
+    int told = 0;
+    for (int k = 0; k < 120; ++k) {
+      const simulation::StepOutcome outcome = s.step();
+      ASSERT_TRUE(outcome.ok) << outcome.problem;
+      told += outcome.notice.find("particles pile up: found ") != std::string::npos;
+    }
+    EXPECT_EQ(told, is_heavy ? 1 : 0);
+  }
 }
 
 }  // namespace

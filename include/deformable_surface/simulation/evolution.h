@@ -8,6 +8,7 @@
 #include "deformable_surface/tool/blade.h"
 #include "deformable_surface/tool/tool.h"
 
+#include <cstdint>
 #include <memory>
 #include <string>
 #include <utility>
@@ -90,6 +91,8 @@ class Evolution {
   /// Null: nothing. Allocates only after a change.
   virtual std::shared_ptr<const Memory> memory() const { return nullptr; }
   virtual void setMemory(const std::shared_ptr<const Memory>& /*saved*/) {}
+  /// A hash of the state extended by what decides the coming steps and is not in the state; unchanged if there is nothing.
+  virtual std::uint64_t addToHash(std::uint64_t hash) const { return hash; }
 
   // For models with has_population.
   /// Makes the whole edit, or throws InputError with the reason and changes nothing. pinned, pinned_turns: (n), position and

@@ -302,6 +302,26 @@ double OrientedParticles::measureSpacing(const State& state) const {
   return count > 0.0 ? std::sqrt(4.0 * area / (std::sqrt(3.0) * count)) : 0.0;
 }
 
+double OrientedParticles::meanBonds(const State& state) const {
+  if (state.size() == 0 || !prepare(state)) return 0.0;
+  const double sum = parallelSum(state.size(), kBlock, [&](Index begin, Index end) {
+    double count = 0.0;
+    for (Index i = begin; i < end; ++i) forEachNear(i, lattice_.pair.cutoff, [&](Index, double) { count += 1.0; });
+    return count;
+  });
+  return sum / static_cast<double>(state.size());
+}
+
+double OrientedParticles::latticeBonds() const {
+  const double most = std::pow(lattice_.pair.cutoff / lattice_.spacing, 2);
+  constexpr int kFar = 6;  // rows: the longest cutoff is four distances
+  int count = -1;          // without itself
+  const int rows = params_.mode == ParticleMode::kPlane ? 0 : kFar;
+  for (int i = -kFar; i <= kFar; ++i)
+    for (int j = -rows; j <= rows; ++j) count += i * i + i * j + j * j < most;
+  return count;
+}
+
 void OrientedParticles::leaveOnlyAttraction() {
   lattice_.pair.co_planarity = lattice_.pair.co_normality = lattice_.pair.co_circularity = 0.0;
 }

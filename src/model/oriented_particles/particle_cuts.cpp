@@ -1,11 +1,13 @@
 #include "deformable_surface/model/oriented_particles/particle_cuts.h"
 
+#include "deformable_surface/base/hash.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/cloud/kd_tree.h"
 #include "deformable_surface/model/oriented_particles/neighbor_list.h"
 
 #include <algorithm>
 #include <set>
+#include <unordered_map>
 
 namespace deformable_surface::model {
 namespace {
@@ -257,6 +259,21 @@ ParticleCuts ParticleCuts::inherit(const Points& positions, const std::vector<Pa
   Lists next = *lists_;
   std::set<Pair> bound(next.bound.begin(), next.bound.end()), severed(lists_->severed->begin(), lists_->severed->end());
   const auto isCutNow = [&](Index id) { return id < static_cast<Index>(next.is_cut.size()) && next.is_cut[id]; };
+  // Only particles near a new one, and those that a parent is severed from, may be concerned.
+  const cloud::KdTree tree(positions);
+  std::unordered_map<Index, Index> index_of_id;
+  for (std::size_t i = 0; i < traits.size(); ++i) index_of_id[traits[i].id] = static_cast<Index>(i);
+  std::unordered_map<Index, std::vector<Index>> severed_from;  // by id: numbers of present particles
+  const auto sever = [&](Index i, Index j) {
+    severed_from[traits[i].id].push_back(j);
+    severed_from[traits[j].id].push_back(i);
+  };
+  for (const auto& [a, b] : severed) {
+    const auto i = index_of_id.find(a), j = index_of_id.find(b);
+    if (i != index_of_id.end() && j != index_of_id.end()) sever(i->second, j->second);
+  }
+  std::vector<cloud::Neighbor> near;
+  std::vector<Index> others;
   for (std::size_t k = 0; k < parents.size(); ++k) {
     const Index child = first + static_cast<Index>(k), id = traits[child].id;
     std::vector<Index> from;  // parents
@@ -264,12 +281,23 @@ ParticleCuts ParticleCuts::inherit(const Points& positions, const std::vector<Pa
       if (parent >= 0) from.push_back(parent);
     next.is_cut.resize(std::max<std::size_t>(next.is_cut.size(), id + 1), 0);
     for (const Index parent : from) next.is_cut[id] = next.is_cut[id] || isCutNow(traits[parent].id);
-    for (Index x = 0; x < child; ++x) {
+    others.clear();
+    tree.withinRadius(positions[child], lengths.sight, near);
+    for (const cloud::Neighbor& q : near) others.push_back(q.index);
+    for (const Index parent : from) {
+      const auto found = severed_from.find(traits[parent].id);
+      if (found != severed_from.end()) others.insert(others.end(), found->second.begin(), found->second.end());
+    }
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    for (const Index x : others) {
+      if (x >= child) break;  // later ones see this one
       const Pair pair = pairOf(id, traits[x].id);
       const bool is_parent = std::find(from.begin(), from.end(), x) != from.end();
       const auto isSeveredFrom = [&](Index parent) { return severed.count(pairOf(traits[parent].id, traits[x].id)) > 0; };
       if (!is_parent && std::any_of(from.begin(), from.end(), isSeveredFrom)) {
         severed.insert(pair);
+        sever(child, x);
         continue;
       }
       if (!(isCutNow(id) || isCutNow(traits[x].id))) continue;
@@ -284,6 +312,16 @@ ParticleCuts ParticleCuts::inherit(const Points& positions, const std::vector<Pa
   next.bound.assign(bound.begin(), bound.end());
   if (severed.size() != lists_->severed->size()) next.severed = std::make_shared<const Pairs>(severed.begin(), severed.end());
   return make(std::move(next));
+}
+
+std::uint64_t ParticleCuts::addToHash(std::uint64_t h) const {
+  if (!lists_) return h;
+  for (const char is_cut : lists_->is_cut) h = mixHash(h, static_cast<std::uint64_t>(is_cut));
+  for (const Pairs* pairs : {&lists_->bound, lists_->severed.get()}) {
+    h = mixHash(h, pairs->size());
+    for (const auto& [a, b] : *pairs) h = mixHash(mixHash(h, static_cast<std::uint64_t>(a)), static_cast<std::uint64_t>(b));
+  }
+  return h;
 }
 
 std::size_t ParticleCuts::bytes() const {

@@ -57,6 +57,9 @@ class OrientedParticles : public DeformableModel,
   void setSpacing(double spacing);
   /// The edge, m, of the equilateral triangle with the mean area of the triangles between the particles; 0 if there are none.
   double measureSpacing(const State& state) const;
+  /// The mean number of bonds of a particle, and that inside a flat lattice (a chain in mode plane).
+  double meanBonds(const State& state) const;
+  double latticeBonds() const;
   /// From now on no force depends on orientations, until the spacing is set.
   void leaveOnlyAttraction();
   /// The spacing of the parameters, or of the cloud.

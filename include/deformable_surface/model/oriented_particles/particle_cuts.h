@@ -5,6 +5,7 @@
 #include "deformable_surface/base/types.h"
 #include "deformable_surface/model/state.h"
 
+#include <cstdint>
 #include <functional>
 #include <memory>
 #include <utility>
@@ -63,8 +64,12 @@ class ParticleCuts {
 
   /// Particles from index `first` on are new. They take part in the cuts of their parents (numbers of present particles, -1:
   /// none), two each: what one parent is severed from, the new one is severed from as well, so that none bridges a cut.
+  /// O(n log n), and for each new one its neighbours and what its parents are severed from.
   ParticleCuts inherit(const Points& positions, const std::vector<ParticleTraits>& traits, Index first,
                        const std::vector<Pair>& parents, const Lengths& lengths) const;
+
+  /// A hash extended by all lists; unchanged if nothing is cut.
+  std::uint64_t addToHash(std::uint64_t hash) const;
 
   std::size_t bytes() const;
 

@@ -29,6 +29,7 @@ constexpr Index kLastIterations = 40;    // the same when growth has ended
 constexpr double kLastTolerance = 1e-4;  // of its first force
 
 constexpr Index kMostDebris = 4;  // pieces of newborns alone: a few may have been cut off by tools
+constexpr double kHeap = 1.5;     // times the bonds of a lattice: draped and torn sheets stay near 1, heaps have 2 and more
 constexpr double kClosest = 0.3;  // of the spacing: as near as particles may be after growth, as after an edit
 constexpr Index kLook = 1024;     // particles between two looks at an interrupt
 
@@ -215,7 +216,7 @@ Index ParticleLife::countDebris(const State& state) const {
 }
 
 Population ParticleLife::begin(const std::vector<char>& pinned, State& state) {
-  has_reported_debris_ = false;
+  has_reported_debris_ = has_reported_heap_ = false;
   model_.setSpacing(model_.statedSpacing());  // undoes the change by growing a surface
   for (Index i = 0; i < state.size(); ++i) state.traits[i].is_smooth = !creased_[i];
   const model::OrientedParticlesParams& params = scene_.oriented_particles;
@@ -236,6 +237,15 @@ Evolution::Change ParticleLife::beforeStep(double time, double step, const std::
   const double interval = scene_.oriented_particles.growth_interval;
   const bool looks = std::floor((time + 1e-6 * step) / interval) > std::floor((time - (1.0 - 1e-6) * step) / interval);
   if (looks) grow(state, change.population);
+  if (looks && !has_reported_heap_) {
+    const double bonds = model_.meanBonds(state), in_lattice = model_.latticeBonds();
+    has_reported_heap_ = bonds > kHeap * in_lattice;
+    if (has_reported_heap_)
+      change.population.notice +=
+          (change.population.notice.empty() ? "" : "; ") +
+          ("particles pile up: found " + formatShort(bonds) + " bonds each (mean), a flat surface has " +
+           formatShort(in_lattice) + "; a step costs accordingly (material.bending_rigidity keeps a surface flat)");
+  }
   return change;
 }
 

@@ -33,6 +33,7 @@ class ParticleLife : public Evolution {
   bool maySleepInParts() const override;
   std::shared_ptr<const Memory> memory() const override;
   void setMemory(const std::shared_ptr<const Memory>& saved) override;
+  std::uint64_t addToHash(std::uint64_t hash) const override { return model_.cuts().addToHash(hash); }
 
   /// Sec. 7 of [Szeliski 1991], with relaxation in between. is_start: all take the shape that is found for their rest shape, and
   /// the model the spacing with which it has no tension; else the new ones alone take theirs.
@@ -66,7 +67,7 @@ class ParticleLife : public Evolution {
   bool is_hot_ = false;  // some particles are above the ambient temperature, or have flowed, before the last step
   mutable std::shared_ptr<const Kept> kept_;  // that was given out last
   Points before_;                             // m, when a step with a knife began last
-  mutable bool has_reported_debris_ = false;
+  mutable bool has_reported_debris_ = false, has_reported_heap_ = false;
   mutable std::vector<char> is_gone_, inside_;  // scratch
 };
 
