@@ -56,12 +56,13 @@ const std::vector<SelfContact::Near>& SelfContact::measure(const Points& positio
 
 bool SelfContact::mayTouch(const Points& positions, const Points& velocities, double time) {
   for (const Near& near : measure(positions, list_.usualReach())) {
-    const Pair& pair = *near.pair;
-    double fastest = 0.0;  // largest velocity of one primitive relative to the other
-    for (int v = 0; v < pair.numFirst(); ++v)
-      for (int w = pair.numFirst(); w < 4; ++w)
-        fastest = std::max(fastest, (velocities[pair.vertices[v]] - velocities[pair.vertices[w]]).squaredNorm());
-    if (near.distance - time * std::sqrt(fastest) < kWatched * pair.thickness) return true;
+    const double watched = kWatched * near.pair->thickness;
+    if (near.distance < watched) return true;
+    // The rate of the distance: a common rotation brings no parts nearer.
+    double rate = 0.0;
+    for (int v = 0; v < 4; ++v)
+      rate += near.closest.weight[v] * near.closest.gap.dot(velocities[near.pair->vertices[v]]) / near.distance;
+    if (near.distance + time * rate < watched) return true;
   }
   return false;
 }

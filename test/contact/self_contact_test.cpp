@@ -237,6 +237,26 @@ TEST(SelfContact, LimitsOnlyWhatComesNearer) {
   EXPECT_GT(countCut(Vec3(0.0, 0.0, -0.002), Vec3(1e-9, 0.0, 0.0)), 20u);  // on to each other
 }
 
+TEST(SelfContact, OnlyPartsThatComeNearerMayTouch) {
+  const test::Sheets sheets = test::makeSheets(2, 5, 0.006, 0.0);
+  SelfContact contact = makeContact(sheets, spread(sheets.points, 25));
+  const auto mayTouch = [&](const auto& velocityOf) {
+    Points velocities;
+    for (std::size_t i = 0; i < sheets.points.size(); ++i) velocities.push_back(velocityOf(i));
+    return contact.mayTouch(sheets.points, velocities, 0.01);
+  };
+  const auto moveUpper = [](const Vec3& velocity) {
+    return [velocity](std::size_t i) { return i >= 25 ? velocity : Vec3(0.0, 0.0, 0.0); };
+  };
+  EXPECT_TRUE(mayTouch(moveUpper(Vec3(0.0, 0.0, -1.0))));
+  EXPECT_FALSE(mayTouch(moveUpper(Vec3(0.0, 0.0, -0.1))));  // not within this time
+  EXPECT_FALSE(mayTouch(moveUpper(Vec3(0.0, 0.0, 1.0))));
+  EXPECT_FALSE(mayTouch([](std::size_t) { return Vec3(3.0, -2.0, -5.0); }));                               // together
+  EXPECT_FALSE(mayTouch([&](std::size_t i) { return Vec3(20.0, -30.0, 40.0).cross(sheets.points[i]); }));  // turning
+  EXPECT_TRUE(
+      mayTouch([&](std::size_t i) { return i >= 25 ? Vec3(0.0, 80.0, 0.0).cross(sheets.points[i]) : Vec3(0.0, 0.0, 0.0); }));
+}
+
 TEST(SelfContact, DoesNotDependOnWhatWasAskedBefore) {
   const test::Sheets sheets = test::makeSheets(3, 6, 0.0018, 0.0004);
   const Points rest = spread(sheets.points, 36);

@@ -41,8 +41,8 @@ class SelfContact {
   void keepWhole(const std::vector<char>& is_whole);
   /// See SelfContactParams.
   void setRate(double rate) { params_.rate = rate; }
-  /// Whether two parts can come nearer than their thickness within a time, s, at these velocities. Checks only the pairs in the
-  /// usual list.
+  /// Whether two parts are near each other, or will be within a time, s, if their distance keeps changing at its present rate.
+  /// Checks only the pairs in the usual list.
   bool mayTouch(const Points& positions, const Points& velocities, double time);
 
   /// Adds the springs' forces, N.
