@@ -22,8 +22,11 @@ std::uint64_t hashRow(std::int64_t y, std::int64_t z) {
   return mixed >> 20;
 }
 
+// The remainder is costly, and only needed far out.
 std::int64_t wrap(double quotient) {
-  return static_cast<std::int64_t>(std::fmod(std::floor(quotient), static_cast<double>(kPeriod)));
+  constexpr double kFar = static_cast<double>(kPeriod);
+  const double cell = std::floor(quotient);
+  return static_cast<std::int64_t>(std::abs(cell) < kFar ? cell : std::fmod(cell, kFar));
 }
 
 }  // namespace
