@@ -102,6 +102,24 @@ TEST(RestSurface, TellsWhatSticksTogetherAcrossAGap) {
   EXPECT_FALSE(tells(1.0));
 }
 
+TEST(RestSurface, TellsOfHolesThatItsPointsBridge) {
+  constexpr Index kSide = 40;
+  const auto isTold = [](double radius, Index points) {
+    Points sheet;
+    for (const Vec3& p : makeSheet(kSide, kSide, 1.0, 1.0, 0.3).points)
+      if ((p - Vec3(0.5, 0.0, 0.0)).norm() > radius) sheet.push_back(p);
+    SceneParams params;
+    params.simplification.target_points = points;
+    const RestSurface s = simulation::buildRestSurface(params, asCloud(sheet));
+    return std::any_of(s.notes.begin(), s.notes.end(),
+                       [](const std::string& note) { return note.find("rims of holes") != std::string::npos; });
+  };
+  EXPECT_TRUE(isTold(0.12, 60));
+  EXPECT_FALSE(isTold(0.12, 600));
+  EXPECT_FALSE(isTold(0.35, 100));
+  for (const Index points : {40, 100, 300}) EXPECT_FALSE(isTold(0.0, points)) << points;
+}
+
 TEST(RestSurface, TellsThatPointsLieInRows) {
   const auto warns = [](double apart) {
     const Points points = makeSheet(40, 30, 39.0, 29.0 * apart, 0.1).points;

@@ -25,6 +25,7 @@ namespace {
 constexpr Index kCountTolerance = 100, kMaxRefills = 3;  // of the wanted number: one in kCountTolerance may be missing
 constexpr Index kOneByOneOfHalf = 6000;                  // points of half a frame: a third of its time with three times as many
 constexpr int kMaxPrunings = 5;        // passes that drop points which belong to no surface; each can uncover a few more
+constexpr Index kFewOfRim = 6;         // points at the rim of no hole, by chance
 constexpr double kBandOfOneRow = 0.5;  // spacings of the points up to which a pinned band is of one row
 
 // Fewer points can form more parts than the cloud has. Only the largest of these parts, and held ones, are wanted.
@@ -122,6 +123,27 @@ void buildModel(const SceneParams& params, const RestSurface& full, RestSurface&
   if (!full.dense.positions.empty()) findHingedPins(params, full.dense.positions, surface, s);
 }
 
+// Rims of holes and slits that have no simulation point at a boundary near them: fewer points bridge the gap, and so do the
+// copies of the error estimate.
+void noteBridgedGaps(const SceneParams& params, RestSurface& s) {
+  const Index n = static_cast<Index>(s.dense.positions.size());
+  if (static_cast<Index>(s.points.size()) >= n || s.dense_neighbors.size() != n) return;
+  const cloud::Boundary boundary = cloud::findBoundary(s.dense.positions, s.dense.normals, s.dense_neighbors, params.neighbors.k);
+  const cloud::KdTree tree(s.points);
+  std::vector<cloud::Neighbor> nearest;
+  Index bridged = 0;
+  for (Index i = 0; i < n; ++i) {
+    if (!boundary.is_boundary[i]) continue;
+    tree.nearest(s.dense.positions[i], 3, nearest);
+    bridged += std::none_of(nearest.begin(), nearest.end(), [&](const auto& p) { return s.rings.open[p.index] != 0; });
+  }
+  if (bridged < kFewOfRim) return;
+  s.notes.push_back(count(bridged, "points of the cloud lie at the rims of holes or slits that the simulation points, ") +
+                    formatShort(std::sqrt(s.area / static_cast<double>(s.points.size()))) +
+                    " m apart, bridge: the surface is too stiff there, which the error estimate does not show; more simulation "
+                    "points resolve them");
+}
+
 // Coarser copies may lose a region; their error then shows it.
 void requireRegions(const SceneParams& params, const RestSurface& s) {
   for (std::size_t r = 0; r < params.regions.size(); ++r)
@@ -206,6 +228,7 @@ RestSurface finishMassSpringRest(const SceneParams& params, RestSurface s, const
   }
   buildModel(params, s, s);
   requireRegions(params, s);
+  noteBridgedGaps(params, s);
   noteFollowing(s);
   return s;
 }
