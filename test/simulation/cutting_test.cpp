@@ -1,4 +1,5 @@
 // Knives and tears in a mass-spring surface: what separates, what stays, and that each point follows its own side.
+#include "../../src/simulation/state_hash.h"
 #include "clouds.h"
 #include "deformable_surface/base/error.h"
 #include "deformable_surface/base/parallel.h"
@@ -86,6 +87,7 @@ TEST(Cutting, TakesNoMassAndLeavesASheetAtRestAtRest) {
   const double mass = sum(s.model().masses());
   run(s, 30);
   EXPECT_EQ(sum(s.model().masses()), mass);
+  EXPECT_NE(s.stateHash(), simulation::hashState(s.state()));  // of the cut
   for (std::size_t i = 0; i < rest.size(); ++i) EXPECT_LT((s.state().positions[i] - rest[i]).norm(), 1e-12);
   EXPECT_LT(s.statistics().elastic_energy, 1e-20);
 }

@@ -1,6 +1,7 @@
 // Knives in a sheet of oriented particles: what comes apart is what the way of the blade separates, in place, for good, until it
 // is welded. The pieces, boundary loops and the Euler characteristic are counted here without the model's lists: over pairs and
 // triangles of the sheet before the cut that do not cross the drawn way of the blade.
+#include "../../src/simulation/state_hash.h"
 #include "clouds.h"
 #include "deformable_surface/base/parallel.h"
 #include "deformable_surface/io/shapes.h"
@@ -494,6 +495,7 @@ TEST(ParticleCutting, ACutIsInTheHashAndComesBackWithASnapshot) {
   run(s, 40);
   ASSERT_FALSE(particlesOf(s).cuts().isEmpty());
   EXPECT_EQ(s.statistics().state_hash, s.stateHash());
+  EXPECT_NE(simulation::hashState(s.state()), s.stateHash());
   const std::uint64_t hash = s.stateHash();
   const simulation::Snapshot after = s.snapshot();
   s.restore(before);

@@ -1,5 +1,6 @@
 #include "cutting.h"
 
+#include "deformable_surface/base/hash.h"
 #include "deformable_surface/base/parallel.h"
 
 #include <algorithm>
@@ -34,6 +35,13 @@ void Cutting::setCuts(const std::vector<Link>& cuts) {
 void Cutting::setMemory(const std::shared_ptr<const Memory>& saved) {
   cuts_ = std::static_pointer_cast<const Cuts>(saved);
   model_.setCuts(cuts_ ? cuts_->links : std::vector<Link>());
+}
+
+std::uint64_t Cutting::addToHash(std::uint64_t hash) const {
+  if (!cuts_) return hash;
+  for (const auto& [a, b] : cuts_->links)
+    hash = mixHash(mixHash(hash, static_cast<std::uint64_t>(a)), static_cast<std::uint64_t>(b));
+  return hash;
 }
 
 void Cutting::beginStep(double time, const std::vector<tool::ToolParams>& tools, const Points& positions) {

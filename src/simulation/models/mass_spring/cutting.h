@@ -21,6 +21,7 @@ class Cutting : public Evolution {
   bool isPushedBy(const tool::ToolParams& tool) const override { return tool.mode != tool::Mode::kCut; }
   std::shared_ptr<const Memory> memory() const override { return cuts_; }
   void setMemory(const std::shared_ptr<const Memory>& saved) override;
+  std::uint64_t addToHash(std::uint64_t hash) const override;
 
  private:
   using Link = model::MassSpring::Link;
